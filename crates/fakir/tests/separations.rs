@@ -139,6 +139,29 @@ fn rough_surfaces_that_repeat() {
 }
 
 #[test]
+fn half_contact_to_a_bound_near_rounding() {
+    // Energies differ by less than the rounding of their values long before. Ten products for every decade of the bound are plenty.
+    let grid = grid(96).unwrap();
+    let values = below_the_top(&rough(&grid, 7));
+    let separation = Separation {
+        grid,
+        values: &values,
+        boundary: Boundary::Periodic,
+        compliance: 1.0,
+    };
+    let settings = Settings {
+        tolerance: 1e-12,
+        product_limit: 120,
+    };
+    let found = separation.press(Prescribed::Force(5.0), &settings, &Run::default());
+    let ActiveContact { contact, .. } = found.unwrap();
+    let loaded = contact.pressure.iter().filter(|p| **p > 0.0).count();
+    assert!(2 * loaded > grid.cell_count());
+    assert_eq!(contact.termination, Termination::Converged);
+    assert!(contact.certificate.energy_bound <= settings.tolerance);
+}
+
+#[test]
 fn a_sphere_on_a_rough_surface_in_a_small_part_of_the_grid() {
     let grid = grid(128).unwrap();
     let mut values = sphere(&grid, [0.1, -0.05], 0.5);

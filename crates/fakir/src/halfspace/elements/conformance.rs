@@ -1,7 +1,8 @@
 //! What every operator has to do, over sizes and patterns that have caught mistakes.
 
+use crate::halfspace::elements::half_space::HalfSpace;
 use crate::halfspace::elements::*;
-use crate::problem::{Cells, Grid};
+use crate::problem::{Boundary, Cells, Grid};
 use rayon::ThreadPool;
 use std::f64::consts::PI;
 
@@ -252,6 +253,29 @@ fn preconditioned_conforms_and_is_preconditioned_symmetrically() {
         let sizes = (dot(&p, &mp) * dot(&q, &mq)).sqrt();
         assert!((dot(&p, &mq) - dot(&q, &mp)).abs() <= 1e-12 * sizes);
         assert!(cells.is_empty() || dot(&p, &mp) > 0.0);
+    }
+}
+
+#[test]
+fn steps_are_good_to_single_precision() {
+    let grid = grid(31, 40);
+    let few = Cells::where_true(&grid, |cell| cell % 31 < 6);
+    let labels = |cells: &Cells| vec![0; cells.len()];
+    for boundary in [Boundary::FreeSpace, Boundary::Periodic] {
+        for cells in [Cells::all(&grid), discs(&grid), few.clone()] {
+            let exact = HalfSpace::new(boundary, cells.clone(), COMPLIANCE, &[], None);
+            let half_space = exact.on_cells(cells.clone()).unwrap();
+            let rough = half_space.preconditioned(cells.clone(), None);
+            let mut exact = Columns::new(exact, labels(&cells), vec![1e-7]);
+            let mut rough = Columns::new(rough, labels(&cells), vec![1e-7]);
+            let step = numbers(cells.len(), 1.1);
+            let expected = apply(&mut exact, &step);
+            let mut displacement = vec![0.0; cells.len()];
+            rough.apply_to_step(&step, &mut displacement);
+            assert_close(&displacement, &expected, 1e-6, "steps");
+            // Pressures keep double precision.
+            assert_close(&apply(&mut rough, &step), &expected, 0.0, "pressures");
+        }
     }
 }
 

@@ -296,25 +296,31 @@ impl<'p, T: Transform> Convolution<'p, T> {
     }
 
     pub(crate) fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+        let transform = Arc::clone(&self.transform);
+        self.apply_by(&*transform, pressure, displacement);
+    }
+
+    /// By another transform of the same shape.
+    pub(super) fn apply_by(&mut self, transform: &T, pressure: &[f64], displacement: &mut [f64]) {
         check_lengths(&self.cells, pressure, displacement);
         let blocks = self.rows.len().div_ceil(ROW_BLOCK);
         match self.pool {
             Some(pool) => pool.install(|| {
                 (0..blocks)
                     .into_par_iter()
-                    .for_each(|block| self.row_block_forward(block, pressure));
-                self.columns_in_parallel();
-                self.rows_back(0..self.rows.len(), displacement);
+                    .for_each(|block| self.row_block_forward(transform, block, pressure));
+                self.columns_in_parallel(transform);
+                self.rows_back(transform, 0..self.rows.len(), displacement);
             }),
             None => {
                 for block in 0..blocks {
-                    self.row_block_forward(block, pressure);
+                    self.row_block_forward(transform, block, pressure);
                 }
-                self.columns();
+                self.columns(transform);
                 for block in 0..blocks {
                     let rows = self.row_block(block);
                     let unknowns = self.unknowns(&rows);
-                    self.row_block_back(rows, &mut displacement[unknowns]);
+                    self.row_block_back(transform, rows, &mut displacement[unknowns]);
                 }
             }
         }
@@ -348,9 +354,9 @@ impl<'p, T: Transform> Convolution<'p, T> {
         start(rows.start)..start(rows.end)
     }
 
-    fn row_block_forward(&self, block: usize, pressure: &[f64]) {
+    fn row_block_forward(&self, transform: &T, block: usize, pressure: &[f64]) {
         let rows = self.row_block(block);
-        let columns = self.transform.column_count();
+        let columns = transform.column_count();
         let stride = line_stride(columns);
         let work = &mut *self.workspace();
         for (row, line) in rows.clone().zip(work.lines.chunks_exact_mut(stride)) {
@@ -363,8 +369,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
                     *own = T::Real::of(*pressure);
                 }
             }
-            self.transform
-                .row_forward(&mut work.row, &mut line[..columns], &mut work.scratch);
+            transform.row_forward(&mut work.row, &mut line[..columns], &mut work.scratch);
         }
         for (index, block) in self.spectrum.iter().enumerate() {
             let first = index * BLOCK_WIDTH;
@@ -380,8 +385,8 @@ impl<'p, T: Transform> Convolution<'p, T> {
         }
     }
 
-    fn columns(&mut self) {
-        let columns = self.transform.column_count();
+    fn columns(&mut self, transform: &T) {
+        let columns = transform.column_count();
         let work = self.workspaces[0]
             .get_mut()
             .unwrap_or_else(PoisonError::into_inner);
@@ -393,12 +398,12 @@ impl<'p, T: Transform> Convolution<'p, T> {
                 rows: &self.rows,
                 values: values.get_mut().unwrap_or_else(PoisonError::into_inner),
             };
-            self.transform.convolve(&mut block, work);
+            transform.convolve(&mut block, work);
         }
     }
 
-    fn columns_in_parallel(&self) {
-        let columns = self.transform.column_count();
+    fn columns_in_parallel(&self, transform: &T) {
+        let columns = transform.column_count();
         self.spectrum
             .par_iter()
             .enumerate()
@@ -410,27 +415,27 @@ impl<'p, T: Transform> Convolution<'p, T> {
                     rows: &self.rows,
                     values: &mut values.write().unwrap_or_else(PoisonError::into_inner),
                 };
-                self.transform.convolve(&mut block, &mut self.workspace());
+                transform.convolve(&mut block, &mut self.workspace());
             });
     }
 
     /// Transforms some of the rows held back, halves of them in parallel.
-    fn rows_back(&self, rows: Range<usize>, displacement: &mut [f64]) {
+    fn rows_back(&self, transform: &T, rows: Range<usize>, displacement: &mut [f64]) {
         if rows.len() <= ROW_BLOCK {
-            self.row_block_back(rows, displacement);
+            self.row_block_back(transform, rows, displacement);
             return;
         }
         let middle = rows.start + (rows.len() / 2).next_multiple_of(ROW_BLOCK);
         let (low, high) = (rows.start..middle, middle..rows.end);
         let (low_part, high_part) = displacement.split_at_mut(self.unknowns(&low).len());
         rayon::join(
-            || self.rows_back(low, low_part),
-            || self.rows_back(high, high_part),
+            || self.rows_back(transform, low, low_part),
+            || self.rows_back(transform, high, high_part),
         );
     }
 
-    fn row_block_back(&self, rows: Range<usize>, displacement: &mut [f64]) {
-        let columns = self.transform.column_count();
+    fn row_block_back(&self, transform: &T, rows: Range<usize>, displacement: &mut [f64]) {
+        let columns = transform.column_count();
         let stride = line_stride(columns);
         let work = &mut *self.workspace();
         for (index, block) in self.spectrum.iter().enumerate() {
@@ -447,8 +452,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         }
         let offset = self.unknowns(&rows).start;
         for (row, line) in rows.zip(work.lines.chunks_exact_mut(stride)) {
-            self.transform
-                .row_back(&mut line[..columns], &mut work.row, &mut work.scratch);
+            transform.row_back(&mut line[..columns], &mut work.row, &mut work.scratch);
             for segment in self.segments(row) {
                 let column = segment.column - self.first_column;
                 let start = segment.start - offset;

@@ -3,7 +3,7 @@
 use super::convolution::Bounds;
 use super::free_space::FreeSpaceConvolution;
 use super::operator::Operator;
-use super::periodic::PeriodicConvolution;
+use super::periodic::{PeriodicConvolution, Preconditioned};
 use crate::problem::layer::WeightedLayer;
 use crate::problem::{Boundary, Cells};
 use rayon::ThreadPool;
@@ -31,6 +31,19 @@ impl<'p> HalfSpace<'p> {
                 cells, compliance, layers, pool,
             )),
         }
+    }
+
+    /// Preconditioned in single precision, in which also steps are where the cells are much of a period.
+    pub(crate) fn preconditioned(
+        self,
+        cells: Cells,
+        pool: Option<&'p ThreadPool>,
+    ) -> Preconditioned<'p, Self, f32> {
+        let rough = match &self {
+            Self::Free(_) => None,
+            Self::Periodic(operator) => operator.in_single_precision(),
+        };
+        Preconditioned::in_single_precision(self, cells, rough, pool)
     }
 
     /// On other cells of the same grid, sharing the kernel, if they reach no further.

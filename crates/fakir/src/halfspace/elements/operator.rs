@@ -17,6 +17,14 @@ pub trait Operator {
     /// If a length is not [`len`](Self::len).
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]);
 
+    /// The same of a step that pressures take, if there is a quicker way: good to about single precision, relative to the largest displacement.
+    ///
+    /// # Panics
+    /// If a length is not [`len`](Self::len).
+    fn apply_to_step(&mut self, step: &[f64], displacement: &mut [f64]) {
+        self.apply(step, displacement);
+    }
+
     /// An approximate solution of `W direction = residual`, symmetric and positive; by default
     /// the residual itself.
     ///
@@ -39,6 +47,10 @@ impl<O: Operator + ?Sized> Operator for Box<O> {
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         (**self).apply(pressure, displacement);
+    }
+
+    fn apply_to_step(&mut self, step: &[f64], displacement: &mut [f64]) {
+        (**self).apply_to_step(step, displacement);
     }
 
     fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
@@ -160,7 +172,12 @@ impl<O: Operator> Columns<O> {
         assert_eq!(pillars.len(), operator.len(), "one label for every cell");
         Self {
             operator,
-            pillars,
+            // Where none sinks, nothing is asked about them.
+            pillars: if influence.is_empty() {
+                Vec::new()
+            } else {
+                pillars
+            },
             sums: vec![0.0; influence.len()],
             influence,
         }
@@ -174,6 +191,22 @@ impl<O: Operator> Operator for Columns<O> {
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         self.operator.apply(pressure, displacement);
+        self.sink(pressure, displacement);
+    }
+
+    fn apply_to_step(&mut self, step: &[f64], displacement: &mut [f64]) {
+        self.operator.apply_to_step(step, displacement);
+        self.sink(step, displacement);
+    }
+
+    fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
+        self.operator.precondition(residual, direction);
+    }
+}
+
+impl<O> Columns<O> {
+    /// Adds what the columns sink.
+    fn sink(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         self.sums.fill(0.0);
         // Cells on no pillar have no sum, as their label is beyond the last.
         for (pillar, pressure) in self.pillars.iter().zip(pressure) {
@@ -189,9 +222,5 @@ impl<O: Operator> Operator for Columns<O> {
                 *displacement += sum;
             }
         }
-    }
-
-    fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
-        self.operator.precondition(residual, direction);
     }
 }

@@ -75,6 +75,14 @@ impl<'p> PeriodicConvolution<'p> {
         }
     }
 
+    /// The same in single precision, where the cells reach over more than half of the period.
+    pub(super) fn in_single_precision(&self) -> Option<Periodic<f32>> {
+        let cells = self.cells();
+        let [columns, rows] = Bounds::of(cells).shape;
+        let wide = 2 * columns * rows > cells.grid().cell_count();
+        wide.then(|| self.convolution.transform().in_single_precision())
+    }
+
     /// About how many bytes the operator on `cells` takes, without the cells themselves; shared
     /// between `threads` threads.
     #[must_use]
@@ -116,6 +124,8 @@ impl Operator for PeriodicConvolution<'_> {
 pub struct Preconditioned<'p, O, R: Real = f64> {
     operator: O,
     inverse: PeriodicInverse<'p, R>,
+    /// The operator itself, roughly, of the shape of the inverse.
+    rough: Option<Periodic<R>>,
 }
 
 /// The inverse of the periodic half-space, up to a factor, on the smallest grid that holds some cells: the wave number.
@@ -161,6 +171,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
         Self {
             operator,
             inverse: PeriodicInverse::new(cells, pool),
+            rough: None,
         }
     }
 
@@ -177,15 +188,29 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
 impl<'p, O: Operator> Preconditioned<'p, O, f32> {
     /// With a preconditioner in single precision, which takes half of the memory and about half of the time. The solution is as exact, since
     /// residuals are those of the operator.
-    pub(crate) fn in_single_precision(
+    ///
+    /// If there is the operator in single precision too, [steps](Operator::apply_to_step) are by that, and share the transforms and the
+    /// memory of the preconditioner.
+    pub(super) fn in_single_precision(
         operator: O,
         cells: Cells,
+        rough: Option<Periodic<f32>>,
         pool: Option<&'p ThreadPool>,
     ) -> Self {
         assert_eq!(operator.len(), cells.len(), "the cells of the operator");
+        let inverse = match &rough {
+            Some(rough) => {
+                let inverse = rough.with_kernel(cells.grid().cell(), |[x, y]| x.hypot(y));
+                PeriodicInverse {
+                    convolution: Convolution::new(cells, [0, 0], Arc::new(inverse), pool),
+                }
+            }
+            None => PeriodicInverse::new(cells, pool),
+        };
         Self {
             operator,
-            inverse: PeriodicInverse::new(cells, pool),
+            inverse,
+            rough,
         }
     }
 }
@@ -197,6 +222,13 @@ impl<O: Operator, R: Real> Operator for Preconditioned<'_, O, R> {
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         self.operator.apply(pressure, displacement);
+    }
+
+    fn apply_to_step(&mut self, step: &[f64], displacement: &mut [f64]) {
+        match &self.rough {
+            Some(rough) => self.inverse.convolution.apply_by(rough, step, displacement),
+            None => self.operator.apply_to_step(step, displacement),
+        }
     }
 
     fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
@@ -228,7 +260,7 @@ fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
 }
 
 /// Transforms and kernel of the periodic half-space.
-struct Periodic<R = f64> {
+pub(super) struct Periodic<R = f64> {
     shape: [usize; 2],
     plans: RealPlans<R>,
     /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;
@@ -237,32 +269,61 @@ struct Periodic<R = f64> {
 }
 
 impl<R: Real> Periodic<R> {
-    /// The kernel is a function of the wave vector; of half the smallest there is, for the mean.
-    fn new([columns, rows]: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
-        let [width, height] = cell;
-        let wave = |index: usize, period: f64| 2.0 * PI * index as f64 / period;
-        let longest = (width * columns as f64).max(height * rows as f64);
-        let smallest = PI / longest;
-        let scale = 1.0 / (columns * rows) as f64;
-        let kernel: Vec<R> = (0..=columns / 2)
-            .flat_map(|column| (0..=rows / 2).map(move |row| (column, row)))
-            .map(|(column, row)| {
-                let x = wave(column, width * columns as f64);
-                let y = wave(row, height * rows as f64);
-                let wave = if (column, row) == (0, 0) {
-                    [smallest, 0.0]
-                } else {
-                    [x, y]
-                };
-                R::of(scale * of_wave(wave))
-            })
-            .collect();
+    /// With a [`kernel`] of the wave vector.
+    fn new(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         Self {
-            shape: [columns, rows],
-            plans: RealPlans::new(rows, columns),
-            kernel,
+            shape,
+            plans: RealPlans::new(shape[1], shape[0]),
+            kernel: kernel(shape, cell, of_wave),
         }
     }
+
+    /// The same transforms with another kernel.
+    fn with_kernel(&self, cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
+        Self {
+            shape: self.shape,
+            plans: self.plans.clone(),
+            kernel: kernel(self.shape, cell, of_wave),
+        }
+    }
+
+    fn in_single_precision(&self) -> Periodic<f32> {
+        let [columns, rows] = self.shape;
+        Periodic {
+            shape: self.shape,
+            plans: RealPlans::new(rows, columns),
+            kernel: self
+                .kernel
+                .iter()
+                .map(|value| f32::of(value.double()))
+                .collect(),
+        }
+    }
+}
+
+/// A function of the wave vector, of half the smallest there is for the mean; with the normalisation of the transforms.
+fn kernel<R: Real>(
+    [columns, rows]: [usize; 2],
+    [width, height]: [f64; 2],
+    of_wave: impl Fn([f64; 2]) -> f64,
+) -> Vec<R> {
+    let wave = |index: usize, period: f64| 2.0 * PI * index as f64 / period;
+    let longest = (width * columns as f64).max(height * rows as f64);
+    let smallest = PI / longest;
+    let scale = 1.0 / (columns * rows) as f64;
+    (0..=columns / 2)
+        .flat_map(|column| (0..=rows / 2).map(move |row| (column, row)))
+        .map(|(column, row)| {
+            let x = wave(column, width * columns as f64);
+            let y = wave(row, height * rows as f64);
+            let wave = if (column, row) == (0, 0) {
+                [smallest, 0.0]
+            } else {
+                [x, y]
+            };
+            R::of(scale * of_wave(wave))
+        })
+        .collect()
 }
 
 impl<R: Real> Transform for Periodic<R> {

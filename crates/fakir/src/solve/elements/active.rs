@@ -150,7 +150,7 @@ impl<'a> ActiveCells<'a> {
                 },
                 product_limit: settings.product_limit.saturating_sub(products),
             };
-            let mut contact = self.solve_on(surface, &cells, &values, load, &inner)?;
+            let mut contact = self.solve_on(surface, &cells, values, load, &inner)?;
             products += contact.products;
             contact.products = products;
             if cells.len() == allowed.len() || contact.termination == Termination::Interrupted {
@@ -198,25 +198,25 @@ impl<'a> ActiveCells<'a> {
         &mut self,
         surface: &Surface<'_, 'a>,
         cells: &Cells,
-        start: &[f64],
+        start: Vec<f64>,
         load: Prescribed,
         settings: &Settings,
     ) -> Result<ElementContact, SolveError> {
         (surface.check_memory)(cells.len(), surface.solution_memory(cells))?;
         surface.check_cancelled()?;
         let half_space = self.half_space(surface, cells);
-        let operator = Preconditioned::in_single_precision(half_space, cells.clone(), surface.pool);
+        let operator = half_space.preconditioned(cells.clone(), surface.pool);
         let mut operator = surface.on_columns(operator, cells);
         let separation: Vec<f64> = cells
             .indices()
             .map(|cell| surface.separation[cell])
             .collect();
-        Ok(solver::solve(
+        Ok(solver::solve_from(
             &mut operator,
             &separation,
             surface.grid.cell_area(),
             load,
-            Some(start),
+            start,
             settings,
             surface.cancel,
         ))

@@ -24,8 +24,12 @@
 //!
 //! Conjugate gradients on the elements that bear pressure or interpenetrate, projected onto
 //! `p >= 0` (I. A. Polonsky and L. M. Keer, Wear 231, 206 (1999)), preconditioned by the
-//! operator's own approximate inverse. Under a force, residuals and directions lose their mean
-//! over these elements, so that pressures keep their sum. Steps that fail to lower the energy, as
+//! operator's own approximate inverse. Directions stay conjugate, after E. Polak and G. Ribiere, as
+//! elements come and go: a restart for every element that joins makes steepest descents of nearly
+//! all steps where much is in contact. Under a force, residuals and directions lose their mean
+//! over these elements, so that pressures keep their sum. What a step does to the displacement may
+//! be known to [single precision](Operator::apply_to_step) only: before it is certified, the
+//! displacement is computed anew from the pressures. Steps that fail to lower the energy, as
 //! projection can make them, are replaced by projected gradient steps, halved until they do.
 
 use crate::halfspace::elements::Operator;
@@ -141,9 +145,31 @@ pub fn solve<O: Operator + ?Sized>(
     settings: &Settings,
     cancel: &CancelToken,
 ) -> ElementContact {
+    let start = start.map_or_else(|| vec![0.0; separation.len()], <[f64]>::to_vec);
+    solve_from(operator, separation, area, load, start, settings, cancel)
+}
+
+/// [Solves](solve) from pressures that become those of the contact.
+pub(super) fn solve_from<O: Operator + ?Sized>(
+    operator: &mut O,
+    separation: &[f64],
+    area: f64,
+    load: Prescribed,
+    start: Vec<f64>,
+    settings: &Settings,
+    cancel: &CancelToken,
+) -> ElementContact {
     assert_eq!(separation.len(), operator.len());
     let mut iteration = Iteration::new(operator, separation, area, load, start);
     let termination = iteration.run(settings, cancel);
+    if matches!(
+        termination,
+        Termination::IterationLimit | Termination::Stagnated
+    ) {
+        // Steps in single precision may have left errors in the displacement, which the certificate is to know.
+        iteration.refresh_displacement();
+        iteration.assess();
+    }
     iteration.finish(termination)
 }
 
@@ -180,10 +206,9 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         separation: &'a [f64],
         area: f64,
         load: Prescribed,
-        start: Option<&[f64]>,
+        mut pressure: Vec<f64>,
     ) -> Self {
         let count = separation.len();
-        let mut pressure = start.map_or_else(|| vec![0.0; count], <[f64]>::to_vec);
         assert_eq!(pressure.len(), count);
         for value in &mut pressure {
             *value = larger(*value, 0.0);
@@ -277,8 +302,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             if self.products > best_at + PATIENCE {
                 return Termination::Stagnated;
             }
-            let grown = self.find_free();
-            let slope = self.find_direction(restart || grown);
+            self.find_free();
+            let slope = self.find_direction(restart);
             match self.advance(slope) {
                 Step::Plain => (fresh, restart) = (false, false),
                 Step::Projected => (fresh, restart) = (true, false),
@@ -342,15 +367,13 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         };
     }
 
-    /// Finds the elements that bear pressure or interpenetrate; says whether there are new ones.
-    fn find_free(&mut self) -> bool {
-        let mut grown = false;
+    /// Finds the elements that bear pressure or interpenetrate.
+    fn find_free(&mut self) {
         let mut sum = 0.0;
         self.free_count = 0;
         for element in 0..self.pressure.len() {
             let gap = self.gap(element);
             let free = self.pressure[element] > 0.0 || gap < 0.0;
-            grown |= free && !self.free[element];
             self.free[element] = free;
             if free {
                 self.free_count += 1;
@@ -358,7 +381,6 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             }
         }
         self.mean_gap = self.mean_of_free(sum);
-        grown
     }
 
     /// Under a prescribed force, which directions must leave alone, the mean over the free
@@ -420,24 +442,20 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         slope
     }
 
-    /// Energy over the area of an element, at the prescribed indentation or force.
-    fn energy(&self) -> f64 {
-        let indentation = match self.load {
-            Prescribed::Indentation(indentation) => indentation,
-            Prescribed::Force(_) => 0.0,
-        };
-        self.pressure
-            .iter()
-            .zip(&self.displacement)
-            .zip(self.separation)
-            .map(|((p, u), s)| p * (0.5 * u + s - indentation))
+    /// The slope of the energy over the area of an element, from the pressures kept to those that are.
+    fn slope_from_kept(&self) -> f64 {
+        let pressures = self.pressure.iter().zip(&self.response);
+        pressures
+            .enumerate()
+            .map(|(element, (pressure, kept))| (pressure - kept) * self.gap(element))
             .sum()
     }
 
     /// Goes to the minimum along the direction, on which the energy falls with the given slope,
     /// projected onto pressures that are not negative.
     fn advance(&mut self, slope: f64) -> Step {
-        self.operator.apply(&self.direction, &mut self.response);
+        self.operator
+            .apply_to_step(&self.direction, &mut self.response);
         self.products += 1;
         let stiffness = dot(&self.direction, &self.response);
         if stiffness.is_nan() || stiffness <= 0.0 {
@@ -454,22 +472,19 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             add_scaled(&mut self.displacement, length, &self.response);
             return Step::Plain;
         }
-        let energy = self.energy();
         self.response.copy_from_slice(&self.pressure);
-        self.project(length);
-        if self.energy() < energy {
+        if self.project(length) {
             return Step::Projected;
         }
         self.go_back();
         let mut length = self.turn_to_gradient();
         for _ in 0..HALVINGS {
-            self.project(length);
-            if self.energy() < energy {
+            if self.project(length) {
                 return Step::Gradient;
             }
+            self.go_back();
             length *= 0.5;
         }
-        self.go_back();
         Step::Failed
     }
 
@@ -485,13 +500,15 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         for element in 0..self.pressure.len() {
             self.direction[element] = self.residual(element);
         }
-        self.operator.apply(&self.direction, &mut self.search);
+        self.operator
+            .apply_to_step(&self.direction, &mut self.search);
         self.products += 1;
         dot(&self.direction, &self.direction) / dot(&self.direction, &self.search)
     }
 
-    /// Sets the pressures to the positive part of those kept plus a step along the direction.
-    fn project(&mut self, length: f64) {
+    /// From the pressures kept, sets them to the positive part of a step along the direction; says
+    /// whether that lowers the energy.
+    fn project(&mut self, length: f64) -> bool {
         for ((pressure, kept), t) in self
             .pressure
             .iter_mut()
@@ -501,7 +518,11 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             *pressure = larger(kept + length * t, 0.0);
         }
         self.carry_the_force();
+        let before = self.slope_from_kept();
         self.refresh_displacement();
+        // The energy is quadratic: it changes by the mean of its slopes at both ends. Near the
+        // solution its own values differ by less than their rounding.
+        before + self.slope_from_kept() < 0.0
     }
 
     fn finish(mut self, termination: Termination) -> ElementContact {
