@@ -110,7 +110,7 @@ mod tests {
             turn_area: 0.0,
             jump_force: 0.0,
             jump_area: 0.0,
-            lost_indentation: 0.1 + 0.4,
+            lost_indentation: 0.1 + 0.2,
             pull_off_force: 0.0,
             loop_area: 2.0,
         };
