@@ -18,12 +18,14 @@ use crate::halfspace::floor::load::FloorLoad;
 use crate::problem::Point;
 use crate::state::SolveError;
 
-/// Cells between the contact with the floor and the end of the window at the least, and by how much that becomes wider, in distances of pillars.
+/// Cells between the contact with the floor and the end of the window at the least, and by how much that becomes wider, in distances of pillars: also on
+/// unloading, when the contact becomes smaller.
 const WINDOW_CELLS: f64 = 5.0;
 const WIDER: f64 = 1.5;
+const WIDER_UNLOADING: f64 = 0.1;
 
 /// On unloading windows become narrower where less than this part of the radius is needed.
-const NARROWER: f64 = 0.75;
+const NARROWER: f64 = 0.9;
 
 /// Pillars so much farther from the lens axis than those in contact are coupled with the floor, in distances of pillars.
 const REACH_MARGIN: f64 = 1.0;
@@ -173,7 +175,8 @@ impl<'a> Path<'a> {
         };
         let grid = &floor.cells.grid;
         let needed = floor.radius() + WINDOW_CELLS * grid.division.longest();
-        let fitting = needed + WIDER * self.scene.field.spacing();
+        let wider = if unloading { WIDER_UNLOADING } else { WIDER };
+        let fitting = needed + wider * self.scene.field.spacing();
         let narrower = unloading && fitting < NARROWER * grid.radius;
         let radius = if needed > grid.radius || narrower {
             fitting

@@ -20,7 +20,7 @@
 use super::coarse::Coarse;
 use super::grid::{Division, FloorGrid};
 use super::kernels::{PillarMeans, Rectangles};
-use super::meeting::{halves, multiply_add, put, take, turn, unfold};
+use super::meeting::{Meeting, halves, put, take, turn, unfold};
 use super::table::PillarTable;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
@@ -184,8 +184,9 @@ struct Together<R> {
     shape: [usize; 2],
     coarse: [usize; 2],
     plans: RealPlans<R>,
-    /// Whether the kernels of the coupled modes are imaginary.
+    /// Whether the kernels of the coupled modes are imaginary, and the modes where they are not and where they are.
     odd: Vec<bool>,
+    alike: [Vec<usize>; 2],
     /// Sign of the kernel of each in the rows of the other half, which mirror those of the first.
     mirrored: Vec<R>,
     /// For every column, every kernel, that of the floor first: its rows, [`kernel_rows`] of them. With the normalisation of all transforms.
@@ -390,6 +391,10 @@ impl Together<f64> {
             coarse,
             plans: RealPlans::new(rows, columns),
             odd: modes.iter().map(is_imaginary).collect(),
+            alike: [false, true].map(|odd| {
+                let alike = |mode: &usize| is_imaginary(&modes[*mode]) == odd;
+                (0..modes.len()).filter(alike).collect()
+            }),
             mirrored: modes
                 .iter()
                 .map(|mode| if parities(mode)[1] { 1.0 } else { -1.0 })
@@ -421,6 +426,7 @@ impl Together<f64> {
             coarse: self.coarse,
             plans: RealPlans::new(rows, columns),
             odd: self.odd.clone(),
+            alike: self.alike.clone(),
             mirrored: real(&self.mirrored),
             kernel: real(&self.kernel),
             phases: self.phases.each_ref().map(complex),
@@ -625,7 +631,6 @@ impl<R: Real> Transform for Together<R> {
         let mut folded = self.folded[block.first / BLOCK_WIDTH]
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        folded.fill(R::default());
         let modes = self.odd.len();
         let kernels = (1 + modes) * kernel_rows(rows);
         let kernels = self.kernel[block.first * kernels..].chunks_exact(kernels);
@@ -699,25 +704,21 @@ impl<R: Real> Together<R> {
         sums.fill(R::default());
         let (even, uneven) = sums.split_at_mut(2 * rows);
         let (of_floor, of_modes) = kernel.split_at(kernel_rows(rows));
-        let modes = tops
-            .chunks_exact(2 * coarse)
-            .zip(folded.chunks_exact_mut(2 * coarse));
-        let kernels = of_modes.chunks_exact(kernel_rows(rows));
-        for (mode, (kernel, (tops, folded))) in kernels.zip(modes).enumerate() {
-            unfold(kernel, self.mirrored[mode], whole);
-            let sums = halves(if self.odd[mode] { uneven } else { even });
-            let (tops, folded) = (tops.split_at(coarse), halves(folded));
+        let meeting = Meeting {
+            rows,
+            coarse,
+            kernels: of_modes,
+            mirrored: &self.mirrored,
+            tops,
+            floor: [real, imaginary],
+        };
+        for (modes, sums) in self.alike.iter().zip([&mut *even, &mut *uneven]) {
+            let sums = halves(sums);
             // Lanes as wide as the registers for single precision, if the rows come in such numbers.
             if coarse.is_multiple_of(2 * LANES) {
-                multiply_add::<R, { 2 * LANES }>(
-                    whole,
-                    [real, imaginary],
-                    tops.into(),
-                    sums,
-                    folded,
-                );
+                meet_modes::<R, { 2 * LANES }>(&meeting, modes, sums, folded);
             } else {
-                multiply_add::<R, LANES>(whole, [real, imaginary], tops.into(), sums, folded);
+                meet_modes::<R, LANES>(&meeting, modes, sums, folded);
             }
         }
         unfold(of_floor, R::of(1.0), whole);
@@ -738,6 +739,27 @@ impl<R: Real> Together<R> {
             phase_real,
             phase_imaginary,
         );
+    }
+}
+
+/// All modes of a group with the same loop, four of them or two or one at a time.
+#[inline(always)]
+fn meet_modes<R: Real, const L: usize>(
+    meeting: &Meeting<'_, R>,
+    modes: &[usize],
+    [real, imaginary]: [&mut [R]; 2],
+    folded: &mut [R],
+) {
+    let (fours, rest) = modes.as_chunks::<4>();
+    let (pairs, rest) = rest.as_chunks::<2>();
+    for four in fours {
+        meeting.multiply_add::<L, 4>(*four, [real, imaginary], folded);
+    }
+    for pair in pairs {
+        meeting.multiply_add::<L, 2>(*pair, [real, imaginary], folded);
+    }
+    for mode in rest {
+        meeting.multiply_add::<L, 1>([*mode], [real, imaginary], folded);
     }
 }
 

@@ -69,59 +69,189 @@ pub(super) fn unfold<R: Real>(held: &[R], sign: R, whole: &mut [R]) {
     }
 }
 
-/// `sums += kernel tops` and `folded += kernel turned` in all rows, real and imaginary parts; the rows of `tops` and `folded` repeat. Their number
-/// is a multiple of `L`.
-#[inline(always)]
-pub(super) fn multiply_add<R: Real, const L: usize>(
-    kernel: &[R],
-    turned: [&[R]; 2],
-    tops: [&[R]; 2],
-    [sum_real, sum_imaginary]: [&mut [R]; 2],
-    [fold_real, fold_imaginary]: [&mut [R]; 2],
-) {
-    let coarse = fold_real.len();
-    let [top_real, top_imaginary] = tops.map(|tops| tops.as_chunks::<L>().0);
-    let fold_real = fold_real.as_chunks_mut::<L>().0;
-    let fold_imaginary = fold_imaginary.as_chunks_mut::<L>().0;
-    let sums = sum_real
-        .chunks_exact_mut(coarse)
-        .zip(sum_imaginary.chunks_exact_mut(coarse));
-    let turned = turned[0]
-        .chunks_exact(coarse)
-        .zip(turned[1].chunks_exact(coarse));
-    for ((kernel, sums), turned) in kernel.chunks_exact(coarse).zip(sums).zip(turned) {
-        let sums = sums
-            .0
-            .as_chunks_mut::<L>()
-            .0
-            .iter_mut()
-            .zip(sums.1.as_chunks_mut::<L>().0);
-        let folds = fold_real.iter_mut().zip(&mut *fold_imaginary);
-        let turned = turned
-            .0
-            .as_chunks::<L>()
-            .0
-            .iter()
-            .zip(turned.1.as_chunks::<L>().0);
-        let tops = top_real.iter().zip(top_imaginary);
-        let kernel = kernel.as_chunks::<L>().0.iter();
-        for ((((kernel, sum), fold), top), turned) in
-            kernel.zip(sums).zip(folds).zip(tops).zip(turned)
-        {
-            add_product(sum.0, kernel, top.0);
-            add_product(sum.1, kernel, top.1);
-            add_product(fold.0, kernel, turned.0);
-            add_product(fold.1, kernel, turned.1);
+/// Pillars' modes and the rows of a column, which are several times those of the coarse grid.
+#[derive(Clone, Copy)]
+pub(super) struct Meeting<'a, R> {
+    /// Rows in all, and those of the coarse grid.
+    pub(super) rows: usize,
+    pub(super) coarse: usize,
+    /// The rows that are held of the kernel of every mode, and the sign of the others, which mirror them.
+    pub(super) kernels: &'a [R],
+    pub(super) mirrored: &'a [R],
+    /// Coefficients of every mode: the real parts of its rows, then the imaginary ones.
+    pub(super) tops: &'a [R],
+    /// The real and the imaginary parts of the floor.
+    pub(super) floor: [&'a [R]; 2],
+}
+
+impl<R: Real> Meeting<'_, R> {
+    /// `sums += kernel tops` over `N` modes and `folded += kernel floor` for each in all rows; the rows of `tops` and `folded`, laid out alike, repeat.
+    /// Their number is a multiple of `L`.
+    ///
+    /// All that one chunk of rows of the coarse grid meets is done at once, so that its sums stay in registers.
+    #[inline(always)]
+    pub(super) fn multiply_add<const L: usize, const N: usize>(
+        &self,
+        modes: [usize; N],
+        [sum_real, sum_imaginary]: [&mut [R]; 2],
+        folded: &mut [R],
+    ) {
+        let held = self.rows / 2 + 1;
+        let kernels = modes.map(|mode| &self.kernels[mode * held..][..held]);
+        let signs = modes.map(|mode| self.mirrored[mode]);
+        for first in (0..self.coarse).step_by(L) {
+            let mut tops = [[[R::default(); L]; 2]; N];
+            for (tops, mode) in tops.iter_mut().zip(modes) {
+                let real = 2 * mode * self.coarse + first;
+                *tops = [chunk(self.tops, real), chunk(self.tops, real + self.coarse)];
+            }
+            let mut folds = [[[R::default(); L]; 2]; N];
+            let mut rows = [[R::default(); L]; N];
+            for row in (first..self.rows).step_by(self.coarse) {
+                if row + L <= held {
+                    for n in 0..N {
+                        rows[n] = chunk(kernels[n], row);
+                    }
+                } else if row >= held {
+                    for n in 0..N {
+                        rows[n] = mirror(kernels[n], signs[n], self.rows + 1 - row - L);
+                    }
+                } else {
+                    for n in 0..N {
+                        for k in 0..L {
+                            rows[n][k] = if row + k < held {
+                                kernels[n][row + k]
+                            } else {
+                                signs[n] * kernels[n][self.rows - row - k]
+                            };
+                        }
+                    }
+                }
+                let floor = [chunk(self.floor[0], row), chunk(self.floor[1], row)];
+                let sums = [chunk_mut(sum_real, row), chunk_mut(sum_imaginary, row)];
+                meet_rows(&rows, &tops, &floor, sums, &mut folds);
+            }
+            for (mode, folds) in modes.into_iter().zip(&folds) {
+                let real = 2 * mode * self.coarse + first;
+                *chunk_mut(folded, real) = folds[0];
+                *chunk_mut(folded, real + self.coarse) = folds[1];
+            }
         }
     }
 }
 
-/// Reads all before it writes, so that it is done at once.
+/// The same of some rows.
+#[inline(always)]
+fn meet_rows<R: Real, const L: usize, const N: usize>(
+    kernels: &[[R; L]; N],
+    tops: &[[[R; L]; 2]; N],
+    floor: &[[R; L]; 2],
+    sums: [&mut [R; L]; 2],
+    folds: &mut [[[R; L]; 2]; N],
+) {
+    let [real, imaginary] = sums;
+    let mut totals = [*real, *imaginary];
+    for n in 0..N {
+        for part in 0..2 {
+            add_product(&mut totals[part], &kernels[n], &tops[n][part]);
+            add_product(&mut folds[n][part], &kernels[n], &floor[part]);
+        }
+    }
+    [*real, *imaginary] = totals;
+}
+
+/// `L` values from a place on.
+#[inline(always)]
+fn chunk<R: Real, const L: usize>(values: &[R], first: usize) -> [R; L] {
+    let mut chunk = [R::default(); L];
+    chunk.copy_from_slice(&values[first..first + L]);
+    chunk
+}
+
+#[inline(always)]
+fn chunk_mut<R, const L: usize>(values: &mut [R], first: usize) -> &mut [R; L] {
+    let chunks = values[first..first + L].as_chunks_mut().0;
+    &mut chunks[0]
+}
+
+/// The same, last first and times a sign.
+#[inline(always)]
+fn mirror<R: Real, const L: usize>(values: &[R], sign: R, first: usize) -> [R; L] {
+    let chunk: [R; L] = chunk(values, first);
+    let mut mirrored = [R::default(); L];
+    for k in 0..L {
+        mirrored[k] = sign * chunk[L - 1 - k];
+    }
+    mirrored
+}
+
 #[inline(always)]
 fn add_product<R: Real, const L: usize>(sum: &mut [R; L], a: &[R; L], b: &[R; L]) {
-    let (mut value, a, b) = (*sum, *a, *b);
     for k in 0..L {
-        value[k] = value[k] + a[k] * b[k];
+        sum[k] = sum[k] + a[k] * b[k];
     }
-    *sum = value;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(count: usize, turn: f64) -> Vec<f64> {
+        (0..count).map(|k| (turn * k as f64).sin()).collect()
+    }
+
+    fn agrees<const L: usize, const N: usize>(modes: [usize; N], coarse: usize, copies: usize) {
+        let rows = coarse * copies;
+        let held = rows / 2 + 1;
+        let mut kernels = numbers(6 * held, 1.3);
+        let mirrored = [1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
+        if rows.is_multiple_of(2) {
+            // The middle row mirrors itself.
+            for (kernel, sign) in kernels.chunks_exact_mut(held).zip(mirrored) {
+                kernel[held - 1] *= 0.5 * (1.0 + sign);
+            }
+        }
+        let tops = numbers(12 * coarse, 0.7);
+        let floor = [numbers(rows, 0.3), numbers(rows, 0.2)];
+        let meeting = Meeting {
+            rows,
+            coarse,
+            kernels: &kernels,
+            mirrored: &mirrored,
+            tops: &tops,
+            floor: [&floor[0], &floor[1]],
+        };
+        let mut sums = numbers(2 * rows, 0.9);
+        let mut folded = vec![0.0; tops.len()];
+        let mut expected = (sums.clone(), folded.clone());
+        for mode in modes {
+            for row in 0..rows {
+                let kernel = match row < held {
+                    true => kernels[mode * held + row],
+                    false => mirrored[mode] * kernels[mode * held + rows - row],
+                };
+                for part in 0..2 {
+                    let place = (2 * mode + part) * coarse + row % coarse;
+                    expected.0[part * rows + row] += kernel * tops[place];
+                    expected.1[place] += kernel * floor[part][row];
+                }
+            }
+        }
+        meeting.multiply_add::<L, N>(modes, halves(&mut sums), &mut folded);
+        let pairs = sums.iter().zip(&expected.0);
+        for (value, expected) in pairs.chain(folded.iter().zip(&expected.1)) {
+            assert!((value - expected).abs() < 1e-13, "{value} {expected}");
+        }
+    }
+
+    #[test]
+    fn rows_on_both_sides_of_the_middle_meet_every_mode() {
+        // Expected: the sums of the definition, row by row.
+        for copies in 1..5 {
+            agrees::<4, 1>([2], 4, copies);
+            agrees::<4, 2>([1, 2], 12, copies);
+            agrees::<8, 4>([0, 3, 4, 5], 8, copies);
+            agrees::<8, 2>([1, 5], 24, copies);
+        }
+    }
 }
