@@ -15,7 +15,7 @@ pub(super) struct Variation {
 pub(super) const PLAIN: Variation = Variation {
     cells: 1.0,
     works: 1.0,
-    loss_step: 0.5,
+    loss_step: 0.25,
 };
 
 /// The intensity at fronts is right to 3.5 % in the worst direction (round contacts and rings in the tests of [`stuck`](super::stuck)), and so is
@@ -110,7 +110,7 @@ mod tests {
             turn_area: 0.0,
             jump_force: 0.0,
             jump_area: 0.0,
-            lost_indentation: 0.1 + 0.2,
+            lost_indentation: 0.1 + 0.4,
             pull_off_force: 0.0,
             loop_area: 2.0,
         };
