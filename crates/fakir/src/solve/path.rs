@@ -466,7 +466,7 @@ impl<'a> Path<'a> {
         division: Division,
         radius: f64,
     ) -> Result<(), SolveError> {
-        self.lay_floor(division, radius, &|_| None)?;
+        self.lay_floor(Course::Loading, division, radius, &|_| None)?;
         self.contact.all_loads(&mut self.loads);
         let start = [self.indentation(), self.force()];
         let energy = self.elastic_energy();
@@ -778,7 +778,7 @@ impl<'a> Path<'a> {
             for (pillar, next) in chosen {
                 self.tops.domains[pillar] = next;
             }
-            self.fit_floor(course == Course::Unloading)?;
+            self.fit_floor(course)?;
             if beta != 0.0 {
                 self.solve_unit()?;
             }
@@ -887,7 +887,7 @@ impl<'a> Path<'a> {
         self.contact = contact;
         self.sites = sites;
         if let Some(pressures) = pressures {
-            self.lay_floor_again(&pressures, pressures.grid.radius)?;
+            self.lay_floor_again(course, &pressures, pressures.grid.radius)?;
         }
         Ok(true)
     }

@@ -11,6 +11,7 @@ use super::newton::FLOOR_DEGREE;
 use super::path::Path;
 use super::rules::floor::FloorCells;
 use super::rules::floor_fronts::{FloorFronts, FloorMove};
+use super::rules::fronts::Course;
 use super::rules::stuck_floor::{FloorStation, StuckFloor};
 use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent, SurfaceCoupling};
 use crate::halfspace::floor::grid::Division;
@@ -21,14 +22,16 @@ use crate::state::SolveError;
 /// Cells between the contact with the floor and the end of the window at the least, and by how much that becomes wider, in distances of pillars: also on
 /// unloading, when the contact becomes smaller.
 const WINDOW_CELLS: f64 = 5.0;
-const WIDER: f64 = 1.5;
+const WIDER_LOADING: f64 = 1.5;
 const WIDER_UNLOADING: f64 = 0.1;
 
 /// On unloading windows become narrower where less than this part of the radius is needed.
 const NARROWER: f64 = 0.9;
 
-/// Pillars so much farther from the lens axis than those in contact are coupled with the floor, in distances of pillars.
-const REACH_MARGIN: f64 = 1.0;
+/// Pillars so much farther from the lens axis than those in contact are coupled with the floor, in distances of pillars. On unloading no others come
+/// into contact.
+const REACH_MARGIN_LOADING: f64 = 1.0;
+const REACH_MARGIN_UNLOADING: f64 = 0.01;
 
 /// A gap below zero by this part of the height of the pillars is one.
 const ENTERED: f64 = 1e-5;
@@ -52,11 +55,16 @@ impl<'a> Path<'a> {
     /// unit indentation they have these pressures.
     pub(super) fn lay_floor(
         &mut self,
+        course: Course,
         division: Division,
         radius: f64,
         known: &dyn Fn(Point) -> Option<[f64; 2]>,
     ) -> Result<(), SolveError> {
-        let reach = self.reach() + REACH_MARGIN * self.scene.field.spacing();
+        let margin = match course {
+            Course::Loading => REACH_MARGIN_LOADING,
+            Course::Unloading => REACH_MARGIN_UNLOADING,
+        };
+        let reach = self.reach() + margin * self.scene.field.spacing();
         let on_grid = self.scene.field.pillar_grid().is_some();
         let extent = PillarExtent::new(&self.sites, reach, on_grid);
         let Some(grid) = checked_floor(self.scene, division, radius, extent, self.run)? else {
@@ -101,11 +109,12 @@ impl<'a> Path<'a> {
     /// Lays them again: with a window of another radius, or coupled with other pillars.
     pub(super) fn lay_floor_again(
         &mut self,
+        course: Course,
         pressures: &FloorPressures,
         radius: f64,
     ) -> Result<(), SolveError> {
         let known = |point| pressures.at(point);
-        self.lay_floor(pressures.grid.division, radius, &known)
+        self.lay_floor(course, pressures.grid.division, radius, &known)
     }
 
     /// Takes the first cells into contact: those around the lowest one, and others as low.
@@ -169,15 +178,18 @@ impl<'a> Path<'a> {
     }
 
     /// A window that is wide enough for the contact with the floor, and coupled with all pillars in contact.
-    pub(super) fn fit_floor(&mut self, unloading: bool) -> Result<(), SolveError> {
+    pub(super) fn fit_floor(&mut self, course: Course) -> Result<(), SolveError> {
         let Some(floor) = &self.floor else {
             return Ok(());
         };
         let grid = &floor.cells.grid;
         let needed = floor.radius() + WINDOW_CELLS * grid.division.longest();
-        let wider = if unloading { WIDER_UNLOADING } else { WIDER };
+        let wider = match course {
+            Course::Loading => WIDER_LOADING,
+            Course::Unloading => WIDER_UNLOADING,
+        };
         let fitting = needed + wider * self.scene.field.spacing();
-        let narrower = unloading && fitting < NARROWER * grid.radius;
+        let narrower = course == Course::Unloading && fitting < NARROWER * grid.radius;
         let radius = if needed > grid.radius || narrower {
             fitting
         } else if self.reach() > floor.reach {
@@ -186,7 +198,7 @@ impl<'a> Path<'a> {
             return Ok(());
         };
         match self.floor_pressures() {
-            Some(pressures) => self.lay_floor_again(&pressures, radius),
+            Some(pressures) => self.lay_floor_again(course, &pressures, radius),
             None => Ok(()),
         }
     }
@@ -272,7 +284,6 @@ mod tests {
     use crate::solve::frozen::Source;
     use crate::solve::path::{End, Energies, Held, Stop};
     use crate::solve::rules::floor_fronts::tests::tables;
-    use crate::solve::rules::fronts::Course;
     use crate::solve::rules::fronts::{Fronts, Works};
     use crate::state::Run;
     use crate::theory::reference;
@@ -309,7 +320,7 @@ mod tests {
     /// A flat round punch that pulls: its contact is given, in cells.
     fn flat_punch(path: &mut Path<'_>, division: Division, centre: Point, radius: f64) {
         let near = |[x, y]: Point| (x - centre[0]).hypot(y - centre[1]) < radius;
-        path.lay_floor(division, radius + 8.0, &|point| {
+        path.lay_floor(Course::Loading, division, radius + 8.0, &|point| {
             near(point).then_some([0.0; 2])
         })
         .unwrap();
@@ -516,7 +527,7 @@ mod tests {
                     .iter()
                     .position(|[x, y]| x.hypot(*y) < 1e-9);
                 path.tops.domains[centre.unwrap()] = crate::solve::rules::fronts::Domain::FULL;
-                path.lay_floor(division, 18.0, &|[x, y]| {
+                path.lay_floor(Course::Loading, division, 18.0, &|[x, y]| {
                     (outer..15.0).contains(&x.hypot(y)).then_some([0.0; 2])
                 })
                 .unwrap();
