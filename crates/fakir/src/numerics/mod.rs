@@ -5,6 +5,7 @@
 
 pub(crate) mod cholesky;
 pub mod convergence;
+pub(crate) mod cosine;
 pub(crate) mod dual;
 pub(crate) mod elliptic;
 pub(crate) mod fft;

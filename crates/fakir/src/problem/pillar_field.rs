@@ -85,6 +85,26 @@ impl PillarGrid {
         let [one, other] = self.steps;
         [0, 1].map(|k| one[k] * i + other[k] * j)
     }
+
+    /// Columns and rows from pillar (0, 0) to the lens axis, if all places of pillars are mirror images of each other along x and along y there.
+    fn mirrored_at(&self) -> Option<[i64; 2]> {
+        let [u, v] = [0, 1].map(|k| -self.origin[k] / self.sides[k]);
+        let axis = [u.round(), v.round()];
+        let is_point = (u - axis[0]).abs() < ROUNDING && (v - axis[1]).abs() < ROUNDING;
+        let axis = axis.map(|x| x as i64);
+        let images = self.steps.iter().flat_map(|[u, v]| [[-u, *v], [*u, -v]]);
+        // Where pillar (0, 0) goes.
+        let shifts = [[2 * axis[0], 0], [0, 2 * axis[1]]];
+        let mut all = images.chain(shifts);
+        (is_point && all.all(|place| self.holds(place))).then_some(axis)
+    }
+
+    /// Whether a pillar stands so many columns and rows from pillar (0, 0).
+    fn holds(&self, [u, v]: [i64; 2]) -> bool {
+        let [[a, b], [c, d]] = self.steps;
+        let area = a * d - b * c;
+        area != 0 && (u * d - v * c) % area == 0 && (a * v - b * u) % area == 0
+    }
 }
 
 /// Relative differences of lengths that are rounding.
@@ -451,6 +471,17 @@ impl PillarField {
             Self::Lattice(lattice) => PillarGrid::new(lattice.vectors, lattice.origin, half),
             Self::Listed(_) => None,
         }
+    }
+
+    /// Columns and rows of the [grid of pillars](Self::pillar_grid) from pillar (0, 0) to the lens axis, if all that stands is its own mirror image along x
+    /// and along y there.
+    pub(crate) fn mirrored_at(&self) -> Option<[i64; 2]> {
+        let alike = match self {
+            Self::Hexagonal { .. } => true,
+            Self::Lattice(lattice) => lattice.scatter.is_none() && lattice.ends.is_none(),
+            Self::Listed(_) => false,
+        };
+        self.pillar_grid().filter(|_| alike)?.mirrored_at()
     }
 
     /// Distance of the nearest neighbours of a lattice; the spacing of a list.

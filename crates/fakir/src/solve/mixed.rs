@@ -646,7 +646,8 @@ pub(super) fn checked_floor(
             suggested_cell: coarser.longest() * scene.length,
         });
     }
-    Ok(FloorGrid::new(&scene.field, division, radius))
+    let grid = FloorGrid::new(&scene.field, division, radius);
+    Ok(grid.map(|grid| grid.with_mirrors(&scene.field)))
 }
 
 /// Solves on one grid, with windows large enough.

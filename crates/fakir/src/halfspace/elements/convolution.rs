@@ -96,6 +96,38 @@ impl<R: Real> ColumnBlock<'_, R> {
         clear_rows(lines, stride, next..rows);
     }
 
+    /// The same to lines in which rows have other places.
+    pub(crate) fn read_to(
+        &self,
+        lines: &mut [Complex<R>],
+        stride: usize,
+        place: impl Fn(usize) -> usize,
+    ) {
+        lines.fill(Complex::default());
+        for (&row, values) in self.rows.iter().zip(self.values.chunks_exact(self.width)) {
+            let places = lines[place(row)..].iter_mut().step_by(stride);
+            for (value, place) in values.iter().zip(places) {
+                *place = *value;
+            }
+        }
+    }
+
+    /// Takes the rows held from lines in which they have these places.
+    pub(crate) fn write_from(
+        &mut self,
+        lines: &[Complex<R>],
+        stride: usize,
+        place: impl Fn(usize) -> usize,
+    ) {
+        let rows = self.rows.iter();
+        for (&row, values) in rows.zip(self.values.chunks_exact_mut(self.width)) {
+            let places = lines[place(row)..].iter().step_by(stride);
+            for (value, place) in values.iter_mut().zip(places) {
+                *value = *place;
+            }
+        }
+    }
+
     /// Takes the rows held from such lines.
     pub(crate) fn write(&mut self, lines: &[Complex<R>], stride: usize) {
         let rows = self.rows.iter();

@@ -5,6 +5,7 @@ use super::convolution::{
 };
 use super::operator::Operator;
 use crate::halfspace::layer::LayerResponse;
+use crate::numerics::cosine::CosinePlans;
 use crate::numerics::fft::{Real, RealPlans, quick_length};
 use crate::problem::Cells;
 use crate::problem::layer::WeightedLayer;
@@ -145,6 +146,17 @@ impl<'p, R: Real> PeriodicInverse<'p, R> {
         Self::of(cells, |wave| of_means(wave, cell).recip(), pool)
     }
 
+    /// The same of cells with mirror images along x and along y at the corner of their grid.
+    pub(crate) fn of_mirrored_means(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
+        let cell = cells.grid().cell();
+        let Bounds { first, shape, .. } = Bounds::of(&cells);
+        let shape = [0, 1].map(|k| quick_length(first[k] + shape[k]));
+        let inverse = Periodic::mirrored(shape, cell, |wave| of_means(wave, cell).recip());
+        Self {
+            convolution: Convolution::new(cells, [0, 0], Arc::new(inverse), pool),
+        }
+    }
+
     fn of(cells: Cells, of_wave: impl Fn([f64; 2]) -> f64, pool: Option<&'p ThreadPool>) -> Self {
         let bounds = Bounds::of(&cells);
         let shape = bounds.shape.map(quick_length);
@@ -262,10 +274,18 @@ fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
 /// Transforms and kernel of the periodic half-space.
 pub(super) struct Periodic<R = f64> {
     shape: [usize; 2],
-    plans: RealPlans<R>,
+    plans: Plans<R>,
     /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;
-    /// with the normalisation of the transforms.
+    /// with the normalisation of the transforms. Of a quarter of the period: of both real columns of every complex one, all rows.
     kernel: Vec<R>,
+}
+
+#[derive(Clone)]
+enum Plans<R> {
+    /// Of the period.
+    Whole(RealPlans<R>),
+    /// Of a quarter of it, of which the others are mirror images.
+    Mirrored(CosinePlans<R>),
 }
 
 impl<R: Real> Periodic<R> {
@@ -273,8 +293,24 @@ impl<R: Real> Periodic<R> {
     fn new(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         Self {
             shape,
-            plans: RealPlans::new(shape[1], shape[0]),
+            plans: Plans::Whole(RealPlans::new(shape[1], shape[0])),
             kernel: kernel(shape, cell, of_wave),
+        }
+    }
+
+    /// Of a quarter of the period.
+    fn mirrored(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
+        let [columns, rows] = shape;
+        let plans = CosinePlans::new(rows, columns);
+        let whole: Vec<R> = kernel(shape.map(|length| 2 * length), cell, of_wave);
+        let own = |column: usize| &whole[column * (rows + 1)..][..rows];
+        let kernel = (0..plans.column_count())
+            .flat_map(|complex| [complex, columns - complex])
+            .flat_map(|column| own(column).iter().copied());
+        Self {
+            shape,
+            kernel: kernel.collect(),
+            plans: Plans::Mirrored(plans),
         }
     }
 
@@ -291,7 +327,10 @@ impl<R: Real> Periodic<R> {
         let [columns, rows] = self.shape;
         Periodic {
             shape: self.shape,
-            plans: RealPlans::new(rows, columns),
+            plans: match self.plans {
+                Plans::Whole(_) => Plans::Whole(RealPlans::new(rows, columns)),
+                Plans::Mirrored(_) => Plans::Mirrored(CosinePlans::new(rows, columns)),
+            },
             kernel: self
                 .kernel
                 .iter()
@@ -326,6 +365,15 @@ fn kernel<R: Real>(
         .collect()
 }
 
+/// Multiplies a transformed column by a kernel of half of its rows, which the others mirror.
+fn multiply_whole<R: Real>(line: &mut [Complex<R>], kernel: &[R]) {
+    let (low, high) = line.split_at_mut(kernel.len());
+    multiply(low, kernel);
+    for (value, kernel) in high.iter_mut().rev().zip(&kernel[1..]) {
+        *value = *value * *kernel;
+    }
+}
+
 impl<R: Real> Transform for Periodic<R> {
     type Real = R;
 
@@ -338,51 +386,84 @@ impl<R: Real> Transform for Periodic<R> {
     }
 
     fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
-        // The lengths are those that the transform was made for, so this cannot fail.
-        let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
+        match &self.plans {
+            Plans::Whole(plans) => {
+                // The lengths are those that the transform was made for, so this cannot fail.
+                let _ = plans.row.process_with_scratch(row, spectrum, scratch);
+            }
+            Plans::Mirrored(plans) => plans.row_forward(row, spectrum, scratch),
+        }
     }
 
     fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
-        // The transform of real data is real at its ends; rounding must not say otherwise.
-        spectrum[0].im = R::default();
-        if self.shape[0].is_multiple_of(2) {
-            spectrum[self.shape[0] / 2].im = R::default();
+        match &self.plans {
+            Plans::Whole(plans) => {
+                // The transform of real data is real at its ends; rounding must not say otherwise.
+                spectrum[0].im = R::default();
+                if self.shape[0].is_multiple_of(2) {
+                    spectrum[self.shape[0] / 2].im = R::default();
+                }
+                let _ = plans.row_back.process_with_scratch(spectrum, row, scratch);
+            }
+            Plans::Mirrored(plans) => plans.row_back(spectrum, row, scratch),
         }
-        let _ = self
-            .plans
-            .row_back
-            .process_with_scratch(spectrum, row, scratch);
     }
 
     fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {
         let rows = self.shape[1];
         let stride = line_stride(rows);
         let lines = &mut work.lines[..block.width * stride];
-        block.read(lines, stride, rows);
-        let half = rows / 2 + 1;
-        let kernel = self.kernel[block.first * half..].chunks_exact(half);
-        for (line, kernel) in lines.chunks_exact_mut(stride).zip(kernel) {
-            let line = &mut line[..rows];
-            self.plans
-                .column
-                .process_with_scratch(line, &mut work.scratch);
-            let (low, high) = line.split_at_mut(half);
-            multiply(low, kernel);
-            for (value, kernel) in high.iter_mut().rev().zip(&kernel[1..]) {
-                *value = *value * *kernel;
+        match &self.plans {
+            Plans::Whole(plans) => {
+                block.read(lines, stride, rows);
+                let half = rows / 2 + 1;
+                let kernel = self.kernel[block.first * half..].chunks_exact(half);
+                for (line, kernel) in lines.chunks_exact_mut(stride).zip(kernel) {
+                    let line = &mut line[..rows];
+                    plans.column.process_with_scratch(line, &mut work.scratch);
+                    multiply_whole(line, kernel);
+                    let back = &plans.column_back;
+                    back.process_with_scratch(line, &mut work.scratch);
+                }
+                block.write(lines, stride);
             }
-            self.plans
-                .column_back
-                .process_with_scratch(line, &mut work.scratch);
+            Plans::Mirrored(plans) => {
+                block.read_to(lines, stride, |row| plans.place_of(row));
+                let kernel = self.kernel[2 * block.first * rows..].chunks_exact(2 * rows);
+                let (first, second) = work.reals.split_at_mut(rows);
+                for (line, kernel) in lines.chunks_exact_mut(stride).zip(kernel) {
+                    let line = &mut line[..rows];
+                    let parts = [&mut *first, &mut *second];
+                    plans.column_forward(line, parts, &mut work.scratch);
+                    let (of_first, of_second) = kernel.split_at(rows);
+                    for (value, kernel) in first.iter_mut().zip(of_first) {
+                        *value = *value * *kernel;
+                    }
+                    for (value, kernel) in second.iter_mut().zip(of_second) {
+                        *value = *value * *kernel;
+                    }
+                    plans.column_back([&*first, &*second], line, &mut work.scratch);
+                }
+                block.write_from(lines, stride, |row| plans.place_of(row));
+            }
         }
-        block.write(lines, stride);
     }
 
     fn scratch_len(&self) -> usize {
-        self.plans.scratch_len()
+        match &self.plans {
+            Plans::Whole(plans) => plans.scratch_len(),
+            Plans::Mirrored(plans) => plans.scratch_len(),
+        }
     }
 
     fn columns_at_once(&self) -> usize {
         1
+    }
+
+    fn real_count(&self) -> usize {
+        match &self.plans {
+            Plans::Whole(_) => 0,
+            Plans::Mirrored(_) => 2 * self.shape[1],
+        }
     }
 }

@@ -35,21 +35,50 @@ impl Coarse {
         }
     }
 
-    /// The transform of one mode of all pillars, into the columns of all modes.
-    pub(super) fn forward<'v, R: Real>(
+    /// Puts numbers of all pillars on the grid.
+    pub(super) fn put<'v>(
         &mut self,
         places: &[Option<usize>],
         values: impl Iterator<Item = &'v f64>,
-        mode: usize,
-        spectra: &mut [R],
     ) {
-        let [columns, rows] = self.shape;
         self.grid.fill(0.0);
         for (place, value) in places.iter().zip(values) {
             if let Some(place) = place {
                 self.grid[*place] = *value;
             }
         }
+    }
+
+    /// Takes the mean of mirror images about the first point, along x and along y, of what is odd along each or not.
+    pub(super) fn mirror(&mut self, odd: [bool; 2]) {
+        let [columns, rows] = self.shape;
+        let sign = odd.map(|odd| if odd { -1.0 } else { 1.0 });
+        let image = |at: usize, length: usize| if at == 0 { 0 } else { length - at };
+        for row in 0..=rows / 2 {
+            for column in 0..=columns / 2 {
+                let (far_row, far_column) = (image(row, rows), image(column, columns));
+                let signs = [1.0, sign[0], sign[1], sign[0] * sign[1]];
+                let places = [
+                    row * columns + column,
+                    row * columns + far_column,
+                    far_row * columns + column,
+                    far_row * columns + far_column,
+                ];
+                let terms = places.iter().zip(signs);
+                let mean = 0.25
+                    * terms
+                        .map(|(place, sign)| sign * self.grid[*place])
+                        .sum::<f64>();
+                for (place, sign) in places.into_iter().zip(signs) {
+                    self.grid[place] = sign * mean;
+                }
+            }
+        }
+    }
+
+    /// Transforms the grid.
+    pub(super) fn transform(&mut self) {
+        let [columns, rows] = self.shape;
         for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
             // Lengths are those the plans were made for, so this cannot fail.
             let _ = self
@@ -63,6 +92,11 @@ impl Coarse {
         self.plans
             .column
             .process_with_scratch(&mut self.columns, &mut self.scratch);
+    }
+
+    /// Writes the transform into the columns of all modes.
+    pub(super) fn write<R: Real>(&self, mode: usize, spectra: &mut [R]) {
+        let [columns, rows] = self.shape;
         let stride = spectra.len() / columns;
         for (number, column) in self.columns.chunks_exact(rows).enumerate() {
             let at = number * stride + 2 * mode * rows;
@@ -77,6 +111,67 @@ impl Coarse {
                 for (row, value) in column.iter().enumerate() {
                     let mirrored = if row == 0 { 0 } else { rows - row };
                     (real[mirrored], imaginary[mirrored]) = (R::of(value.re), R::of(-value.im));
+                }
+            }
+        }
+    }
+
+    /// The same of the real part, or of minus the imaginary one, alone.
+    pub(super) fn write_real<R: Real>(&self, mode: usize, imaginary: bool, spectra: &mut [R]) {
+        let [columns, rows] = self.shape;
+        let stride = spectra.len() / columns;
+        let part = |value: Complex64| if imaginary { -value.im } else { value.re };
+        for (number, column) in self.columns.chunks_exact(rows).enumerate() {
+            let values = &mut spectra[number * stride + mode * rows..][..rows];
+            for (to, value) in values.iter_mut().zip(column) {
+                *to = R::of(part(*value));
+            }
+            let opposite = columns - number;
+            if number > 0 && opposite != number {
+                let values = &mut spectra[opposite * stride + mode * rows..][..rows];
+                for (row, value) in column.iter().enumerate() {
+                    let mirrored = if row == 0 { 0 } else { rows - row };
+                    values[mirrored] = R::of(part(value.conj()));
+                }
+            }
+        }
+    }
+
+    /// Adds up the folded real columns that repeat, of which every complex one has one or two. Rows are half of all: to each belongs one that mirrors it, and
+    /// the first one is half of itself.
+    pub(super) fn gather_real<R: Real>(
+        &mut self,
+        columns_of: impl Fn(usize) -> (usize, Option<usize>),
+        parities: &[[bool; 2]],
+        folded: &[Mutex<Vec<R>>],
+    ) {
+        let rows = self.shape[1];
+        let stride = 2 * parities.len() * rows;
+        self.folded.fill(0.0);
+        if stride == 0 {
+            return;
+        }
+        for (block, folded) in folded.iter().enumerate() {
+            let folded = folded.lock().unwrap_or_else(PoisonError::into_inner);
+            for (k, values) in folded.chunks_exact(stride).enumerate() {
+                let (one, other) = columns_of(block * BLOCK_WIDTH + k);
+                let parts = values.chunks_exact(stride / 2);
+                for (column, values) in [Some(one), other].into_iter().zip(parts) {
+                    let Some(column) = column else {
+                        continue;
+                    };
+                    let weight = if column == 0 { 0.5 } else { 1.0 };
+                    let sums = &mut self.folded[column % self.shape[0] * stride..][..stride];
+                    let sums = sums.chunks_exact_mut(2 * rows);
+                    let of_modes = sums.zip(values.chunks_exact(rows)).zip(parities);
+                    for ((sum, values), [_, odd]) in of_modes {
+                        let mirrored = if *odd { -weight } else { weight };
+                        for (row, value) in values.iter().enumerate() {
+                            let opposite = if row == 0 { 0 } else { rows - row };
+                            sum[row] += weight * value.double();
+                            sum[opposite] += mirrored * value.double();
+                        }
+                    }
                 }
             }
         }

@@ -18,9 +18,10 @@
 //! convolution.
 
 use super::coarse::Coarse;
-use super::grid::{Division, FloorGrid};
+use super::grid::{Division, FloorGrid, Mirrors};
 use super::kernels::{PillarMeans, Rectangles};
 use super::meeting::{Meeting, halves, put, take, turn, unfold};
+use super::mirrored::Mirrored;
 use super::table::PillarTable;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
@@ -121,8 +122,28 @@ pub(crate) struct FloorCoupling<'a> {
     /// Modes of a pillar.
     modes: usize,
     pillars: Pillars,
-    exact: Convolution<'a, Together<f64>>,
-    rough: Convolution<'a, Together<f32>>,
+    products: Products<'a>,
+}
+
+/// Products with the floor, in double precision and in single.
+enum Products<'a> {
+    Whole {
+        exact: Convolution<'a, Together<f64>>,
+        rough: Convolution<'a, Together<f32>>,
+    },
+    /// Where all is its own mirror image, by one quadrant.
+    Mirrored {
+        exact: Convolution<'a, Mirrored<f64>>,
+        rough: Convolution<'a, Mirrored<f32>>,
+        folding: Folding,
+    },
+}
+
+/// Values of the quadrant, to be transformed and back.
+struct Folding {
+    mirrors: Arc<Mirrors>,
+    values: Vec<f64>,
+    transformed: Vec<f64>,
 }
 
 /// The pillars beside the floor.
@@ -170,27 +191,81 @@ fn kernel_rows(rows: usize) -> usize {
 
 /// What it takes longest to make, to be used again: in double precision and in single.
 #[derive(Clone)]
-pub(crate) struct FloorKernels {
-    exact: Arc<Together<f64>>,
-    rough: Arc<Together<f32>>,
+pub(crate) struct FloorKernels(Kernels);
+
+#[derive(Clone)]
+enum Kernels {
+    Whole(Arc<Together<f64>>, Arc<Together<f32>>),
+    Mirrored(Arc<Mirrored<f64>>, Arc<Mirrored<f32>>),
+}
+
+impl FloorKernels {
+    fn new(
+        grid: &FloorGrid,
+        coarse: [usize; 2],
+        degree: Option<usize>,
+        layers: &[WeightedLayer],
+        workers: Workers<'_>,
+    ) -> Self {
+        let whole = Together::new(&grid.division, coarse, degree, layers, workers);
+        if grid.mirrors.is_none() {
+            let rough = Arc::new(whole.rounded());
+            return Self(Kernels::Whole(Arc::new(whole), rough));
+        }
+        let modes = degree.map_or_else(Vec::new, crate::halfspace::disc::basis::modes);
+        let parities: Vec<[bool; 2]> = modes.iter().map(parities).collect();
+        let exact = Mirrored::of(&whole, parities.clone());
+        let rough = Mirrored::of(&whole, parities);
+        Self(Kernels::Mirrored(Arc::new(exact), Arc::new(rough)))
+    }
+
+    /// Whether they are those of a grid.
+    fn are_of(&self, grid: &FloorGrid, coarse: [usize; 2], degree: Option<usize>) -> bool {
+        let (division, own, own_degree, mirrored) = match &self.0 {
+            Kernels::Whole(exact, _) => (&exact.division, exact.coarse, exact.degree, false),
+            Kernels::Mirrored(exact, _) => (&exact.division, exact.coarse, exact.degree, true),
+        };
+        *division == grid.division
+            && own == coarse
+            && own_degree == degree
+            && mirrored == grid.mirrors.is_some()
+    }
+}
+
+/// Transforms of the floor that meet those of pillars on the coarse grid.
+pub(super) trait BesidePillars {
+    /// Whether the kernels of the coupled modes are imaginary.
+    fn odd(&self) -> &[bool];
+
+    /// Transforms the coefficients of pillars, of so many modes each.
+    fn put_pillars(
+        &self,
+        coarse: &mut Coarse,
+        places: &[Option<usize>],
+        tops: &[f64],
+        modes: usize,
+    );
+
+    /// Adds up what the floor does to pillars.
+    fn gather(&self, coarse: &mut Coarse);
 }
 
 /// Transforms and kernels of the fine grid, and how it meets the coarse one.
-struct Together<R> {
-    division: Division,
+pub(super) struct Together<R> {
+    pub(super) division: Division,
     /// Of the modes of pillars on the coarse grid; none where they do not stand on it.
-    degree: Option<usize>,
+    pub(super) degree: Option<usize>,
     /// Columns and rows of the fine grid and of the coarse one.
-    shape: [usize; 2],
-    coarse: [usize; 2],
+    pub(super) shape: [usize; 2],
+    pub(super) coarse: [usize; 2],
     plans: RealPlans<R>,
     /// Whether the kernels of the coupled modes are imaginary, and the modes where they are not and where they are.
-    odd: Vec<bool>,
+    pub(super) odd: Vec<bool>,
     alike: [Vec<usize>; 2],
     /// Sign of the kernel of each in the rows of the other half, which mirror those of the first.
     mirrored: Vec<R>,
     /// For every column, every kernel, that of the floor first: its rows, [`kernel_rows`] of them. With the normalisation of all transforms.
-    kernel: Vec<R>,
+    pub(super) kernel: Vec<R>,
     /// `exp(i theta/2)` for every column and for every row.
     phases: [Vec<Complex<R>>; 2],
     /// Transforms of the pillars' coefficients: for every coarse column, every mode, the real parts of its rows, then the imaginary ones.
@@ -216,20 +291,16 @@ impl<'a> FloorCoupling<'a> {
         let coarse = FloorGrid::period(&grid.division, grid.radius, extent.farthest);
         let on_grid = grid.holds_pillars().then_some(degree);
         let kernels = known
-            .filter(|FloorKernels { exact, .. }| {
-                exact.division == grid.division && exact.coarse == coarse && exact.degree == on_grid
-            })
-            .unwrap_or_else(|| {
-                let exact = Together::new(&grid.division, coarse, on_grid, layers, workers);
-                FloorKernels {
-                    rough: Arc::new(exact.rounded()),
-                    exact: Arc::new(exact),
-                }
-            });
+            .filter(|kernels| kernels.are_of(grid, coarse, on_grid))
+            .unwrap_or_else(|| FloorKernels::new(grid, coarse, on_grid, layers, workers));
         let pillars = if grid.holds_pillars() {
             let place = |pillar: usize| {
                 let [x, y] = sites.centres()[pillar];
-                let [u, v] = grid.place_of(sites.index(pillar))?;
+                let place = grid.place_of(sites.index(pillar))?;
+                let [u, v] = match &grid.mirrors {
+                    Some(mirrors) => mirrors.from_axis(place),
+                    None => place,
+                };
                 let wrapped = |at: i64, k: usize| at.rem_euclid(coarse[k] as i64) as usize;
                 (x.hypot(y) <= reach).then(|| wrapped(v, 1) * coarse[0] + wrapped(u, 0))
             };
@@ -245,17 +316,20 @@ impl<'a> FloorCoupling<'a> {
             cells: grid.len(),
             modes,
             pillars,
-            exact: Convolution::new(grid.cells.clone(), [0, 0], kernels.exact, pool),
-            rough: Convolution::new(grid.cells.clone(), [0, 0], kernels.rough, pool),
+            products: Products::new(grid, kernels, pool),
         }
     }
 
     /// Its kernels.
     pub(crate) fn kernels(&self) -> FloorKernels {
-        FloorKernels {
-            exact: Arc::clone(self.exact.transform()),
-            rough: Arc::clone(self.rough.transform()),
-        }
+        FloorKernels(match &self.products {
+            Products::Whole { exact, rough } => {
+                Kernels::Whole(Arc::clone(exact.transform()), Arc::clone(rough.transform()))
+            }
+            Products::Mirrored { exact, rough, .. } => {
+                Kernels::Mirrored(Arc::clone(exact.transform()), Arc::clone(rough.transform()))
+            }
+        })
     }
 
     /// About how many bytes it takes, with the vectors of the solution.
@@ -301,18 +375,75 @@ impl<'a> FloorCoupling<'a> {
     /// Adds to the loads on pillar tops, and sets those on floor cells.
     fn apply(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
         let pillars = (&mut self.pillars, self.modes);
-        apply(&mut self.exact, pillars, coefficients, far);
+        match &mut self.products {
+            Products::Whole { exact, .. } => apply(exact, None, pillars, coefficients, far),
+            Products::Mirrored { exact, folding, .. } => {
+                apply(exact, Some(folding), pillars, coefficients, far);
+            }
+        }
     }
 
     /// The same in single precision.
     fn apply_roughly(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
         let pillars = (&mut self.pillars, self.modes);
-        apply(&mut self.rough, pillars, coefficients, far);
+        match &mut self.products {
+            Products::Whole { rough, .. } => apply(rough, None, pillars, coefficients, far),
+            Products::Mirrored { rough, folding, .. } => {
+                apply(rough, Some(folding), pillars, coefficients, far);
+            }
+        }
     }
 }
 
-fn apply<R: Real>(
-    convolution: &mut Convolution<'_, Together<R>>,
+impl<'a> Products<'a> {
+    fn new(grid: &FloorGrid, kernels: FloorKernels, pool: Option<&'a ThreadPool>) -> Self {
+        match (kernels.0, &grid.mirrors) {
+            (Kernels::Mirrored(exact, rough), Some(mirrors)) => {
+                let cells = &mirrors.quadrant;
+                Self::Mirrored {
+                    exact: Convolution::new(cells.clone(), [0, 0], exact, pool),
+                    rough: Convolution::new(cells.clone(), [0, 0], rough, pool),
+                    folding: Folding {
+                        mirrors: Arc::clone(mirrors),
+                        values: vec![0.0; cells.len()],
+                        transformed: vec![0.0; cells.len()],
+                    },
+                }
+            }
+            (Kernels::Whole(exact, rough), _) => Self::Whole {
+                exact: Convolution::new(grid.cells.clone(), [0, 0], exact, pool),
+                rough: Convolution::new(grid.cells.clone(), [0, 0], rough, pool),
+            },
+            (Kernels::Mirrored(..), None) => {
+                unreachable!("mirrored kernels are of grids with mirrors")
+            }
+        }
+    }
+}
+
+/// Convolves the floor, by its quadrant if there is one.
+fn convolve<T: Transform>(
+    convolution: &mut Convolution<'_, T>,
+    folding: Option<&mut Folding>,
+    floor: &[f64],
+    far_floor: &mut [f64],
+) {
+    let Some(Folding {
+        mirrors,
+        values,
+        transformed,
+    }) = folding
+    else {
+        return convolution.apply(floor, far_floor);
+    };
+    mirrors.fold(floor, values);
+    convolution.apply(values, transformed);
+    mirrors.unfold(transformed, far_floor);
+}
+
+fn apply<T: Transform + BesidePillars>(
+    convolution: &mut Convolution<'_, T>,
+    folding: Option<&mut Folding>,
     (pillars, modes): (&mut Pillars, usize),
     [tops, floor]: [&[f64]; 2],
     [far_tops, far_floor]: [&mut [f64]; 2],
@@ -320,24 +451,15 @@ fn apply<R: Real>(
     let (places, coarse) = match pillars {
         Pillars::OnGrid { places, coarse } => (places, coarse),
         Pillars::Anywhere(table) => {
-            convolution.apply(floor, far_floor);
+            convolve(convolution, folding, floor, far_floor);
             return table.apply(modes, [tops, floor], [far_tops, far_floor]);
         }
     };
     let together = Arc::clone(convolution.transform());
-    {
-        let mut spectra = together
-            .tops
-            .write()
-            .unwrap_or_else(PoisonError::into_inner);
-        for mode in 0..together.odd.len() {
-            let values = tops.iter().skip(mode).step_by(modes);
-            coarse.forward(places, values, mode, &mut spectra);
-        }
-    }
-    convolution.apply(floor, far_floor);
-    coarse.gather(together.shape[0], &together.folded);
-    for (mode, &odd) in together.odd.iter().enumerate() {
+    together.put_pillars(coarse, places, tops, modes);
+    convolve(convolution, folding, floor, far_floor);
+    together.gather(coarse);
+    for (mode, &odd) in together.odd().iter().enumerate() {
         coarse.back(mode, odd);
         let far = far_tops.iter_mut().skip(mode).step_by(modes);
         for (far, place) in far.zip(&*places) {
@@ -345,6 +467,31 @@ fn apply<R: Real>(
                 *far += coarse.grid[*place];
             }
         }
+    }
+}
+
+impl<R: Real> BesidePillars for Together<R> {
+    fn odd(&self) -> &[bool] {
+        &self.odd
+    }
+
+    fn put_pillars(
+        &self,
+        coarse: &mut Coarse,
+        places: &[Option<usize>],
+        tops: &[f64],
+        modes: usize,
+    ) {
+        let mut spectra = self.tops.write().unwrap_or_else(PoisonError::into_inner);
+        for mode in 0..self.odd.len() {
+            coarse.put(places, tops.iter().skip(mode).step_by(modes));
+            coarse.transform();
+            coarse.write(mode, &mut spectra);
+        }
+    }
+
+    fn gather(&self, coarse: &mut Coarse) {
+        coarse.gather(self.shape[0], &self.folded);
     }
 }
 
@@ -907,6 +1054,92 @@ mod tests {
                             grid.len()
                         );
                     }
+                }
+            }
+        }
+    }
+
+    /// Expected: the products of all cells.
+    #[test]
+    fn quadrants_make_the_products_of_the_whole() {
+        let paper = |offset| {
+            hexagonal(HexagonalLattice {
+                pitch: 4.3,
+                offset,
+                offset_angle: 0.5 * PI,
+            })
+        };
+        for (field, fineness, degree) in [
+            (paper(0.0), 4, 2),
+            (paper(2.15), 3, 2),
+            (plane([[4.0, 0.0], [0.0, 4.0]], [0.0, 0.0]), 5, 3),
+            (plane([[4.0, 0.0], [0.0, 5.5]], [-4.0, 5.5]), 3, 2),
+            (plane([[5.0, 0.0], [2.5, 4.0]], [0.0, 0.0]), 4, 2),
+        ] {
+            let pitch = field.spacing();
+            let sites = Sites::within(&field, 2.6 * pitch);
+            let division = Division::new(&field, fineness);
+            let whole = FloorGrid::new(&field, division, 1.7 * pitch).unwrap();
+            let quadrant = whole.clone().with_mirrors(&field);
+            assert!(quadrant.mirrors.is_some(), "{field:?}");
+            let mirrors = quadrant.mirrors.as_ref().unwrap();
+            assert_eq!(4 * mirrors.quadrant.len(), whole.len());
+            let modes = mode_count(degree);
+            let tops = sites.len() * modes;
+            let mut coefficients = numbers(tops + whole.len(), 0.3);
+            mirrors.mirror(&mut coefficients[tops..]);
+            let random = coefficients.clone();
+            for (pillar, [x, y]) in sites.centres().iter().enumerate() {
+                let image = |sign: [f64; 2]| {
+                    let away = |[u, v]: &[f64; 2]| (u - sign[0] * x).hypot(v - sign[1] * y);
+                    let is_image = |centre: &[f64; 2]| away(centre) < 1e-9;
+                    sites.centres().iter().position(is_image).unwrap()
+                };
+                for (k, mode) in crate::halfspace::disc::basis::modes(degree)
+                    .iter()
+                    .enumerate()
+                {
+                    let [odd_x, odd_y] = parities(mode).map(|odd| if odd { -1.0 } else { 1.0 });
+                    let images = [
+                        (image([1.0, 1.0]), 1.0),
+                        (image([-1.0, 1.0]), odd_x),
+                        (image([1.0, -1.0]), odd_y),
+                        (image([-1.0, -1.0]), odd_x * odd_y),
+                    ];
+                    let terms = images.map(|(image, sign)| sign * random[image * modes + k]);
+                    coefficients[pillar * modes + k] = 0.25 * terms.iter().sum::<f64>();
+                }
+            }
+            let cancel = CancelToken::default();
+            let workers = Workers {
+                pool: None,
+                cancel: &cancel,
+            };
+            let mut products = [&whole, &quadrant].map(|grid| {
+                let pillars = (&sites, 1e9);
+                let mut floor =
+                    FloorCoupling::new(grid, pillars, [modes, 2], &[], None, workers, None);
+                [false, false, true].map(|roughly| {
+                    let mut far = vec![0.0; coefficients.len()];
+                    let (far_tops, far_floor) = far.split_at_mut(tops);
+                    let of = coefficients.split_at(tops).into();
+                    if roughly {
+                        floor.apply_roughly(of, [far_tops, far_floor]);
+                    } else {
+                        floor.apply(of, [far_tops, far_floor]);
+                    }
+                    far
+                })
+            });
+            let [expected, found] = &mut products;
+            let scale = expected[0].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            for (found, tolerance) in found.iter().zip([1e-12, 1e-12, 1e-5]) {
+                for (place, (found, expected)) in found.iter().zip(&expected[0]).enumerate() {
+                    assert!(
+                        (found - expected).abs() < tolerance * scale,
+                        "{field:?}, {place} of {tops} and {}: {found} {expected}",
+                        whole.len()
+                    );
                 }
             }
         }

@@ -8,6 +8,7 @@
 use crate::numerics::fft::smooth_number;
 use crate::problem::pillar_field::{ListedPillar, PillarField, PillarGrid};
 use crate::problem::{Cells, Grid, Point};
+use std::sync::Arc;
 
 /// Lengths up to this over the rim of a pillar are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -79,6 +80,53 @@ pub(crate) struct FloorGrid {
     pub(crate) cells: Cells,
     /// Radius within which all cells are that it may need.
     pub(crate) radius: f64,
+    /// The mirror images that cells are of each other, if they are known to be.
+    pub(crate) mirrors: Option<Arc<Mirrors>>,
+}
+
+/// Cells that are mirror images of each other along x and along y at the lens axis.
+#[derive(Debug)]
+pub(crate) struct Mirrors {
+    /// Place of the lens axis, in cells of the coarse grid from the corner.
+    axis: [i64; 2],
+    /// The cells of one quadrant, on a grid that begins at the lens axis.
+    pub(crate) quadrant: Cells,
+    /// The one in the quadrant of every cell.
+    images: Vec<u32>,
+    /// The cell that stands for its images, for every cell of the quadrant.
+    own: Vec<u32>,
+}
+
+impl Mirrors {
+    /// Place of a pillar in cells of the coarse grid from the lens axis, of that from the corner.
+    pub(crate) fn from_axis(&self, place: [i64; 2]) -> [i64; 2] {
+        [0, 1].map(|k| place[k] - self.axis[k])
+    }
+
+    /// The mean of images.
+    pub(crate) fn fold(&self, of_cells: &[f64], of_quadrant: &mut [f64]) {
+        of_quadrant.fill(0.0);
+        for (value, image) in of_cells.iter().zip(&self.images) {
+            of_quadrant[*image as usize] += 0.25 * value;
+        }
+    }
+
+    /// The same for all images.
+    pub(crate) fn unfold<T: Copy>(&self, of_quadrant: &[T], of_cells: &mut [T]) {
+        for (value, image) in of_cells.iter_mut().zip(&self.images) {
+            *value = of_quadrant[*image as usize];
+        }
+    }
+
+    /// What the cells of the quadrant have, for all their images.
+    pub(crate) fn mirror<T: Copy>(&self, of_cells: &mut [T]) {
+        let own: Vec<T> = self
+            .own
+            .iter()
+            .map(|cell| of_cells[*cell as usize])
+            .collect();
+        self.unfold(&own, of_cells);
+    }
 }
 
 impl FloorGrid {
@@ -124,6 +172,59 @@ impl FloorGrid {
             corner,
             cells,
             radius,
+            mirrors: None,
+        })
+    }
+
+    /// The same, of cells that are mirror images of each other where the pillars of the field are.
+    pub(crate) fn with_mirrors(mut self, field: &PillarField) -> Self {
+        self.mirrors = self.find_mirrors(field).map(Arc::new);
+        self
+    }
+
+    fn find_mirrors(&self, field: &PillarField) -> Option<Mirrors> {
+        let from_first = field.mirrored_at()?;
+        let axis = [0, 1].map(|k| from_first[k] - self.corner[k]);
+        let grid = self.cells.grid();
+        let shape = [grid.columns(), grid.rows()];
+        // The first column and row beyond the lens axis.
+        let first = [0, 1].map(|k| axis[k] * self.division.parts[k] as i64);
+        let sides = [0, 1].map(|k| usize::try_from(shape[k] as i64 - first[k]).ok());
+        let [columns, rows] = [sides[0]?, sides[1]?];
+        let quadrant = Grid::new(columns, rows, self.division.cell, [0.0; 2]).ok()?;
+        let image = |at: usize, k: usize| {
+            let beyond = at as i64 - first[k];
+            beyond.max(-1 - beyond) as usize
+        };
+        let mut counts = vec![0_u8; quadrant.cell_count()];
+        for (column, row) in self.cells.positions() {
+            let (column, row) = (image(column, 0), image(row, 1));
+            if column >= columns || row >= rows {
+                return None;
+            }
+            counts[row * columns + column] += 1;
+        }
+        if !counts.iter().all(|count| [0, 4].contains(count)) {
+            // By rounding.
+            return None;
+        }
+        let cells = Cells::where_true(&quadrant, |index| counts[index] > 0);
+        let mut places = vec![0; counts.len()];
+        for (place, index) in cells.indices().enumerate() {
+            places[index] = place as u32;
+        }
+        let mut own = vec![0; cells.len()];
+        let positions = self.cells.positions().enumerate();
+        let images = positions.map(|(cell, (column, row))| {
+            let place = places[image(row, 1) * columns + image(column, 0)];
+            own[place as usize] = cell as u32;
+            place
+        });
+        Some(Mirrors {
+            axis,
+            images: images.collect(),
+            own,
+            quadrant: cells,
         })
     }
 
@@ -210,7 +311,6 @@ pub(super) mod tests {
     use super::*;
     use crate::problem::HexagonalLattice;
     use crate::problem::pillar_field::{PillarBody, PillarList, PlaneLattice};
-    use std::sync::Arc;
 
     pub(in crate::halfspace::floor) fn hexagonal(lattice: HexagonalLattice) -> PillarField {
         PillarField::Hexagonal {

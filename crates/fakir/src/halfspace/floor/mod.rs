@@ -15,4 +15,5 @@ pub(crate) mod grid;
 pub(crate) mod kernels;
 pub(crate) mod load;
 mod meeting;
+mod mirrored;
 mod table;

@@ -25,6 +25,8 @@ pub(crate) struct FloorCells<'a> {
     bears: Vec<bool>,
     inverse: PeriodicInverse<'a, f32>,
     masked: Vec<f64>,
+    /// Of the quadrant of a floor with mirror images: what is left on it, and what makes it vanish.
+    quadrant: [Vec<f64>; 2],
 }
 
 /// What an update changed.
@@ -38,9 +40,15 @@ pub(crate) struct FloorChange {
 impl<'a> FloorCells<'a> {
     /// No cell bears pressure.
     pub(crate) fn new(grid: FloorGrid, pool: Option<&'a ThreadPool>) -> Self {
+        let quadrant = grid.mirrors.as_ref().map(|mirrors| &mirrors.quadrant);
+        let room = || vec![0.0; quadrant.map_or(0, Cells::len)];
         Self {
             bears: vec![false; grid.len()],
-            inverse: PeriodicInverse::of_means(grid.cells.clone(), pool),
+            inverse: match quadrant {
+                Some(cells) => PeriodicInverse::of_mirrored_means(cells.clone(), pool),
+                None => PeriodicInverse::of_means(grid.cells.clone(), pool),
+            },
+            quadrant: [room(), room()],
             masked: vec![0.0; grid.len()],
             grid,
         }
@@ -89,6 +97,14 @@ impl<'a> FloorCells<'a> {
         for (state, bears) in self.bears.iter_mut().zip(bears) {
             *state = bears;
         }
+        self.mirror();
+    }
+
+    /// Mirror images are in the same state, whatever rounding says.
+    fn mirror(&mut self) {
+        if let Some(mirrors) = &self.grid.mirrors {
+            mirrors.mirror(&mut self.bears);
+        }
     }
 
     /// Says whether one of them does.
@@ -119,6 +135,7 @@ impl<'a> FloorCells<'a> {
             }
             change.cells += usize::from(before != *bears);
         }
+        self.mirror();
         change
     }
 
@@ -171,7 +188,15 @@ impl<T: Rule> Rule for Places<'_, '_, T> {
         if let Some(floor) = &mut self.floor {
             floor.masked.copy_from_slice(&residual[tops..]);
             FloorCells::mask(&floor.bears, &mut floor.masked);
-            floor.inverse.apply(&floor.masked, of_floor);
+            match &floor.grid.mirrors {
+                Some(mirrors) => {
+                    let [left, pressure] = &mut floor.quadrant;
+                    mirrors.fold(&floor.masked, left);
+                    floor.inverse.apply(left, pressure);
+                    mirrors.unfold(pressure, of_floor);
+                }
+                None => floor.inverse.apply(&floor.masked, of_floor),
+            }
             FloorCells::mask(&floor.bears, of_floor);
         }
     }

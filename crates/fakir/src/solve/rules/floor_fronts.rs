@@ -21,9 +21,10 @@
 
 use super::floor::FloorCells;
 use super::fronts::Works;
-use crate::halfspace::floor::grid::FloorGrid;
+use crate::halfspace::floor::grid::{FloorGrid, Mirrors};
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Standard deviations of the Gaussians of the distance and of the average, cells.
 const SMOOTHING: f64 = 1.2;
@@ -130,6 +131,8 @@ pub(crate) struct FloorFronts {
     gaps: Vec<f64>,
     /// Cells not to be taken in again.
     banned: Vec<bool>,
+    /// Which cells are mirror images of each other: those move together, whatever rounding says.
+    mirrors: Option<Arc<Mirrors>>,
 }
 
 /// A value `k` of `K` at `u`, with its weight: the weight times `1, u, u^2, k, k u`, and the change of both last ones with the curvature of the front.
@@ -311,6 +314,7 @@ impl FloorFronts {
             slopes: Box::new(slopes(AVERAGE)),
             data: vec![Datum::default(); size],
             known: Vec::new(),
+            mirrors: grid.mirrors.clone(),
         }
     }
 
@@ -547,6 +551,15 @@ impl FloorFronts {
             {
                 moves.push(cell);
             }
+        }
+        if let Some(mirrors) = &self.mirrors {
+            let mut moved = vec![false; bonded.len()];
+            for cell in &moves {
+                moved[*cell] = true;
+            }
+            mirrors.mirror(&mut moved);
+            let images = moved.iter().enumerate().filter(|(_, moved)| **moved);
+            moves = images.map(|(cell, _)| cell).collect();
         }
         if which == FloorMove::TakeBack {
             for cell in &moves {

@@ -1,0 +1,303 @@
+//! The [coupling](super::coupling) of a floor and pillars that are their own mirror images along x and along y at the lens axis: by the cells of one quadrant.
+//!
+//! Turned back by half a cell the transforms of all that is even are real and even themselves. So the transform of the floor is one of
+//! [cosines](CosinePlans), of a quarter of the numbers, and so are what the floor does to itself, `S^ F^`, and what a mode of the pillars does to
+//! the floor: of its coefficients, which are even or odd along x and y as the mode is, the real part of the transform counts where the kernel is real, and minus the
+//! imaginary one where it is imaginary.
+
+use super::coarse::Coarse;
+use super::coupling::{BesidePillars, Together};
+use super::grid::Division;
+use crate::halfspace::elements::convolution::{
+    BLOCK_WIDTH, ColumnBlock, Transform, Workspace, line_stride,
+};
+use crate::numerics::cosine::CosinePlans;
+use crate::numerics::fft::Real;
+use crate::numerics::vector::{LANES, widest};
+use rustfft::num_complex::Complex;
+use std::sync::{Mutex, PoisonError, RwLock};
+
+/// Rows are held in such numbers.
+const TOGETHER: usize = 2 * LANES;
+
+/// Transforms and kernels of a quadrant.
+pub(super) struct Mirrored<R> {
+    pub(super) division: Division,
+    pub(super) degree: Option<usize>,
+    /// Columns and rows of the quadrant, and of the coarse grid.
+    shape: [usize; 2],
+    pub(super) coarse: [usize; 2],
+    plans: CosinePlans<R>,
+    /// Whether kernels of modes are imaginary, and whether the modes are odd along x, and along y.
+    odd: Vec<bool>,
+    parities: Vec<[bool; 2]>,
+    /// Of both real columns of every complex one, every kernel, that of the floor first: its rows, [`held`](Self::held) of them.
+    kernel: Vec<R>,
+    /// Of the pillars' coefficients, for every coarse column, every mode: its rows.
+    tops: RwLock<Vec<R>>,
+    /// Of both real columns of every complex one, every mode: folded rows; in blocks.
+    folded: Vec<Mutex<Vec<R>>>,
+}
+
+impl<R: Real> Mirrored<R> {
+    /// The quadrant of a whole.
+    pub(super) fn of(whole: &Together<f64>, parities: Vec<[bool; 2]>) -> Self {
+        let shape = whole.shape.map(|length| length / 2);
+        let [columns, rows] = shape;
+        let plans = CosinePlans::new(rows, columns);
+        let held = rows.next_multiple_of(TOGETHER);
+        let kernels = 1 + parities.len();
+        let stride = whole.kernel.len() / (columns + 1);
+        let mut kernel = vec![R::default(); 2 * plans.column_count() * kernels * held];
+        let mut columns_of = kernel.chunks_exact_mut(kernels * held);
+        for complex in 0..plans.column_count() {
+            for column in [complex, columns - complex] {
+                let Some(to) = columns_of.next() else {
+                    continue;
+                };
+                let from = &whole.kernel[column * stride..][..stride];
+                for (to, from) in to
+                    .chunks_exact_mut(held)
+                    .zip(from.chunks_exact(stride / kernels))
+                {
+                    for (to, from) in to.iter_mut().zip(&from[..rows]) {
+                        *to = R::of(*from);
+                    }
+                }
+            }
+        }
+        let of_column = (2 * parities.len() * whole.coarse[1]).max(1);
+        let widths = (0..plans.column_count()).step_by(BLOCK_WIDTH);
+        let folded = widths.map(|first| {
+            let width = BLOCK_WIDTH.min(plans.column_count() - first);
+            Mutex::new(vec![R::default(); width * of_column])
+        });
+        Self {
+            division: whole.division,
+            degree: whole.degree,
+            shape,
+            coarse: whole.coarse,
+            odd: whole.odd.clone(),
+            kernel,
+            tops: RwLock::new(vec![
+                R::default();
+                whole.coarse[0] * parities.len() * whole.coarse[1]
+            ]),
+            folded: folded.collect(),
+            parities,
+            plans,
+        }
+    }
+
+    /// Rows of a column that are held: those of the quadrant, and some zeros.
+    fn held(&self) -> usize {
+        self.shape[1].next_multiple_of(TOGETHER)
+    }
+
+    /// One real column of the floor's transform meets that of the pillars.
+    #[inline(always)]
+    fn meet(&self, kernel: &[R], tops: &[R], values: &mut [R], sums: &mut [R], folded: &mut [R]) {
+        let coarse = self.coarse[1];
+        let (of_floor, of_modes) = kernel.split_at(values.len());
+        for ((sum, value), kernel) in sums.iter_mut().zip(&*values).zip(of_floor) {
+            *sum = *value * *kernel;
+        }
+        // Folded rows are met by those beyond the first too, which mirror them; the first one mirrors itself.
+        values[0] = values[0] * R::of(0.5);
+        let column = Column {
+            rows: self.shape[1],
+            coarse,
+            kernels: of_modes,
+            tops,
+            floor: values,
+        };
+        if coarse.is_multiple_of(2 * LANES) {
+            column.meet_all::<{ 2 * LANES }>(self.odd.len(), sums, folded);
+        } else {
+            column.meet_all::<LANES>(self.odd.len(), sums, folded);
+        }
+    }
+}
+
+/// Pillars' modes and the rows of a real column, which are several times those of the coarse grid.
+struct Column<'a, R> {
+    /// Rows, and those of the coarse grid.
+    rows: usize,
+    coarse: usize,
+    /// Of every mode the kernel.
+    kernels: &'a [R],
+    /// Coefficients of every mode.
+    tops: &'a [R],
+    floor: &'a [R],
+}
+
+impl<R: Real> Column<'_, R> {
+    /// All modes, four of them or two or one at a time.
+    #[inline(always)]
+    fn meet_all<const L: usize>(&self, modes: usize, sums: &mut [R], folded: &mut [R]) {
+        let mut mode = 0;
+        while mode + 4 <= modes {
+            self.multiply_add::<L, 4>(mode, sums, folded);
+            mode += 4;
+        }
+        while mode + 2 <= modes {
+            self.multiply_add::<L, 2>(mode, sums, folded);
+            mode += 2;
+        }
+        if mode < modes {
+            self.multiply_add::<L, 1>(mode, sums, folded);
+        }
+    }
+
+    /// `sums += kernel tops` over `N` modes from the first on and `folded = kernel floor` for each in all rows; the rows of `tops` and `folded` repeat.
+    /// Their number is a multiple of `L`.
+    #[inline(always)]
+    fn multiply_add<const L: usize, const N: usize>(
+        &self,
+        mode: usize,
+        sums: &mut [R],
+        folded: &mut [R],
+    ) {
+        let held = self.floor.len();
+        let kernels: [&[R]; N] =
+            std::array::from_fn(|n| &self.kernels[(mode + n) * held..][..held]);
+        for first in (0..self.coarse).step_by(L) {
+            let place = |n: usize| (mode + n) * self.coarse + first;
+            let mut tops = [[R::default(); L]; N];
+            for (n, tops) in tops.iter_mut().enumerate() {
+                tops.copy_from_slice(&self.tops[place(n)..][..L]);
+            }
+            let mut folds = [[R::default(); L]; N];
+            for row in (first..self.rows).step_by(self.coarse) {
+                let mut floor = [R::default(); L];
+                floor.copy_from_slice(&self.floor[row..][..L]);
+                let mut total = [R::default(); L];
+                total.copy_from_slice(&sums[row..][..L]);
+                for n in 0..N {
+                    let kernel = &kernels[n][row..][..L];
+                    for k in 0..L {
+                        total[k] = total[k] + kernel[k] * tops[n][k];
+                        folds[n][k] = folds[n][k] + kernel[k] * floor[k];
+                    }
+                }
+                sums[row..][..L].copy_from_slice(&total);
+            }
+            for (n, folds) in folds.iter().enumerate() {
+                folded[place(n)..][..L].copy_from_slice(folds);
+            }
+        }
+    }
+}
+
+impl<R: Real> Transform for Mirrored<R> {
+    type Real = R;
+
+    fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+
+    fn column_count(&self) -> usize {
+        self.plans.column_count()
+    }
+
+    fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
+        self.plans.row_forward(row, spectrum, scratch);
+    }
+
+    fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
+        self.plans.row_back(spectrum, row, scratch);
+    }
+
+    fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {
+        let [_, rows] = self.shape;
+        let [coarse_columns, coarse] = self.coarse;
+        let (modes, held) = (self.odd.len(), self.held());
+        let stride = line_stride(rows);
+        let lines = &mut work.lines[..block.width * stride];
+        block.read_to(lines, stride, |row| self.plans.place_of(row));
+        let tops = self.tops.read().unwrap_or_else(PoisonError::into_inner);
+        let mut folded = self.folded[block.first / BLOCK_WIDTH]
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let folded = folded.chunks_exact_mut((2 * modes * coarse).max(1));
+        let kernels = (1 + modes) * held;
+        let (values, sums) = work.reals.split_at_mut(2 * held);
+        for (k, (line, folded)) in lines.chunks_exact_mut(stride).zip(folded).enumerate() {
+            let (line, complex) = (&mut line[..rows], block.first + k);
+            let (first, second) = values.split_at_mut(held);
+            for values in [&mut *first, &mut *second] {
+                values[rows..].fill(R::default());
+            }
+            let parts = [&mut first[..rows], &mut second[..rows]];
+            self.plans.column_forward(line, parts, &mut work.scratch);
+            let (one, other) = self.plans.columns_of(complex);
+            let (first_sums, second_sums) = sums.split_at_mut(held);
+            let (first_folded, second_folded) = folded.split_at_mut(modes * coarse);
+            let columns = [
+                (Some(one), first, &mut *first_sums, first_folded),
+                (other, second, &mut *second_sums, second_folded),
+            ];
+            for (part, (column, values, sums, folded)) in columns.into_iter().enumerate() {
+                let Some(column) = column else {
+                    continue;
+                };
+                let kernel = &self.kernel[(2 * complex + part) * kernels..][..kernels];
+                let tops = &tops[column % coarse_columns * modes * coarse..][..modes * coarse];
+                widest(
+                    #[inline(always)]
+                    || self.meet(kernel, tops, values, sums, folded),
+                );
+            }
+            if other.is_none() {
+                if complex == 0 {
+                    second_sums.fill(R::default());
+                } else {
+                    second_sums.copy_from_slice(first_sums);
+                }
+            }
+            let parts = [&first_sums[..rows], &second_sums[..rows]];
+            self.plans.column_back(parts, line, &mut work.scratch);
+        }
+        block.write_from(lines, stride, |row| self.plans.place_of(row));
+    }
+
+    fn scratch_len(&self) -> usize {
+        self.plans.scratch_len()
+    }
+
+    fn columns_at_once(&self) -> usize {
+        1
+    }
+
+    fn real_count(&self) -> usize {
+        4 * self.held()
+    }
+}
+
+impl<R: Real> BesidePillars for Mirrored<R> {
+    fn odd(&self) -> &[bool] {
+        &self.odd
+    }
+
+    fn put_pillars(
+        &self,
+        coarse: &mut Coarse,
+        places: &[Option<usize>],
+        tops: &[f64],
+        modes: usize,
+    ) {
+        let mut spectra = self.tops.write().unwrap_or_else(PoisonError::into_inner);
+        for (mode, (odd, parities)) in self.odd.iter().zip(&self.parities).enumerate() {
+            let values = tops.iter().skip(mode).step_by(modes);
+            coarse.put(places, values);
+            coarse.mirror(*parities);
+            coarse.transform();
+            coarse.write_real(mode, *odd, &mut spectra);
+        }
+    }
+
+    fn gather(&self, coarse: &mut Coarse) {
+        let columns = |complex: usize| self.plans.columns_of(complex);
+        coarse.gather_real(columns, &self.parities, &self.folded);
+    }
+}
