@@ -647,7 +647,13 @@ pub(super) fn checked_floor(
         });
     }
     let grid = FloorGrid::new(&scene.field, division, radius);
-    Ok(grid.map(|grid| grid.with_mirrors(&scene.field)))
+    Ok(grid.map(|grid| {
+        if scene.lens.is_axisymmetric() {
+            grid.with_mirrors(&scene.field)
+        } else {
+            grid
+        }
+    }))
 }
 
 /// Solves on one grid, with windows large enough.
@@ -900,13 +906,14 @@ mod tests {
                 ..problem()
             };
             let indentation = 1.5;
-            let step = 1e-3;
+            // What the difference itself is wrong by goes with its square: 2e-6 at twice the step.
+            let step = 5e-4;
             let [before, at, after] =
                 [-step, 0.0, step].map(|by| level(&scene, indentation + by, fineness));
             let slope = (before.energy - after.energy) / (2.0 * step);
             let off = (slope / at.force - 1.0).abs();
             println!("{off:e}, share {}", at.floor_force / at.force);
-            assert!(off < 2e-6, "{slope} {}", at.force);
+            assert!(off < 1e-6, "{slope} {}", at.force);
             assert!(at.floor_force > 0.1 * at.force);
         }
     }

@@ -123,6 +123,7 @@ pub(crate) struct FloorCoupling<'a> {
     modes: usize,
     pillars: Pillars,
     products: Products<'a>,
+    folding: Option<Folding>,
 }
 
 /// Products with the floor, in double precision and in single.
@@ -135,7 +136,6 @@ enum Products<'a> {
     Mirrored {
         exact: Convolution<'a, Mirrored<f64>>,
         rough: Convolution<'a, Mirrored<f32>>,
-        folding: Folding,
     },
 }
 
@@ -298,7 +298,7 @@ impl<'a> FloorCoupling<'a> {
                 let [x, y] = sites.centres()[pillar];
                 let place = grid.place_of(sites.index(pillar))?;
                 let [u, v] = match &grid.mirrors {
-                    Some(mirrors) => mirrors.from_axis(place),
+                    Some(mirrors) => mirrors.place_from_axis(place),
                     None => place,
                 };
                 let wrapped = |at: i64, k: usize| at.rem_euclid(coarse[k] as i64) as usize;
@@ -317,6 +317,11 @@ impl<'a> FloorCoupling<'a> {
             modes,
             pillars,
             products: Products::new(grid, kernels, pool),
+            folding: grid.mirrors.as_ref().map(|mirrors| Folding {
+                mirrors: Arc::clone(mirrors),
+                values: vec![0.0; mirrors.quadrant.len()],
+                transformed: vec![0.0; mirrors.quadrant.len()],
+            }),
         }
     }
 
@@ -374,23 +379,19 @@ impl<'a> FloorCoupling<'a> {
 
     /// Adds to the loads on pillar tops, and sets those on floor cells.
     fn apply(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
-        let pillars = (&mut self.pillars, self.modes);
+        let floor = (&mut self.folding, &mut self.pillars, self.modes);
         match &mut self.products {
-            Products::Whole { exact, .. } => apply(exact, None, pillars, coefficients, far),
-            Products::Mirrored { exact, folding, .. } => {
-                apply(exact, Some(folding), pillars, coefficients, far);
-            }
+            Products::Whole { exact, .. } => apply(exact, floor, coefficients, far),
+            Products::Mirrored { exact, .. } => apply(exact, floor, coefficients, far),
         }
     }
 
     /// The same in single precision.
     fn apply_roughly(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
-        let pillars = (&mut self.pillars, self.modes);
+        let floor = (&mut self.folding, &mut self.pillars, self.modes);
         match &mut self.products {
-            Products::Whole { rough, .. } => apply(rough, None, pillars, coefficients, far),
-            Products::Mirrored { rough, folding, .. } => {
-                apply(rough, Some(folding), pillars, coefficients, far);
-            }
+            Products::Whole { rough, .. } => apply(rough, floor, coefficients, far),
+            Products::Mirrored { rough, .. } => apply(rough, floor, coefficients, far),
         }
     }
 }
@@ -403,11 +404,6 @@ impl<'a> Products<'a> {
                 Self::Mirrored {
                     exact: Convolution::new(cells.clone(), [0, 0], exact, pool),
                     rough: Convolution::new(cells.clone(), [0, 0], rough, pool),
-                    folding: Folding {
-                        mirrors: Arc::clone(mirrors),
-                        values: vec![0.0; cells.len()],
-                        transformed: vec![0.0; cells.len()],
-                    },
                 }
             }
             (Kernels::Whole(exact, rough), _) => Self::Whole {
@@ -424,7 +420,7 @@ impl<'a> Products<'a> {
 /// Convolves the floor, by its quadrant if there is one.
 fn convolve<T: Transform>(
     convolution: &mut Convolution<'_, T>,
-    folding: Option<&mut Folding>,
+    folding: &mut Option<Folding>,
     floor: &[f64],
     far_floor: &mut [f64],
 ) {
@@ -443,8 +439,7 @@ fn convolve<T: Transform>(
 
 fn apply<T: Transform + BesidePillars>(
     convolution: &mut Convolution<'_, T>,
-    folding: Option<&mut Folding>,
-    (pillars, modes): (&mut Pillars, usize),
+    (folding, pillars, modes): (&mut Option<Folding>, &mut Pillars, usize),
     [tops, floor]: [&[f64]; 2],
     [far_tops, far_floor]: [&mut [f64]; 2],
 ) {

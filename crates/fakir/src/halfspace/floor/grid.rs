@@ -99,7 +99,7 @@ pub(crate) struct Mirrors {
 
 impl Mirrors {
     /// Place of a pillar in cells of the coarse grid from the lens axis, of that from the corner.
-    pub(crate) fn from_axis(&self, place: [i64; 2]) -> [i64; 2] {
+    pub(crate) fn place_from_axis(&self, place: [i64; 2]) -> [i64; 2] {
         [0, 1].map(|k| place[k] - self.axis[k])
     }
 
