@@ -74,7 +74,10 @@ impl<'a> Path<'a> {
         let mut fronts = FloorFronts::new(&cells.grid, self.works.times(self.variation.works));
         let unit_cell = cells.unit_cell();
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
-        let known: Vec<Option<[f64; 2]>> = centres.into_iter().map(known).collect();
+        let mut known: Vec<Option<[f64; 2]>> = centres.into_iter().map(known).collect();
+        if let Some(mirrors) = &cells.grid.mirrors {
+            mirrors.mirror(&mut known);
+        }
         for (cell, pressure) in known.iter().enumerate() {
             fronts.set(&mut cells, cell, pressure.is_some());
         }
@@ -128,7 +131,10 @@ impl<'a> Path<'a> {
         let Some((nearest, _)) = nearest else {
             return;
         };
-        let loads: Vec<f64> = self.contact.floor_load().collect();
+        let mut loads: Vec<f64> = self.contact.floor_load().collect();
+        if let Some(mirrors) = &floor.cells.grid.mirrors {
+            mirrors.mirror(&mut loads);
+        }
         let around = floor.fronts.around(nearest);
         let least = around.map(|cell| loads[cell]).fold(f64::INFINITY, f64::min);
         for (cell, load) in loads.iter().enumerate() {

@@ -118,6 +118,13 @@ impl Mirrors {
         }
     }
 
+    /// The mean of images, for all of them.
+    pub(crate) fn average(&self, of_cells: &mut [f64]) {
+        let mut means = vec![0.0; self.own.len()];
+        self.fold(of_cells, &mut means);
+        self.unfold(&means, of_cells);
+    }
+
     /// What the cells of the quadrant have, for all their images.
     pub(crate) fn mirror<T: Copy>(&self, of_cells: &mut [T]) {
         let own: Vec<T> = self

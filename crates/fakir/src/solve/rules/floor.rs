@@ -167,6 +167,10 @@ impl<T: Rule> Rule for Places<'_, '_, T> {
         self.tops.respond(&load[..tops], of_tops, workers);
         if let Some(floor) = &self.floor {
             FloorCells::mask(&floor.bears, of_floor);
+            if let Some(mirrors) = &floor.grid.mirrors {
+                // By what images differ in nothing would be moved, so that it would stay for ever.
+                mirrors.average(of_floor);
+            }
         }
     }
 
