@@ -5,6 +5,24 @@ use crate::numerics::fft::{Real, RealPlans};
 use rustfft::num_complex::Complex64;
 use std::sync::{Mutex, PoisonError};
 
+/// Transforms of the floor that meet those of pillars on the coarse grid.
+pub(super) trait BesidePillars {
+    /// Whether the kernels of the coupled modes are imaginary.
+    fn odd(&self) -> &[bool];
+
+    /// Transforms the coefficients of pillars, of so many modes each.
+    fn put_pillars(
+        &self,
+        coarse: &mut Coarse,
+        places: &[Option<usize>],
+        tops: &[f64],
+        modes: usize,
+    );
+
+    /// Adds up what the floor does to pillars.
+    fn gather(&self, coarse: &mut Coarse);
+}
+
 /// Transforms over the coarse grid, with room.
 pub(super) struct Coarse {
     shape: [usize; 2],

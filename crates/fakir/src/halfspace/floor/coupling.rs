@@ -14,36 +14,28 @@
 //! A kernel `W_i` is even or odd in `x` and in `y` about the pillar, which is half a cell from the nearest cell centres: up to a phase
 //! its transform is real or imaginary, and kept as one real number.
 //!
+//! Where all is its own mirror image along x and along y, [one quadrant](super::mirrored) makes the products of the [whole](super::whole).
+//!
 //! What pillars that stand anywhere do to the floor is a [table](super::table) of every pillar and every cell; the floor's own part remains a
 //! convolution.
 
-use super::coarse::Coarse;
+use super::coarse::{BesidePillars, Coarse};
 use super::grid::{Division, FloorGrid, Mirrors};
-use super::kernels::{PillarMeans, Rectangles};
-use super::meeting::{Meeting, halves, put, take, turn, unfold};
 use super::mirrored::Mirrored;
 use super::table::PillarTable;
+use super::whole::{Together, kernel_rows};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::sites::Sites;
-use crate::halfspace::disc::basis::{Mode, mode_count};
-use crate::halfspace::elements::convolution::{
-    BLOCK_WIDTH, ColumnBlock, Convolution, Transform, Workspace, line_stride,
-};
-use crate::numerics::fft::{Real, RealPlans};
-use crate::numerics::vector::{LANES, widest};
+use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::elements::convolution::{Convolution, Transform};
 use crate::numerics::workers::Workers;
 use crate::problem::layer::WeightedLayer;
 use rayon::ThreadPool;
-use rustfft::num_complex::{Complex, Complex64};
-use std::f64::consts::PI;
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::sync::Arc;
 
 /// Numbers of a table of pillars that are multiplied in the time that a point of a transform takes, about.
 const NUMBERS_PER_POINT: f64 = 20.0;
-
-/// Rows of kernels a thread takes at a time, at the least.
-const KERNEL_ROWS: usize = 4;
 
 /// The coupling of pillar tops with each other and, where it is touched, with the floor.
 pub(crate) struct SurfaceCoupling<'a> {
@@ -184,11 +176,6 @@ impl PillarExtent {
     }
 }
 
-/// Rows of a kernel that are held: the others mirror them.
-fn kernel_rows(rows: usize) -> usize {
-    rows / 2 + 1
-}
-
 /// What it takes longest to make, to be used again: in double precision and in single.
 #[derive(Clone)]
 pub(crate) struct FloorKernels(Kernels);
@@ -212,10 +199,7 @@ impl FloorKernels {
             let rough = Arc::new(whole.rounded());
             return Self(Kernels::Whole(Arc::new(whole), rough));
         }
-        let modes = degree.map_or_else(Vec::new, crate::halfspace::disc::basis::modes);
-        let parities: Vec<[bool; 2]> = modes.iter().map(parities).collect();
-        let exact = Mirrored::of(&whole, parities.clone());
-        let rough = Mirrored::of(&whole, parities);
+        let (exact, rough) = (Mirrored::of(&whole), Mirrored::of(&whole));
         Self(Kernels::Mirrored(Arc::new(exact), Arc::new(rough)))
     }
 
@@ -230,48 +214,6 @@ impl FloorKernels {
             && own_degree == degree
             && mirrored == grid.mirrors.is_some()
     }
-}
-
-/// Transforms of the floor that meet those of pillars on the coarse grid.
-pub(super) trait BesidePillars {
-    /// Whether the kernels of the coupled modes are imaginary.
-    fn odd(&self) -> &[bool];
-
-    /// Transforms the coefficients of pillars, of so many modes each.
-    fn put_pillars(
-        &self,
-        coarse: &mut Coarse,
-        places: &[Option<usize>],
-        tops: &[f64],
-        modes: usize,
-    );
-
-    /// Adds up what the floor does to pillars.
-    fn gather(&self, coarse: &mut Coarse);
-}
-
-/// Transforms and kernels of the fine grid, and how it meets the coarse one.
-pub(super) struct Together<R> {
-    pub(super) division: Division,
-    /// Of the modes of pillars on the coarse grid; none where they do not stand on it.
-    pub(super) degree: Option<usize>,
-    /// Columns and rows of the fine grid and of the coarse one.
-    pub(super) shape: [usize; 2],
-    pub(super) coarse: [usize; 2],
-    plans: RealPlans<R>,
-    /// Whether the kernels of the coupled modes are imaginary, and the modes where they are not and where they are.
-    pub(super) odd: Vec<bool>,
-    alike: [Vec<usize>; 2],
-    /// Sign of the kernel of each in the rows of the other half, which mirror those of the first.
-    mirrored: Vec<R>,
-    /// For every column, every kernel, that of the floor first: its rows, [`kernel_rows`] of them. With the normalisation of all transforms.
-    pub(super) kernel: Vec<R>,
-    /// `exp(i theta/2)` for every column and for every row.
-    phases: [Vec<Complex<R>>; 2],
-    /// Transforms of the pillars' coefficients: for every coarse column, every mode, the real parts of its rows, then the imaginary ones.
-    tops: RwLock<Vec<R>>,
-    /// For every block of columns, every column, every mode: folded rows, likewise.
-    folded: Vec<Mutex<Vec<R>>>,
 }
 
 impl<'a> FloorCoupling<'a> {
@@ -465,455 +407,18 @@ fn apply<T: Transform + BesidePillars>(
     }
 }
 
-impl<R: Real> BesidePillars for Together<R> {
-    fn odd(&self) -> &[bool] {
-        &self.odd
-    }
-
-    fn put_pillars(
-        &self,
-        coarse: &mut Coarse,
-        places: &[Option<usize>],
-        tops: &[f64],
-        modes: usize,
-    ) {
-        let mut spectra = self.tops.write().unwrap_or_else(PoisonError::into_inner);
-        for mode in 0..self.odd.len() {
-            coarse.put(places, tops.iter().skip(mode).step_by(modes));
-            coarse.transform();
-            coarse.write(mode, &mut spectra);
-        }
-    }
-
-    fn gather(&self, coarse: &mut Coarse) {
-        coarse.gather(self.shape[0], &self.folded);
-    }
-}
-
-/// Whether a mode is odd in x, and in y.
-fn parities(mode: &Mode) -> [bool; 2] {
-    [(mode.order + usize::from(mode.sine)) % 2 == 1, mode.sine]
-}
-
-/// Zeros for every column, in blocks.
-fn folded_room<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> {
-    let of_column = of_column.max(1);
-    (0..columns)
-        .step_by(BLOCK_WIDTH)
-        .map(|first| {
-            let width = BLOCK_WIDTH.min(columns - first);
-            Mutex::new(vec![R::default(); width * of_column])
-        })
-        .collect()
-}
-
-/// Whether the transform of its kernel is imaginary.
-fn is_imaginary(mode: &Mode) -> bool {
-    mode.degree % 2 == 1
-}
-
-impl Together<f64> {
-    fn new(
-        division: &Division,
-        coarse: [usize; 2],
-        degree: Option<usize>,
-        layers: &[WeightedLayer],
-        workers: Workers<'_>,
-    ) -> Self {
-        let shape = [0, 1].map(|k| coarse[k] * division.parts[k]);
-        let [columns, rows] = shape;
-        let half = columns / 2 + 1;
-        let phase =
-            |k: usize, length: usize| Complex64::from_polar(1.0, PI * k as f64 / length as f64);
-        let modes = degree.map_or_else(Vec::new, crate::halfspace::disc::basis::modes);
-        let mut together = Self {
-            division: *division,
-            degree,
-            shape,
-            coarse,
-            plans: RealPlans::new(rows, columns),
-            odd: modes.iter().map(is_imaginary).collect(),
-            alike: [false, true].map(|odd| {
-                let alike = |mode: &usize| is_imaginary(&modes[*mode]) == odd;
-                (0..modes.len()).filter(alike).collect()
-            }),
-            mirrored: modes
-                .iter()
-                .map(|mode| if parities(mode)[1] { 1.0 } else { -1.0 })
-                .collect(),
-            kernel: vec![0.0; half * (1 + modes.len()) * kernel_rows(rows)],
-            phases: [
-                (0..half).map(|k| phase(k, columns)).collect(),
-                (0..rows).map(|k| phase(k, rows)).collect(),
-            ],
-            tops: RwLock::new(vec![0.0; 2 * coarse[0] * modes.len() * coarse[1]]),
-            folded: folded_room(half, 2 * modes.len() * coarse[1]),
-        };
-        together.fill_kernels(&modes, layers, workers);
-        together
-    }
-
-    /// The same in single precision.
-    fn rounded(&self) -> Together<f32> {
-        let [columns, rows] = self.shape;
-        let real = |values: &[f64]| values.iter().map(|value| f32::of(*value)).collect();
-        let complex = |values: &Vec<Complex64>| {
-            let of = |value: &Complex64| Complex::new(f32::of(value.re), f32::of(value.im));
-            values.iter().map(of).collect()
-        };
-        Together {
-            division: self.division,
-            degree: self.degree,
-            shape: self.shape,
-            coarse: self.coarse,
-            plans: RealPlans::new(rows, columns),
-            odd: self.odd.clone(),
-            alike: self.alike.clone(),
-            mirrored: real(&self.mirrored),
-            kernel: real(&self.kernel),
-            phases: self.phases.each_ref().map(complex),
-            tops: RwLock::new(vec![
-                0.0;
-                2 * self.coarse[0] * self.odd.len() * self.coarse[1]
-            ]),
-            folded: folded_room(columns / 2 + 1, 2 * self.odd.len() * self.coarse[1]),
-        }
-    }
-
-    fn fill_kernels(&mut self, modes: &[Mode], layers: &[WeightedLayer], workers: Workers<'_>) {
-        let (division, degree) = (&self.division, self.degree);
-        let [columns, rows] = self.shape;
-        let half = columns / 2 + 1;
-        let kernels = 1 + modes.len();
-        // Rows of the quadrant, those of the floor at whole cells and those of pillars at half cells, transformed along x.
-        let quadrant = rows / 2 + 1;
-        let rectangles = Rectangles::new(division, layers);
-        let mut transformed = vec![0.0; quadrant * kernels * half];
-        let [phases_x, phases_y] = &self.phases;
-        let plan = &self.plans.row;
-        let work = || KernelWork {
-            values: vec![0.0; kernels * columns],
-            means: degree.map(|degree| PillarMeans::new(division, degree, layers)),
-            spectrum: plan.make_output_vec(),
-            scratch: plan.make_scratch_vec(),
-        };
-        workers.fill(
-            &mut transformed,
-            kernels * half,
-            KERNEL_ROWS,
-            work,
-            |work, row, output| {
-                if workers.cancel.is_cancelled() {
-                    return;
-                }
-                work.fill_row(modes, &rectangles, row);
-                let values = work.values.chunks_exact_mut(columns);
-                for (kernel, (values, output)) in
-                    values.zip(output.chunks_exact_mut(half)).enumerate()
-                {
-                    let _ =
-                        plan.process_with_scratch(values, &mut work.spectrum, &mut work.scratch);
-                    let odd = kernel > 0 && parities(&modes[kernel - 1])[0];
-                    for ((value, spectrum), phase) in
-                        output.iter_mut().zip(&work.spectrum).zip(phases_x)
-                    {
-                        *value = real_part(*spectrum, (kernel > 0).then_some(*phase), odd);
-                    }
-                }
-            },
-        );
-        let root = division.cell_area().sqrt();
-        let scale = 1.0 / (columns * rows) as f64;
-        let plan = &self.plans.column;
-        let held = kernel_rows(rows);
-        let (odd, even): (Vec<usize>, Vec<usize>) =
-            (0..modes.len()).partition(|mode| parities(&modes[*mode])[1]);
-        let work = || {
-            let scratch = vec![Complex64::default(); plan.get_inplace_scratch_len()];
-            let line = vec![Complex64::default(); rows];
-            (line, scratch, vec![0.0; BLOCK_WIDTH * kernels * quadrant])
-        };
-        type Work = (Vec<Complex64>, Vec<Complex64>, Vec<f64>);
-        let several = |(line, scratch, columns): &mut Work, block: usize, output: &mut [f64]| {
-            if workers.cancel.is_cancelled() {
-                return;
-            }
-            let first = block * BLOCK_WIDTH;
-            let width = BLOCK_WIDTH.min(half - first);
-            for (place, values) in transformed.chunks_exact(half).enumerate() {
-                let (row, kernel) = (place / kernels, place % kernels);
-                let column = columns[kernel * quadrant + row..].iter_mut();
-                let values = &values[first..first + width];
-                for (column, value) in column.step_by(kernels * quadrant).zip(values) {
-                    *column = *value;
-                }
-            }
-            let columns = columns.chunks_exact(kernels * quadrant);
-            for (output, columns) in output.chunks_exact_mut(kernels * held).zip(columns) {
-                let value = |kernel: usize, row: usize| columns[kernel * quadrant + row];
-                for row in 0..quadrant {
-                    line[row] = Complex64::new(value(0, row), 0.0);
-                    line[(rows - row) % rows] = line[row];
-                }
-                plan.process_with_scratch(line, scratch);
-                for (output, value) in output[..held].iter_mut().zip(&*line) {
-                    *output = scale * value.re;
-                }
-                // Two modes alike in y by one transform: as its real and its imaginary part.
-                for pair in even.chunks(2).chain(odd.chunks(2)) {
-                    let odd_y = parities(&modes[pair[0]])[1];
-                    for row in 0..rows / 2 {
-                        let of = |k: usize| pair.get(k).map_or(0.0, |mode| value(mode + 1, row));
-                        let value = Complex64::new(of(0), of(1));
-                        line[row] = value;
-                        line[rows - 1 - row] = if odd_y { -value } else { value };
-                    }
-                    plan.process_with_scratch(line, scratch);
-                    for (k, mode) in pair.iter().enumerate() {
-                        let odd_x = parities(&modes[*mode])[0];
-                        // Two imaginary factors make a negative one.
-                        let scale = root * if odd_x && odd_y { -scale } else { scale };
-                        let output = &mut output[(mode + 1) * held..][..held];
-                        for ((output, value), phase) in output.iter_mut().zip(&*line).zip(phases_y)
-                        {
-                            let value = value * phase.conj();
-                            *output = scale
-                                * match (k, odd_y) {
-                                    (0, false) | (1, true) => value.re,
-                                    _ => value.im,
-                                };
-                            if k == 1 && odd_y {
-                                *output = -*output;
-                            }
-                        }
-                    }
-                }
-            }
-        };
-        workers.fill(
-            &mut self.kernel,
-            BLOCK_WIDTH * kernels * held,
-            1,
-            work,
-            several,
-        );
-    }
-}
-
-/// The transform of an even or odd sequence about its middle, half a cell before the first place if there is a phase: its real or its
-/// imaginary part.
-fn real_part(value: Complex64, phase: Option<Complex64>, odd: bool) -> f64 {
-    let value = phase.map_or(value, |phase| value * phase.conj());
-    if odd { value.im } else { value.re }
-}
-
-struct KernelWork {
-    /// One row of every kernel.
-    values: Vec<f64>,
-    means: Option<PillarMeans>,
-    spectrum: Vec<Complex64>,
-    scratch: Vec<Complex64>,
-}
-
-impl KernelWork {
-    fn fill_row(&mut self, modes: &[Mode], rectangles: &Rectangles, row: usize) {
-        let columns = self.values.len() / (1 + modes.len());
-        let (of_floor, of_pillars) = self.values.split_at_mut(columns);
-        rectangles.fill_row(row, &mut of_floor[..columns / 2 + 1]);
-        let (first, second) = of_floor.split_at_mut(columns / 2 + 1);
-        for (value, mirrored) in second.iter_mut().rev().zip(&first[1..]) {
-            *value = *mirrored;
-        }
-        if let Some(means) = &mut self.means {
-            means.fill_row(row, columns, of_pillars);
-        }
-        for (mode, values) in modes.iter().zip(of_pillars.chunks_exact_mut(columns)) {
-            let sign = if parities(mode)[0] { -1.0 } else { 1.0 };
-            let (first, second) = values.split_at_mut(columns / 2);
-            for (value, mirrored) in second.iter_mut().rev().zip(first) {
-                *value = sign * *mirrored;
-            }
-        }
-    }
-}
-
-impl<R: Real> Transform for Together<R> {
-    type Real = R;
-
-    fn shape(&self) -> [usize; 2] {
-        self.shape
-    }
-
-    fn column_count(&self) -> usize {
-        self.shape[0] / 2 + 1
-    }
-
-    fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
-        // The lengths are those that the transform was made for, so this cannot fail.
-        let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
-    }
-
-    fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
-        // The transform of real data is real at its ends; rounding must not say otherwise.
-        spectrum[0].im = R::default();
-        spectrum[self.shape[0] / 2].im = R::default();
-        let _ = self
-            .plans
-            .row_back
-            .process_with_scratch(spectrum, row, scratch);
-    }
-
-    fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {
-        let rows = self.shape[1];
-        let coarse = self.coarse[1];
-        let stride = line_stride(rows);
-        let lines = &mut work.lines[..block.width * stride];
-        block.read(lines, stride, rows);
-        let tops = self.tops.read().unwrap_or_else(PoisonError::into_inner);
-        let mut folded = self.folded[block.first / BLOCK_WIDTH]
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let modes = self.odd.len();
-        let kernels = (1 + modes) * kernel_rows(rows);
-        let kernels = self.kernel[block.first * kernels..].chunks_exact(kernels);
-        let folded = folded.chunks_exact_mut((2 * modes * coarse).max(1));
-        for (k, ((line, kernel), folded)) in lines
-            .chunks_exact_mut(stride)
-            .zip(kernels)
-            .zip(folded)
-            .enumerate()
-        {
-            let line = &mut line[..rows];
-            self.plans
-                .column
-                .process_with_scratch(line, &mut work.scratch);
-            let column = block.first + k;
-            let tops = &tops[column % self.coarse[0] * 2 * modes * coarse..][..2 * modes * coarse];
-            widest(
-                #[inline(always)]
-                || {
-                    self.meet(
-                        self.phases[0][column],
-                        line,
-                        kernel,
-                        tops,
-                        folded,
-                        &mut work.reals,
-                    );
-                },
-            );
-            self.plans
-                .column_back
-                .process_with_scratch(line, &mut work.scratch);
-        }
-        block.write(lines, stride);
-    }
-
-    fn scratch_len(&self) -> usize {
-        self.plans.scratch_len()
-    }
-
-    fn columns_at_once(&self) -> usize {
-        1
-    }
-
-    fn real_count(&self) -> usize {
-        9 * self.shape[1]
-    }
-}
-
-impl<R: Real> Together<R> {
-    /// One column of the floor's transform meets that of the pillars.
-    #[inline(always)]
-    fn meet(
-        &self,
-        phase: Complex<R>,
-        line: &mut [Complex<R>],
-        kernel: &[R],
-        tops: &[R],
-        folded: &mut [R],
-        room: &mut [R],
-    ) {
-        let rows = line.len();
-        let coarse = self.coarse[1];
-        let (phases, room) = room.split_at_mut(2 * rows);
-        let (turned, room) = room.split_at_mut(2 * rows);
-        let (sums, whole) = room.split_at_mut(4 * rows);
-        let [phase_real, phase_imaginary] = halves(phases);
-        let [real, imaginary] = halves(turned);
-        turn(phase, &self.phases[1], phase_real, phase_imaginary);
-        take(line, phase_real, phase_imaginary, real, imaginary);
-        sums.fill(R::default());
-        let (even, uneven) = sums.split_at_mut(2 * rows);
-        let (of_floor, of_modes) = kernel.split_at(kernel_rows(rows));
-        let meeting = Meeting {
-            rows,
-            coarse,
-            kernels: of_modes,
-            mirrored: &self.mirrored,
-            tops,
-            floor: [real, imaginary],
-        };
-        for (modes, sums) in self.alike.iter().zip([&mut *even, &mut *uneven]) {
-            let sums = halves(sums);
-            // Lanes as wide as the registers for single precision, if the rows come in such numbers.
-            if coarse.is_multiple_of(2 * LANES) {
-                meet_modes::<R, { 2 * LANES }>(&meeting, modes, sums, folded);
-            } else {
-                meet_modes::<R, LANES>(&meeting, modes, sums, folded);
-            }
-        }
-        unfold(of_floor, R::of(1.0), whole);
-        let [even_real, even_imaginary] = halves(even);
-        let [uneven_real, uneven_imaginary] = halves(uneven);
-        // i times the uneven ones.
-        for (sum, imaginary) in even_real.iter_mut().zip(&*uneven_imaginary) {
-            *sum = *sum - *imaginary;
-        }
-        for (sum, real) in even_imaginary.iter_mut().zip(&*uneven_real) {
-            *sum = *sum + *real;
-        }
-        put(
-            line,
-            whole,
-            even_real,
-            even_imaginary,
-            phase_real,
-            phase_imaginary,
-        );
-    }
-}
-
-/// All modes of a group with the same loop, four of them or two or one at a time.
-#[inline(always)]
-fn meet_modes<R: Real, const L: usize>(
-    meeting: &Meeting<'_, R>,
-    modes: &[usize],
-    [real, imaginary]: [&mut [R]; 2],
-    folded: &mut [R],
-) {
-    let (fours, rest) = modes.as_chunks::<4>();
-    let (pairs, rest) = rest.as_chunks::<2>();
-    for four in fours {
-        meeting.multiply_add::<L, 4>(*four, [real, imaginary], folded);
-    }
-    for pair in pairs {
-        meeting.multiply_add::<L, 2>(*pair, [real, imaginary], folded);
-    }
-    for mode in rest {
-        meeting.multiply_add::<L, 1>([*mode], [real, imaginary], folded);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::grid::tests::{hexagonal, listed, plane};
+    use super::super::kernels::Rectangles;
+    use super::super::whole::parities;
     use super::*;
     use crate::halfspace::coupling::pair::PairCoupling;
     use crate::halfspace::disc::exterior::Exterior;
     use crate::numerics::workers::CancelToken;
     use crate::problem::HexagonalLattice;
     use crate::problem::pillar_field::PillarField;
+    use std::f64::consts::PI;
 
     fn numbers(count: usize, turn: f64) -> Vec<f64> {
         (0..count)
@@ -1051,6 +556,21 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// Lattices that are no mirror images of themselves at the lens axis, and lists.
+    #[test]
+    fn what_is_not_mirrored_has_no_quadrant() {
+        let aside = [1, 2, 3, 4, 5, 6, 7].map(|k| fields().swap_remove(k).0);
+        let hole = hexagonal(HexagonalLattice {
+            pitch: 4.3,
+            offset: 1.0 / 3f64.sqrt(),
+            offset_angle: 0.0,
+        });
+        for field in aside.into_iter().chain([hole]) {
+            let grid = FloorGrid::new(&field, Division::new(&field, 4), 9.0).unwrap();
+            assert!(grid.with_mirrors(&field).mirrors.is_none(), "{field:?}");
         }
     }
 

@@ -5,9 +5,10 @@
 //! the floor: of its coefficients, which are even or odd along x and y as the mode is, the real part of the transform counts where the kernel is real, and minus the
 //! imaginary one where it is imaginary.
 
-use super::coarse::Coarse;
-use super::coupling::{BesidePillars, Together};
+use super::coarse::{BesidePillars, Coarse};
 use super::grid::Division;
+use super::whole::{Together, parities};
+use crate::halfspace::disc::basis::modes;
 use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Transform, Workspace, line_stride,
 };
@@ -41,7 +42,9 @@ pub(super) struct Mirrored<R> {
 
 impl<R: Real> Mirrored<R> {
     /// The quadrant of a whole.
-    pub(super) fn of(whole: &Together<f64>, parities: Vec<[bool; 2]>) -> Self {
+    pub(super) fn of(whole: &Together<f64>) -> Self {
+        let modes = whole.degree.map_or_else(Vec::new, modes);
+        let parities: Vec<[bool; 2]> = modes.iter().map(parities).collect();
         let shape = whole.shape.map(|length| length / 2);
         let [columns, rows] = shape;
         let plans = CosinePlans::new(rows, columns);

@@ -17,3 +17,4 @@ pub(crate) mod load;
 mod meeting;
 mod mirrored;
 mod table;
+mod whole;
