@@ -96,14 +96,16 @@ impl PillarGrid {
         // Where pillar (0, 0) goes.
         let shifts = [[2 * axis[0], 0], [0, 2 * axis[1]]];
         let mut all = images.chain(shifts);
-        (is_point && all.all(|place| self.holds(place))).then_some(axis)
+        (is_point && all.all(|place| self.index(place).is_some())).then_some(axis)
     }
 
-    /// Whether a pillar stands so many columns and rows from pillar (0, 0).
-    fn holds(&self, [u, v]: [i64; 2]) -> bool {
+    /// The pillar so many columns and rows from pillar (0, 0), if one stands there.
+    pub(crate) fn index(&self, [u, v]: [i64; 2]) -> Option<(i64, i64)> {
         let [[a, b], [c, d]] = self.steps;
         let area = a * d - b * c;
-        area != 0 && (u * d - v * c) % area == 0 && (a * v - b * u) % area == 0
+        let [first, second] = [u * d - v * c, a * v - b * u];
+        let stands = area != 0 && first % area == 0 && second % area == 0;
+        stands.then(|| (first / area, second / area))
     }
 }
 

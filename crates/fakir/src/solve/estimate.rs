@@ -14,8 +14,9 @@ use super::frozen::Response;
 use super::newton::{Newton, Outcome};
 use super::rules::tops::COSTLY_PILLARS;
 use super::rules::unilateral::{LocalSolver, PillarTop};
+use crate::halfspace::coupling::copies::Copies;
 use crate::halfspace::coupling::pair::PairCoupling;
-use crate::halfspace::disc::basis::{compliances, degree_with, mode_count};
+use crate::halfspace::disc::basis::{compliances, degree_with, mode_count, modes};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::disc::projection::LensProjector;
@@ -58,6 +59,23 @@ struct Adjoint {
     coefficients: Vec<f64>,
     /// `s_r = L - B y`
     sensitivity: Vec<f64>,
+}
+
+impl Adjoint {
+    /// The mean over mirror images, of the pillars alone.
+    fn mirrored(&self, newton: &Newton<'_>, copies: &Copies) -> Self {
+        let modes = modes(newton.degree());
+        let mean = |of_all: &[f64]| {
+            let mut of_pillars = of_all[..newton.contact.tops()].to_vec();
+            copies.average(&modes, &mut of_pillars);
+            of_pillars
+        };
+        Self {
+            floor: self.floor,
+            coefficients: mean(&self.coefficients),
+            sensitivity: mean(&self.sensitivity),
+        }
+    }
 }
 
 /// Estimates the relative errors of force and indentation of a converged solution.
@@ -270,6 +288,14 @@ fn degree_changes(
     total: &[f64],
     adjoints: [&Adjoint; 2],
 ) -> Result<[f64; 2], SolveError> {
+    let pillars = newton.tops.sites.len();
+    // What mirror images differ by of an adjoint does not count, as the changes are images of each other too.
+    let copies = newton.copies.as_ref().filter(|_| pillars <= SAMPLED);
+    let mirrored = copies.map(|copies| adjoints.map(|adjoint| adjoint.mirrored(newton, copies)));
+    let adjoints = match &mirrored {
+        Some([one, other]) => [one, other],
+        None => adjoints,
+    };
     let (modes, extended) = (newton.contact.modes(), newton.degree() + EXTRA_DEGREES);
     let count = mode_count(extended);
     let neighbours = Neighbours::new(newton, extended);
@@ -282,11 +308,11 @@ fn degree_changes(
     ];
     let own_load = OwnLoad::new(&newton.scene.lens, extended);
     let work = || {
-        let loads: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; count]);
+        let loads: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; count]);
         (loads, LocalSolver::new(&newton.tops.top))
     };
-    let one = |(room, solver): &mut ([Vec<f64>; 5], LocalSolver), pillar: usize| {
-        let [extra, floor_load, loads @ ..] = room;
+    let one = |(room, solver): &mut ([Vec<f64>; 6], LocalSolver), pillar: usize| {
+        let [extra, floor_load, values, loads @ ..] = room;
         let status = newton.tops.status[pillar];
         if status == PillarStatus::Untouched || newton.run.cancel.is_cancelled() {
             return [0.0; 2];
@@ -305,7 +331,17 @@ fn degree_changes(
                 *extra += known;
             }
             if let Some(point) = outcome.floor {
-                newton.values_at(&exterior, pillar, point.position, floor_load);
+                if copies.is_some() {
+                    mean_values(
+                        newton,
+                        &exterior,
+                        pillar,
+                        point.position,
+                        [floor_load, values],
+                    );
+                } else {
+                    newton.values_at(&exterior, pillar, point.position, floor_load);
+                }
                 floor_load[..modes].fill(0.0);
             }
         } else {
@@ -337,14 +373,38 @@ fn degree_changes(
             beyond + changes.map(|((c, known), s)| s * (c - known)).sum::<f64>()
         })
     };
-    let pillars = newton.tops.sites.len();
-    let every = (pillars / SAMPLED).max(1);
-    let sampled = pillars.div_ceil(every);
-    let of_sample = |room: &mut _, number: usize| one(room, number * every);
     let workers = newton.run.workers();
-    let changes = workers.map(sampled, COSTLY_PILLARS, work, of_sample);
+    let changes = if let Some(copies) = copies {
+        let own = copies.own();
+        let of_own = |room: &mut _, number: usize| one(room, own[number] as usize);
+        let of_own = workers.map(own.len(), COSTLY_PILLARS, work, of_own);
+        let numbers = copies.numbers().iter();
+        numbers.map(|number| of_own[*number as usize]).collect()
+    } else {
+        let every = (pillars / SAMPLED).max(1);
+        let sampled = pillars.div_ceil(every);
+        let of_sample = |room: &mut _, number: usize| one(room, number * every);
+        workers.map(sampled, COSTLY_PILLARS, work, of_sample)
+    };
     newton.run.check_cancelled()?;
     Ok([0, 1].map(|k| sum_of_all(changes.iter().map(|change| change[k]), pillars)))
+}
+
+/// What the moments of a pillar, each by itself, move a point beside it by: the mean over the mirror images of the point. With room for as many values.
+fn mean_values(
+    newton: &Newton<'_>,
+    exterior: &Exterior,
+    pillar: usize,
+    [x, y]: Point,
+    [means, room]: [&mut [f64]; 2],
+) {
+    means.fill(0.0);
+    for image in [[x, y], [-x, y], [x, -y], [-x, -y]] {
+        newton.values_at(exterior, pillar, image, room);
+        for (mean, value) in means.iter_mut().zip(&*room) {
+            *mean += 0.25 * value;
+        }
+    }
 }
 
 /// Pillars that are asked about what is alike for very many, at the least, where there are so many.

@@ -13,6 +13,7 @@ use super::rules::floor::{FloorCells, Places};
 use super::rules::groups::{GroupedTops, Groups};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
 use super::rules::unilateral::{LocalSolver, PillarTop};
+use crate::halfspace::coupling::copies::Copies;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::pair::PairCoupling;
@@ -213,6 +214,8 @@ pub(crate) struct Newton<'a> {
     /// Of the floor's last grid.
     kernels: Option<FloorKernels>,
     pub(crate) exterior: Exterior,
+    /// Which pillars are mirror images of each other, where all is.
+    pub(crate) copies: Option<Copies>,
     floor: FloorSearch,
 }
 
@@ -228,7 +231,10 @@ impl<'a> Newton<'a> {
     ) -> Self {
         let degree = pair.modes().last().map_or(0, |mode| mode.degree);
         let tops = Tops::new(&scene.lens, sites, top, degree);
-        let own_load = tops.lens_load(run.workers());
+        let is_round = scene.lens.is_axisymmetric();
+        let copies = is_round.then(|| Copies::of(&scene.field, &tops.sites));
+        let copies = copies.flatten();
+        let own_load = tops.lens_load(copies.as_ref(), run.workers());
         run.report(Progress {
             stage: Stage::Coupling,
             step: 0,
@@ -247,6 +253,7 @@ impl<'a> Newton<'a> {
             contact: FrozenContact::new(run, coupling, pair.modes().len(), own_load),
             tops,
             exterior: Exterior::new(degree).with_layers(&scene.layers),
+            copies,
             floor: FloorSearch::default(),
         }
     }

@@ -5,6 +5,7 @@
 //! [`lattice`] applies those of all [sites] at once: directly, or, for many, by fast Fourier transform: on a hexagonal lattice itself, and else on a grid under them. With pillars of several radii, that of one of them is the unit of length.
 
 pub(crate) mod convolution;
+pub(crate) mod copies;
 pub(crate) mod derivative;
 pub(crate) mod direct;
 pub(crate) mod lattice;

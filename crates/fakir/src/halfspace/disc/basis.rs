@@ -31,6 +31,13 @@ pub(crate) struct Mode {
     pub(crate) sine: bool,
 }
 
+impl Mode {
+    /// Whether it is odd along x, and along y.
+    pub(crate) fn parities(&self) -> [bool; 2] {
+        [(self.order + usize::from(self.sine)) % 2 == 1, self.sine]
+    }
+}
+
 /// `(p + 1)(p + 2)/2`, the number of modes up to degree `p`.
 pub(crate) const fn mode_count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2

@@ -411,7 +411,6 @@ fn apply<T: Transform + BesidePillars>(
 mod tests {
     use super::super::grid::tests::{hexagonal, listed, plane};
     use super::super::kernels::Rectangles;
-    use super::super::whole::parities;
     use super::*;
     use crate::halfspace::coupling::pair::PairCoupling;
     use crate::halfspace::disc::exterior::Exterior;
@@ -614,7 +613,7 @@ mod tests {
                     .iter()
                     .enumerate()
                 {
-                    let [odd_x, odd_y] = parities(mode).map(|odd| if odd { -1.0 } else { 1.0 });
+                    let [odd_x, odd_y] = mode.parities().map(|odd| if odd { -1.0 } else { 1.0 });
                     let images = [
                         (image([1.0, 1.0]), 1.0),
                         (image([-1.0, 1.0]), odd_x),

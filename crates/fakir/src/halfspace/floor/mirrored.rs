@@ -7,8 +7,8 @@
 
 use super::coarse::{BesidePillars, Coarse};
 use super::grid::Division;
-use super::whole::{Together, parities};
-use crate::halfspace::disc::basis::modes;
+use super::whole::Together;
+use crate::halfspace::disc::basis::{Mode, modes};
 use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Transform, Workspace, line_stride,
 };
@@ -44,7 +44,7 @@ impl<R: Real> Mirrored<R> {
     /// The quadrant of a whole.
     pub(super) fn of(whole: &Together<f64>) -> Self {
         let modes = whole.degree.map_or_else(Vec::new, modes);
-        let parities: Vec<[bool; 2]> = modes.iter().map(parities).collect();
+        let parities: Vec<[bool; 2]> = modes.iter().map(Mode::parities).collect();
         let shape = whole.shape.map(|length| length / 2);
         let [columns, rows] = shape;
         let plans = CosinePlans::new(rows, columns);

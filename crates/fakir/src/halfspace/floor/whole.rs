@@ -73,11 +73,6 @@ impl<R: Real> BesidePillars for Together<R> {
     }
 }
 
-/// Whether a mode is odd in x, and in y.
-pub(super) fn parities(mode: &Mode) -> [bool; 2] {
-    [(mode.order + usize::from(mode.sine)) % 2 == 1, mode.sine]
-}
-
 /// Zeros for every column, in blocks.
 fn folded_room<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> {
     let of_column = of_column.max(1);
@@ -122,7 +117,7 @@ impl Together<f64> {
             }),
             mirrored: modes
                 .iter()
-                .map(|mode| if parities(mode)[1] { 1.0 } else { -1.0 })
+                .map(|mode| if mode.parities()[1] { 1.0 } else { -1.0 })
                 .collect(),
             kernel: vec![0.0; half * (1 + modes.len()) * kernel_rows(rows)],
             phases: [
@@ -196,7 +191,7 @@ impl Together<f64> {
                 {
                     let _ =
                         plan.process_with_scratch(values, &mut work.spectrum, &mut work.scratch);
-                    let odd = kernel > 0 && parities(&modes[kernel - 1])[0];
+                    let odd = kernel > 0 && modes[kernel - 1].parities()[0];
                     for ((value, spectrum), phase) in
                         output.iter_mut().zip(&work.spectrum).zip(phases_x)
                     {
@@ -210,7 +205,7 @@ impl Together<f64> {
         let plan = &self.plans.column;
         let held = kernel_rows(rows);
         let (odd, even): (Vec<usize>, Vec<usize>) =
-            (0..modes.len()).partition(|mode| parities(&modes[*mode])[1]);
+            (0..modes.len()).partition(|mode| modes[*mode].parities()[1]);
         let work = || {
             let scratch = vec![Complex64::default(); plan.get_inplace_scratch_len()];
             let line = vec![Complex64::default(); rows];
@@ -244,7 +239,7 @@ impl Together<f64> {
                 }
                 // Two modes alike in y by one transform: as its real and its imaginary part.
                 for pair in even.chunks(2).chain(odd.chunks(2)) {
-                    let odd_y = parities(&modes[pair[0]])[1];
+                    let odd_y = modes[pair[0]].parities()[1];
                     for row in 0..rows / 2 {
                         let of = |k: usize| pair.get(k).map_or(0.0, |mode| value(mode + 1, row));
                         let value = Complex64::new(of(0), of(1));
@@ -253,7 +248,7 @@ impl Together<f64> {
                     }
                     plan.process_with_scratch(line, scratch);
                     for (k, mode) in pair.iter().enumerate() {
-                        let odd_x = parities(&modes[*mode])[0];
+                        let odd_x = modes[*mode].parities()[0];
                         // Two imaginary factors make a negative one.
                         let scale = root * if odd_x && odd_y { -scale } else { scale };
                         let output = &mut output[(mode + 1) * held..][..held];
@@ -311,7 +306,7 @@ impl KernelWork {
             means.fill_row(row, columns, of_pillars);
         }
         for (mode, values) in modes.iter().zip(of_pillars.chunks_exact_mut(columns)) {
-            let sign = if parities(mode)[0] { -1.0 } else { 1.0 };
+            let sign = if mode.parities()[0] { -1.0 } else { 1.0 };
             let (first, second) = values.split_at_mut(columns / 2);
             for (value, mirrored) in second.iter_mut().rev().zip(first) {
                 *value = sign * *mirrored;

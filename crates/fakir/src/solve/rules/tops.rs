@@ -6,8 +6,9 @@
 
 use super::rim::{Motion, Rim};
 use super::unilateral::{LocalSolver, PillarTop};
+use crate::halfspace::coupling::copies::Copies;
 use crate::halfspace::coupling::sites::Sites;
-use crate::halfspace::disc::basis::{UNIT_FORCE, degree_with, mode_count};
+use crate::halfspace::disc::basis::{UNIT_FORCE, degree_with, mode_count, modes};
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::convergence::larger;
 use crate::numerics::vector::{dot, subtract};
@@ -142,12 +143,21 @@ impl Tops {
         }
     }
 
-    /// `bs`: the lens shape over every pillar top, in the leading modes.
-    pub(crate) fn lens_load(&self, workers: Workers<'_>) -> Vec<f64> {
-        let mut own_load = vec![0.0; self.sites.len() * self.modes];
-        let project = |(): &mut (), pillar: usize, load: &mut [f64]| self.project(pillar, load);
-        workers.fill(&mut own_load, self.modes, COSTLY_PILLARS, || (), project);
-        own_load
+    /// `bs`: the lens shape over every pillar top, in the leading modes; the same over mirror images.
+    pub(crate) fn lens_load(&self, copies: Option<&Copies>, workers: Workers<'_>) -> Vec<f64> {
+        let count = self.modes;
+        let Some(copies) = copies else {
+            let mut own_load = vec![0.0; self.sites.len() * count];
+            let project = |(): &mut (), pillar: usize, load: &mut [f64]| self.project(pillar, load);
+            workers.fill(&mut own_load, count, COSTLY_PILLARS, || (), project);
+            return own_load;
+        };
+        let mut of_own = vec![0.0; copies.own().len() * count];
+        let project = |(): &mut (), number: usize, load: &mut [f64]| {
+            self.project(copies.own()[number] as usize, load);
+        };
+        workers.fill(&mut of_own, count, COSTLY_PILLARS, || (), project);
+        copies.spread(&modes(self.degree), &of_own)
     }
 
     /// Leading modes per pillar.
