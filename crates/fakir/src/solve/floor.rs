@@ -162,12 +162,46 @@ fn starts_on_lattice(lattice: &HexagonalLattice) -> Starts {
             holes.push(point);
         }
     }
+    if pitch <= WIDE_PITCH {
+        holes = one_of_alike(lattice, &holes);
+    }
     Starts {
         pitch,
         holes,
         every_hole: pitch > WIDE_PITCH,
         pillars: pillars[..3].iter().map(|centre| (*centre, 1.0)).collect(),
     }
+}
+
+/// One of the points that rotations by sixths of a turn and reflections make of each other, as far as the lattice is what it was after them.
+fn one_of_alike(lattice: &HexagonalLattice, points: &[Point]) -> Vec<Point> {
+    let turned = |[x, y]: Point, step: usize, reflected: bool| {
+        let (sin, cos) = (PI / 3.0 * step as f64).sin_cos();
+        let y = if reflected { -y } else { y };
+        [cos * x - sin * y, sin * x + cos * y]
+    };
+    let rounding = 1e-9 * lattice.pitch;
+    let corners = [(0, 0), (1, 0), (0, 1)].map(|(i, j)| lattice.centre(i, j));
+    let stays = |(step, reflected): &(usize, bool)| {
+        corners.iter().all(|corner| {
+            let image = turned(*corner, *step, *reflected);
+            let (i, j) = lattice.nearest_pillar(image);
+            distance(lattice.centre(i, j), image) < rounding
+        })
+    };
+    let all = (0..6).flat_map(|step| [false, true].map(|reflected| (step, reflected)));
+    let symmetries: Vec<(usize, bool)> = all.filter(stays).collect();
+    let mut kept: Vec<Point> = Vec::new();
+    for point in points {
+        let known = symmetries.iter().any(|(step, reflected)| {
+            let image = turned(*point, *step, *reflected);
+            kept.iter().any(|other| distance(*other, image) < rounding)
+        });
+        if !known {
+            kept.push(*point);
+        }
+    }
+    kept
 }
 
 /// The points as far from three pillars as from any, and some beside the outermost pillars, as the floor may be lower there than between them.
@@ -760,6 +794,40 @@ mod tests {
             let mut jets = [FieldJet::default(); 2];
             self.0(&mut jets[1]);
             jets
+        }
+    }
+
+    /// Expected: the holes of the lattice by their distances from the axis, counted by hand.
+    #[test]
+    fn of_holes_that_are_alike_one_is_rated() {
+        for (offset, angle, expected) in [
+            // On a pillar: 6, 6 and 12 holes.
+            (0.0, 0.0, 3),
+            // Nothing is alike.
+            (0.2, 0.1, usize::MAX),
+        ] {
+            let lattice = HexagonalLattice {
+                pitch: 4.0,
+                offset,
+                offset_angle: angle,
+            };
+            let starts = starts_on_lattice(&lattice);
+            let all = 15..=40;
+            if expected == usize::MAX {
+                assert!(all.contains(&starts.holes.len()), "{}", starts.holes.len());
+            } else {
+                assert_eq!(starts.holes.len(), expected);
+            }
+        }
+        // In a hole, three rotations and three reflections: the images of every hole are as many as were there.
+        for offset in [1.0 / 3f64.sqrt(), 0.5 * 3f64.sqrt()] {
+            let lattice = HexagonalLattice {
+                pitch: 4.0,
+                offset,
+                offset_angle: 0.0,
+            };
+            let holes = starts_on_lattice(&lattice).holes;
+            assert!((3..=8).contains(&holes.len()), "{}", holes.len());
         }
     }
 
