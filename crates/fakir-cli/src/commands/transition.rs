@@ -43,7 +43,7 @@ pub(crate) fn run(
         &Topic::of_case_with_range(case, range),
         case.to_toml(),
     );
-    let mut tables = Vec::from_iter(pillars(state).some_csv("pillars.csv"));
+    let mut tables = maps.table(|| pillars(state).some_csv("pillars.csv"));
     tables.extend(maps.files(state, &provenance, session)?);
     let floor_contact = Some(critical.floor_contact);
     let figures = figures::files(state, floor_contact, maps, &provenance, session)?;

@@ -17,6 +17,14 @@ pub(crate) enum Maps {
 }
 
 impl Maps {
+    /// A table that is saved with the maps; none if nothing is saved, as long tables take their time.
+    pub(crate) fn table(self, make: impl FnOnce() -> Option<File>) -> Vec<File> {
+        match self {
+            Self::None => Vec::new(),
+            Self::Points(_) => Vec::from_iter(make()),
+        }
+    }
+
     /// Whether maps of so many points as were asked for fit the memory: better known before a long
     /// computation than after it.
     pub(crate) fn check_memory(self, session: &Session) -> Result<(), Failure> {
