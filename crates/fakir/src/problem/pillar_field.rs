@@ -90,7 +90,7 @@ impl PillarGrid {
     fn mirrored_at(&self) -> Option<[i64; 2]> {
         let [u, v] = [0, 1].map(|k| -self.origin[k] / self.sides[k]);
         let axis = [u.round(), v.round()];
-        let is_point = (u - axis[0]).abs() < ROUNDING && (v - axis[1]).abs() < ROUNDING;
+        let is_point = (u - axis[0]).abs() < ON_AXIS && (v - axis[1]).abs() < ON_AXIS;
         let axis = axis.map(|x| x as i64);
         let images = self.steps.iter().flat_map(|[u, v]| [[-u, *v], [*u, -v]]);
         // Where pillar (0, 0) goes.
@@ -111,6 +111,9 @@ impl PillarGrid {
 
 /// Relative differences of lengths that are rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// A lens axis that is less than this beside a point of the grid, in its sides, is at it: what is mirrored there is so to rounding.
+const ON_AXIS: f64 = 1e-13;
 
 /// The length of which two others are small whole multiples, and these. Of one length that is 0, the other.
 fn common_side(lengths: [f64; 2], longest: f64) -> Option<(f64, [i64; 2])> {

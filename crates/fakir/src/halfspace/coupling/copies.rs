@@ -202,7 +202,14 @@ mod tests {
 
     #[test]
     fn nothing_is_its_own_image_about_other_points() {
-        for (offset, angle) in [(0.5, 0.0), (0.3, RIGHT_ANGLE), (1.0 / 3f64.sqrt(), 0.0)] {
+        // The second is nearly the middle between two pillars.
+        let beside = 0.5 * 3f64.sqrt() + 3e-10;
+        for (offset, angle) in [
+            (0.5, 0.0),
+            (beside, 0.0),
+            (0.3, RIGHT_ANGLE),
+            (1.0 / 3f64.sqrt(), 0.0),
+        ] {
             assert!(sites(offset, angle).1.is_none());
         }
     }
