@@ -46,18 +46,20 @@ pub(crate) fn run(
         &Topic::of_case_with_range(case, range),
         case.to_toml(),
     );
-    let mut tables = vec![
-        csv("cycle.csv", cycle.stations.iter().map(StationRow::from)),
-        csv("events.csv", cycle.events.iter().map(EventRow::from)),
-    ];
-    if cycle.floor.is_some() {
-        tables.push(csv("floor.csv", FloorRow::of(&cycle)));
-    }
-    if let Some(pull_off) = &cycle.pull_off {
-        let table = pillars_of(&pull_off.pillars);
-        tables.extend(table.some_csv("pull-off-pillars.csv"));
-    }
+    let mut tables = Vec::new();
     if saves {
+        tables.push(csv(
+            "cycle.csv",
+            cycle.stations.iter().map(StationRow::from),
+        ));
+        tables.push(csv("events.csv", cycle.events.iter().map(EventRow::from)));
+        if cycle.floor.is_some() {
+            tables.push(csv("floor.csv", FloorRow::of(&cycle)));
+        }
+        if let Some(pull_off) = &cycle.pull_off {
+            let table = pillars_of(&pull_off.pillars);
+            tables.extend(table.some_csv("pull-off-pillars.csv"));
+        }
         tables.extend(figures(&cycle, &provenance));
     }
     Ok(Report {

@@ -43,7 +43,7 @@ pub(crate) fn press(
         case.to_toml(),
     );
     let mut tables =
-        Vec::from_iter(rounded_pillars(&case.field, case.height, &contact).some_csv("pillars.csv"));
+        maps.table(|| rounded_pillars(&case.field, case.height, &contact).some_csv("pillars.csv"));
     if maps != Maps::None {
         tables.extend(saved(cap_map(&case.field, &contact), &provenance));
     }

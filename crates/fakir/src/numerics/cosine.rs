@@ -89,8 +89,7 @@ impl<R: Real> CosinePlans<R> {
         for (value, pair) in odd.iter_mut().rev().zip(&*spectrum) {
             *value = pair.im;
         }
-        // The lengths are those that the plans were made for, so this cannot fail.
-        let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
+        self.plans.row_forward(row, spectrum, scratch);
         for (value, phase) in spectrum.iter_mut().zip(&self.of_columns) {
             let turned = *value * *phase;
             *value = turned + turned;
@@ -107,15 +106,7 @@ impl<R: Real> CosinePlans<R> {
         for (value, phase) in spectrum.iter_mut().zip(&self.of_columns) {
             *value = *value * phase.conj();
         }
-        // The transform of real data is real at its ends; rounding must not say otherwise.
-        spectrum[0].im = R::default();
-        if self.columns.is_multiple_of(2) {
-            spectrum[self.columns / 2].im = R::default();
-        }
-        let _ = self
-            .plans
-            .row_back
-            .process_with_scratch(spectrum, row, scratch);
+        self.plans.row_back(spectrum, row, scratch);
         let (even, odd) = row.split_at(self.columns.div_ceil(2));
         for (pair, value) in spectrum.iter_mut().zip(even) {
             pair.re = *value;

@@ -1,7 +1,7 @@
 //! Plans of fast Fourier transforms in two dimensions, and the lengths that are quick to transform.
 
 use realfft::{ComplexToReal, FftNum, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::{Complex, Complex64};
 use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
@@ -57,6 +57,32 @@ impl<R: Real> RealPlans<R> {
             column: complex.plan_fft_forward(rows),
             column_back: complex.plan_fft_inverse(rows),
         }
+    }
+
+    /// Transforms a row, which is overwritten.
+    pub(crate) fn row_forward(
+        &self,
+        row: &mut [R],
+        spectrum: &mut [Complex<R>],
+        scratch: &mut [Complex<R>],
+    ) {
+        // The lengths are those that the plans were made for, so this cannot fail.
+        let _ = self.row.process_with_scratch(row, spectrum, scratch);
+    }
+
+    /// Transforms a row back; its spectrum is overwritten.
+    pub(crate) fn row_back(
+        &self,
+        spectrum: &mut [Complex<R>],
+        row: &mut [R],
+        scratch: &mut [Complex<R>],
+    ) {
+        // The transform of real data is real at its ends; rounding must not say otherwise.
+        spectrum[0].im = R::default();
+        if row.len().is_multiple_of(2) {
+            spectrum[row.len() / 2].im = R::default();
+        }
+        let _ = self.row_back.process_with_scratch(spectrum, row, scratch);
     }
 
     /// Complex values of room that any of them needs.

@@ -88,6 +88,12 @@ impl Scene {
         self.lens.is_axisymmetric()
     }
 
+    /// Columns and rows of the grid of pillars from pillar (0, 0) to the lens axis, if lens and pillars are their own mirror images along x and along y there.
+    pub(crate) fn mirrored_at(&self) -> Option<[i64; 2]> {
+        let axis = self.field.mirrored_at();
+        axis.filter(|_| self.lens.is_axisymmetric())
+    }
+
     /// Whether the lens reaches the floor before any pillar.
     pub(crate) fn touches_floor_first(&self) -> bool {
         self.first_touch() >= self.height

@@ -296,6 +296,10 @@ fn degree_changes(
         Some([one, other]) => [one, other],
         None => adjoints,
     };
+    let touched = match outcome.floor.map(|point| point.position) {
+        Some([x, y]) if copies.is_some() => vec![[x, y], [-x, y], [x, -y], [-x, -y]],
+        point => Vec::from_iter(point),
+    };
     let (modes, extended) = (newton.contact.modes(), newton.degree() + EXTRA_DEGREES);
     let count = mode_count(extended);
     let neighbours = Neighbours::new(newton, extended);
@@ -330,20 +334,8 @@ fn degree_changes(
             for (extra, known) in extra.iter_mut().zip(&total[pillar * modes..][..modes]) {
                 *extra += known;
             }
-            if let Some(point) = outcome.floor {
-                if copies.is_some() {
-                    mean_values(
-                        newton,
-                        &exterior,
-                        pillar,
-                        point.position,
-                        [floor_load, values],
-                    );
-                } else {
-                    newton.values_at(&exterior, pillar, point.position, floor_load);
-                }
-                floor_load[..modes].fill(0.0);
-            }
+            mean_values(newton, &exterior, pillar, &touched, [floor_load, values]);
+            floor_load[..modes].fill(0.0);
         } else {
             // It is solved again with the whole load of its neighbours. The floor sees all of its modes already.
             let mut load = newton.full_load(pillar);
@@ -378,8 +370,7 @@ fn degree_changes(
         let own = copies.own();
         let of_own = |room: &mut _, number: usize| one(room, own[number] as usize);
         let of_own = workers.map(own.len(), COSTLY_PILLARS, work, of_own);
-        let numbers = copies.numbers().iter();
-        numbers.map(|number| of_own[*number as usize]).collect()
+        copies.numbers().map(|number| of_own[number]).collect()
     } else {
         let every = (pillars / SAMPLED).max(1);
         let sampled = pillars.div_ceil(every);
@@ -390,19 +381,19 @@ fn degree_changes(
     Ok([0, 1].map(|k| sum_of_all(changes.iter().map(|change| change[k]), pillars)))
 }
 
-/// What the moments of a pillar, each by itself, move a point beside it by: the mean over the mirror images of the point. With room for as many values.
+/// What the moments of a pillar, each by itself, move points beside it by in the mean, if there are any. With room for as many values.
 fn mean_values(
     newton: &Newton<'_>,
     exterior: &Exterior,
     pillar: usize,
-    [x, y]: Point,
+    points: &[Point],
     [means, room]: [&mut [f64]; 2],
 ) {
     means.fill(0.0);
-    for image in [[x, y], [-x, y], [x, -y], [-x, -y]] {
-        newton.values_at(exterior, pillar, image, room);
+    for point in points {
+        newton.values_at(exterior, pillar, *point, room);
         for (mean, value) in means.iter_mut().zip(&*room) {
-            *mean += 0.25 * value;
+            *mean += value / points.len() as f64;
         }
     }
 }

@@ -647,12 +647,9 @@ pub(super) fn checked_floor(
         });
     }
     let grid = FloorGrid::new(&scene.field, division, radius);
-    Ok(grid.map(|grid| {
-        if scene.lens.is_axisymmetric() {
-            grid.with_mirrors(&scene.field)
-        } else {
-            grid
-        }
+    Ok(grid.map(|grid| match scene.mirrored_at() {
+        Some(axis) => grid.with_mirrors(axis),
+        None => grid,
     }))
 }
 

@@ -231,9 +231,8 @@ impl<'a> Newton<'a> {
     ) -> Self {
         let degree = pair.modes().last().map_or(0, |mode| mode.degree);
         let tops = Tops::new(&scene.lens, sites, top, degree);
-        let is_round = scene.lens.is_axisymmetric();
-        let copies = is_round.then(|| Copies::of(&scene.field, &tops.sites));
-        let copies = copies.flatten();
+        let axis = scene.mirrored_at();
+        let copies = axis.and_then(|axis| Copies::about(axis, &scene.field, &tops.sites));
         let own_load = tops.lens_load(copies.as_ref(), run.workers());
         run.report(Progress {
             stage: Stage::Coupling,

@@ -8,15 +8,15 @@ use crate::problem::pillar_field::PillarField;
 #[derive(Debug, Clone)]
 pub(crate) struct Copies {
     images: Vec<Image>,
-    /// The pillars that stand for themselves, and the number of each among them.
+    /// The pillars that stand for themselves.
     own: Vec<u32>,
-    numbers: Vec<u32>,
 }
 
 /// What a pillar is an image of.
 #[derive(Debug, Clone, Copy)]
 struct Image {
-    own: u32,
+    /// The number among the pillars that stand for themselves.
+    number: usize,
     /// Whether it is mirrored along x, and along y.
     flipped: [bool; 2],
     /// Whether it is its own image along x, and along y.
@@ -24,34 +24,25 @@ struct Image {
 }
 
 impl Copies {
-    /// Of some sites of a field, if they are their own mirror images.
-    pub(crate) fn of(field: &PillarField, sites: &Sites) -> Option<Self> {
-        let axis = field.mirrored_at()?;
+    /// Of some sites of a field that are mirrored so many columns and rows of its grid from pillar (0, 0); `None` if not all images are among them.
+    pub(crate) fn about(axis: [i64; 2], field: &PillarField, sites: &Sites) -> Option<Self> {
         let grid = field.pillar_grid()?;
+        let place = |pillar: usize| grid.place(sites.index(pillar));
+        let stands = |pillar: &usize| [0, 1].iter().all(|k| place(*pillar)[*k] >= axis[*k]);
+        let own: Vec<u32> = (0..sites.len()).filter(stands).map(|p| p as u32).collect();
         let image = |pillar: usize| {
-            let place = grid.place(sites.index(pillar));
+            let place = place(pillar);
             let mirrored = [0, 1].map(|k| axis[k] + (place[k] - axis[k]).abs());
-            let own = sites.find(grid.index(mirrored)?)?;
+            let of = sites.find(grid.index(mirrored)?)?;
             Some(Image {
-                own: own as u32,
+                number: own.binary_search(&(of as u32)).ok()?,
                 flipped: [0, 1].map(|k| place[k] < axis[k]),
                 still: [0, 1].map(|k| place[k] == axis[k]),
             })
         };
         let images: Option<Vec<Image>> = (0..sites.len()).map(image).collect();
-        let images = images?;
-        let stands = |pillar: &usize| images[*pillar].own as usize == *pillar;
-        let own: Vec<u32> = (0..sites.len()).filter(stands).map(|p| p as u32).collect();
-        let mut numbers = vec![0; sites.len()];
-        for (number, pillar) in own.iter().enumerate() {
-            numbers[*pillar as usize] = number as u32;
-        }
         Some(Self {
-            numbers: images
-                .iter()
-                .map(|image| numbers[image.own as usize])
-                .collect(),
-            images,
+            images: images?,
             own,
         })
     }
@@ -62,16 +53,16 @@ impl Copies {
     }
 
     /// The number among them of what every pillar is an image of.
-    pub(crate) fn numbers(&self) -> &[u32] {
-        &self.numbers
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = usize> + '_ {
+        self.images.iter().map(|image| image.number)
     }
 
     /// Coefficients of the modes of all pillars, from those of the ones that stand for themselves.
     pub(crate) fn spread(&self, modes: &[Mode], of_own: &[f64]) -> Vec<f64> {
-        let pillars = self.images.iter().zip(&self.numbers);
-        pillars
-            .flat_map(|(image, number)| {
-                let own = of_own[*number as usize * modes.len()..].iter();
+        self.images
+            .iter()
+            .flat_map(|image| {
+                let own = of_own[image.number * modes.len()..].iter();
                 modes
                     .iter()
                     .zip(own)
@@ -86,20 +77,18 @@ impl Copies {
         let mut sums = vec![0.0; self.own.len() * count];
         let mut images = vec![0.0; self.own.len()];
         for (pillar, image) in self.images.iter().enumerate() {
-            let number = self.numbers[pillar] as usize;
-            images[number] += 1.0;
+            images[image.number] += 1.0;
             for (k, mode) in modes.iter().enumerate() {
                 let value = coefficients[pillar * count + k];
-                sums[number * count + k] += sign(mode, image.flipped) * value;
+                sums[image.number * count + k] += sign(mode, image.flipped) * value;
             }
         }
         for (pillar, image) in self.images.iter().enumerate() {
-            let number = self.numbers[pillar] as usize;
             for (k, mode) in modes.iter().enumerate() {
                 // What is odd is nothing on its own image.
                 let [odd_x, odd_y] = mode.parities();
                 let nothing = (odd_x && image.still[0]) || (odd_y && image.still[1]);
-                let mean = sums[number * count + k] / images[number];
+                let mean = sums[image.number * count + k] / images[image.number];
                 coefficients[pillar * count + k] = if nothing {
                     0.0
                 } else {
@@ -140,7 +129,8 @@ mod tests {
             column: 0.0.into(),
         };
         let sites = Sites::within(&field, 15.0);
-        let copies = Copies::of(&field, &sites);
+        let axis = field.mirrored_at();
+        let copies = axis.and_then(|axis| Copies::about(axis, &field, &sites));
         (sites, copies)
     }
 

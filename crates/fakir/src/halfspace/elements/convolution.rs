@@ -130,12 +130,7 @@ impl<R: Real> ColumnBlock<'_, R> {
 
     /// Takes the rows held from such lines.
     pub(crate) fn write(&mut self, lines: &[Complex<R>], stride: usize) {
-        let rows = self.rows.iter();
-        for (&row, values) in rows.zip(self.values.chunks_exact_mut(self.width)) {
-            for (value, place) in values.iter_mut().zip(lines[row..].iter().step_by(stride)) {
-                *value = *place;
-            }
-        }
+        self.write_from(lines, stride, |row| row);
     }
 }
 

@@ -387,24 +387,14 @@ impl<R: Real> Transform for Periodic<R> {
 
     fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
         match &self.plans {
-            Plans::Whole(plans) => {
-                // The lengths are those that the transform was made for, so this cannot fail.
-                let _ = plans.row.process_with_scratch(row, spectrum, scratch);
-            }
+            Plans::Whole(plans) => plans.row_forward(row, spectrum, scratch),
             Plans::Mirrored(plans) => plans.row_forward(row, spectrum, scratch),
         }
     }
 
     fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
         match &self.plans {
-            Plans::Whole(plans) => {
-                // The transform of real data is real at its ends; rounding must not say otherwise.
-                spectrum[0].im = R::default();
-                if self.shape[0].is_multiple_of(2) {
-                    spectrum[self.shape[0] / 2].im = R::default();
-                }
-                let _ = plans.row_back.process_with_scratch(spectrum, row, scratch);
-            }
+            Plans::Whole(plans) => plans.row_back(spectrum, row, scratch),
             Plans::Mirrored(plans) => plans.row_back(spectrum, row, scratch),
         }
     }

@@ -10,14 +10,8 @@ pub(super) trait BesidePillars {
     /// Whether the kernels of the coupled modes are imaginary.
     fn odd(&self) -> &[bool];
 
-    /// Transforms the coefficients of pillars, of so many modes each.
-    fn put_pillars(
-        &self,
-        coarse: &mut Coarse,
-        places: &[Option<usize>],
-        tops: &[f64],
-        modes: usize,
-    );
+    /// Takes the coefficients of a mode of all pillars, which were put on the coarse grid.
+    fn take_mode(&self, coarse: &mut Coarse, mode: usize);
 
     /// Adds up what the floor does to pillars.
     fn gather(&self, coarse: &mut Coarse);
@@ -98,11 +92,8 @@ impl Coarse {
     pub(super) fn transform(&mut self) {
         let [columns, rows] = self.shape;
         for (row, values) in self.grid.chunks_exact_mut(columns).enumerate() {
-            // Lengths are those the plans were made for, so this cannot fail.
-            let _ = self
-                .plans
-                .row
-                .process_with_scratch(values, &mut self.line, &mut self.scratch);
+            self.plans
+                .row_forward(values, &mut self.line, &mut self.scratch);
             for (column, value) in self.columns.chunks_exact_mut(rows).zip(&self.line) {
                 column[row] = *value;
             }
@@ -244,13 +235,8 @@ impl Coarse {
             for (value, column) in self.line.iter_mut().zip(self.columns.chunks_exact(rows)) {
                 *value = column[row];
             }
-            // The transform of real data is real at its ends; rounding must not say otherwise.
-            self.line[0].im = 0.0;
-            self.line[columns / 2].im = 0.0;
-            let _ =
-                self.plans
-                    .row_back
-                    .process_with_scratch(&mut self.line, values, &mut self.scratch);
+            self.plans
+                .row_back(&mut self.line, values, &mut self.scratch);
         }
     }
 }

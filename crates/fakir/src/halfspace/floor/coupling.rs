@@ -20,7 +20,7 @@
 //! convolution.
 
 use super::coarse::{BesidePillars, Coarse};
-use super::grid::{Division, FloorGrid, Mirrors};
+use super::grid::{Division, FloorGrid, Folding};
 use super::mirrored::Mirrored;
 use super::table::PillarTable;
 use super::whole::{Together, kernel_rows};
@@ -115,7 +115,7 @@ pub(crate) struct FloorCoupling<'a> {
     modes: usize,
     pillars: Pillars,
     products: Products<'a>,
-    folding: Option<Folding>,
+    folding: Folding,
 }
 
 /// Products with the floor, in double precision and in single.
@@ -129,13 +129,6 @@ enum Products<'a> {
         exact: Convolution<'a, Mirrored<f64>>,
         rough: Convolution<'a, Mirrored<f32>>,
     },
-}
-
-/// Values of the quadrant, to be transformed and back.
-struct Folding {
-    mirrors: Arc<Mirrors>,
-    values: Vec<f64>,
-    transformed: Vec<f64>,
 }
 
 /// The pillars beside the floor.
@@ -259,11 +252,7 @@ impl<'a> FloorCoupling<'a> {
             modes,
             pillars,
             products: Products::new(grid, kernels, pool),
-            folding: grid.mirrors.as_ref().map(|mirrors| Folding {
-                mirrors: Arc::clone(mirrors),
-                values: vec![0.0; mirrors.quadrant.len()],
-                transformed: vec![0.0; mirrors.quadrant.len()],
-            }),
+            folding: Folding::new(grid),
         }
     }
 
@@ -359,42 +348,27 @@ impl<'a> Products<'a> {
     }
 }
 
-/// Convolves the floor, by its quadrant if there is one.
-fn convolve<T: Transform>(
-    convolution: &mut Convolution<'_, T>,
-    folding: &mut Option<Folding>,
-    floor: &[f64],
-    far_floor: &mut [f64],
-) {
-    let Some(Folding {
-        mirrors,
-        values,
-        transformed,
-    }) = folding
-    else {
-        return convolution.apply(floor, far_floor);
-    };
-    mirrors.fold(floor, values);
-    convolution.apply(values, transformed);
-    mirrors.unfold(transformed, far_floor);
-}
-
 fn apply<T: Transform + BesidePillars>(
     convolution: &mut Convolution<'_, T>,
-    (folding, pillars, modes): (&mut Option<Folding>, &mut Pillars, usize),
+    (folding, pillars, modes): (&mut Folding, &mut Pillars, usize),
     [tops, floor]: [&[f64]; 2],
     [far_tops, far_floor]: [&mut [f64]; 2],
 ) {
     let (places, coarse) = match pillars {
         Pillars::OnGrid { places, coarse } => (places, coarse),
         Pillars::Anywhere(table) => {
-            convolve(convolution, folding, floor, far_floor);
+            convolution.apply(floor, far_floor);
             return table.apply(modes, [tops, floor], [far_tops, far_floor]);
         }
     };
     let together = Arc::clone(convolution.transform());
-    together.put_pillars(coarse, places, tops, modes);
-    convolve(convolution, folding, floor, far_floor);
+    for mode in 0..together.odd().len() {
+        coarse.put(places, tops.iter().skip(mode).step_by(modes));
+        together.take_mode(coarse, mode);
+    }
+    folding.through(floor, far_floor, |values, transformed| {
+        convolution.apply(values, transformed);
+    });
     together.gather(coarse);
     for (mode, &odd) in together.odd().iter().enumerate() {
         coarse.back(mode, odd);
@@ -568,8 +542,7 @@ mod tests {
             offset_angle: 0.0,
         });
         for field in aside.into_iter().chain([hole]) {
-            let grid = FloorGrid::new(&field, Division::new(&field, 4), 9.0).unwrap();
-            assert!(grid.with_mirrors(&field).mirrors.is_none(), "{field:?}");
+            assert!(field.mirrored_at().is_none(), "{field:?}");
         }
     }
 
@@ -594,7 +567,7 @@ mod tests {
             let sites = Sites::within(&field, 2.6 * pitch);
             let division = Division::new(&field, fineness);
             let whole = FloorGrid::new(&field, division, 1.7 * pitch).unwrap();
-            let quadrant = whole.clone().with_mirrors(&field);
+            let quadrant = whole.clone().with_mirrors(field.mirrored_at().unwrap());
             assert!(quadrant.mirrors.is_some(), "{field:?}");
             let mirrors = quadrant.mirrors.as_ref().unwrap();
             assert_eq!(4 * mirrors.quadrant.len(), whole.len());

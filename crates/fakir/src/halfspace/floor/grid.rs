@@ -104,7 +104,7 @@ impl Mirrors {
     }
 
     /// The mean of images.
-    pub(crate) fn fold(&self, of_cells: &[f64], of_quadrant: &mut [f64]) {
+    fn fold(&self, of_cells: &[f64], of_quadrant: &mut [f64]) {
         of_quadrant.fill(0.0);
         for (value, image) in of_cells.iter().zip(&self.images) {
             of_quadrant[*image as usize] += 0.25 * value;
@@ -112,7 +112,7 @@ impl Mirrors {
     }
 
     /// The same for all images.
-    pub(crate) fn unfold<T: Copy>(&self, of_quadrant: &[T], of_cells: &mut [T]) {
+    fn unfold<T: Copy>(&self, of_quadrant: &[T], of_cells: &mut [T]) {
         for (value, image) in of_cells.iter_mut().zip(&self.images) {
             *value = of_quadrant[*image as usize];
         }
@@ -133,6 +133,40 @@ impl Mirrors {
             .map(|cell| of_cells[*cell as usize])
             .collect();
         self.unfold(&own, of_cells);
+    }
+}
+
+/// The way of values of all cells to those of the quadrant and back, where there is one.
+pub(crate) struct Folding {
+    mirrors: Option<Arc<Mirrors>>,
+    /// Of the quadrant: what is transformed, and what that becomes.
+    values: Vec<f64>,
+    transformed: Vec<f64>,
+}
+
+impl Folding {
+    pub(crate) fn new(grid: &FloorGrid) -> Self {
+        let quadrant = grid.mirrors.as_ref().map_or(0, |m| m.quadrant.len());
+        Self {
+            mirrors: grid.mirrors.clone(),
+            values: vec![0.0; quadrant],
+            transformed: vec![0.0; quadrant],
+        }
+    }
+
+    /// Does something to values: by the mean of mirror images, for all of them, where cells are those of each other.
+    pub(crate) fn through(
+        &mut self,
+        of_cells: &[f64],
+        transformed: &mut [f64],
+        transform: impl FnOnce(&[f64], &mut [f64]),
+    ) {
+        let Some(mirrors) = &self.mirrors else {
+            return transform(of_cells, transformed);
+        };
+        mirrors.fold(of_cells, &mut self.values);
+        transform(&self.values, &mut self.transformed);
+        mirrors.unfold(&self.transformed, transformed);
     }
 }
 
@@ -183,14 +217,13 @@ impl FloorGrid {
         })
     }
 
-    /// The same, of cells that are mirror images of each other where the pillars of the field are.
-    pub(crate) fn with_mirrors(mut self, field: &PillarField) -> Self {
-        self.mirrors = self.find_mirrors(field).map(Arc::new);
+    /// The same, of cells that are mirror images of each other: the lens axis is so many columns and rows of the coarse grid from pillar (0, 0).
+    pub(crate) fn with_mirrors(mut self, from_first: [i64; 2]) -> Self {
+        self.mirrors = self.find_mirrors(from_first).map(Arc::new);
         self
     }
 
-    fn find_mirrors(&self, field: &PillarField) -> Option<Mirrors> {
-        let from_first = field.mirrored_at()?;
+    fn find_mirrors(&self, from_first: [i64; 2]) -> Option<Mirrors> {
         let axis = [0, 1].map(|k| from_first[k] - self.corner[k]);
         let grid = self.cells.grid();
         let shape = [grid.columns(), grid.rows()];

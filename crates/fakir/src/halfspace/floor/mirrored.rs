@@ -282,21 +282,11 @@ impl<R: Real> BesidePillars for Mirrored<R> {
         &self.odd
     }
 
-    fn put_pillars(
-        &self,
-        coarse: &mut Coarse,
-        places: &[Option<usize>],
-        tops: &[f64],
-        modes: usize,
-    ) {
+    fn take_mode(&self, coarse: &mut Coarse, mode: usize) {
         let mut spectra = self.tops.write().unwrap_or_else(PoisonError::into_inner);
-        for (mode, (odd, parities)) in self.odd.iter().zip(&self.parities).enumerate() {
-            let values = tops.iter().skip(mode).step_by(modes);
-            coarse.put(places, values);
-            coarse.mirror(*parities);
-            coarse.transform();
-            coarse.write_real(mode, *odd, &mut spectra);
-        }
+        coarse.mirror(self.parities[mode]);
+        coarse.transform();
+        coarse.write_real(mode, self.odd[mode], &mut spectra);
     }
 
     fn gather(&self, coarse: &mut Coarse) {

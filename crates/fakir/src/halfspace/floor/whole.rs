@@ -53,19 +53,10 @@ impl<R: Real> BesidePillars for Together<R> {
         &self.odd
     }
 
-    fn put_pillars(
-        &self,
-        coarse: &mut Coarse,
-        places: &[Option<usize>],
-        tops: &[f64],
-        modes: usize,
-    ) {
+    fn take_mode(&self, coarse: &mut Coarse, mode: usize) {
         let mut spectra = self.tops.write().unwrap_or_else(PoisonError::into_inner);
-        for mode in 0..self.odd.len() {
-            coarse.put(places, tops.iter().skip(mode).step_by(modes));
-            coarse.transform();
-            coarse.write(mode, &mut spectra);
-        }
+        coarse.transform();
+        coarse.write(mode, &mut spectra);
     }
 
     fn gather(&self, coarse: &mut Coarse) {
@@ -327,18 +318,11 @@ impl<R: Real> Transform for Together<R> {
     }
 
     fn row_forward(&self, row: &mut [R], spectrum: &mut [Complex<R>], scratch: &mut [Complex<R>]) {
-        // The lengths are those that the transform was made for, so this cannot fail.
-        let _ = self.plans.row.process_with_scratch(row, spectrum, scratch);
+        self.plans.row_forward(row, spectrum, scratch);
     }
 
     fn row_back(&self, spectrum: &mut [Complex<R>], row: &mut [R], scratch: &mut [Complex<R>]) {
-        // The transform of real data is real at its ends; rounding must not say otherwise.
-        spectrum[0].im = R::default();
-        spectrum[self.shape[0] / 2].im = R::default();
-        let _ = self
-            .plans
-            .row_back
-            .process_with_scratch(spectrum, row, scratch);
+        self.plans.row_back(spectrum, row, scratch);
     }
 
     fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {

@@ -7,7 +7,7 @@
 //! takes in too many, the set shrinks onto the solution without going back.
 
 use crate::halfspace::elements::periodic::PeriodicInverse;
-use crate::halfspace::floor::grid::FloorGrid;
+use crate::halfspace::floor::grid::{FloorGrid, Folding};
 use crate::numerics::convergence::{larger, within};
 use crate::numerics::workers::Workers;
 use crate::problem::scaled::Scene;
@@ -25,8 +25,7 @@ pub(crate) struct FloorCells<'a> {
     bears: Vec<bool>,
     inverse: PeriodicInverse<'a, f32>,
     masked: Vec<f64>,
-    /// Of the quadrant of a floor with mirror images: what is left on it, and what makes it vanish.
-    quadrant: [Vec<f64>; 2],
+    folding: Folding,
 }
 
 /// What an update changed.
@@ -40,15 +39,13 @@ pub(crate) struct FloorChange {
 impl<'a> FloorCells<'a> {
     /// No cell bears pressure.
     pub(crate) fn new(grid: FloorGrid, pool: Option<&'a ThreadPool>) -> Self {
-        let quadrant = grid.mirrors.as_ref().map(|mirrors| &mirrors.quadrant);
-        let room = || vec![0.0; quadrant.map_or(0, Cells::len)];
         Self {
             bears: vec![false; grid.len()],
-            inverse: match quadrant {
-                Some(cells) => PeriodicInverse::of_mirrored_means(cells.clone(), pool),
+            inverse: match &grid.mirrors {
+                Some(mirrors) => PeriodicInverse::of_mirrored_means(mirrors.quadrant.clone(), pool),
                 None => PeriodicInverse::of_means(grid.cells.clone(), pool),
             },
-            quadrant: [room(), room()],
+            folding: Folding::new(&grid),
             masked: vec![0.0; grid.len()],
             grid,
         }
@@ -125,17 +122,18 @@ impl<'a> FloorCells<'a> {
             cells: 0,
             mismatch: 0.0,
         };
+        let before = self.bears.clone();
         for ((bears, load), coefficient) in self.bears.iter_mut().zip(loads).zip(coefficients) {
-            let before = *bears;
-            if before {
+            if *bears {
                 change.mismatch = larger(change.mismatch, load.abs() / indentation);
                 *bears = *coefficient > -TOLERANCE * most;
             } else {
                 *bears = !within(load, entered);
             }
-            change.cells += usize::from(before != *bears);
         }
         self.mirror();
+        let states = before.iter().zip(&self.bears);
+        change.cells = states.filter(|(before, after)| before != after).count();
         change
     }
 
@@ -192,15 +190,12 @@ impl<T: Rule> Rule for Places<'_, '_, T> {
         if let Some(floor) = &mut self.floor {
             floor.masked.copy_from_slice(&residual[tops..]);
             FloorCells::mask(&floor.bears, &mut floor.masked);
-            match &floor.grid.mirrors {
-                Some(mirrors) => {
-                    let [left, pressure] = &mut floor.quadrant;
-                    mirrors.fold(&floor.masked, left);
-                    floor.inverse.apply(left, pressure);
-                    mirrors.unfold(pressure, of_floor);
-                }
-                None => floor.inverse.apply(&floor.masked, of_floor),
-            }
+            let inverse = &mut floor.inverse;
+            floor
+                .folding
+                .through(&floor.masked, of_floor, |left, pressure| {
+                    inverse.apply(left, pressure);
+                });
             FloorCells::mask(&floor.bears, of_floor);
         }
     }

@@ -145,19 +145,17 @@ impl Tops {
 
     /// `bs`: the lens shape over every pillar top, in the leading modes; the same over mirror images.
     pub(crate) fn lens_load(&self, copies: Option<&Copies>, workers: Workers<'_>) -> Vec<f64> {
-        let count = self.modes;
-        let Some(copies) = copies else {
-            let mut own_load = vec![0.0; self.sites.len() * count];
-            let project = |(): &mut (), pillar: usize, load: &mut [f64]| self.project(pillar, load);
-            workers.fill(&mut own_load, count, COSTLY_PILLARS, || (), project);
-            return own_load;
-        };
-        let mut of_own = vec![0.0; copies.own().len() * count];
+        let own = copies.map(Copies::own);
+        let count = own.map_or(self.sites.len(), <[u32]>::len);
+        let mut load = vec![0.0; count * self.modes];
         let project = |(): &mut (), number: usize, load: &mut [f64]| {
-            self.project(copies.own()[number] as usize, load);
+            self.project(own.map_or(number, |own| own[number] as usize), load);
         };
-        workers.fill(&mut of_own, count, COSTLY_PILLARS, || (), project);
-        copies.spread(&modes(self.degree), &of_own)
+        workers.fill(&mut load, self.modes, COSTLY_PILLARS, || (), project);
+        match copies {
+            Some(copies) => copies.spread(&modes(self.degree), &load),
+            None => load,
+        }
     }
 
     /// Leading modes per pillar.
