@@ -207,50 +207,72 @@ fn shared_loads(
     run: &Run<'_>,
 ) -> Result<Vec<Option<SharedLoad>>, StateError> {
     let critical = critical(Substrate::Intermediate, surface_fraction, run)?.contact;
+    let mut known = Vec::new();
     SHARES
-        .into_par_iter()
-        .map(|share| shared_load(surface_fraction, &critical, share, run))
+        .into_iter()
+        .map(|share| shared_load(surface_fraction, &critical, share, &mut known, run))
         .collect()
 }
 
-/// The state in which the floor bears a share of the load, by secants: the logarithm of the share is nearly linear in that of the
-/// indentation beyond the critical one.
+/// Logarithms of the indentation beyond the critical one, over it, and of what the floor bears, over what the tops bear. The one is nearly linear in the other.
+type Known = [f64; 2];
+
+/// Of a share of the floor.
+fn log_of_odds(share: f64) -> f64 {
+    (share / (1.0 - share)).ln()
+}
+
+/// Where the floor is to bear so much: by the nearest two of the states that are known, and the change of their slope to a third.
+fn guess(odds: f64, known: &[Known]) -> f64 {
+    let mut nearest = known.to_vec();
+    nearest.sort_by(|a, b| (a[1] - odds).abs().total_cmp(&(b[1] - odds).abs()));
+    let slope = |a: Known, b: Known| (b[0] - a[0]) / (b[1] - a[1]);
+    // Shares grow as the power 3/2 at first.
+    let first = |a: Known| a[0] + (odds - a[1]) / 1.3;
+    match nearest[..] {
+        [] => (odds + std::f64::consts::LN_2) / 1.5,
+        [a] => first(a),
+        [a, b, ..] => {
+            let of_two = slope(a, b);
+            let bend = nearest.get(2).map_or(0.0, |c| {
+                (slope(b, *c) - of_two) / (c[1] - a[1]) * (odds - b[1])
+            });
+            let along = a[0] + (of_two + bend) * (odds - a[1]);
+            if along.is_finite() { along } else { first(a) }
+        }
+    }
+}
+
+/// The state in which the floor bears a share of the load; what is found on the way becomes known.
 fn shared_load(
     surface_fraction: f64,
     critical: &ContactState,
     share: f64,
+    known: &mut Vec<Known>,
     run: &Run<'_>,
 ) -> Result<Option<SharedLoad>, StateError> {
-    let press = |beyond: f64| {
-        let control = Control::Indentation((1.0 + beyond.exp()) * critical.indentation);
-        fakir::press(&critical.system, control, Method::default(), run)
-    };
-    let excess = |state: &ContactState| {
-        let found = state.floor.as_ref().map_or(0.0, |floor| floor.share);
-        (found / share).ln()
-    };
-    // Shares grow as the power 3/2 at first.
-    let mut position = (2.0 * share).ln() / 1.5;
-    let mut last: Option<[f64; 2]> = None;
+    let mut last: Option<f64> = None;
     for _ in 0..MOST_SHARE_STEPS {
-        let state = press(position)?;
-        let value = excess(&state);
-        if !state.converged() || !value.is_finite() {
+        let mut position = guess(log_of_odds(share), known);
+        if let Some(last) = last {
+            position = position.clamp(last - 1.0, last + 1.0);
+        }
+        last = Some(position);
+        let control = Control::Indentation((1.0 + position.exp()) * critical.indentation);
+        let state = fakir::press(&critical.system, control, Method::default(), run)?;
+        let found = state.floor.as_ref().map_or(0.0, |floor| floor.share);
+        let odds = log_of_odds(found);
+        if !state.converged() || !odds.is_finite() {
             return Ok(None);
         }
-        if value.abs() < SHARE_TOLERANCE {
+        known.push([position, odds]);
+        if (found / share).ln().abs() < SHARE_TOLERANCE {
             return Ok(Some(SharedLoad {
                 surface_fraction,
                 share,
                 state,
             }));
         }
-        let slope = match last {
-            Some([before, value_before]) => (value - value_before) / (position - before),
-            None => 1.3,
-        };
-        last = Some([position, value]);
-        position -= (value / slope.max(0.2)).clamp(-1.0, 1.0);
     }
     Ok(None)
 }

@@ -177,14 +177,14 @@ fn product_limit(pillars: f64) -> Limit {
     let c = coefficients(window.len() * mode_count(DEGREE));
     let mut far = vec![0.0; c.len()];
     let seconds = least_time(|| coupling.apply(&c, &mut far, run.workers()));
-    let [operations, bytes] = coupling.least_work();
+    let [operations, bytes] = coupling.least_work(false);
     Limit {
         name: format!("convolution, {} pillars", window.len()),
         operations,
         bytes: bytes + 16.0 * c.len() as f64,
         working_set: bytes,
         seconds,
-        transforms: Some(least_time(|| coupling.transforms_alone())),
+        transforms: Some(least_time(|| coupling.transforms_alone(false))),
     }
 }
 

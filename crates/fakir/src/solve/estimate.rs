@@ -33,10 +33,7 @@ const FLOOR: f64 = 1e-8;
 const SAFETY: f64 = 2.0;
 
 /// Relative energy of the residual for the adjoint responses: two digits of an error are enough.
-const ADJOINT_TOLERANCE: f64 = 1e-3;
-
-/// The same where the error is that of a sample of the pillars, which is known to one digit.
-const SAMPLE_TOLERANCE: f64 = 1e-2;
+const ADJOINT_TOLERANCE: f64 = 1e-2;
 
 /// Degrees by which the coupling is extended: interior pillars of a hexagonal lattice see little
 /// of degree 3, more of degree 4.
@@ -49,7 +46,7 @@ const NEIGHBOURHOOD: f64 = 13.0;
 const PAIRS: f64 = 9.0;
 
 /// Pillars that are symmetric copies of each other, as a rule, where few are crossed by the edge.
-const COPIES: usize = 4;
+const COPIES: f64 = 4.0;
 
 /// Load and response that belong to one result.
 struct Adjoint {
@@ -92,10 +89,16 @@ pub(crate) fn estimate(
         return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
     }
     let total = newton.contact.coefficients().to_vec();
-    let [of_force, of_indentation] = adjoints(newton, outcome, target)?;
-    let adjoints = [&of_force, &of_indentation];
-    let nodes = node_changes(newton, &total, adjoints)?;
-    let degree = degree_changes(newton, outcome, &total, adjoints)?;
+    let mut adjoints = adjoints(newton, outcome, target)?;
+    let few = newton.tops.sites.len() <= SAMPLED;
+    let copies = newton.copies.as_ref().filter(|_| few);
+    if let Some(copies) = copies {
+        // What mirror images differ by of an adjoint does not count, as the changes are images of each other too.
+        adjoints = adjoints.map(|adjoint| adjoint.mirrored(newton, copies));
+    }
+    let adjoints = adjoints.each_ref();
+    let nodes = node_changes(newton, copies, &total, adjoints)?;
+    let degree = degree_changes(newton, outcome, copies, &total, adjoints)?;
     let floor = floor_changes(newton, outcome, adjoints);
     let relative = |k: usize, value: f64| {
         let changes = nodes[k] + degree[k] + floor[k];
@@ -148,13 +151,8 @@ fn adjoints(
     outcome: &Outcome,
     target: Control,
 ) -> Result<[Adjoint; 2], SolveError> {
-    let tolerance = if newton.tops.sites.len() > SAMPLED {
-        SAMPLE_TOLERANCE
-    } else {
-        ADJOINT_TOLERANCE
-    };
     if newton.cells.is_none() {
-        newton.solve_unit(tolerance)?;
+        newton.solve_unit(ADJOINT_TOLERANCE)?;
     }
     let stiffness = newton.contact.stiffness();
     let size = newton.contact.unit.far.len();
@@ -163,7 +161,7 @@ fn adjoints(
     let mut factor = 0.0;
     if let Some(point) = outcome.floor {
         load = newton.point_load(point.position);
-        response = newton.respond_to(&load, tolerance)?;
+        response = newton.respond_to(&load, ADJOINT_TOLERANCE)?;
         let unit_displacement: f64 = load
             .iter()
             .zip(&newton.contact.unit.coefficients)
@@ -223,27 +221,39 @@ fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
 const FEW_PILLARS: usize = 12;
 
 /// Changes of the two results when partially touched pillars are solved on other node arrays. Errors of
-/// pillars that are symmetric copies of each other add up, others do as if their signs were random.
+/// pillars that are symmetric copies of each other add up, others do as if their signs were random. Of mirror images one is looked at.
 fn node_changes(
     newton: &Newton<'_>,
+    copies: Option<&Copies>,
     total: &[f64],
     adjoints: [&Adjoint; 2],
 ) -> Result<[f64; 2], SolveError> {
     let modes = newton.contact.modes();
-    let partial: Vec<usize> = (0..newton.tops.sites.len())
-        .filter(|&p| newton.tops.status[p] == PillarStatus::Partial)
-        .collect();
+    let is_partial = |pillar: &usize| newton.tops.status[*pillar] == PillarStatus::Partial;
+    // Pillars, and how many each stands for.
+    let partial: Vec<(usize, f64)> = match copies {
+        Some(copies) => {
+            let own = copies.own().iter().map(|pillar| *pillar as usize);
+            let all = own.zip(copies.counts());
+            all.filter(|(pillar, _)| is_partial(pillar)).collect()
+        }
+        None => {
+            let pillars = (0..newton.tops.sites.len()).filter(is_partial);
+            pillars.map(|pillar| (pillar, 1.0)).collect()
+        }
+    };
     if partial.is_empty() {
         return Ok([0.0; 2]);
     }
+    let count: f64 = partial.iter().map(|(_, images)| images).sum();
     let mut of_pillars = vec![[0.0_f64; 2]; partial.len()];
     let mut largest_sum = [0.0_f64; 2];
-    for resolution in other_resolutions(newton.tops.top.resolution(), partial.len()) {
+    for resolution in other_resolutions(newton.tops.top.resolution(), count as usize) {
         let ratio = newton.tops.sites.common_body().column;
         let top = PillarTop::new(resolution, newton.degree(), ratio);
         let work = || (LocalSolver::new(&top), vec![0.0; modes]);
         let one = |(solver, refined): &mut (LocalSolver, Vec<f64>), number: usize| {
-            let pillar = partial[number];
+            let (pillar, _) = partial[number];
             if newton.run.cancel.is_cancelled() {
                 return [0.0; 2];
             }
@@ -267,17 +277,20 @@ fn node_changes(
         let changes = newton.run.workers().map(partial.len(), 1, work, one);
         newton.run.check_cancelled()?;
         for k in 0..2 {
-            let sum: f64 = changes.iter().map(|change| change[k]).sum();
+            let of_images = changes.iter().zip(&partial);
+            let sum: f64 = of_images.map(|(change, (_, n))| n * change[k]).sum();
             largest_sum[k] = largest_sum[k].max(sum.abs());
             for (of_pillar, change) in of_pillars.iter_mut().zip(&changes) {
                 of_pillar[k] = of_pillar[k].max(change[k].abs());
             }
         }
     }
-    let copies = partial.len().min(COPIES) as f64;
     Ok([0, 1].map(|k| {
-        let squares: f64 = of_pillars.iter().map(|change| change[k] * change[k]).sum();
-        largest_sum[k].max((copies * squares).sqrt())
+        let of_images = of_pillars.iter().zip(&partial);
+        let squares: f64 = of_images
+            .map(|(change, (_, n))| n * change[k].powi(2))
+            .sum();
+        largest_sum[k].max((count.min(COPIES) * squares).sqrt())
     }))
 }
 
@@ -285,17 +298,11 @@ fn node_changes(
 fn degree_changes(
     newton: &Newton<'_>,
     outcome: &Outcome,
+    copies: Option<&Copies>,
     total: &[f64],
     adjoints: [&Adjoint; 2],
 ) -> Result<[f64; 2], SolveError> {
     let pillars = newton.tops.sites.len();
-    // What mirror images differ by of an adjoint does not count, as the changes are images of each other too.
-    let copies = newton.copies.as_ref().filter(|_| pillars <= SAMPLED);
-    let mirrored = copies.map(|copies| adjoints.map(|adjoint| adjoint.mirrored(newton, copies)));
-    let adjoints = match &mirrored {
-        Some([one, other]) => [one, other],
-        None => adjoints,
-    };
     let touched = match outcome.floor.map(|point| point.position) {
         Some([x, y]) if copies.is_some() => vec![[x, y], [-x, y], [x, -y], [-x, -y]],
         point => Vec::from_iter(point),

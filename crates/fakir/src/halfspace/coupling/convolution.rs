@@ -10,17 +10,24 @@
 //! and transformed back while they are in the cache; then the rows of the window back. Each pass is
 //! shared between threads. Between them the transformed rows lie in tiles of a few rows and columns, so
 //! that rows and columns both are whole cache lines, and few pages.
+//!
+//! Products are exact or rough: in double precision, or in single, which takes about half the time. A kernel is kept as the sum of two numbers in
+//! single precision, of which rough products read the first alone.
 
 use super::pair::PairCoupling;
 use super::window::Window;
-use crate::numerics::fft::{RealPlans, smooth_size};
+use crate::numerics::convergence::larger;
+use crate::numerics::fft::{Real, RealPlans, smooth_size};
 use crate::numerics::vector::widest;
 use crate::numerics::workers::Workers;
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::{Complex, Complex64};
 use std::ops::Range;
 
-/// Rows and columns of a tile: a row of it is a cache line.
-const TILE: (usize, usize) = (8, 4);
+/// Rows of a tile.
+const TILE_ROWS: usize = 8;
+
+/// Bytes of a row of a tile: a cache line.
+const CACHE_LINE: usize = 64;
 
 /// Padded arrays of fewer points than this are not worth sharing between threads.
 const PARALLEL_POINTS: usize = 40_000;
@@ -28,7 +35,18 @@ const PARALLEL_POINTS: usize = 40_000;
 /// Distances a thread takes at a time, at the least.
 const DISTANCES: usize = 200;
 
+/// Products of all pillars of a window.
 pub(crate) struct LatticeConvolution {
+    layout: Layout,
+    /// Transformed kernels: for every column, the high parts of every pair of modes, every row, then the low parts of the same. The real part
+    /// where even, the imaginary part where odd. With the normalisation of the inverse.
+    kernel: Vec<f32>,
+    exact: Passes<f64>,
+    rough: Passes<f32>,
+}
+
+/// Where everything lies.
+struct Layout {
     /// Number of modes.
     modes: usize,
     /// Rows and columns of the window.
@@ -42,47 +60,9 @@ pub(crate) struct LatticeConvolution {
     ranges: Vec<Range<usize>>,
     /// Whether the kernel of an upper-triangle pair of modes is odd.
     odd: Vec<bool>,
-    /// Transformed kernels: for every column, every pair of modes, every row; its real part
-    /// where even, its imaginary part where odd. With the normalisation of the inverse.
-    kernel: Vec<f64>,
-    /// Transformed rows, and what becomes of them. In tiles: for every [`TILE`]`.1` columns, every
-    /// [`TILE`]`.0` rows of the window, every mode, these rows of these columns.
-    tiles: Vec<Complex64>,
-    transforms: RealPlans,
 }
 
-impl LatticeConvolution {
-    /// If it is cancelled the kernels are nothing; solvers look before they ask for a product.
-    pub(crate) fn new(window: &Window, pair: &PairCoupling, workers: Workers<'_>) -> Self {
-        let modes = pair.modes().len();
-        let shape = window.shape();
-        let padded = (smooth_size(2 * shape.0 - 1), smooth_size(2 * shape.1 - 1));
-        let half = padded.1 / 2 + 1;
-        let transforms = RealPlans::new(padded.0, padded.1);
-        let mut odd = Vec::with_capacity(pair.entry_count());
-        for (row, receiver) in pair.modes().iter().enumerate() {
-            for source in &pair.modes()[row..] {
-                odd.push((receiver.degree + source.degree) % 2 == 1);
-            }
-        }
-        let mut convolution = Self {
-            modes,
-            shape,
-            padded,
-            half,
-            places: window.places().to_vec(),
-            ranges: window.rows().to_vec(),
-            odd,
-            kernel: vec![0.0; pair.entry_count() * half * padded.0],
-            tiles: Vec::new(),
-            transforms,
-        };
-        let (_, strip) = convolution.lengths();
-        convolution.tiles = vec![Complex64::default(); half.div_ceil(TILE.1) * strip];
-        convolution.fill_kernels(pair, workers);
-        convolution
-    }
-
+impl Layout {
     /// Pieces of work a thread takes at a time, at the least.
     fn least(&self) -> usize {
         if self.padded.0 * self.padded.1 >= PARALLEL_POINTS {
@@ -92,98 +72,233 @@ impl LatticeConvolution {
         }
     }
 
-    /// Transformed kernels of all pairs of modes. As `B_ij(-D) = (-1)^(l+l') B_ij(D)`, rows on one
-    /// side are enough until the columns are transformed.
-    fn fill_kernels(&mut self, pair: &PairCoupling, workers: Workers<'_>) {
-        let (rows, columns) = self.padded;
-        let (entries, half) = (pair.entry_count(), self.half);
-        let reach = (self.shape.0 as i64 - 1, self.shape.1 as i64 - 1);
-        let least = self.least();
-        let radial = radial_parts(pair, reach.0.max(reach.1), workers);
-        // The columns of every pair, row after row of the lattice.
-        let mut transformed = vec![Complex64::default(); self.shape.0 * entries * half];
-        let transform = &self.transforms.row;
-        let work = || RowWork {
-            grids: vec![0.0; entries * columns],
-            block: vec![0.0; entries],
-            scratch: transform.make_scratch_vec(),
+    /// Numbers of all kernels in a column: high parts, and as many low ones.
+    fn kernel_column(&self) -> usize {
+        2 * self.odd.len() * self.padded.0
+    }
+}
+
+impl LatticeConvolution {
+    /// If it is cancelled the kernels are nothing; solvers look before they ask for a product.
+    pub(crate) fn new(window: &Window, pair: &PairCoupling, workers: Workers<'_>) -> Self {
+        let shape = window.shape();
+        let padded = (smooth_size(2 * shape.0 - 1), smooth_size(2 * shape.1 - 1));
+        let mut odd = Vec::with_capacity(pair.entry_count());
+        for (row, receiver) in pair.modes().iter().enumerate() {
+            for source in &pair.modes()[row..] {
+                odd.push((receiver.degree + source.degree) % 2 == 1);
+            }
+        }
+        let layout = Layout {
+            modes: pair.modes().len(),
+            shape,
+            padded,
+            half: padded.1 / 2 + 1,
+            places: window.places().to_vec(),
+            ranges: window.rows().to_vec(),
+            odd,
         };
-        workers.fill(
-            &mut transformed,
-            entries * half,
-            least,
-            work,
-            |work, row, output| {
-                if workers.cancel.is_cancelled() {
-                    return;
-                }
-                work.fill_row(pair, &radial, row as i64, reach.1, columns);
-                let grids = work.grids.chunks_exact_mut(columns);
-                for (grid, output) in grids.zip(output.chunks_exact_mut(half)) {
-                    // Lengths are those the plan was made for, so this cannot fail.
-                    let _ = transform.process_with_scratch(grid, output, &mut work.scratch);
-                }
-            },
-        );
-        let scale = 1.0 / (rows * columns) as f64;
-        let (odd, transform) = (&self.odd, &self.transforms.column);
-        let work = || {
-            let scratch = vec![Complex64::default(); transform.get_inplace_scratch_len()];
-            (vec![Complex64::default(); entries * rows], scratch)
-        };
-        workers.fill(
-            &mut self.kernel,
-            entries * rows,
-            least,
-            work,
-            |(input, scratch), column, kernel| {
-                if workers.cancel.is_cancelled() {
-                    return;
-                }
-                for (entry, (input, &odd)) in input.chunks_exact_mut(rows).zip(odd).enumerate() {
-                    let sign = if odd { -1.0 } else { 1.0 };
-                    input.fill(Complex64::default());
-                    for (row, values) in transformed.chunks_exact(entries * half).enumerate() {
-                        let value = values[entry * half + column];
-                        input[row] = value;
-                        if row > 0 {
-                            input[rows - row] = sign * value.conj();
-                        }
-                    }
-                }
-                transform.process_with_scratch(input, scratch);
-                let values = input.chunks_exact(rows).zip(odd);
-                for (kernel, (values, &odd)) in kernel.chunks_exact_mut(rows).zip(values) {
-                    for (k, value) in kernel.iter_mut().zip(values) {
-                        *k = scale * if odd { value.im } else { value.re };
-                    }
-                }
-            },
-        );
+        let exact = Passes::new(&layout);
+        Self {
+            kernel: kernels(&layout, pair, &exact.transforms, workers),
+            rough: Passes::new(&layout),
+            exact,
+            layout,
+        }
     }
 
+    /// `far = B c`
     pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
-        self.rows_forward(coefficients, workers);
-        self.columns(workers);
-        self.rows_back(far, workers);
+        let parts = (&self.layout, &self.kernel[..]);
+        self.exact.apply(parts, coefficients, far, 1.0, workers);
+    }
+
+    /// The same in single precision.
+    pub(crate) fn apply_roughly(
+        &mut self,
+        coefficients: &[f64],
+        far: &mut [f64],
+        workers: Workers<'_>,
+    ) {
+        // Single precision knows no small numbers: the largest is made one.
+        let largest = coefficients
+            .iter()
+            .fold(0.0, |most, c| larger(most, c.abs()));
+        let unit = if largest.is_normal() { largest } else { 1.0 };
+        let parts = (&self.layout, &self.kernel[..]);
+        self.rough.apply(parts, coefficients, far, unit, workers);
     }
 
     /// Operations of a product at the least, and the bytes it moves if every array is read or written
-    /// once: transforms of length `n` take `5 n log2 n`, of real numbers half of that.
-    pub(crate) fn least_work(&self) -> [f64; 2] {
-        let [modes, rows, half] = [self.modes, self.shape.0, self.half].map(|n| n as f64);
-        let [long, wide] = [self.padded.0, self.padded.1].map(|n| n as f64);
+    /// once: transforms of length `n` take `5 n log2 n`, of real numbers half of that. Of an exact product, or of a rough one.
+    pub(crate) fn least_work(&self, rough: bool) -> [f64; 2] {
+        let layout = &self.layout;
+        let [modes, rows, half] = [layout.modes, layout.shape.0, layout.half].map(|n| n as f64);
+        let [long, wide] = [layout.padded.0, layout.padded.1].map(|n| n as f64);
         let rows_there_and_back = 2.0 * rows * modes * 2.5 * wide * wide.log2();
         let columns_there_and_back = 2.0 * half * modes * 5.0 * long * long.log2();
         let multiplied = 4.0 * modes * modes * half * long;
         let operations = rows_there_and_back + columns_there_and_back + multiplied;
         // Tiles are written, read and written again, and read.
-        let bytes = 8 * self.kernel.len() + 4 * 16 * self.tiles.len();
+        let bytes = if rough {
+            2 * self.kernel.len() + 4 * 8 * self.rough.tiles.len()
+        } else {
+            4 * self.kernel.len() + 4 * 16 * self.exact.tiles.len()
+        };
         [operations, bytes as f64]
     }
 
     /// The transforms of a product and nothing else, of numbers that stay in the cache.
-    pub(crate) fn transforms_alone(&self) {
+    pub(crate) fn transforms_alone(&self, rough: bool) {
+        if rough {
+            self.rough.transforms_alone(&self.layout);
+        } else {
+            self.exact.transforms_alone(&self.layout);
+        }
+    }
+}
+
+/// Transformed kernels of all pairs of modes. As `B_ij(-D) = (-1)^(l+l') B_ij(D)`, rows on one
+/// side are enough until the columns are transformed.
+fn kernels(
+    layout: &Layout,
+    pair: &PairCoupling,
+    transforms: &RealPlans,
+    workers: Workers<'_>,
+) -> Vec<f32> {
+    let (rows, columns) = layout.padded;
+    let (entries, half) = (pair.entry_count(), layout.half);
+    let reach = (layout.shape.0 as i64 - 1, layout.shape.1 as i64 - 1);
+    let least = layout.least();
+    let radial = radial_parts(pair, reach.0.max(reach.1), workers);
+    // The columns of every pair, row after row of the lattice.
+    let mut transformed = vec![Complex64::default(); layout.shape.0 * entries * half];
+    let transform = &transforms.row;
+    let work = || RowWork {
+        grids: vec![0.0; entries * columns],
+        block: vec![0.0; entries],
+        scratch: transform.make_scratch_vec(),
+    };
+    workers.fill(
+        &mut transformed,
+        entries * half,
+        least,
+        work,
+        |work, row, output| {
+            if workers.cancel.is_cancelled() {
+                return;
+            }
+            work.fill_row(pair, &radial, row as i64, reach.1, columns);
+            let grids = work.grids.chunks_exact_mut(columns);
+            for (grid, output) in grids.zip(output.chunks_exact_mut(half)) {
+                transforms.row_forward(grid, output, &mut work.scratch);
+            }
+        },
+    );
+    let scale = 1.0 / (rows * columns) as f64;
+    let (odd, transform) = (&layout.odd, &transforms.column);
+    let work = || {
+        let scratch = vec![Complex64::default(); transform.get_inplace_scratch_len()];
+        (vec![Complex64::default(); entries * rows], scratch)
+    };
+    let mut kernel = vec![0.0; half * layout.kernel_column()];
+    workers.fill(
+        &mut kernel,
+        layout.kernel_column(),
+        least,
+        work,
+        |(input, scratch), column, kernel| {
+            if workers.cancel.is_cancelled() {
+                return;
+            }
+            for (entry, (input, &odd)) in input.chunks_exact_mut(rows).zip(odd).enumerate() {
+                let sign = if odd { -1.0 } else { 1.0 };
+                input.fill(Complex64::default());
+                for (row, values) in transformed.chunks_exact(entries * half).enumerate() {
+                    let value = values[entry * half + column];
+                    input[row] = value;
+                    if row > 0 {
+                        input[rows - row] = sign * value.conj();
+                    }
+                }
+            }
+            transform.process_with_scratch(input, scratch);
+            let (high, low) = kernel.split_at_mut(entries * rows);
+            let parts = high.chunks_exact_mut(rows).zip(low.chunks_exact_mut(rows));
+            for ((high, low), (values, &odd)) in parts.zip(input.chunks_exact(rows).zip(odd)) {
+                for ((high, low), value) in high.iter_mut().zip(low).zip(values) {
+                    let value = scale * if odd { value.im } else { value.re };
+                    *high = value as f32;
+                    *low = (value - f64::from(*high)) as f32;
+                }
+            }
+        },
+    );
+    kernel
+}
+
+/// Numbers in which products are made.
+trait Precision: Real {
+    /// What a sum of two is of kernels.
+    fn sum(high: f32, low: f32) -> Self;
+}
+
+impl Precision for f64 {
+    #[inline(always)]
+    fn sum(high: f32, low: f32) -> Self {
+        Self::from(high) + Self::from(low)
+    }
+}
+
+impl Precision for f32 {
+    #[inline(always)]
+    fn sum(high: f32, _: f32) -> Self {
+        high
+    }
+}
+
+/// The passes of a product, in a precision.
+struct Passes<R: Real> {
+    /// Transformed rows, and what becomes of them. In tiles: for every few columns, every
+    /// [`TILE_ROWS`] rows of the window, every mode, these rows of these columns.
+    tiles: Vec<Complex<R>>,
+    transforms: RealPlans<R>,
+}
+
+impl<R: Precision> Passes<R> {
+    /// Columns of a tile.
+    const TILE_COLUMNS: usize = CACHE_LINE / size_of::<Complex<R>>();
+
+    fn new(layout: &Layout) -> Self {
+        let (_, strip) = Self::lengths(layout);
+        let strips = layout.half.div_ceil(Self::TILE_COLUMNS);
+        Self {
+            tiles: vec![Complex::default(); strips * strip],
+            transforms: RealPlans::new(layout.padded.0, layout.padded.1),
+        }
+    }
+
+    /// Length of a tile, and of all tiles of a few columns.
+    fn lengths(layout: &Layout) -> (usize, usize) {
+        let tile = layout.modes * TILE_ROWS * Self::TILE_COLUMNS;
+        (tile, tile * layout.shape.0.div_ceil(TILE_ROWS))
+    }
+
+    /// The product, of coefficients in that unit.
+    fn apply(
+        &mut self,
+        (layout, kernel): (&Layout, &[f32]),
+        coefficients: &[f64],
+        far: &mut [f64],
+        unit: f64,
+        workers: Workers<'_>,
+    ) {
+        self.rows_forward(layout, coefficients, unit.recip(), workers);
+        self.columns(layout, kernel, workers);
+        self.rows_back(layout, far, unit, workers);
+    }
+
+    fn transforms_alone(&self, layout: &Layout) {
         let RealPlans {
             row,
             row_back,
@@ -191,61 +306,65 @@ impl LatticeConvolution {
             column_back,
         } = &self.transforms;
         let (mut real, mut complex) = (row.make_input_vec(), row.make_output_vec());
-        for _ in 0..self.shape.0 * self.modes {
+        for _ in 0..layout.shape.0 * layout.modes {
             let _ = row.process(&mut real, &mut complex);
             let _ = row_back.process(&mut complex, &mut real);
         }
-        let mut columns = vec![Complex64::default(); self.modes * self.padded.0];
-        for _ in 0..self.half {
+        let mut columns = vec![Complex::default(); layout.modes * layout.padded.0];
+        for _ in 0..layout.half {
             column.process(&mut columns);
             column_back.process(&mut columns);
         }
     }
 
-    /// Length of a tile, and of all tiles of a few columns.
-    fn lengths(&self) -> (usize, usize) {
-        let tile = self.modes * TILE.0 * TILE.1;
-        (tile, tile * self.shape.0.div_ceil(TILE.0))
-    }
-
-    fn rows_forward(&mut self, coefficients: &[f64], workers: Workers<'_>) {
-        let (modes, half, least) = (self.modes, self.half, self.least());
-        let (tile, strip) = self.lengths();
-        let (transform, places, ranges) = (&self.transforms.row, &self.places, &self.ranges);
+    fn rows_forward(
+        &mut self,
+        layout: &Layout,
+        coefficients: &[f64],
+        factor: f64,
+        workers: Workers<'_>,
+    ) {
+        let Layout { modes, half, .. } = *layout;
+        let (tile, strip) = Self::lengths(layout);
+        let transforms = &self.transforms;
         // The tiles of every few rows.
-        let mut blocks: Vec<Vec<&mut [Complex64]>> = ranges
-            .chunks(TILE.0)
-            .map(|_| Vec::with_capacity(half.div_ceil(TILE.1)))
+        let mut blocks: Vec<Vec<&mut [Complex<R>]>> = layout
+            .ranges
+            .chunks(TILE_ROWS)
+            .map(|_| Vec::with_capacity(half.div_ceil(Self::TILE_COLUMNS)))
             .collect();
         for strip in self.tiles.chunks_exact_mut(strip) {
             for (block, tile) in blocks.iter_mut().zip(strip.chunks_exact_mut(tile)) {
                 block.push(tile);
             }
         }
-        let work = || {
-            let input = transform.make_input_vec();
-            let output = transform.make_output_vec();
-            (input, output, transform.make_scratch_vec())
-        };
+        let work = || RowRoom::new(transforms);
         workers.fill(
             &mut blocks,
             1,
-            least,
+            layout.least(),
             work,
-            |(input, output, scratch), number, block| {
+            |room, number, block| {
                 if workers.cancel.is_cancelled() {
                     return;
                 }
-                let ranges = ranges.iter().skip(number * TILE.0).take(TILE.0);
-                for (row, range) in ranges.enumerate() {
+                let RowRoom {
+                    values,
+                    spectrum,
+                    scratch,
+                } = room;
+                let ranges = layout.ranges.iter().skip(number * TILE_ROWS);
+                for (row, range) in ranges.take(TILE_ROWS).enumerate() {
                     for mode in 0..modes {
-                        input.fill(0.0);
+                        values.fill(R::default());
                         for pillar in range.clone() {
-                            input[places[pillar].1] = coefficients[pillar * modes + mode];
+                            let value = factor * coefficients[pillar * modes + mode];
+                            values[layout.places[pillar].1] = R::of(value);
                         }
-                        let _ = transform.process_with_scratch(input, output, scratch);
-                        let line = (mode * TILE.0 + row) * TILE.1;
-                        for (tile, values) in block[0].iter_mut().zip(output.chunks(TILE.1)) {
+                        transforms.row_forward(values, spectrum, scratch);
+                        let line = (mode * TILE_ROWS + row) * Self::TILE_COLUMNS;
+                        let pieces = spectrum.chunks(Self::TILE_COLUMNS);
+                        for (tile, values) in block[0].iter_mut().zip(pieces) {
                             tile[line..line + values.len()].copy_from_slice(values);
                         }
                     }
@@ -254,77 +373,75 @@ impl LatticeConvolution {
         );
     }
 
-    fn rows_back(&self, far: &mut [f64], workers: Workers<'_>) {
-        let transform = &self.transforms.row_back;
-        let work = || BackWork {
-            input: transform.make_input_vec(),
-            output: transform.make_output_vec(),
-            scratch: transform.make_scratch_vec(),
-        };
-        let mut blocks = Vec::with_capacity(self.ranges.len().div_ceil(TILE.0));
+    fn rows_back(&self, layout: &Layout, far: &mut [f64], unit: f64, workers: Workers<'_>) {
+        let mut blocks = Vec::with_capacity(layout.ranges.len().div_ceil(TILE_ROWS));
         let mut rest = far;
-        for ranges in self.ranges.chunks(TILE.0) {
+        for ranges in layout.ranges.chunks(TILE_ROWS) {
             let pillars: usize = ranges.iter().map(ExactSizeIterator::len).sum();
-            let (block, after) = rest.split_at_mut(pillars * self.modes);
+            let (block, after) = rest.split_at_mut(pillars * layout.modes);
             blocks.push(block);
             rest = after;
         }
-        workers.fill(&mut blocks, 1, self.least(), work, |work, number, block| {
-            if !workers.cancel.is_cancelled() {
-                self.block_back(number, block[0], work);
-            }
-        });
+        let work = || RowRoom::new(&self.transforms);
+        workers.fill(
+            &mut blocks,
+            1,
+            layout.least(),
+            work,
+            |room, number, block| {
+                if !workers.cancel.is_cancelled() {
+                    self.block_back(layout, number, (block[0], unit), room);
+                }
+            },
+        );
     }
 
     /// Transforms the rows of a block back; `far` are the loads on the pillars in them.
-    fn block_back(&self, number: usize, far: &mut [f64], work: &mut BackWork) {
-        let (modes, half) = (self.modes, self.half);
-        let (tile, strip) = self.lengths();
-        let BackWork {
-            input,
-            output,
+    fn block_back(
+        &self,
+        layout: &Layout,
+        number: usize,
+        (far, unit): (&mut [f64], f64),
+        room: &mut RowRoom<R>,
+    ) {
+        let modes = layout.modes;
+        let (tile, strip) = Self::lengths(layout);
+        let RowRoom {
+            values,
+            spectrum,
             scratch,
-        } = work;
-        let first = number * TILE.0;
-        let ranges = &self.ranges[first..self.shape.0.min(first + TILE.0)];
+        } = room;
+        let first = number * TILE_ROWS;
+        let ranges = &layout.ranges[first..layout.shape.0.min(first + TILE_ROWS)];
         let start = ranges[0].start;
         for (row, range) in ranges.iter().enumerate() {
             for mode in 0..modes {
-                let line = number * tile + (mode * TILE.0 + row) * TILE.1;
+                let line = number * tile + (mode * TILE_ROWS + row) * Self::TILE_COLUMNS;
                 let strips = self.tiles.chunks_exact(strip);
-                for (values, strip) in input.chunks_mut(TILE.1).zip(strips) {
+                for (values, strip) in spectrum.chunks_mut(Self::TILE_COLUMNS).zip(strips) {
                     values.copy_from_slice(&strip[line..line + values.len()]);
                 }
-                // The transform of real data has real ends; rounding must not say otherwise.
-                input[0].im = 0.0;
-                input[half - 1].im = 0.0;
-                let _ = self
-                    .transforms
-                    .row_back
-                    .process_with_scratch(input, output, scratch);
+                self.transforms.row_back(spectrum, values, scratch);
                 for pillar in range.clone() {
-                    far[(pillar - start) * modes + mode] = output[self.places[pillar].1];
+                    let value = values[layout.places[pillar].1].double();
+                    far[(pillar - start) * modes + mode] = unit * value;
                 }
             }
         }
     }
 
-    fn columns(&mut self, workers: Workers<'_>) {
-        let (modes, rows) = (self.modes, self.shape.0);
-        let (tile, strip) = self.lengths();
-        let padded = self.padded.0;
-        let (least, entries) = (self.least(), self.odd.len());
-        let (transforms, odd, kernels) = (&self.transforms, &self.odd, &self.kernel);
-        let scratch_len = transforms
-            .column
-            .get_inplace_scratch_len()
-            .max(transforms.column_back.get_inplace_scratch_len());
+    fn columns(&mut self, layout: &Layout, kernels: &[f32], workers: Workers<'_>) {
+        let (modes, rows, padded) = (layout.modes, layout.shape.0, layout.padded.0);
+        let columns_of_tile = Self::TILE_COLUMNS;
+        let (tile, strip) = Self::lengths(layout);
+        let (transforms, odd) = (&self.transforms, &layout.odd);
+        let scratch_len = transforms.scratch_len();
         let work = || ColumnWork {
-            columns: vec![Complex64::default(); TILE.1 * modes * padded],
-            product: vec![Complex64::default(); modes * padded],
-            scratch: vec![Complex64::default(); scratch_len],
+            columns: vec![Complex::default(); columns_of_tile * modes * padded],
+            product: vec![Complex::default(); modes * padded],
+            scratch: vec![Complex::default(); scratch_len],
         };
-        let one = |work: &mut ColumnWork, number: usize, strip: &mut [Complex64]| {
+        let one = |work: &mut ColumnWork<R>, number: usize, strip: &mut [Complex<R>]| {
             if workers.cancel.is_cancelled() {
                 return;
             }
@@ -333,26 +450,27 @@ impl LatticeConvolution {
                 product,
                 scratch,
             } = work;
-            let first = number * TILE.1;
+            let first = number * columns_of_tile;
             let lines = |tile: usize| {
                 (0..modes).flat_map(move |mode| {
-                    (0..TILE.0.min(rows - tile * TILE.0)).map(move |row| {
-                        let line = (mode * TILE.0 + row) * TILE.1;
-                        (line, mode * padded + tile * TILE.0 + row)
+                    (0..TILE_ROWS.min(rows - tile * TILE_ROWS)).map(move |row| {
+                        let line = (mode * TILE_ROWS + row) * columns_of_tile;
+                        (line, mode * padded + tile * TILE_ROWS + row)
                     })
                 })
             };
             for (number, tile) in strip.chunks_exact(tile).enumerate() {
                 for (line, place) in lines(number) {
-                    for (k, value) in tile[line..line + TILE.1].iter().enumerate() {
+                    for (k, value) in tile[line..line + columns_of_tile].iter().enumerate() {
                         columns[k * modes * padded + place] = *value;
                     }
                 }
             }
-            let kernels = kernels[first * entries * padded..].chunks_exact(entries * padded);
+            let of_column = layout.kernel_column();
+            let kernels = kernels[first * of_column..].chunks_exact(of_column);
             for (column, kernel) in columns.chunks_exact_mut(modes * padded).zip(kernels) {
                 for values in column.chunks_exact_mut(padded) {
-                    values[rows..].fill(Complex64::default());
+                    values[rows..].fill(Complex::default());
                 }
                 transforms.column.process_with_scratch(column, scratch);
                 multiply(kernel, odd, modes, padded, column, product);
@@ -366,13 +484,13 @@ impl LatticeConvolution {
             }
             for (number, tile) in strip.chunks_exact_mut(tile).enumerate() {
                 for (line, place) in lines(number) {
-                    for (k, value) in tile[line..line + TILE.1].iter_mut().enumerate() {
+                    for (k, value) in tile[line..line + columns_of_tile].iter_mut().enumerate() {
                         *value = columns[k * modes * padded + place];
                     }
                 }
             }
         };
-        workers.fill(&mut self.tiles, strip, least, work, one);
+        workers.fill(&mut self.tiles, strip, layout.least(), work, one);
     }
 }
 
@@ -422,32 +540,45 @@ impl RowWork {
     }
 }
 
-struct BackWork {
-    input: Vec<Complex64>,
-    output: Vec<f64>,
-    scratch: Vec<Complex64>,
+/// A row, and what it is transformed to.
+struct RowRoom<R> {
+    values: Vec<R>,
+    spectrum: Vec<Complex<R>>,
+    scratch: Vec<Complex<R>>,
 }
 
-struct ColumnWork {
+impl<R: Real> RowRoom<R> {
+    fn new(transforms: &RealPlans<R>) -> Self {
+        Self {
+            values: transforms.row.make_input_vec(),
+            spectrum: transforms.row.make_output_vec(),
+            scratch: vec![Complex::default(); transforms.scratch_len()],
+        }
+    }
+}
+
+struct ColumnWork<R> {
     /// A few columns of all modes, one after the other.
-    columns: Vec<Complex64>,
-    product: Vec<Complex64>,
-    scratch: Vec<Complex64>,
+    columns: Vec<Complex<R>>,
+    product: Vec<Complex<R>>,
+    scratch: Vec<Complex<R>>,
 }
 
 /// `output = K input` for one column of all modes.
-fn multiply(
-    kernel: &[f64],
+fn multiply<R: Precision>(
+    kernel: &[f32],
     odd: &[bool],
     modes: usize,
     padded: usize,
-    input: &[Complex64],
-    output: &mut [Complex64],
+    input: &[Complex<R>],
+    output: &mut [Complex<R>],
 ) {
     widest(
         #[inline(always)]
         || {
-            let mut pairs = kernel.chunks_exact(padded).zip(odd);
+            let (high, low) = kernel.split_at(odd.len() * padded);
+            let parts = high.chunks_exact(padded).zip(low.chunks_exact(padded));
+            let mut pairs = parts.zip(odd);
             for a in 0..modes {
                 for b in a..modes {
                     let Some((kernel, &odd)) = pairs.next() else {
@@ -477,36 +608,39 @@ fn multiply(
 /// Adds the product with a kernel that is real, or imaginary with a sign; if it is the first, in
 /// place of what was there.
 #[inline(always)]
-fn add(
-    kernel: &[f64],
+fn add<R: Precision>(
+    (high, low): (&[f32], &[f32]),
     imaginary: Option<f64>,
     first: bool,
-    source: &[Complex64],
-    target: &mut [Complex64],
+    source: &[Complex<R>],
+    target: &mut [Complex<R>],
 ) {
+    let kernel = high.iter().zip(low).map(|(high, low)| R::sum(*high, *low));
     let places = target.iter_mut().zip(source).zip(kernel);
     match (imaginary, first) {
         (None, true) => {
             for ((target, source), k) in places {
-                *target = Complex64::new(k * source.re, k * source.im);
+                *target = Complex::new(k * source.re, k * source.im);
             }
         }
         (None, false) => {
             for ((target, source), k) in places {
-                target.re += k * source.re;
-                target.im += k * source.im;
+                target.re = target.re + k * source.re;
+                target.im = target.im + k * source.im;
             }
         }
         (Some(sign), true) => {
+            let sign = R::of(sign);
             for ((target, source), k) in places {
-                *target = Complex64::new(-sign * k * source.im, sign * k * source.re);
+                *target = Complex::new(-sign * k * source.im, sign * k * source.re);
             }
         }
         (Some(sign), false) => {
+            let sign = R::of(sign);
             for ((target, source), k) in places {
                 let k = sign * k;
-                target.re -= k * source.im;
-                target.im += k * source.re;
+                target.re = target.re - k * source.im;
+                target.im = target.im + k * source.re;
             }
         }
     }

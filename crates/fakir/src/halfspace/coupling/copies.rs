@@ -57,6 +57,15 @@ impl Copies {
         self.images.iter().map(|image| image.number)
     }
 
+    /// How many pillars are images of each of these, itself among them.
+    pub(crate) fn counts(&self) -> Vec<f64> {
+        let mut counts = vec![0.0; self.own.len()];
+        for image in &self.images {
+            counts[image.number] += 1.0;
+        }
+        counts
+    }
+
     /// Coefficients of the modes of all pillars, from those of the ones that stand for themselves.
     pub(crate) fn spread(&self, modes: &[Mode], of_own: &[f64]) -> Vec<f64> {
         self.images
@@ -75,9 +84,8 @@ impl Copies {
     pub(crate) fn average(&self, modes: &[Mode], coefficients: &mut [f64]) {
         let count = modes.len();
         let mut sums = vec![0.0; self.own.len() * count];
-        let mut images = vec![0.0; self.own.len()];
+        let images = self.counts();
         for (pillar, image) in self.images.iter().enumerate() {
-            images[image.number] += 1.0;
             for (k, mode) in modes.iter().enumerate() {
                 let value = coefficients[pillar * count + k];
                 sums[image.number * count + k] += sign(mode, image.flipped) * value;

@@ -84,9 +84,10 @@ impl Coupling for LatticeCoupling<'_> {
     fn apply_roughly(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         match self {
             Self::Grid(grid) => grid.apply_roughly(coefficients, far, workers),
-            Self::Direct(_) | Self::Convolution(_) | Self::Released => {
-                self.apply(coefficients, far, workers);
+            Self::Convolution(convolution) => {
+                convolution.apply_roughly(coefficients, far, workers);
             }
+            Self::Direct(_) | Self::Released => self.apply(coefficients, far, workers),
         }
     }
 
@@ -99,8 +100,8 @@ impl Coupling for LatticeCoupling<'_> {
 
     fn rough_error(&self) -> f64 {
         match self {
-            Self::Grid(_) => ROUGH_ERROR,
-            Self::Direct(_) | Self::Convolution(_) | Self::Released => 0.0,
+            Self::Grid(_) | Self::Convolution(_) => ROUGH_ERROR,
+            Self::Direct(_) | Self::Released => 0.0,
         }
     }
 }
