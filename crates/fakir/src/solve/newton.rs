@@ -179,17 +179,15 @@ impl Tolerances {
 
     /// For the step after one that changed the states of so many places, with so many that bear pressure.
     fn follow(&mut self, changes: usize, bearing: usize) {
-        self.present = if (1..self.fewest).contains(&changes) {
-            self.fewest = changes;
-            let decrease = if changes * FLOOR_FEW <= bearing {
-                self.fast_decrease
-            } else {
-                self.decrease
-            };
-            (decrease * self.present).max(self.finest)
+        let decrease = if changes == 0 {
+            0.0
+        } else if changes < self.fewest && changes * FLOOR_FEW <= bearing {
+            self.fast_decrease
         } else {
-            self.finest
+            self.decrease
         };
+        self.fewest = self.fewest.min(changes);
+        self.present = (decrease * self.present).max(self.finest);
     }
 }
 
