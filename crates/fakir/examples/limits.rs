@@ -19,7 +19,7 @@ fn main() {
     );
     println!("|---|---|---|---|---|---|---|---|");
     for limit in limits(&[500.0, 3.5e3, 1e5, 1e6]) {
-        let by_operations = limit.operations / rate;
+        let by_operations = limit.operations / (rate * limit.at_once);
         let by_bytes = if limit.bytes > 0.0 {
             limit.bytes / byte_rate(limit.working_set)
         } else {

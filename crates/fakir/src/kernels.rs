@@ -52,6 +52,10 @@ fn coupling() -> f64 {
 
 /// A hundred products with it.
 fn products() -> f64 {
+    hundred_products(|coupling, c, far| coupling.apply(c, far, Run::default().workers()))
+}
+
+fn hundred_products(product: impl Fn(&mut LatticeCoupling<'_>, &[f64], &mut [f64])) -> f64 {
     let window = Window::new(&lattice(), 100.0);
     let run = Run::default();
     let pair = PairCoupling::new(DEGREE, lattice().pitch);
@@ -59,10 +63,17 @@ fn products() -> f64 {
     let mut c = coefficients(window.len() * mode_count(DEGREE));
     let mut far = vec![0.0; c.len()];
     for _ in 0..100 {
-        coupling.apply(&c, &mut far, run.workers());
+        product(&mut coupling, &c, &mut far);
         c[0] += 1e-3 * far[0];
     }
     far[0]
+}
+
+/// The same in single precision, as inside a solution.
+fn rough_products() -> f64 {
+    hundred_products(|coupling, c, far| {
+        coupling.apply_roughly(c, far, Run::default().workers());
+    })
 }
 
 /// A thousand loads under which a pillar is touched in part.
@@ -137,6 +148,7 @@ pub type Kernel = (&'static str, fn() -> f64);
 pub const KERNELS: [Kernel; 5] = [
     ("coupling", coupling),
     ("products", products),
+    ("rough_products", rough_products),
     ("one_pillar", one_pillar),
     ("floor", floor),
     ("elements", elements),
@@ -150,6 +162,8 @@ pub struct Limit {
     pub name: String,
     /// Operations of one time.
     pub operations: f64,
+    /// Operations that a vector does at once, over those in double precision.
+    pub at_once: f64,
     /// Bytes of one time.
     pub bytes: f64,
     /// Bytes of all arrays, which decide what caches they fit.
@@ -163,12 +177,14 @@ pub struct Limit {
 /// The convolution of about `pillars` pillars, and the unilateral problem of one, on one thread.
 #[must_use]
 pub fn limits(pillars: &[f64]) -> Vec<Limit> {
-    let mut limits: Vec<Limit> = pillars.iter().map(|&count| product_limit(count)).collect();
+    let products = pillars.iter().flat_map(|&count| product_limits(count));
+    let mut limits: Vec<Limit> = products.collect();
     limits.push(one_pillar_limit());
     limits
 }
 
-fn product_limit(pillars: f64) -> Limit {
+/// Of products in double precision and in single, those inside a solution.
+fn product_limits(pillars: f64) -> [Limit; 2] {
     let radius = (pillars * lattice().cell_area() / std::f64::consts::PI).sqrt();
     let window = Window::new(&lattice(), radius);
     let run = Run::default();
@@ -176,16 +192,30 @@ fn product_limit(pillars: f64) -> Limit {
     let mut coupling = LatticeConvolution::new(&window, &pair, run.workers());
     let c = coefficients(window.len() * mode_count(DEGREE));
     let mut far = vec![0.0; c.len()];
-    let seconds = least_time(|| coupling.apply(&c, &mut far, run.workers()));
-    let [operations, bytes] = coupling.least_work(false);
-    Limit {
-        name: format!("convolution, {} pillars", window.len()),
-        operations,
-        bytes: bytes + 16.0 * c.len() as f64,
-        working_set: bytes,
-        seconds,
-        transforms: Some(least_time(|| coupling.transforms_alone(false))),
-    }
+    [false, true].map(|rough| {
+        let seconds = least_time(|| {
+            if rough {
+                coupling.apply_roughly(&c, &mut far, run.workers());
+            } else {
+                coupling.apply(&c, &mut far, run.workers());
+            }
+        });
+        let [operations, bytes] = coupling.least_work(rough);
+        let name = if rough {
+            "the same in single precision"
+        } else {
+            "convolution"
+        };
+        Limit {
+            name: format!("{name}, {} pillars", window.len()),
+            operations,
+            at_once: if rough { 2.0 } else { 1.0 },
+            bytes: bytes + 16.0 * c.len() as f64,
+            working_set: bytes,
+            seconds,
+            transforms: Some(least_time(|| coupling.transforms_alone(rough))),
+        }
+    })
 }
 
 /// The problems of [`one_pillar`].
@@ -214,6 +244,7 @@ fn one_pillar_limit() -> Limit {
     Limit {
         name: "unilateral problem of one pillar".into(),
         operations: operations / count,
+        at_once: 1.0,
         bytes: 0.0,
         working_set: 0.0,
         seconds: seconds / count,
