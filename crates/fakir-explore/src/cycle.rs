@@ -1,9 +1,7 @@
 //! Loading and unloading with adhesion: the curve while the lens goes along it, then states all along it, so that the page can go forth
 //! and back without another question.
 
-use crate::answers::{
-    self, CaseLine, CriticalLine, DrawnLattice, Section, SectionLine, StateLine,
-};
+use crate::answers::{self, CaseLine, CriticalLine, DrawnLattice, Section, SectionLine, StateLine};
 use crate::floor::{ExpectedCells, FloorCells};
 use crate::jobs::{Failure, Way, Worker};
 use crate::request;
@@ -282,14 +280,15 @@ impl Keeper {
 
 /// What the page is told of a cycle while it is being solved.
 pub(crate) struct Page<'a> {
+    case: &'a Case,
     worker: &'a Worker,
     told: Mutex<Told>,
 }
 
 struct Told {
     start: Instant,
-    /// Whether the floor sticks.
-    floor_sticks: bool,
+    /// Parts of the time that all takes, added up.
+    parts: [f64; 4],
     /// Indentations of the first touch and, about, of the critical state, m.
     ends: [f64; 2],
     /// Stations that the page does not know yet, and when it was told of the last ones.
@@ -297,14 +296,21 @@ struct Told {
     sent: Instant,
     /// Where the lens is.
     at: Option<CycleStation>,
+    /// Rounds of the jump onto the floor so far.
+    rounds: f64,
     /// When the cycle itself was solved, and only its errors were not.
     closed: Option<Instant>,
     critical: bool,
 }
 
-/// Parts of the time that loading, the jump onto a floor that sticks, unloading and the estimate of errors take, about, added up.
-const WITH_FLOOR: [f64; 4] = [0.1, 0.25, 0.55, 1.0];
+/// Parts of the time that loading, the jump onto a floor that sticks, unloading and the estimate of errors take, about, added up; of a floor on
+/// coarse cells no errors are estimated.
 const WITHOUT_FLOOR: [f64; 4] = [0.4, 0.4, 1.0, 1.0];
+const ON_FINE_CELLS: [f64; 4] = [0.05, 0.2, 0.55, 1.0];
+const ON_COARSE_CELLS: [f64; 4] = [0.02, 0.35, 1.0, 1.0];
+
+/// Rounds of the jump after which half of its part counts as done.
+const HALF_JUMP: f64 = 100.0;
 
 /// Estimating the errors takes so many times as long as all before it, about.
 const ERRORS_TIME: f64 = 0.8;
@@ -312,11 +318,7 @@ const ERRORS_TIME: f64 = 0.8;
 impl Told {
     /// About how much of all is solved.
     fn share(&self) -> f64 {
-        let [loaded, jumped, unloaded, all] = if self.floor_sticks {
-            WITH_FLOOR
-        } else {
-            WITHOUT_FLOOR
-        };
+        let [loaded, jumped, unloaded, all] = self.parts;
         if let Some(closed) = self.closed {
             let before = closed.duration_since(self.start).as_secs_f64();
             let part = closed.elapsed().as_secs_f64() / (ERRORS_TIME * before);
@@ -329,24 +331,28 @@ impl Told {
         let part = ((at.indentation - first) / (critical - first)).clamp(0.0, 1.0);
         match at.branch {
             Branch::Loading if at.floor.is_some() => jumped,
-            Branch::Loading => loaded * part,
+            Branch::Loading => {
+                loaded * part + (jumped - loaded) * self.rounds / (self.rounds + HALF_JUMP)
+            }
             Branch::Unloading => jumped + (unloaded - jumped) * (1.0 - part),
         }
     }
 }
 
 impl<'a> Page<'a> {
-    fn new(worker: &'a Worker) -> Self {
+    fn new(case: &'a Case, worker: &'a Worker) -> Self {
         let now = Instant::now();
         Self {
+            case,
             worker,
             told: Mutex::new(Told {
                 start: now,
-                floor_sticks: false,
+                parts: WITHOUT_FLOOR,
                 ends: [0.0, 1.0],
                 curve: Vec::new(),
                 sent: now,
                 at: None,
+                rounds: 0.0,
                 closed: None,
                 critical: false,
             }),
@@ -358,7 +364,11 @@ impl<'a> Page<'a> {
         let mut told = unpoisoned(&self.told);
         let expected = ExpectedCells::new(system, without.contact_radius);
         told.start = Instant::now();
-        told.floor_sticks = expected.is_some();
+        told.parts = match &expected {
+            None => WITHOUT_FLOOR,
+            Some(cells) if cells.coarse => ON_COARSE_CELLS,
+            Some(_) => ON_FINE_CELLS,
+        };
         told.ends = [
             system.first_touch().min(system.pillar().height),
             without.indentation,
@@ -398,8 +408,10 @@ impl<'a> Page<'a> {
 
     fn progress(&self, progress: Progress) {
         let mut told = unpoisoned(&self.told);
-        if progress.stage == Stage::ErrorEstimate && told.closed.is_none() {
-            told.closed = Some(Instant::now());
+        match progress.stage {
+            Stage::FloorFronts => told.rounds = progress.step as f64,
+            Stage::ErrorEstimate if told.closed.is_none() => told.closed = Some(Instant::now()),
+            _ => {}
         }
         self.tell(&mut told, CURVE_INTERVAL);
         drop(told);
@@ -417,6 +429,7 @@ impl<'a> Page<'a> {
         drop(told);
         let critical = CriticalState::new(contact.clone());
         self.tell_critical(&critical, wall_time);
+        self.tell_texts();
         let state = StateLine::of_critical(contact, wall_time);
         self.worker.send(&state);
         let half_width = Cut::half_width(contact);
@@ -433,6 +446,12 @@ impl<'a> Page<'a> {
         });
         let system = &critical.contact.system;
         self.worker.send(&answers::transition_line(system));
+    }
+
+    fn tell_texts(&self) {
+        self.worker.send(&CaseLine {
+            case: crate::lines::cycle_texts(self.case),
+        });
     }
 }
 
@@ -531,7 +550,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
         request::LoadPoint::default(),
         worker,
     );
-    let page = Page::new(worker);
+    let page = Page::new(&case, worker);
     let (solved, without) = SolvedCycle::of_page(&case, worker, Some(&page))?;
     let is_told = unpoisoned(&page.told).critical;
     if let Some(critical) = solved.cycle.critical.as_ref().filter(|_| !is_told) {
@@ -552,9 +571,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             lattice: answers::drawn_lattice(system, solved.cycle.turn.contact_radius),
         },
     });
-    worker.send(&CaseLine {
-        case: crate::lines::cycle_texts(&case),
-    });
+    page.tell_texts();
     for (place, load) in solved.nearest_first(request.load.fraction) {
         worker.send(&StationLine {
             station: station_state(&solved, place, load, worker)?,

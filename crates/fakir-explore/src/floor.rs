@@ -101,7 +101,7 @@ pub(crate) struct ExpectedCells {
     /// Whether they take long.
     many: bool,
     /// Whether they are so coarse that the figures are orders of magnitude.
-    coarse: bool,
+    pub(crate) coarse: bool,
 }
 
 impl ExpectedCells {
