@@ -192,6 +192,7 @@ def test_the_floor_is_let_stick_on_the_page(explore):
     assert page.page.is_visible("#stuck-floor") and page.page.is_visible("#to-jump")
     assert "floor = true" in page.text("case-file")
     assert "adhesion.floor=true" in page.text("command")
+    assert "floor=True" in page.text("python")
     # The substrates of the paper leave it as it is.
     page.page.click("[data-preset=rigid]")
     page.rest()

@@ -230,7 +230,7 @@ export function drawCycleProgress(state: State): void {
 function stageWords(progress: Progress | null): string {
   if (progress === null || progress.way === undefined) return "critical state";
   const { stage, step, way } = progress;
-  const percent = `about ${significant(100 * way.share, 2)} %`;
+  const percent = `about ${Math.round(100 * way.share)} %`;
   if (stage === "error estimate") return `error estimate, ${percent}`;
   const at = engineeringText(way.indentation_m, "length", 3);
   const fronts = stage === "fronts on the floor" ? `, ${stage}, round ${step}` : "";

@@ -177,7 +177,7 @@ function stageWords(progress) {
     if (progress === null || progress.way === undefined)
         return "critical state";
     const { stage, step, way } = progress;
-    const percent = `about ${significant(100 * way.share, 2)} %`;
+    const percent = `about ${Math.round(100 * way.share)} %`;
     if (stage === "error estimate")
         return `error estimate, ${percent}`;
     const at = engineeringText(way.indentation_m, "length", 3);

@@ -493,7 +493,11 @@ impl<'a> Path<'a> {
     fn report(&self, stage: Stage, step: usize) {
         let is_plain = self.variation == PLAIN;
         self.run.report(Progress {
-            stage: if is_plain { stage } else { Stage::ErrorEstimate },
+            stage: if is_plain {
+                stage
+            } else {
+                Stage::ErrorEstimate
+            },
             step,
             pillars: self.sites.len(),
             touched: self.tops.counts()[0],
