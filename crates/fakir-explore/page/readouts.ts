@@ -349,12 +349,13 @@ function drawCycleLoad(state: State): void {
 }
 
 /** The critical state, while the rest of the cycle is being solved: the lens jumps from it onto a floor that sticks. */
-function drawCriticalBefore({ solved, question }: State): void {
+function drawCriticalBefore(state: State): void {
+  const { solved, question } = state;
   if (solved === null || solved.of.number !== question.number) return;
   const { force_N, indentation_m, contact_radius_m, pillars_in_contact } = solved.is.summary;
   const [zeta, radius] = [indentation_m, contact_radius_m].map((value) => engineeringText(value, "length", 4));
   const force = engineeringText(force_N, "force", 4);
-  write(byId("load-words"), "critical state, the rest is being solved");
+  write(byId("load-words"), `critical state, the rest ${isCalledOff(state) ? "called off" : "is being solved"}`);
   write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  a = ${radius}\n${pillars_in_contact} in contact`);
 }
 
