@@ -162,7 +162,7 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
     assert page.text("plain-critical").endswith("without adhesion")
     assert quantity(page.text("plain-critical")) > expected["critical_force_N"]
     note = page.page.locator("#cycle-numbers > .remark").text_content()
-    assert "model error, about 5 %" in note and "does not stick yet" in re.sub(r"\s+", " ", note)
+    assert "model error, about 5 %" in note and "does not stick here" in re.sub(r"\s+", " ", note)
     assert page.page.locator("#cycle-numbers .strained").count() == 0
     assert page.text("limit-kendall_strain").endswith("< 0.3")
     # On a soft substrate pillars are stretched beyond what the model knows.

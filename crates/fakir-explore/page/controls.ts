@@ -2,7 +2,7 @@
 
 import type { Key, Refusal, Value, Values } from "./engine.js";
 import { editable, engineeringText, parse, type Dimension } from "./numbers.js";
-import { FRACTION, PITCH, RECEDING, WORK, withSpacing } from "./store.js";
+import { FRACTION, PITCH, RECEDING, sticks, STUCK, WORK, withSpacing } from "./store.js";
 
 /** A key that takes a number. */
 interface Field extends Key {
@@ -79,6 +79,7 @@ export class Controls {
     const receding = this.widgets.get(RECEDING)?.box;
     receding?.classList.toggle("derived", values[RECEDING] === undefined);
     receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
+    this.widgets.get(STUCK)?.box.toggleAttribute("hidden", !sticks(values) && values[STUCK] === undefined);
   }
 
   /** Shows what is wrong at its field, and nothing at others; false if it is at no field. */

@@ -1,7 +1,7 @@
 // The phase diagram, the loading, and the curves over the surface fraction.
 
 import { drawChart, range, type Axes, type Contents, type Lettering, type Place, type Series } from "./charts.js";
-import type { CurvePoint, CurveStation, CycleStation, Values } from "./engine.js";
+import type { CurvePoint, CurveStation, CycleStation, FloorStation, Values } from "./engine.js";
 import { digitsFor, engineeringText } from "./numbers.js";
 import { byId } from "./screen.js";
 import {
@@ -198,7 +198,7 @@ function numericalErrorOf(cycle: Cycle): number | null {
   return cycle.solved?.summary.relative_error_estimate.pull_off_force?.numerical ?? null;
 }
 
-function placeOf({ indentation_m, force_N }: CurveStation | CycleStation): Place {
+function placeOf({ indentation_m, force_N }: CurveStation | CycleStation | FloorStation): Place {
   return [indentation_m, force_N];
 }
 
@@ -231,6 +231,13 @@ function cycleSeries(state: State, { curve, solved }: Cycle): Series[] {
     { kind: "points", style: "critical-point", points: floor },
     { kind: "points", style: "pull-off", points: pull === null || at === null ? [] : [[at, pull]] },
   );
+  const { jump, last: lost, force_before_jump_N: before } = solved.summary.floor ?? {};
+  if (jump && before !== null && before !== undefined) {
+    const ends: Place[] = [[jump.indentation_m, before], placeOf(jump)];
+    lines.push({ kind: "line", style: "floor-jump", points: ends });
+    lines.push({ kind: "points", style: "floor-jump", points: ends.slice(1) });
+  }
+  if (lost) lines.push({ kind: "points", style: "floor-lost", points: [placeOf(lost)] });
   const shown = stationShown(state);
   if (shown !== null) lines.push({ kind: "points", style: "load-point", points: [placeOf(shown)] });
   return lines;

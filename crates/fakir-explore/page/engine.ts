@@ -16,6 +16,25 @@ export interface Progress {
   readonly step: number;
   readonly pillars: number;
   readonly touched: number;
+  /** How far the lens has come, of a cycle. */
+  readonly way?: {
+    readonly loading: boolean;
+    readonly indentation_m: number;
+    /** About the part of all that is to be solved. */
+    readonly share: number;
+  };
+}
+
+/** What the cells of a floor that sticks are going to be, about. */
+export interface ExpectedCells {
+  /** Cells under the contact in the critical state. */
+  readonly cells: number;
+  /** Cells across the free ring round a pillar. */
+  readonly across_ring: number;
+  /** Whether they take long. */
+  readonly many: boolean;
+  /** Whether they are so coarse that the figures are orders of magnitude. */
+  readonly coarse: boolean;
 }
 
 /** Estimated relative errors; null where an error is not estimated yet. */
@@ -100,9 +119,11 @@ export interface FloorCells {
   readonly rows: number;
   /** Row, first column and number of cells that are side by side, one after the other. */
   readonly segments: readonly number[];
-  /** A letter for the pressure on every cell, from `a`, the smallest pressures, to `z`, the largest. */
+  /** A letter for the pressure on every cell, from `a`, the smallest pressures, to `z`, the largest; where the floor pulls from `A` to `Z`. */
   readonly shades: string;
   readonly largest_pressure_Pa: number;
+  /** The largest pull that is shaded, which is negative; 0 of a floor that does not stick. */
+  readonly largest_pull_Pa: number;
 }
 
 /** A state, with what is needed to draw it. */
@@ -208,6 +229,39 @@ export interface CycleEvent {
   readonly force_N: number;
 }
 
+/** What of a floor that sticks is in contact at a station. */
+export interface FloorStation {
+  /** The place of the station. */
+  readonly station: number;
+  readonly indentation_m: number;
+  readonly force_N: number;
+  /** Negative where the floor pulls. */
+  readonly floor_force_N: number;
+  readonly floor_contact_area_m2: number;
+  readonly filled_holes: number;
+}
+
+/** A floor that sticks, in a cycle. */
+export interface StuckFloor {
+  readonly force_before_jump_N: number | null;
+  /** The state after the jump. */
+  readonly jump: FloorStation | null;
+  /** The last state with the floor in contact; null if it still is. */
+  readonly last: FloorStation | null;
+  readonly indentation_after_loss_m: number | null;
+  readonly force_after_loss_N: number | null;
+  readonly cells_across_ring: number;
+  /** Whether cells are so coarse that the figures are orders of magnitude. */
+  readonly coarse: boolean;
+  /** Estimated relative errors; 1 of what is not known. */
+  readonly relative_error_estimate: {
+    readonly jump_force: number;
+    readonly jump_contact_area: number;
+    readonly lost_indentation: number;
+  };
+  readonly stations: readonly FloorStation[];
+}
+
 /** A cycle of loading and unloading with adhesion, as the command `approach --retract` prints it. */
 export interface CycleSummary {
   readonly method: string;
@@ -227,6 +281,8 @@ export interface CycleSummary {
     readonly pull_off_force: CycleError | null;
     readonly hysteresis: CycleError | null;
   };
+  /** Only of a floor that sticks and was touched. */
+  readonly floor?: StuckFloor;
   readonly limits: readonly Limit[];
   readonly stations: readonly CycleStation[];
   readonly events: readonly CycleEvent[];
@@ -269,6 +325,8 @@ export interface StationState {
   readonly pillar_forces_N: readonly number[];
   readonly parts: readonly PartialTop[];
   readonly floor_contacts_m: readonly Point[];
+  /** Null where no floor sticks. */
+  readonly floor: FloorCells | null;
   readonly section: Section | null;
 }
 
@@ -299,6 +357,7 @@ export interface Line {
   readonly complete?: { readonly largest_surface_fraction: number };
   readonly transition?: readonly Point[];
   readonly path?: PathState;
+  readonly expected_cells?: ExpectedCells;
   readonly curve?: readonly CurveStation[];
   readonly cycle?: SolvedCycle;
   readonly station?: StationState;

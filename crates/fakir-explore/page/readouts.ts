@@ -1,6 +1,17 @@
 // The numbers: the critical state of the case, and the load that is shown.
 
-import type { CycleError, CycleSummary, FloorSummary, Limit, TransitionSummary } from "./engine.js";
+import type {
+  CycleError,
+  CycleSummary,
+  ExpectedCells,
+  FloorSummary,
+  Limit,
+  Progress,
+  SolvedCycle,
+  StationState,
+  StuckFloor,
+  TransitionSummary,
+} from "./engine.js";
 import {
   digitsFor,
   engineering,
@@ -13,11 +24,15 @@ import {
 } from "./numbers.js";
 import { byId } from "./screen.js";
 import { stationShown } from "./diagrams.js";
+import { floorAt, holesWords } from "./scene.js";
 import {
   floorBears,
+  floorSticks,
   isBeyond,
   isBusy,
+  isCalledOff,
   isCritical,
+  isCriticalStation,
   isOlder,
   isWhole,
   stationAt,
@@ -172,6 +187,7 @@ function statusWords(state: State): string {
     const { stage, step, touched } = progress.is;
     return `${stage}, step ${step}, ${touched} pillars touched …`;
   }
+  if (isCalledOff(state)) return "called off";
   if (refusal !== null && !isOlder(state, refusal, "load")) return "no result";
   if (answer === null) return "starting …";
   if (isOlder(state, { of: answer.of, is: answer }, "load")) return "solving …";
@@ -183,13 +199,62 @@ function seconds(time: number): string {
   return time < 1 ? `${significant(1e3 * time, 2)} ms` : `${significant(time, 3)} s`;
 }
 
+/** Cycles that take less than this, ms, are solved without a word about how far they are. */
+const SHORT = 400;
+
+/** How far the cycle that is being solved has come, or that it was called off; and before that whether it takes long. */
+export function drawCycleProgress(state: State): void {
+  const { asking, cycle, elapsed, expected, progress, question } = state;
+  const under = asking.contact?.question;
+  const isUnder = under !== undefined && sticks(under.case) && elapsed > SHORT;
+  const calledOff = isCalledOff(state) && under === undefined;
+  byId("cycle-progress").hidden = !isUnder && !calledOff;
+  byId("cycle-share").hidden = byId("call-off").hidden = !isUnder;
+  byId("ask-again").hidden = !calledOff;
+  const way = isUnder && progress?.of.number === under.number ? progress.is.way : undefined;
+  const share = byId<HTMLProgressElement>("cycle-share");
+  if (way === undefined) share.removeAttribute("value");
+  else share.value = way.share;
+  byId("cycle-stage").textContent = calledOff
+    ? "called off"
+    : isUnder
+      ? `${stageWords(progress?.is ?? null)}, ${significant(elapsed / 1e3, elapsed < 1e4 ? 2 : 3)} s`
+      : "";
+  const isTold = expected?.of.number === question.number && !(cycle?.of.number === question.number && cycle.is.solved !== null);
+  const cells = isTold ? cellsWords(expected.is) : "";
+  byId("cells-note").textContent = cells;
+  byId("cells-note").hidden = cells === "";
+}
+
+/** What is being solved of a cycle, and where the lens is. */
+function stageWords(progress: Progress | null): string {
+  if (progress === null || progress.way === undefined) return "critical state";
+  const { stage, step, way } = progress;
+  const percent = `about ${Math.round(100 * way.share)} %`;
+  if (stage === "error estimate") return `error estimate, ${percent}`;
+  const at = engineeringText(way.indentation_m, "length", 3);
+  const fronts = stage === "fronts on the floor" ? `, ${stage}, round ${step}` : "";
+  return `${way.loading ? "loading" : "unloading"}, ζ = ${at}${fronts}, ${percent}`;
+}
+
+/** What is said of the cells of a floor that sticks before they are solved for; nothing of those that are quick and fine. */
+function cellsWords({ cells, across_ring, many, coarse }: ExpectedCells): string {
+  const rounded = Number(cells.toPrecision(2)).toLocaleString("en").replaceAll(",", "\u202f");
+  const time = many ? `The floor is laid out in about ${rounded} cells, which can take minutes. ` : "";
+  const rings = `Only about ${significant(across_ring, 2)} cells are across the free ring round a pillar`;
+  return time + (coarse ? `${rings}: what the floor does will be an order of magnitude, and it sticks too long.` : "");
+}
+
 /** The load: words and slider follow what is chosen, the numbers are those of the state solved for. */
 export function drawLoad(state: State): void {
   const sticky = sticks(state.chosen.case);
+  const stuck = floorSticks(state.chosen.case);
   byId("to-pull-off").hidden = !sticky;
+  byId("to-jump").hidden = !stuck;
   byId("cycle-numbers").hidden = !sticky || state.cycle === null || state.cycle.is.solved === null;
   byId("load-end").textContent = sticky ? "last release" : "beyond";
   for (const id of ["load-track", "loading-legend", "export-menu"]) byId(id).classList.toggle("cycle", sticky);
+  for (const id of ["loading-legend", "cycle-numbers"]) byId(id).classList.toggle("stuck", stuck);
   if (sticky) {
     drawCycleLoad(state);
     return;
@@ -241,23 +306,30 @@ function drawCycleLoad(state: State): void {
   const states = cycle?.is.states ?? [];
   const shown = stationAt(cycle, chosen.load);
   const station = stationShown(state);
-  const summary = cycle?.is.solved?.summary;
+  const solved = cycle?.is.solved ?? null;
+  const summary = solved?.summary;
   const words =
-    shown === null || station === null || summary === undefined
-      ? state.refusal === null
-        ? "being solved"
-        : "no result"
-      : wayWords(shown.load, station, summary);
+    shown === null || station === null || solved === null
+      ? isCalledOff(state)
+        ? "called off"
+        : state.refusal === null
+          ? "being solved"
+          : "no result"
+      : wayWords(shown, station, solved);
   write(byId("load-words"), words);
   const slider = byId<HTMLInputElement>("load");
   slider.disabled = !isWhole(cycle);
+  byId<HTMLButtonElement>("to-jump").disabled = slider.disabled || (summary?.floor?.jump ?? null) === null;
   byId<HTMLButtonElement>("to-pull-off").disabled =
     slider.disabled || (summary?.pull_off_force_N ?? null) === null;
   const spoken = words.replace(/[_^]\{(.*?)\}/g, "$1");
   const turn = states.findIndex(({ load }) => load === 1);
   if (slider.disabled || shown === null || turn < 1) setSlider(0.01, 2, 1, chosen.load, spoken);
   else setSlider(1, states.length - 1, turn, states.indexOf(shown), spoken);
-  if (shown === null || station === null) return;
+  if (shown === null || station === null || solved === null) {
+    drawCriticalBefore(state);
+    return;
+  }
   const { indentation_m, force_N, contact_radius_m } = station;
   const pulled = shown.pillar_forces_N.filter((force) => force < 0).length;
   // The first contact is found a little beyond where it is.
@@ -267,12 +339,40 @@ function drawCycleLoad(state: State): void {
   const force = engineeringText(force_N, "force", 4);
   const all = shown.pillar_forces_N.length;
   const holding = all === 0 ? "nothing in contact" : `${all} in contact, ${shown.parts.length} in part, ${pulled} pulled`;
-  write(byId("load-numbers"), `F = ${force},  ζ = ${lengths[0]},  a = ${lengths[1]}\n${holding}`);
+  const floor = floorAt(solved, shown);
+  const onFloor =
+    floor === null
+      ? ""
+      : `\nfloor: ${holesWords(floor.filled_holes)} filled, ${areaText(floor.floor_contact_area_m2, 3)}, ` +
+        engineeringText(floor.floor_force_N, "force", 2);
+  write(byId("load-numbers"), `F = ${force},  ζ = ${lengths[0]},  a = ${lengths[1]}\n${holding}${onFloor}`);
+}
+
+/** The critical state, while the rest of the cycle is being solved: the lens jumps from it onto a floor that sticks. */
+function drawCriticalBefore(state: State): void {
+  const { solved, question } = state;
+  if (solved === null || solved.of.number !== question.number) return;
+  const { force_N, indentation_m, contact_radius_m, pillars_in_contact } = solved.is.summary;
+  const [zeta, radius] = [indentation_m, contact_radius_m].map((value) => engineeringText(value, "length", 4));
+  const force = engineeringText(force_N, "force", 4);
+  write(byId("load-words"), `critical state, the rest ${isCalledOff(state) ? "called off" : "is being solved"}`);
+  write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  a = ${radius}\n${pillars_in_contact} in contact`);
+}
+
+function areaText(area_m2: number, digits: number): string {
+  return `${significant(1e12 * area_m2, digits)} µm^{2}`;
 }
 
 /** Where the lens is on its way. */
-function wayWords(load: number, station: CycleSummary["stations"][number], summary: CycleSummary): string {
-  if (load === 1) return "critical state";
+function wayWords(
+  state: StationState,
+  station: CycleSummary["stations"][number],
+  cycle: SolvedCycle,
+): string {
+  const { load } = state;
+  const { summary } = cycle;
+  if (isCriticalStation(cycle, state)) return "critical state";
+  if (load === 1) return "after the jump onto the floor";
   if (load === 0) return "first contact";
   if (station.pillars_in_contact === 0) return "last release";
   if (station.force_N === summary.pull_off_force_N) return "unloading, pull-off";
@@ -313,6 +413,46 @@ export function drawCycleNumbers(state: State): void {
   };
   for (const [id, text] of Object.entries(texts)) write(byId(id), text);
   for (const limit of summary.limits) drawLimit(limit);
+  const floor = summary.floor ?? null;
+  byId("stuck-floor").hidden = floor === null;
+  byId("stuck-floor").classList.toggle("strained", floor?.coarse ?? false);
+  if (floor !== null) write(byId("stuck-floor"), stuckFloorWords(floor));
+}
+
+/** The jump onto a floor that sticks, and its loss, with what is known of their errors. */
+function stuckFloorWords(floor: StuckFloor): string {
+  const { jump, last, force_before_jump_N: before, relative_error_estimate: errors } = floor;
+  const { indentation_after_loss_m: after, force_after_loss_N: lighter } = floor;
+  const words: string[] = [];
+  // Of coarse cells no error is known.
+  const digits = (error: number): number => (error < 0.1 ? 3 : 2);
+  const about = (error: number): string => (error < 1 ? ` (error ${significant(error, 1)})` : "");
+  const force = (value: number | null, error: number): string =>
+    value === null ? "–" : engineeringText(value, "force", digits(error));
+  if (jump !== null) {
+    const area = areaText(jump.floor_contact_area_m2, digits(errors.jump_contact_area));
+    words.push(
+      `Jump onto the floor at ζ = ${engineeringText(jump.indentation_m, "length", 3)}: ` +
+        `${holesWords(jump.filled_holes)} filled, ${area} in contact${about(errors.jump_contact_area)}, ` +
+        `force from ${force(before, 0)} to ${force(jump.force_N, errors.jump_force)}${about(errors.jump_force)}.`,
+    );
+  }
+  if (last !== null && after !== null) {
+    const error = errors.lost_indentation;
+    const [from, to] = [last.indentation_m, after].map((zeta) => engineeringText(zeta, "length", 3));
+    words.push(
+      `Floor lost between ζ = ${from} and ${to}${about(error)}, force from ${force(last.force_N, error)} to ${force(lighter, error)}.`,
+    );
+  } else {
+    words.push("The floor is not lost.");
+  }
+  if (floor.coarse) {
+    const across = significant(floor.cells_across_ring, 2);
+    words.push(`Only ${across} cells are across the free ring round a pillar: these are orders of magnitude.`);
+  } else if (Math.max(errors.jump_force, errors.jump_contact_area, errors.lost_indentation) >= 1) {
+    words.push("What has no error here is an order of magnitude.");
+  }
+  return words.join(" ");
 }
 
 /** The numerical error, and that of the model apart. */
@@ -373,13 +513,14 @@ export function announcement(state: State): string | null {
   const radius = engineeringText(summary.critical_contact_radius_m, "length", Math.min(4, digits));
   const indentation = engineeringText(summary.critical_indentation_m, "length", 4);
   const station = stationShown(state);
-  const cycle = state.cycle?.is.solved?.summary;
-  if (station !== null && cycle !== undefined) {
-    const pull = cycle.pull_off_force_N;
+  const cycle = state.cycle?.is.solved ?? null;
+  const shown = stationAt(state.cycle, state.chosen.load);
+  if (station !== null && cycle !== null && shown !== null) {
+    const pull = cycle.summary.pull_off_force_N;
     return (
       `Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
       (pull === null ? "Nothing pulls. " : `Pull-off force ${engineeringText(pull, "force", 2)}. `) +
-      `Load shown: ${wayWords(stationAt(state.cycle, state.chosen.load)?.load ?? 1, station, cycle)}.`
+      `Load shown: ${wayWords(shown, station, cycle)}.`
     );
   }
   if (solved === null) return null;

@@ -14,6 +14,9 @@ const CALM = 200;
  * new part it turns grey at once, so that parts of two cases never look alike. */
 const OVERDUE = 200;
 
+/** The time that a cycle takes is shown anew after this long, ms. */
+const TICK = 200;
+
 /** The pillar tops alone are shown if the floor is not solved for this long, ms, after them. */
 const WITHOUT_FLOOR = 60;
 
@@ -31,7 +34,8 @@ export function answerQuestions(store: Store, server: Server): void {
       begin(question);
     }
     callOffSketched();
-    const { asking, sent } = store.state;
+    const { asking, calledOff, sent } = store.state;
+    if (calledOff !== null && asking.contact?.question.number === calledOff.number) server.cancel("contact");
     if (asking.contact === null && sent < question.number) void contact(question);
   }
 
@@ -73,6 +77,8 @@ export function answerQuestions(store: Store, server: Server): void {
 
   async function contact(question: Question): Promise<void> {
     const known = knownCritical(store.state, question);
+    // A cycle can take minutes: its time goes on where nothing else comes.
+    const clock = sticks(question.case) ? window.setInterval(() => store.tick(performance.now()), TICK) : undefined;
     await ask("contact", sticks(question.case) ? "cycle" : "contact", question, {
       case: question.case,
       load: {
@@ -80,6 +86,7 @@ export function answerQuestions(store: Store, server: Server): void {
         ...(known && { critical_indentation_m: known.critical_indentation_m }),
       },
     });
+    window.clearInterval(clock);
     if (!isBusy(store.state)) calm = window.setTimeout(background, CALM);
   }
 

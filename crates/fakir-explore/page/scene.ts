@@ -3,6 +3,7 @@
 import type {
   ContactState,
   FloorCells,
+  FloorStation,
   Lattice,
   PartialTop,
   Point,
@@ -56,7 +57,7 @@ export function sceneOf(state: ContactState): Scene {
     forces_N: state.pillar_forces_N,
     statuses: state.pillar_statuses,
     parts: [],
-    pull_N: 0,
+    pull_N: state.pillar_forces_N.reduce((least, force) => Math.min(least, force), 0),
     floor_contacts_m: state.floor_contacts_m,
     floor: state.floor,
     floorIsOlder: false,
@@ -76,6 +77,7 @@ export function sceneOfStation(cycle: SolvedCycle, state: StationState): Scene {
   const partial = new Set(state.parts.map(({ pillar }) => pillar));
   const pulled = forces.filter((force) => force < 0).length;
   const [all, radius] = [forces.length, station?.contact_radius_m ?? 0];
+  const onFloor = floorAt(cycle, state);
   return {
     fraction: state.load,
     pitch_m: cycle.pitch_m,
@@ -88,13 +90,23 @@ export function sceneOfStation(cycle: SolvedCycle, state: StationState): Scene {
     parts: state.parts,
     pull_N: cycle.largest_pull_N,
     floor_contacts_m: state.floor_contacts_m,
-    floor: null,
+    floor: state.floor,
     floorIsOlder: false,
     words:
       `Contact from above, ${station?.branch ?? "loading"}: ${all} pillars in contact, ` +
       `${partial.size} of them in part, ${pulled} pulled, ` +
-      `within ${engineeringText(radius, "length", 3)} of the lens axis`,
+      `within ${engineeringText(radius, "length", 3)} of the lens axis` +
+      (onFloor === null ? "" : `; the floor sticks, ${holesWords(onFloor.filled_holes)} filled`),
   };
+}
+
+/** What of a floor that sticks is in contact at a station; null if nothing is. */
+export function floorAt(cycle: SolvedCycle, state: StationState): FloorStation | null {
+  return cycle.summary.floor?.stations.find(({ station }) => station === state.place) ?? null;
+}
+
+export function holesWords(holes: number): string {
+  return `${holes} ${holes === 1 ? "hole" : "holes"}`;
 }
 
 /** The numbers from which forces on pillars are estimated where pillars are not resolved. */

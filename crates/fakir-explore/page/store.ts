@@ -9,6 +9,7 @@ import type {
   ContactState,
   CurvePoint,
   CurveStation,
+  ExpectedCells,
   Kind,
   Line,
   PathState,
@@ -42,6 +43,7 @@ const LATTICE_ANGLE = "texture.lattice_angle";
 const DIAMETER = "texture.pillar.diameter";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
+export const STUCK = "adhesion.floor";
 
 /** With adhesion the load goes on to the last release, on the way back. */
 const LAST_RELEASE = 2;
@@ -157,6 +159,12 @@ export interface State {
   readonly cycle: Of<Cycle> | null;
   readonly texts: Of<Texts> | null;
   readonly progress: Of<Progress> | null;
+  /** What the cells of a floor that sticks are going to be. */
+  readonly expected: Of<ExpectedCells> | null;
+  /** The last question that the user called off. */
+  readonly calledOff: Question | null;
+  /** How long a cycle has been solved, ms. */
+  readonly elapsed: number;
   readonly refusal: Of<Refusal> | null;
 
   readonly phase: Of<Phase> | null;
@@ -195,6 +203,9 @@ export class Store {
       cycle: null,
       texts: null,
       progress: null,
+      expected: null,
+      calledOff: null,
+      elapsed: 0,
       refusal: null,
       phase: null,
       curves: null,
@@ -252,11 +263,27 @@ export class Store {
     values[key] = value;
     if (key === LATTICE) Object.assign(values, spacingOn(String(value), this.#state.chosen.case));
     // Without adhesion nothing recedes; what is not given is as the work of adhesion.
-    if (key === WORK && value === 0) delete values[RECEDING];
+    if (key === WORK && value === 0) {
+      delete values[RECEDING];
+      delete values[STUCK];
+    }
+    // A floor that the lens goes through does not stick.
+    if (key === FLOOR && value === "false") delete values[STUCK];
     const isEndless = this.#state.start.keys.some((known) => known.key === key && known.endless);
     const isEmptied = value === "" && (key === WORK || key === RECEDING || isEndless);
     if (isEmptied) delete values[key];
     this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
+  }
+
+  /** Calls off what is being solved. What has come of it stays. */
+  callOff(): void {
+    const under = this.#state.asking.contact?.question;
+    if (under !== undefined) this.#change({ calledOff: under });
+  }
+
+  /** Asks the same again. */
+  askAgain(asked: number): void {
+    this.choose({ case: this.#state.chosen.case }, asked);
   }
 
   /** Shows a message beside a button, or removes it. */
@@ -277,8 +304,14 @@ export class Store {
   send(kind: Kind, question: Question, now: number): void {
     const asking = { ...this.#state.asking, [kind]: { question, since: now } };
     this.#change(
-      kind === "contact" ? { asking, sent: question.number, progress: null } : { asking },
+      kind === "contact" ? { asking, sent: question.number, progress: null, elapsed: 0 } : { asking },
     );
+  }
+
+  /** Time has passed. */
+  tick(now: number): void {
+    const asking = this.#state.asking.contact;
+    if (asking !== null) this.#change({ elapsed: now - asking.since });
   }
 
   /** Takes a line of the answer to a question. Lines of a question that was called off are dropped. */
@@ -291,7 +324,7 @@ export class Store {
       curves: () => curvesLine(this.#state, asking.question, line),
     }[kind]();
     // What is still shown of an older case or load turns grey in the same moment.
-    const isShown = Object.keys(taken).some((part) => part !== "progress");
+    const isShown = Object.keys(taken).some((part) => part !== "progress" && part !== "expected");
     const reference = newer(this.#state.reference, asking.question);
     this.#change(isShown ? { ...taken, reference } : taken);
   }
@@ -378,6 +411,22 @@ export function sticks(values: Values): boolean {
   return [WORK, RECEDING].some((key) => Number(values[key] ?? 0) !== 0);
 }
 
+/** Whether the floor sticks too. */
+export function floorSticks(values: Values): boolean {
+  return sticks(values) && String(values[STUCK] ?? "false") === "true";
+}
+
+/** Whether the newest question was called off by the user. */
+export function isCalledOff({ calledOff, question }: State): boolean {
+  return calledOff?.number === question.number;
+}
+
+/** The place of the critical state of a cycle among its stations: before the jump onto a floor that sticks, or where the lens turns. */
+export function isCriticalStation({ summary }: SolvedCycle, { place, load }: StationState): boolean {
+  const jump = summary.floor?.jump ?? null;
+  return jump === null ? load === 1 : place === jump.station - 1;
+}
+
 /** The state of a cycle nearest to a load; null while there is none. */
 export function stationAt(cycle: Of<Cycle> | null, load: number): StationState | null {
   const distance = (state: StationState): number => Math.abs(state.load - load);
@@ -455,6 +504,7 @@ function contactLine(
 ): Partial<State> {
   const known = knownCritical(state, of) !== null;
   if (line.progress) return { progress: { of, is: line.progress } };
+  if (line.expected_cells) return { expected: { of, is: line.expected_cells } };
   if (line.curve || line.cycle || line.station || line.transition) return cycleLine(state, of, since, line, now);
   if (line.preview) {
     const { critical_force_N, critical_contact_radius_m, critical_indentation_m } = line.preview;
@@ -490,7 +540,8 @@ function contactLine(
       picture: { of, is: { stage: "exact", scene } },
       solved: { of, is: line.state },
       largestForce: { of, is: force },
-      cycle: null,
+      // Of a cycle it is the critical state, while the rest is being solved.
+      cycle: sticks(of.case) && state.cycle?.of.number === of.number ? state.cycle : null,
       estimate: known ? null : state.estimate,
       lastTime: now - since,
       refusal: null,

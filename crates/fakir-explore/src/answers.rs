@@ -145,8 +145,17 @@ pub(crate) struct CriticalLine {
 }
 
 #[derive(Serialize)]
-struct StateLine {
+pub(crate) struct StateLine {
     state: State,
+}
+
+impl StateLine {
+    /// The critical state of a cycle, after so many seconds.
+    pub(crate) fn of_critical(state: &ContactState, wall_time: f64) -> Self {
+        Self {
+            state: drawn(state, wall_time, 1.0, false),
+        }
+    }
 }
 
 /// A state as it is drawn.
@@ -203,8 +212,8 @@ struct Preview {
 }
 
 #[derive(Serialize)]
-struct SectionLine {
-    section: Option<Section>,
+pub(crate) struct SectionLine {
+    pub(crate) section: Option<Section>,
 }
 
 /// Heights over the undeformed floor along x through the lens axis.

@@ -1,17 +1,22 @@
 //! Loading and unloading with adhesion: the curve while the lens goes along it, then states all along it, so that the page can go forth
 //! and back without another question.
 
-use crate::answers::{self, CaseLine, CriticalLine, DrawnLattice, Section};
-use crate::jobs::{Failure, Worker};
+use crate::answers::{self, CaseLine, CriticalLine, DrawnLattice, Section, SectionLine, StateLine};
+use crate::floor::{ExpectedCells, FloorCells};
+use crate::jobs::{Failure, Way, Worker};
 use crate::request;
 use fakir::problem::{CyclePlan, Point, System};
-use fakir::state::{Branch, ContactState, Cycle, HeldContact, Passage, PillarStatus};
+use fakir::state::{
+    Branch, ContactState, CriticalState, Cycle, CycleStation, HeldContact, Passage, PillarStatus,
+    Progress, Run, Stage,
+};
 use fakir_case::Case;
 use fakir_figure::Section as Cut;
 use fakir_study::result::{CycleSummary, TransitionSummary};
 use serde::Serialize;
-use std::cell::RefCell;
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The loading has about so many states, fewer where that makes more pillars than `PILLARS` in all of them; the unloading has more.
@@ -36,45 +41,70 @@ pub(crate) struct SolvedCycle {
     pub(crate) cycle: Cycle,
     /// The time it took, s.
     pub(crate) wall_time: f64,
-    /// By the place of the station, in order: first contact, turn, pull-off and last release are among them.
+    /// By the place of the station, in order. Among them are first contact, critical state, turn, the last one on a floor that sticks and the
+    /// one after it, pull-off and last release.
     held: BTreeMap<usize, HeldContact>,
+    /// The place of the critical state, if the lens went down so far.
+    pub(crate) critical: Option<usize>,
     turn: usize,
 }
 
 impl SolvedCycle {
     /// Solves for the cycle to the critical state and back, and before that for the critical state that there is without adhesion, which
-    /// says how far the way is. `told` is called at every station.
+    /// says how far the way is. The page is told meanwhile, if `page` is given.
     pub(crate) fn of_page(
         case: &Case,
         worker: &Worker,
-        told: impl Fn(&Passage<'_>),
+        page: Option<&Page<'_>>,
     ) -> Result<(Self, ContactState), Failure> {
         let plain = without_adhesion(case);
         let without = fakir::transition(&plain.system, plain.method, &worker.run())?.contact;
         let start = Instant::now();
-        let keeper = RefCell::new(Keeper::new(&case.system, without.indentation));
-        let follower = |passage: &Passage<'_>| {
-            told(passage);
-            keeper.borrow_mut().pass(passage);
-        };
-        let (plan, run) = (CyclePlan::default(), worker.run());
-        let cycle = fakir::follow_cycle(&case.system, plan, case.method, &run, &follower)?;
-        let mut held = keeper.into_inner().held;
-        held.retain(|place, _| *place < cycle.stations.len());
-        let loading = |station: &fakir::state::CycleStation| station.branch == Branch::Loading;
-        let turn = cycle.stations.iter().rposition(loading).unwrap_or(0);
-        if let Some(fields) = &cycle.turn.fields {
-            let (pillars, fields) = (cycle.turn.pillars.clone(), fields.clone());
-            held.insert(turn, HeldContact { pillars, fields });
+        let keeper = Mutex::new(Keeper::new(&case.system, without.indentation));
+        if let Some(page) = page {
+            page.begin(&case.system, &without);
         }
-        if let Some(pull_off) = &cycle.pull_off {
-            let (pillars, fields) = (pull_off.pillars.clone(), pull_off.fields.clone());
-            held.insert(pull_off.station, HeldContact { pillars, fields });
+        let follower = |passage: &Passage<'_>| {
+            unpoisoned(&keeper).pass(passage);
+            if let Some(page) = page {
+                page.pass(&passage.station);
+            }
+        };
+        // Told where the lens is going to jump onto a floor that sticks.
+        let critical = |contact: &ContactState| {
+            unpoisoned(&keeper).keep_critical(contact);
+            if let Some(page) = page {
+                page.reach_critical(contact);
+            }
+        };
+        let listener = |progress: Progress| {
+            if let Some(page) = page {
+                page.progress(progress);
+            }
+        };
+        let run = Run {
+            interim: Some(&critical),
+            progress: page.is_some().then_some(&listener),
+            ..worker.run()
+        };
+        let plan = CyclePlan::default();
+        let cycle = fakir::follow_cycle(&case.system, plan, case.method, &run, &follower)?;
+        drop(run);
+        let loading = |station: &CycleStation| station.branch == Branch::Loading;
+        let turn = cycle.stations.iter().rposition(loading).unwrap_or(0);
+        let keeper = keeper.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let at_turn = cycle.critical.as_ref().map(|_| turn);
+        let critical = keeper.critical.or(at_turn);
+        let mut held = keeper.kept();
+        held.retain(|place, _| *place < cycle.stations.len());
+        if let Some(contact) = held_in(&cycle.turn) {
+            held.insert(turn, contact);
         }
         let solved = Self {
             cycle,
             wall_time: start.elapsed().as_secs_f64(),
             held,
+            critical,
             turn,
         };
         Ok((solved, without))
@@ -107,20 +137,22 @@ impl SolvedCycle {
         places
     }
 
-    /// The contact at the station nearest to a load; that at the turn if there is none.
-    pub(crate) fn state_at(&self, load: f64) -> ContactState {
+    /// The station with a state that is nearest to a load; the turn if there is none.
+    pub(crate) fn place_at(&self, load: f64) -> usize {
         let nearest = self.nearest_first(load);
-        let found = nearest.first();
-        found.map_or_else(|| self.cycle.turn.clone(), |(place, _)| self.state(*place))
+        nearest.first().map_or(self.turn, |(place, _)| *place)
     }
 
     /// The contact at a station; what it does not tell is that of the turn.
-    fn state(&self, place: usize) -> ContactState {
+    pub(crate) fn state(&self, place: usize) -> ContactState {
         let mut state = self.cycle.turn.clone();
         let (Some(held), Some(station)) = (self.held.get(&place), self.cycle.stations.get(place))
         else {
             return state;
         };
+        if place == self.turn {
+            return state;
+        }
         state.indentation = station.indentation;
         state.force = station.force;
         state.contact_radius = station.contact_radius;
@@ -128,21 +160,29 @@ impl SolvedCycle {
         state.pillars_partially_in_contact = station.pillars_partially_in_contact;
         state.pillars.clone_from(&held.pillars);
         state.fields = Some(held.fields.clone());
+        state.floor.clone_from(&held.floor);
         state
     }
 
     /// Where the floor is touched at a station, if it just is.
-    fn floor_contact(&self, place: usize) -> Option<Point> {
+    pub(crate) fn floor_contact(&self, place: usize) -> Option<Point> {
         let critical = self.cycle.critical.as_ref();
-        let critical = critical.filter(|_| place == self.turn);
+        let critical = critical.filter(|_| self.critical == Some(place));
         critical.map(|critical| critical.floor_contact)
     }
+}
 
-    /// Whether the state at a load is that at the turn.
-    pub(crate) fn is_turn(&self, load: f64) -> bool {
-        let nearest = self.nearest_first(load);
-        nearest.first().is_none_or(|(place, _)| *place == self.turn)
-    }
+/// What is in contact in a state, if that is known everywhere.
+fn held_in(state: &ContactState) -> Option<HeldContact> {
+    Some(HeldContact {
+        pillars: state.pillars.clone(),
+        fields: state.fields.clone()?,
+        floor: state.floor.clone(),
+    })
+}
+
+fn unpoisoned<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Keeps what is in contact at some stations.
@@ -153,6 +193,15 @@ struct Keeper {
     /// Indentation where something was kept last, m.
     last: Option<f64>,
     held: BTreeMap<usize, HeldContact>,
+    /// What is kept wherever it is.
+    marked: BTreeMap<usize, HeldContact>,
+    /// The station that was passed last.
+    passed: usize,
+    critical: Option<usize>,
+    /// The last station on a floor that sticks.
+    on_floor: Option<(usize, HeldContact)>,
+    /// The strongest pull of the unloading so far.
+    strongest: Option<(usize, f64, HeldContact)>,
 }
 
 impl Keeper {
@@ -165,13 +214,31 @@ impl Keeper {
             most: (MOST_TIMES * states) as usize,
             last: None,
             held: BTreeMap::new(),
+            marked: BTreeMap::new(),
+            passed: 0,
+            critical: None,
+            on_floor: None,
+            strongest: None,
         }
     }
 
     fn pass(&mut self, passage: &Passage<'_>) {
         let station = &passage.station;
-        let is_touched = station.pillars_in_contact > 0;
-        let is_released = station.branch == Branch::Unloading && !is_touched;
+        self.passed = passage.place;
+        let held = LazyCell::new(|| passage.held());
+        let is_touched = station.pillars_in_contact > 0 || station.floor.is_some();
+        let is_unloading = station.branch == Branch::Unloading;
+        let is_released = is_unloading && !is_touched;
+        if is_unloading && station.floor.is_some() {
+            self.on_floor = Some((passage.place, held.clone()));
+        } else if let Some((last, on_floor)) = self.on_floor.take() {
+            self.marked.insert(last, on_floor);
+            self.marked.insert(passage.place, held.clone());
+        }
+        let strongest = self.strongest.as_ref().map_or(0.0, |(_, force, _)| *force);
+        if is_unloading && station.force < strongest {
+            self.strongest = Some((passage.place, station.force, held.clone()));
+        }
         let spacing = if station.force < 0.0 {
             self.spacing / CLOSER
         } else {
@@ -182,7 +249,7 @@ impl Keeper {
             .is_none_or(|last| (station.indentation - last).abs() >= spacing);
         if is_released || (is_touched && is_far) {
             self.last = Some(station.indentation);
-            self.held.insert(passage.place, passage.held());
+            self.held.insert(passage.place, held.clone());
         }
         if self.held.len() > self.most {
             // Every second one stays, the first among them.
@@ -193,6 +260,198 @@ impl Keeper {
             });
             self.spacing *= 2.0;
         }
+    }
+
+    /// The station that was passed last is the critical state, and the lens is going to jump onto the floor.
+    fn keep_critical(&mut self, contact: &ContactState) {
+        self.critical = Some(self.passed);
+        if let Some(held) = held_in(contact) {
+            self.marked.insert(self.passed, held);
+        }
+    }
+
+    fn kept(self) -> BTreeMap<usize, HeldContact> {
+        let strongest = self.strongest.map(|(place, _, held)| (place, held));
+        let mut all = self.held;
+        all.extend(self.marked.into_iter().chain(strongest));
+        all
+    }
+}
+
+/// What the page is told of a cycle while it is being solved.
+pub(crate) struct Page<'a> {
+    case: &'a Case,
+    worker: &'a Worker,
+    told: Mutex<Told>,
+}
+
+struct Told {
+    start: Instant,
+    /// Parts of the time that all takes, added up.
+    parts: [f64; 4],
+    /// Indentations of the first touch and, about, of the critical state, m.
+    ends: [f64; 2],
+    /// Stations that the page does not know yet, and when it was told of the last ones.
+    curve: Vec<CurveStation>,
+    sent: Instant,
+    /// Where the lens is.
+    at: Option<CycleStation>,
+    /// Rounds of the jump onto the floor so far.
+    rounds: f64,
+    /// When the cycle itself was solved, and only its errors were not.
+    closed: Option<Instant>,
+    critical: bool,
+}
+
+/// Parts of the time that loading, the jump onto a floor that sticks, unloading and the estimate of errors take, about, added up; of a floor on
+/// coarse cells no errors are estimated.
+const WITHOUT_FLOOR: [f64; 4] = [0.4, 0.4, 1.0, 1.0];
+const ON_FINE_CELLS: [f64; 4] = [0.05, 0.2, 0.55, 1.0];
+const ON_COARSE_CELLS: [f64; 4] = [0.02, 0.35, 1.0, 1.0];
+
+/// Rounds of the jump after which half of its part counts as done.
+const HALF_JUMP: f64 = 100.0;
+
+/// Estimating the errors takes so many times as long as all before it, about.
+const ERRORS_TIME: f64 = 0.8;
+
+impl Told {
+    /// About how much of all is solved.
+    fn share(&self) -> f64 {
+        let [loaded, jumped, unloaded, all] = self.parts;
+        if let Some(closed) = self.closed {
+            let before = closed.duration_since(self.start).as_secs_f64();
+            let part = closed.elapsed().as_secs_f64() / (ERRORS_TIME * before);
+            return unloaded + (all - unloaded) * part.min(1.0);
+        }
+        let Some(at) = &self.at else {
+            return 0.0;
+        };
+        let [first, critical] = self.ends;
+        let part = ((at.indentation - first) / (critical - first)).clamp(0.0, 1.0);
+        match at.branch {
+            Branch::Loading if at.floor.is_some() => jumped,
+            Branch::Loading => {
+                loaded * part + (jumped - loaded) * self.rounds / (self.rounds + HALF_JUMP)
+            }
+            Branch::Unloading => jumped + (unloaded - jumped) * (1.0 - part),
+        }
+    }
+}
+
+impl<'a> Page<'a> {
+    fn new(case: &'a Case, worker: &'a Worker) -> Self {
+        let now = Instant::now();
+        Self {
+            case,
+            worker,
+            told: Mutex::new(Told {
+                start: now,
+                parts: WITHOUT_FLOOR,
+                ends: [0.0, 1.0],
+                curve: Vec::new(),
+                sent: now,
+                at: None,
+                rounds: 0.0,
+                closed: None,
+                critical: false,
+            }),
+        }
+    }
+
+    /// The way begins, of which it is known how far it is without adhesion.
+    fn begin(&self, system: &System, without: &ContactState) {
+        let mut told = unpoisoned(&self.told);
+        let expected = ExpectedCells::new(system, without.contact_radius);
+        told.start = Instant::now();
+        told.parts = match &expected {
+            None => WITHOUT_FLOOR,
+            Some(cells) if cells.coarse => ON_COARSE_CELLS,
+            Some(_) => ON_FINE_CELLS,
+        };
+        told.ends = [
+            system.first_touch().min(system.pillar().height),
+            without.indentation,
+        ];
+        if let Some(expected_cells) = expected {
+            self.worker.send(&ExpectedCellsLine { expected_cells });
+        }
+    }
+
+    fn pass(&self, station: &CycleStation) {
+        let mut told = unpoisoned(&self.told);
+        told.at = Some(*station);
+        told.curve.push(CurveStation {
+            loading: station.branch == Branch::Loading,
+            indentation_m: station.indentation,
+            force_N: station.force,
+        });
+        self.tell(&mut told, CURVE_INTERVAL);
+    }
+
+    /// Sends the curve so far, if the last part of it was sent so long ago.
+    fn tell(&self, told: &mut Told, interval: Duration) {
+        if let Some(at) = told.at {
+            self.worker.is_at(Way {
+                loading: at.branch == Branch::Loading,
+                indentation_m: at.indentation,
+                share: told.share(),
+            });
+        }
+        if told.sent.elapsed() >= interval && !told.curve.is_empty() {
+            told.sent = Instant::now();
+            self.worker.send(&CurveLine {
+                curve: std::mem::take(&mut told.curve),
+            });
+        }
+    }
+
+    fn progress(&self, progress: Progress) {
+        let mut told = unpoisoned(&self.told);
+        match progress.stage {
+            Stage::FloorFronts => told.rounds = progress.step as f64,
+            Stage::ErrorEstimate if told.closed.is_none() => told.closed = Some(Instant::now()),
+            _ => {}
+        }
+        self.tell(&mut told, CURVE_INTERVAL);
+        drop(told);
+        if let Some(listener) = self.worker.run().progress {
+            listener(progress);
+        }
+    }
+
+    /// The lens is going to jump onto the floor. That takes longer than all before: what is known already is shown.
+    fn reach_critical(&self, contact: &ContactState) {
+        let mut told = unpoisoned(&self.told);
+        self.tell(&mut told, Duration::ZERO);
+        told.critical = true;
+        let wall_time = told.start.elapsed().as_secs_f64();
+        drop(told);
+        let critical = CriticalState::new(contact.clone());
+        self.tell_critical(&critical, wall_time);
+        self.tell_texts();
+        let state = StateLine::of_critical(contact, wall_time);
+        self.worker.send(&state);
+        let half_width = Cut::half_width(contact);
+        let touched = Some(critical.floor_contact);
+        // It was called off if there is none.
+        if let Ok(section) = answers::section(contact, half_width, touched, self.worker) {
+            self.worker.send(&SectionLine { section });
+        }
+    }
+
+    fn tell_critical(&self, critical: &CriticalState, wall_time: f64) {
+        self.worker.send(&CriticalLine {
+            critical: TransitionSummary::new(critical, wall_time),
+        });
+        let system = &critical.contact.system;
+        self.worker.send(&answers::transition_line(system));
+    }
+
+    fn tell_texts(&self) {
+        self.worker.send(&CaseLine {
+            case: crate::lines::cycle_texts(self.case),
+        });
     }
 }
 
@@ -207,6 +466,11 @@ pub(crate) fn without_adhesion(case: &Case) -> Case {
 struct CurveLine {
     /// The stations since the last such line.
     curve: Vec<CurveStation>,
+}
+
+#[derive(Serialize)]
+struct ExpectedCellsLine {
+    expected_cells: ExpectedCells,
 }
 
 /// A station as it is passed.
@@ -260,6 +524,8 @@ struct StationState {
     /// Those in contact in part.
     parts: Vec<PartialTop>,
     floor_contacts_m: Vec<Point>,
+    /// The floor's cells in contact, if it sticks.
+    floor: Option<FloorCells>,
     section: Option<Section>,
 }
 
@@ -284,31 +550,12 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
         request::LoadPoint::default(),
         worker,
     );
-    let bundle = RefCell::new((Vec::new(), Instant::now()));
-    let send = |stations: &mut Vec<CurveStation>| {
-        worker.send(&CurveLine {
-            curve: std::mem::take(stations),
-        });
-    };
-    let told = |passage: &Passage<'_>| {
-        let (stations, last) = &mut *bundle.borrow_mut();
-        stations.push(CurveStation {
-            loading: passage.station.branch == Branch::Loading,
-            indentation_m: passage.station.indentation,
-            force_N: passage.station.force,
-        });
-        if last.elapsed() >= CURVE_INTERVAL {
-            *last = Instant::now();
-            send(stations);
-        }
-    };
-    let (solved, without) = SolvedCycle::of_page(&case, worker, told)?;
-    if let Some(critical) = &solved.cycle.critical {
-        worker.send(&CriticalLine {
-            critical: TransitionSummary::new(critical, solved.wall_time),
-        });
+    let page = Page::new(&case, worker);
+    let (solved, without) = SolvedCycle::of_page(&case, worker, Some(&page))?;
+    let is_told = unpoisoned(&page.told).critical;
+    if let Some(critical) = solved.cycle.critical.as_ref().filter(|_| !is_told) {
+        page.tell_critical(critical, solved.wall_time);
     }
-    worker.send(&answers::transition_line(&case.system));
     let system = &case.system;
     let states = || solved.held.values();
     let forces = || states().flat_map(|held| held.pillars.iter().map(|pillar| pillar.force));
@@ -324,9 +571,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             lattice: answers::drawn_lattice(system, solved.cycle.turn.contact_radius),
         },
     });
-    worker.send(&CaseLine {
-        case: crate::lines::cycle_texts(&case),
-    });
+    page.tell_texts();
     for (place, load) in solved.nearest_first(request.load.fraction) {
         worker.send(&StationLine {
             station: station_state(&solved, place, load, worker)?,
@@ -353,6 +598,7 @@ fn station_state(
         parts: parts(solved, place, &state),
         floor_contacts_m: floor_contact
             .map_or_else(Vec::new, |point| state.system.symmetric_copies(point)),
+        floor: state.floor.as_ref().map(FloorCells::new),
         section: answers::section(&state, half_width, floor_contact, worker)?,
     })
 }

@@ -107,11 +107,7 @@ impl Answer {
     fn floor_contact(&self) -> Option<Point> {
         match self {
             Self::Contact(solved) => solved.floor_contact(),
-            Self::Cycle(solved, _, load) => {
-                let critical = solved.cycle.critical.as_ref();
-                let critical = critical.filter(|_| solved.is_turn(load.fraction));
-                critical.map(|critical| critical.floor_contact)
-            }
+            Self::Cycle(solved, _, load) => solved.floor_contact(solved.place_at(load.fraction)),
         }
     }
 
@@ -135,13 +131,15 @@ impl Answer {
                 None => "critical state".to_owned(),
                 Some((state, _)) => at(state),
             },
-            Self::Cycle(solved, _, load) if solved.is_turn(load.fraction) => {
-                "critical state".to_owned()
+            Self::Cycle(solved, state, load) => {
+                let place = solved.place_at(load.fraction);
+                match solved.cycle.stations.get(place) {
+                    Some(station) if solved.critical != Some(place) => {
+                        format!("{}, {}", station.branch.name(), at(state))
+                    }
+                    _ => "critical state".to_owned(),
+                }
             }
-            Self::Cycle(_, state, load) if load.fraction < 1.0 => {
-                format!("loading, {}", at(state))
-            }
-            Self::Cycle(_, state, _) => format!("unloading, {}", at(state)),
         }
     }
 }
@@ -152,8 +150,8 @@ fn solved(case: &Case, request: &request::Export, worker: &Worker) -> Result<Ans
         let solved = solve(case, load, worker, None, |_, _| {})?;
         return Ok(Answer::Contact(Box::new(solved)));
     }
-    let solved = SolvedCycle::of_page(case, worker, |_| {})?.0;
-    let state = solved.state_at(load.fraction);
+    let solved = SolvedCycle::of_page(case, worker, None)?.0;
+    let state = solved.state(solved.place_at(load.fraction));
     Ok(Answer::Cycle(Box::new(solved), Box::new(state), load))
 }
 

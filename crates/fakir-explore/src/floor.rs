@@ -1,8 +1,10 @@
 //! The contact with the floor as it is drawn: its cells with their pressures.
 
-use fakir::problem::Point;
-use fakir::state::FloorContact;
+use fakir::problem::{FloorModel, Point, System};
+use fakir::state::{FloorContact, FloorResolution};
+use fakir::theory::stuck_floor::{AnnulusEdge, StuckPillar};
 use serde::Serialize;
+use std::f64::consts::PI;
 
 /// Pressures are drawn in so many shades, one for every letter.
 const SHADES: f64 = 26.0;
@@ -20,9 +22,11 @@ pub(crate) struct FloorCells {
     rows: usize,
     /// Row, first column and number of cells that are side by side, one after the other.
     segments: Vec<usize>,
-    /// A letter for the pressure on every cell, from `a`, the smallest pressures, to `z`, the largest.
+    /// A letter for the pressure on every cell, from `a`, the smallest pressures, to `z`, the largest; where the floor pulls from `A` to `Z`.
     shades: String,
     largest_pressure_Pa: f64,
+    /// The largest pull that is shaded, which is negative; 0 of a floor that does not stick.
+    largest_pull_Pa: f64,
 }
 
 impl FloorCells {
@@ -37,10 +41,16 @@ impl FloorCells {
         let [width, height] = grid.cell();
         let [x, y] = grid.origin();
         let (largest, _) = floor.largest_pressure();
+        let pull = well_within(floor.pressure.iter().copied().filter(|p| *p < 0.0));
         let shade = |pressure: &f64| {
-            let place = (SHADES * pressure / largest).clamp(0.0, SHADES - 1.0);
+            let (first, most) = if *pressure < 0.0 {
+                (b'A', pull)
+            } else {
+                (b'a', largest)
+            };
+            let place = (SHADES * pressure / most).clamp(0.0, SHADES - 1.0);
             // Below 26, and 0 of what is no number.
-            char::from(b'a' + place as u8)
+            char::from(first + place as u8)
         };
         Self {
             turned_rad: floor.rotation,
@@ -54,7 +64,71 @@ impl FloorCells {
                 .collect(),
             shades: floor.pressure.iter().map(shade).collect(),
             largest_pressure_Pa: largest,
+            largest_pull_Pa: pull,
         }
+    }
+}
+
+/// The pull that so large a part of the pulled cells does not exceed: at the fronts it grows without limit, as far as cells let it.
+const SHADED_PART: f64 = 0.95;
+
+/// What nearly all of some pulls do not exceed; 0 of none.
+fn well_within(pulls: impl Iterator<Item = f64>) -> f64 {
+    let mut pulls: Vec<f64> = pulls.collect();
+    pulls.sort_by(|a, b| b.total_cmp(a));
+    let place = (SHADED_PART * pulls.len() as f64) as usize;
+    pulls.get(place).copied().unwrap_or_default()
+}
+
+/// Cells that the solver lays across the free ring round a pillar if it can, with how many its errors are known, and its largest cells in pillar radii.
+const WANTED_ACROSS_RING: f64 = 5.0;
+const LARGEST_CELL: f64 = 0.7;
+
+/// So many cells under the contact in the critical state the solver affords, about: its limit are the points of a transform, of which there are nine
+/// for every such cell.
+const MOST_CELLS: f64 = 2.2e5;
+
+/// More of them take more than about half a minute.
+const MANY_CELLS: f64 = 1.2e5;
+
+/// What the cells of a floor that sticks are going to be, about, by the closed form of the free ring round a pillar.
+#[derive(Debug, Serialize)]
+pub(crate) struct ExpectedCells {
+    /// Cells under the contact in the critical state.
+    cells: f64,
+    /// Cells across the free ring.
+    across_ring: f64,
+    /// Whether they take long.
+    many: bool,
+    /// Whether they are so coarse that the figures are orders of magnitude.
+    pub(crate) coarse: bool,
+}
+
+impl ExpectedCells {
+    /// For a critical state of a contact radius, m; none if the floor does not stick.
+    pub(crate) fn new(system: &System, contact_radius: f64) -> Option<Self> {
+        let adhesion = system.adhesion();
+        if !adhesion.floor || system.floor_model() == FloorModel::Ignored {
+            return None;
+        }
+        let pillar = StuckPillar::of(system);
+        let ring = match pillar.edge(adhesion.receding(), 0.0) {
+            Ok(AnnulusEdge::At(radius)) => radius - pillar.radius(),
+            Ok(AnnulusEdge::Closed) => 0.0,
+            Ok(AnnulusEdge::Runs) | Err(_) => system.pitch(),
+        };
+        let area = PI * contact_radius * contact_radius;
+        let largest = LARGEST_CELL * pillar.radius();
+        let smallest = (area / MOST_CELLS).sqrt();
+        let cell = (ring / WANTED_ACROSS_RING).min(largest).max(smallest);
+        let cells = area / (cell * cell);
+        let across_ring = ring / cell;
+        Some(Self {
+            cells,
+            across_ring,
+            many: cells > MANY_CELLS,
+            coarse: across_ring < FloorResolution::ENOUGH,
+        })
     }
 }
 

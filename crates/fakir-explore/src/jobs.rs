@@ -326,6 +326,17 @@ pub(crate) struct Worker {
     messages: UnboundedSender<Message>,
     timed_out: Arc<AtomicBool>,
     listener: Box<dyn Fn(Progress) + Sync + Send>,
+    way: Arc<Mutex<Option<Way>>>,
+}
+
+/// How far a lens has come on its way down and up again.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub(crate) struct Way {
+    pub(crate) loading: bool,
+    pub(crate) indentation_m: f64,
+    /// About the part of all that is to be solved, 0 to 1.
+    pub(crate) share: f64,
 }
 
 #[derive(Serialize)]
@@ -339,6 +350,8 @@ struct ProgressWords<'a> {
     step: usize,
     pillars: usize,
     touched: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    way: Option<Way>,
 }
 
 impl Worker {
@@ -346,6 +359,8 @@ impl Worker {
         let sender = messages.clone();
         let last = Mutex::new(Instant::now());
         let (jobs, cancel) = (Arc::clone(&job.jobs), job.cancel.clone());
+        let way = Arc::<Mutex<Option<Way>>>::default();
+        let known_way = Arc::clone(&way);
         let listener = move |progress: Progress| {
             if kind.is_background() {
                 // A state with the floor can take seconds: it gives way within them too.
@@ -360,6 +375,7 @@ impl Worker {
                     step: progress.step,
                     pillars: progress.pillars,
                     touched: progress.touched,
+                    way: *known_way.lock().unwrap_or_else(PoisonError::into_inner),
                 };
                 // Whoever is gone need not be told.
                 let _ = sender.send(line(&ProgressLine { progress }));
@@ -371,7 +387,13 @@ impl Worker {
             messages,
             timed_out: Arc::default(),
             listener: Box::new(listener),
+            way,
         }
+    }
+
+    /// Progress is told together with how far the lens has come.
+    pub(crate) fn is_at(&self, way: Way) {
+        *self.way.lock().unwrap_or_else(PoisonError::into_inner) = Some(way);
     }
 
     fn do_work(self, work: impl FnOnce(&Self) -> Result<(), Failure>) {

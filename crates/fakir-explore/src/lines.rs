@@ -141,7 +141,12 @@ fn arguments(case: &Case, table: &str) -> String {
             Key::LatticeAngle => "angle",
             _ => key.name(),
         };
-        Some(format!("{name}={}", case.value(key)?))
+        let value = match case.value(key)?.as_str() {
+            "true" => "True".to_owned(),
+            "false" => "False".to_owned(),
+            other => other.to_owned(),
+        };
+        Some(format!("{name}={value}"))
     });
     arguments.collect::<Vec<_>>().join(", ")
 }
@@ -231,6 +236,14 @@ mod tests {
         assert!(
             lines.contains("cycle = system.cycle(accuracy=\"default\")"),
             "{lines}"
+        );
+        let mut sticks = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+        sticks.set("adhesion.work=50mJ/m2").unwrap();
+        sticks.set("adhesion.floor=true").unwrap();
+        let told = python(&sticks.case().unwrap(), Question::Cycle);
+        assert!(
+            told.contains("adhesion=fakir.Adhesion(work=\"50 mJ/m2\", floor=True),"),
+            "{told}"
         );
         let command = command(&case, Question::Cycle);
         assert!(

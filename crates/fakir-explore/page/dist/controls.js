@@ -1,6 +1,6 @@
 // The quantities of a case: a slider and a field with unit for each, and what is wrong with it.
 import { editable, engineeringText, parse } from "./numbers.js";
-import { FRACTION, PITCH, RECEDING, WORK, withSpacing } from "./store.js";
+import { FRACTION, PITCH, RECEDING, sticks, STUCK, WORK, withSpacing } from "./store.js";
 const DEGREE = Math.PI / 180;
 /** The tables of a case file that stand first on the page, before all others in their order. */
 const FIRST_TABLES = ["texture", "texture.pillar"];
@@ -52,6 +52,7 @@ export class Controls {
         const receding = this.widgets.get(RECEDING)?.box;
         receding?.classList.toggle("derived", values[RECEDING] === undefined);
         receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
+        this.widgets.get(STUCK)?.box.toggleAttribute("hidden", !sticks(values) && values[STUCK] === undefined);
     }
     /** Shows what is wrong at its field, and nothing at others; false if it is at no field. */
     refuse(refusal) {

@@ -190,6 +190,14 @@ function cycleSeries(state, { curve, solved }) {
     const last = up[up.length - 1];
     lines.unshift({ kind: "area", style: "loop-area", points: [...down, ...up] });
     lines.push({ kind: "ticks-above", style: "snap-in", points: placesOf("snap_in", "loading") }, { kind: "ticks-below", style: "release", points: placesOf("release", "unloading") }, { kind: "points", style: "first-contact", points: first === null || force === null ? [] : [[first, force]] }, { kind: "points", style: "last-release", points: last === undefined || pull === null ? [] : [last] }, { kind: "points", style: "critical-point", points: floor }, { kind: "points", style: "pull-off", points: pull === null || at === null ? [] : [[at, pull]] });
+    const { jump, last: lost, force_before_jump_N: before } = solved.summary.floor ?? {};
+    if (jump && before !== null && before !== undefined) {
+        const ends = [[jump.indentation_m, before], placeOf(jump)];
+        lines.push({ kind: "line", style: "floor-jump", points: ends });
+        lines.push({ kind: "points", style: "floor-jump", points: ends.slice(1) });
+    }
+    if (lost)
+        lines.push({ kind: "points", style: "floor-lost", points: [placeOf(lost)] });
     const shown = stationShown(state);
     if (shown !== null)
         lines.push({ kind: "points", style: "load-point", points: [placeOf(shown)] });

@@ -4,19 +4,19 @@ import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
 import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
 import { Server } from "./engine.js";
-import { drawColourBar, drawFloorBar, drawMap, drawPullBar, wordsAt } from "./map.js";
+import { drawColourBar, drawFloorBar, drawFloorPullBar, drawMap, drawPullBar, wordsAt } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
-import { announcement, drawCritical, drawCycleNumbers, drawFacts, drawLoad } from "./readouts.js";
+import { announcement, drawCritical, drawCycleNumbers, drawCycleProgress, drawFacts, drawLoad, } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
 import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
-import { FLOOR, FRACTION, isBusy, isOlder, mapScale, PITCH, RECEDING, sticks, Store, WORK, } from "./store.js";
+import { FLOOR, FRACTION, isBusy, isCriticalStation, isOlder, mapScale, PITCH, RECEDING, sticks, Store, STUCK, WORK, } from "./store.js";
 import { onScheme } from "./theme.js";
 /** Young's moduli of the paper's three substrates, Pa. */
 const SUBSTRATES = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
 /** What the substrates of the paper leave as it is: how far apart pillars are, whether the floor bears anything, whether tops stick, and how
  * thick bodies are. */
-const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING, "substrate.thickness", "lens.thickness"];
+const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING, STUCK, "substrate.thickness", "lens.thickness"];
 /** A load this close to the critical one is meant to be it, when it comes from a pointer. */
 const SNAP = 0.012;
 /** What is chosen goes into the address when it has not changed for this long, ms. */
@@ -54,9 +54,16 @@ function show(store) {
     screen.add((state) => [state.critical, state.estimate], drawCritical);
     screen.add((state) => [
         ...[state.critical, state.solved, state.reference, state.cycle?.is.solved],
-        ...[state.progress, state.refusal],
+        ...[state.progress, state.refusal, state.calledOff],
     ], drawFacts);
-    screen.add((state) => [state.chosen.load, state.chosen.case, state.solved, state.cycle, state.refusal], drawLoad);
+    screen.add((state) => [
+        ...[state.chosen.load, state.chosen.case, state.solved, state.cycle, state.refusal],
+        ...[state.calledOff, state.question],
+    ], drawLoad);
+    screen.add((state) => [
+        ...[state.question, state.asking.contact, state.elapsed, state.progress],
+        ...[state.expected, state.calledOff, state.cycle?.is.solved],
+    ], drawCycleProgress);
     screen.add((state) => [state.cycle?.is.solved], drawCycleNumbers);
     const floorBar = byId("floor-bar");
     const pullBar = byId("pull-bar");
@@ -81,6 +88,13 @@ function show(store) {
         if (floor !== null) {
             write(byId("floor-most"), engineeringText(floor.largest_pressure_Pa, "pressure", 3));
             drawFloorBar(floorBar);
+        }
+        const pulled = floor !== null && floor.largest_pull_Pa < 0;
+        for (const id of ["floor-pull-key", "floor-pull-words"])
+            byId(id).hidden = !pulled;
+        if (pulled) {
+            write(byId("floor-pull-most"), engineeringText(floor.largest_pull_Pa, "pressure", 3));
+            drawFloorPullBar(byId("floor-pull-bar"));
         }
         const { of, is } = state.picture;
         const detail = { asked: of.asked, stage: is.stage };
@@ -177,7 +191,14 @@ function listen(store, server) {
         const load = pointing && Math.abs(value - 1) < SNAP ? 1 : value;
         store.choose({ load }, performance.now());
     });
-    byId("to-critical").addEventListener("click", () => store.choose({ load: 1 }, performance.now()));
+    byId("to-critical").addEventListener("click", () => {
+        const solved = store.state.cycle?.is.solved ?? null;
+        const state = solved && store.state.cycle?.is.states.find((state) => isCriticalStation(solved, state));
+        store.choose({ load: state?.load ?? 1 }, performance.now());
+    });
+    byId("to-jump").addEventListener("click", () => store.choose({ load: 1 }, performance.now()));
+    byId("call-off").addEventListener("click", () => store.callOff());
+    byId("ask-again").addEventListener("click", () => store.askAgain(performance.now()));
     byId("to-pull-off").addEventListener("click", () => {
         const { cycle } = store.state;
         const stations = cycle?.is.solved?.summary.stations;

@@ -49,11 +49,14 @@ function reach({ corner_m: [x, y], cell_m: [width, height], columns, rows }) {
 }
 /** Shades of the pressure on the floor: letters from `a`. */
 const SHADES = 26;
-/** The colours of these shades, from the smallest pressure to the largest. */
-function floorColours() {
-    const [low, high] = [tint("--floor-low"), tint("--floor-high")];
-    return Array.from({ length: SHADES }, (_, k) => mixed(low, high, k / (SHADES - 1)));
+/** The colours of these shades, from the smallest pressure to the largest, or from the smallest pull. */
+function floorColours(kind) {
+    const ends = { press: ["--floor-low", "--floor-high"], pull: ["--floor-pull-low", "--floor-pull-high"] };
+    const [low, high] = ends[kind].map(tint);
+    return Array.from({ length: SHADES }, (_, k) => mixed(low ?? "", high ?? "", k / (SHADES - 1)));
 }
+/** The first letters of the shades of pressures and of pulls. */
+const [PRESS, PULL] = [97, 65];
 /** The cells of the floor in contact, a pixel for each. */
 function drawFloor({ context, scene }) {
     const { floor } = scene;
@@ -65,12 +68,13 @@ function drawFloor({ context, scene }) {
     if (own === null)
         return;
     const pixels = own.createImageData(columns, rows);
-    const colours = floorColours();
+    const [pressing, pulling] = [floorColours("press"), floorColours("pull")];
     let cell = 0;
     for (let k = 0; k + 2 < segments.length; k += 3) {
         const [row = 0, first = 0, count = 0] = segments.slice(k, k + 3);
         for (let column = first; column < first + count; column += 1) {
-            const [red, green, blue] = colours[shades.charCodeAt(cell) - 97] ?? [0, 0, 0];
+            const letter = shades.charCodeAt(cell);
+            const [red, green, blue] = (letter < PRESS ? pulling[letter - PULL] : pressing[letter - PRESS]) ?? [0, 0, 0];
             pixels.data.set([red, green, blue, 255], 4 * (row * columns + column));
             cell += 1;
         }
@@ -94,8 +98,9 @@ function floorPressure(floor, x, y) {
     for (let k = 0; k + 2 < floor.segments.length; k += 3) {
         const [at = 0, first = 0, count = 0] = floor.segments.slice(k, k + 3);
         if (at === row && column >= first && column < first + count) {
-            const shade = floor.shades.charCodeAt(cell + column - first) - 97;
-            return ((shade + 0.5) / SHADES) * floor.largest_pressure_Pa;
+            const letter = floor.shades.charCodeAt(cell + column - first);
+            const [from, most] = letter < PRESS ? [PULL, floor.largest_pull_Pa] : [PRESS, floor.largest_pressure_Pa];
+            return ((letter - from + 0.5) / SHADES) * most;
         }
         cell += count;
     }
@@ -235,7 +240,11 @@ function drawScaleBar(context, side, scale, ratio) {
 }
 /** The colours of the floor in contact, from no pressure to the largest. */
 export function drawFloorBar(bar) {
-    drawColourBar(bar, floorColours());
+    drawColourBar(bar, floorColours("press"));
+}
+/** The colours of the floor where it pulls, from the largest pull to none. */
+export function drawFloorPullBar(bar) {
+    drawColourBar(bar, [...floorColours("pull")].reverse());
 }
 /** The colours of pulls, from the largest to none. */
 export function drawPullBar(bar) {

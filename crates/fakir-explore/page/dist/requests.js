@@ -9,6 +9,8 @@ const CALM = 200;
 /** If nothing of the new case or load is shown this long, ms, after a change, all that is older turns grey. With the first
  * new part it turns grey at once, so that parts of two cases never look alike. */
 const OVERDUE = 200;
+/** The time that a cycle takes is shown anew after this long, ms. */
+const TICK = 200;
 /** The pillar tops alone are shown if the floor is not solved for this long, ms, after them. */
 const WITHOUT_FLOOR = 60;
 const BACKGROUND = ["phase", "curves"];
@@ -23,7 +25,9 @@ export function answerQuestions(store, server) {
             begin(question);
         }
         callOffSketched();
-        const { asking, sent } = store.state;
+        const { asking, calledOff, sent } = store.state;
+        if (calledOff !== null && asking.contact?.question.number === calledOff.number)
+            server.cancel("contact");
         if (asking.contact === null && sent < question.number)
             void contact(question);
     }
@@ -64,6 +68,8 @@ export function answerQuestions(store, server) {
     }
     async function contact(question) {
         const known = knownCritical(store.state, question);
+        // A cycle can take minutes: its time goes on where nothing else comes.
+        const clock = sticks(question.case) ? window.setInterval(() => store.tick(performance.now()), TICK) : undefined;
         await ask("contact", sticks(question.case) ? "cycle" : "contact", question, {
             case: question.case,
             load: {
@@ -71,6 +77,7 @@ export function answerQuestions(store, server) {
                 ...(known && { critical_indentation_m: known.critical_indentation_m }),
             },
         });
+        window.clearInterval(clock);
         if (!isBusy(store.state))
             calm = window.setTimeout(background, CALM);
     }

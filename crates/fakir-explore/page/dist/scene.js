@@ -19,7 +19,7 @@ export function sceneOf(state) {
         forces_N: state.pillar_forces_N,
         statuses: state.pillar_statuses,
         parts: [],
-        pull_N: 0,
+        pull_N: state.pillar_forces_N.reduce((least, force) => Math.min(least, force), 0),
         floor_contacts_m: state.floor_contacts_m,
         floor: state.floor,
         floorIsOlder: false,
@@ -37,6 +37,7 @@ export function sceneOfStation(cycle, state) {
     const partial = new Set(state.parts.map(({ pillar }) => pillar));
     const pulled = forces.filter((force) => force < 0).length;
     const [all, radius] = [forces.length, station?.contact_radius_m ?? 0];
+    const onFloor = floorAt(cycle, state);
     return {
         fraction: state.load,
         pitch_m: cycle.pitch_m,
@@ -49,12 +50,20 @@ export function sceneOfStation(cycle, state) {
         parts: state.parts,
         pull_N: cycle.largest_pull_N,
         floor_contacts_m: state.floor_contacts_m,
-        floor: null,
+        floor: state.floor,
         floorIsOlder: false,
         words: `Contact from above, ${station?.branch ?? "loading"}: ${all} pillars in contact, ` +
             `${partial.size} of them in part, ${pulled} pulled, ` +
-            `within ${engineeringText(radius, "length", 3)} of the lens axis`,
+            `within ${engineeringText(radius, "length", 3)} of the lens axis` +
+            (onFloor === null ? "" : `; the floor sticks, ${holesWords(onFloor.filled_holes)} filled`),
     };
+}
+/** What of a floor that sticks is in contact at a station; null if nothing is. */
+export function floorAt(cycle, state) {
+    return cycle.summary.floor?.stations.find(({ station }) => station === state.place) ?? null;
+}
+export function holesWords(holes) {
+    return `${holes} ${holes === 1 ? "hole" : "holes"}`;
 }
 /** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
 export function sceneOfPreview(preview) {

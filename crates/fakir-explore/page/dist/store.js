@@ -13,6 +13,7 @@ const LATTICE_ANGLE = "texture.lattice_angle";
 const DIAMETER = "texture.pillar.diameter";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
+export const STUCK = "adhesion.floor";
 /** With adhesion the load goes on to the last release, on the way back. */
 const LAST_RELEASE = 2;
 export class Store {
@@ -39,6 +40,9 @@ export class Store {
             cycle: null,
             texts: null,
             progress: null,
+            expected: null,
+            calledOff: null,
+            elapsed: 0,
             refusal: null,
             phase: null,
             curves: null,
@@ -93,13 +97,28 @@ export class Store {
         if (key === LATTICE)
             Object.assign(values, spacingOn(String(value), this.#state.chosen.case));
         // Without adhesion nothing recedes; what is not given is as the work of adhesion.
-        if (key === WORK && value === 0)
+        if (key === WORK && value === 0) {
             delete values[RECEDING];
+            delete values[STUCK];
+        }
+        // A floor that the lens goes through does not stick.
+        if (key === FLOOR && value === "false")
+            delete values[STUCK];
         const isEndless = this.#state.start.keys.some((known) => known.key === key && known.endless);
         const isEmptied = value === "" && (key === WORK || key === RECEDING || isEndless);
         if (isEmptied)
             delete values[key];
         this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
+    }
+    /** Calls off what is being solved. What has come of it stays. */
+    callOff() {
+        const under = this.#state.asking.contact?.question;
+        if (under !== undefined)
+            this.#change({ calledOff: under });
+    }
+    /** Asks the same again. */
+    askAgain(asked) {
+        this.choose({ case: this.#state.chosen.case }, asked);
     }
     /** Shows a message beside a button, or removes it. */
     tell(about, words) {
@@ -117,7 +136,13 @@ export class Store {
     /** A question has been sent. */
     send(kind, question, now) {
         const asking = { ...this.#state.asking, [kind]: { question, since: now } };
-        this.#change(kind === "contact" ? { asking, sent: question.number, progress: null } : { asking });
+        this.#change(kind === "contact" ? { asking, sent: question.number, progress: null, elapsed: 0 } : { asking });
+    }
+    /** Time has passed. */
+    tick(now) {
+        const asking = this.#state.asking.contact;
+        if (asking !== null)
+            this.#change({ elapsed: now - asking.since });
     }
     /** Takes a line of the answer to a question. Lines of a question that was called off are dropped. */
     receive(kind, number, line, now) {
@@ -130,7 +155,7 @@ export class Store {
             curves: () => curvesLine(this.#state, asking.question, line),
         }[kind]();
         // What is still shown of an older case or load turns grey in the same moment.
-        const isShown = Object.keys(taken).some((part) => part !== "progress");
+        const isShown = Object.keys(taken).some((part) => part !== "progress" && part !== "expected");
         const reference = newer(this.#state.reference, asking.question);
         this.#change(isShown ? { ...taken, reference } : taken);
     }
@@ -210,6 +235,19 @@ function rounded(value) {
 export function sticks(values) {
     return [WORK, RECEDING].some((key) => Number(values[key] ?? 0) !== 0);
 }
+/** Whether the floor sticks too. */
+export function floorSticks(values) {
+    return sticks(values) && String(values[STUCK] ?? "false") === "true";
+}
+/** Whether the newest question was called off by the user. */
+export function isCalledOff({ calledOff, question }) {
+    return calledOff?.number === question.number;
+}
+/** The place of the critical state of a cycle among its stations: before the jump onto a floor that sticks, or where the lens turns. */
+export function isCriticalStation({ summary }, { place, load }) {
+    const jump = summary.floor?.jump ?? null;
+    return jump === null ? load === 1 : place === jump.station - 1;
+}
 /** The state of a cycle nearest to a load; null while there is none. */
 export function stationAt(cycle, load) {
     const distance = (state) => Math.abs(state.load - load);
@@ -268,6 +306,8 @@ function contactLine(state, { question: of, since }, line, now) {
     const known = knownCritical(state, of) !== null;
     if (line.progress)
         return { progress: { of, is: line.progress } };
+    if (line.expected_cells)
+        return { expected: { of, is: line.expected_cells } };
     if (line.curve || line.cycle || line.station || line.transition)
         return cycleLine(state, of, since, line, now);
     if (line.preview) {
@@ -305,7 +345,8 @@ function contactLine(state, { question: of, since }, line, now) {
             picture: { of, is: { stage: "exact", scene } },
             solved: { of, is: line.state },
             largestForce: { of, is: force },
-            cycle: null,
+            // Of a cycle it is the critical state, while the rest is being solved.
+            cycle: sticks(of.case) && state.cycle?.of.number === of.number ? state.cycle : null,
             estimate: known ? null : state.estimate,
             lastTime: now - since,
             refusal: null,

@@ -291,6 +291,11 @@ impl<'a> Loading<'a> {
                     };
                     critical = Some(CriticalState::new(contact.clone()));
                     if floor_sticks(self.system) && (jumps || end != End::Floor) {
+                        if let Some(listener) = self.path.run.interim
+                            && self.path.variation == PLAIN
+                        {
+                            listener(&contact);
+                        }
                         self.stick(lowest)?;
                         if end != End::Floor {
                             continue;
@@ -355,45 +360,21 @@ impl<'a> Loading<'a> {
         self.path.stick(lowest, division, window)
     }
 
-    /// What of the floor sticks, in SI units.
-    fn floor_contact(&self) -> Option<FloorContact> {
-        let path = &self.path;
-        let scene = path.scene;
-        let floor = path.floor.as_ref()?;
-        let patches = patches(Some(&floor.cells));
-        let (cells, pressure) = path.stuck_load()?.in_metres(scene.length, scene.pressure);
-        let force = path.contact.floor_force();
-        Some(FloorContact {
-            force: force * scene.force(),
-            share: force / path.force(),
-            area: floor.area() * scene.length * scene.length,
-            patches: patches.count,
-            patches_agree: false,
-            radius: patches.radius * scene.length,
-            smallest_distance_to_rim: patches.rim_distance * scene.length,
-            error: FloorErrors {
-                share: 1.0, // until it is known
-                area: 1.0,
-            },
-            energy_bound: 0.0,
-            cells,
-            rotation: scene.rotation,
-            pressure,
-        })
-    }
-
     /// The present contact.
     fn state(&self, termination: Termination) -> ContactState {
         let (system, scene) = (self.system, self.path.scene);
         let path = &self.path;
-        let floor = self.floor_contact();
+        let HeldContact {
+            pillars,
+            fields,
+            floor,
+        } = held_now(path);
         let lowest = if floor.is_some() {
             None
         } else {
             path.lowest_floor()
         };
         let indentation = path.indentation();
-        let HeldContact { pillars, fields } = held_now(path);
         let radius = path.contact_radius();
         let (force, partly) = (path.force(), partly_borne(&pillars));
         let error = if termination == Termination::Converged {
@@ -544,7 +525,9 @@ impl Loaded<'_> {
         }
         let pull_off = path.strongest.as_ref().map(|pull| {
             let indentation = path.stations[pull.station].indentation;
-            let HeldContact { pillars, fields } = held(path, indentation, &pull.tops);
+            let HeldContact {
+                pillars, fields, ..
+            } = held(path, indentation, &pull.tops);
             PullOff {
                 force: stations[pull.station].force,
                 indentation: stations[pull.station].indentation,
@@ -681,21 +664,48 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
     HeldContact {
         pillars: pillars(path, tops),
         fields: Arc::new(fields),
+        floor: None,
     }
 }
 
 /// What is in contact at present, the floor too.
 fn held_now(path: &Path<'_>) -> HeldContact {
-    let HeldContact { pillars, fields } = held(path, path.indentation(), &path.held_tops());
-    let fields = match path.stuck_load() {
-        Some(load) => Arc::new(
-            (*fields)
-                .clone()
-                .with_floor(load.turned(path.scene.rotation)),
-        ),
-        None => fields,
+    let tops = held(path, path.indentation(), &path.held_tops());
+    let Some(load) = path.stuck_load() else {
+        return tops;
     };
-    HeldContact { pillars, fields }
+    let fields = (*tops.fields).clone();
+    HeldContact {
+        fields: Arc::new(fields.with_floor(load.turned(path.scene.rotation))),
+        floor: floor_contact(path),
+        ..tops
+    }
+}
+
+/// What of the floor sticks, in SI units.
+fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
+    let scene = path.scene;
+    let floor = path.floor.as_ref()?;
+    let patches = patches(Some(&floor.cells));
+    let (cells, pressure) = path.stuck_load()?.in_metres(scene.length, scene.pressure);
+    let force = path.contact.floor_force();
+    Some(FloorContact {
+        force: force * scene.force(),
+        share: force / path.force(),
+        area: floor.area() * scene.length * scene.length,
+        patches: patches.count,
+        patches_agree: false,
+        radius: patches.radius * scene.length,
+        smallest_distance_to_rim: patches.rim_distance * scene.length,
+        error: FloorErrors {
+            share: 1.0, // until it is known
+            area: 1.0,
+        },
+        energy_bound: 0.0,
+        cells,
+        rotation: scene.rotation,
+        pressure,
+    })
 }
 
 /// Tops in contact with what each bears, nearest to the lens axis first.

@@ -425,7 +425,7 @@ impl<'a> Path<'a> {
             } else {
                 BEYOND
             };
-            self.report();
+            self.report(Stage::Cycle, self.events.len());
         }
     }
 
@@ -450,7 +450,7 @@ impl<'a> Path<'a> {
         if self.indentation() > LARGEST_CONTACT * self.scene.lens.sphere_radius() {
             return Err(self.too_large(self.indentation()));
         }
-        self.report();
+        self.report(Stage::Cycle, self.events.len());
         Ok(to_end <= longest
             && match end {
                 // What changes changes the force.
@@ -489,10 +489,16 @@ impl<'a> Path<'a> {
         }
     }
 
-    fn report(&self) {
+    /// Reports a step of a stage; in a variation it is one of the estimate of errors.
+    fn report(&self, stage: Stage, step: usize) {
+        let is_plain = self.variation == PLAIN;
         self.run.report(Progress {
-            stage: Stage::Cycle,
-            step: self.events.len(),
+            stage: if is_plain {
+                stage
+            } else {
+                Stage::ErrorEstimate
+            },
+            step,
             pillars: self.sites.len(),
             touched: self.tops.counts()[0],
         });
@@ -738,6 +744,10 @@ impl<'a> Path<'a> {
         let mut take_backs = 0;
         self.lift_bans();
         for round in 0..ROUND_LIMIT {
+            if self.floor.is_some() {
+                // Most of the time goes into these rounds.
+                self.report(Stage::FloorFronts, round);
+            }
             let floor_moved = self.move_fronts(natural(course));
             let moves = self.tops.marched(&self.loads, workers);
             let is_natural = |(pillar, next): &(usize, Domain)| {

@@ -42,7 +42,8 @@ pub type CriticalState = Critical<ContactState>;
 
 impl CriticalState {
     /// The critical state with this contact, solved for [`Control::FloorContact`](crate::problem::Control).
-    pub(crate) fn new(contact: ContactState) -> Self {
+    #[must_use]
+    pub fn new(contact: ContactState) -> Self {
         let system = &contact.system;
         let on_axis = |[x, y]: Point| x.hypot(y) < 1e-9 * system.pillar().diameter;
         // With one pillar, under the axis, the floor is touched all around it.

@@ -3,6 +3,7 @@
 use super::contact::{ContactState, PillarState, Termination, Warning};
 use super::critical::CriticalState;
 use super::fields::Fields;
+use super::floor_contact::FloorContact;
 use super::limit::{Limit, limits_of_adhesion};
 use crate::problem::{Accuracy, CyclePlan, Point, System};
 use std::sync::Arc;
@@ -203,6 +204,8 @@ pub struct HeldContact {
     pub pillars: Vec<PillarState>,
     /// Displacement, gap and pressure as functions of position.
     pub fields: Arc<Fields>,
+    /// What of the floor is in contact, if it sticks. Its errors are known at the end of the cycle only.
+    pub floor: Option<FloorContact>,
 }
 
 /// A station that a cycle under way has come to: see [`follow_cycle`](crate::follow_cycle).

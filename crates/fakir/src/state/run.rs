@@ -23,6 +23,8 @@ pub enum Stage {
     Surface,
     /// Loading and unloading with adhesion; it reports events as steps.
     Cycle,
+    /// Moving the fronts on a floor that sticks, at one indentation; it reports rounds as steps.
+    FloorFronts,
     /// Estimating the error.
     ErrorEstimate,
 }
@@ -39,6 +41,7 @@ impl Stage {
             Self::Elements => "Love elements",
             Self::Surface => "contact on a height map",
             Self::Cycle => "loading and unloading",
+            Self::FloorFronts => "fronts on the floor",
             Self::ErrorEstimate => "error estimate",
         }
     }
@@ -67,7 +70,7 @@ pub struct Run<'a> {
     /// Told what there is on the way to a contact by the spectral method: with more than a thousand
     /// pillars the contact of the corrected punch lattice, from which it starts (solved to three digits), and
     /// its own solution before the error is estimated (the estimate is then NaN): past the transition that of the pillar tops
-    /// alone, before the floor. Not told under a prescribed force, or of a
+    /// alone, before the floor. Of a cycle the critical state, before the lens jumps onto a floor that sticks. Not told under a prescribed force, or of a
     /// contact inside one pillar.
     pub interim: Option<&'a (dyn Fn(&ContactState) + Sync)>,
     /// Threads to share the work between; without it everything runs on the calling thread.

@@ -1,0 +1,242 @@
+"""A floor that sticks: the cycle grows while it is solved and can be called off; the jump, the filled holes and the loss are shown."""
+
+import re
+import time
+
+import pytest
+from test_cycle import asked, command_line, force, quantity, sticky
+from test_explorer import paper
+
+STUCK = "adhesion.floor=true"
+
+# Six holes are filled, in about a second.
+QUICK = sticky(0.03, 0.001, STUCK)
+
+# Most of a minute: the rings round pillars are narrow.
+LONG = sticky(0.03, 0.05, STUCK)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    settings = ("texture.surface_fraction=0.03", "adhesion.work=1mJ/m2", STUCK)
+    return command_line(*(part for setting in settings for part in ("--set", setting)))
+
+
+def until_solving(page):
+    """Waits until a long cycle has come to the floor."""
+    page.until("/fronts on the floor, round/.test(document.getElementById('cycle-stage').textContent)")
+
+
+def change(page, key, value):
+    """Enters a value without waiting for the answer."""
+    field = page.page.locator(f"#{key.replace('.', '-')}")
+    field.fill(value)
+    field.press("Enter")
+
+
+def floor_pixels(page):
+    """How many places in the middle of the map have a colour of a floor that pulls: purple, as pillars are farther out only."""
+    return page.page.evaluate(
+        """() => {
+            const map = document.getElementById("map");
+            const third = Math.round(map.width / 3);
+            const { data } = map.getContext("2d").getImageData(third, third, third, third);
+            let found = 0;
+            for (let k = 0; k < data.length; k += 4) {
+                const [red, green, blue] = data.slice(k, k + 3);
+                if (red > green + 12 && blue > green + 8) found += 1;
+            }
+            return found;
+        }"""
+    )
+
+
+def test_the_jump_and_the_loss_of_the_floor_are_told(explore, expected):
+    page = explore(QUICK)
+    assert asked(page, "/api/cycle") == 1 and asked(page, "/api/contact") == 0
+    assert page.text("load-words") == "after the jump onto the floor"
+    assert force(page) == pytest.approx(expected["turn_force_N"], rel=1e-3)
+    floor = expected["floor"]
+    jump, last = floor["jump"], floor["last"]
+    words = page.text("stuck-floor")
+    told = re.match(
+        r"Jump onto the floor at ζ = (.*?): (\d+) holes? filled, ([\d ]+) µm2 in contact \(error (.*?)\), "
+        r"force from (.*?) to (.*?) \(error (.*?)\)\. "
+        r"Floor lost between ζ = (.*?) and (.*?) \(error (.*?)\), force from (.*?) to (.*?)\.$",
+        words,
+    )
+    assert told, words
+    at, holes, area, area_error, before, after, force_error, lost, gone, lost_error, held, free = told.groups()
+    assert quantity(at) == pytest.approx(jump["indentation_m"], rel=0.01)
+    assert int(holes) == jump["filled_holes"] == 6
+    assert float(area.replace(" ", "")) == pytest.approx(1e12 * jump["floor_contact_area_m2"], rel=0.01)
+    assert quantity(before) == pytest.approx(floor["force_before_jump_N"], rel=0.01)
+    assert quantity(after) == pytest.approx(jump["force_N"], rel=0.01)
+    assert quantity(lost) == pytest.approx(last["indentation_m"], rel=0.01)
+    assert quantity(gone) == pytest.approx(floor["indentation_after_loss_m"], rel=0.01)
+    assert quantity(held) == pytest.approx(last["force_N"], rel=0.01)
+    assert quantity(free) == pytest.approx(floor["force_after_loss_N"], rel=0.01)
+    errors = floor["relative_error_estimate"]
+    for shown, name in ((area_error, "jump_contact_area"), (force_error, "jump_force"), (lost_error, "lost_indentation")):
+        assert float(shown) == pytest.approx(errors[name], rel=0.5), name
+    locate = page.page.locator
+    for name in ("critical-point", "floor-jump", "floor-lost", "pull-off", "first-contact", "last-release"):
+        assert locate(f"#loading circle.{name}").count() == 1, name
+    assert locate("#loading path.floor-jump").count() == 1
+    assert page.page.is_visible("#loading-legend .floor-jump")
+    note = re.sub(r"\s+", " ", page.page.locator("#cycle-numbers > .remark").inner_text())
+    assert "has jumped onto it" in note and "does not stick" not in note
+
+
+def test_the_slider_goes_through_the_jump_and_the_loss(explore, expected):
+    page = explore(QUICK)
+    page.page.click("#to-critical")
+    assert page.text("load-words") == "critical state"
+    assert force(page) == pytest.approx(expected["critical_force_N"], rel=1e-3)
+    assert "floor" not in page.text("load-numbers")
+    page.page.focus("#load")
+    page.page.keyboard.press("ArrowRight")
+    assert page.text("load-words") == "after the jump onto the floor"
+    assert "6 holes filled" in page.text("load-numbers")
+    forces = []
+    while "floor" in page.text("load-numbers"):
+        assert len(forces) < 200
+        forces.append(force(page))
+        page.page.keyboard.press("ArrowRight")
+    floor = expected["floor"]
+    # The states on both sides of the loss are among those that are kept.
+    assert forces[-1] == pytest.approx(floor["last"]["force_N"], rel=1e-3)
+    assert force(page) == pytest.approx(floor["force_after_loss_N"], rel=1e-3)
+    page.page.click("#to-pull-off")
+    assert force(page) == pytest.approx(expected["pull_off_force_N"], rel=1e-3)
+    page.page.click("#to-jump")
+    assert page.text("load-words") == "after the jump onto the floor"
+    assert asked(page, "/api/cycle") == 1
+
+
+def test_filled_holes_are_on_the_map_and_in_the_section(explore):
+    page = explore(QUICK)
+    label = "() => document.getElementById('map').getAttribute('aria-label')"
+    assert page.page.evaluate(label).endswith("the floor sticks, 6 holes filled")
+    assert page.page.is_visible("#floor-pull-key") and page.text("floor-pull-most").startswith("−")
+    assert page.page.locator("#section path.floor-part").count() > 0
+    on_floor = floor_pixels(page)
+    page.page.click("#to-critical")
+    assert not page.page.is_visible("#floor-key") and page.page.is_visible("#touch-key")
+    assert "floor" not in page.page.evaluate(label)
+    assert page.page.locator("#section path.floor-part").count() == 0
+    assert on_floor > 500 and floor_pixels(page) == 0
+
+
+def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
+    plain = explore(sticky(0.03, 0.05))
+    page = explore(sticky(0.03, 0.001))
+    page.page.goto(page.page.url.split("#")[0] + LONG)
+    page.page.reload()
+    until_solving(page)
+    # What is known before the jump is shown: as without the floor.
+    assert page.results() == plain.results()
+    assert page.text("load-words") == "critical state, the rest is being solved"
+    assert page.text("pillars") == plain.text("pillars")
+    assert "55 in contact" in page.text("load-numbers")
+    assert "220\u202f000 cells" in page.text("cells-note") and "order of magnitude" in page.text("cells-note")
+    assert page.page.evaluate("() => document.body.dataset.busy") == "yes"
+    # It goes on, and the curve with it.
+    stage = page.text("cycle-stage")
+    assert re.match(r"loading, ζ = .* µm, fronts on the floor, round \d+, about \d+ %, [\d.]+ s$", stage), stage
+    page.until("document.getElementById('cycle-stage').textContent.startsWith('unloading, ')", 60)
+    outline = "document.querySelector('#loading path.unloading').getAttribute('d')"
+    before = page.page.evaluate(f"() => {outline}")
+    page.until(f"{outline} !== {before!r}")
+    share = page.page.evaluate("() => document.getElementById('cycle-share').value")
+    assert 0.2 < share < 0.6
+    start = time.monotonic()
+    page.page.click("#call-off")
+    page.rest()
+    assert time.monotonic() - start < 1
+    assert page.text("cycle-stage") == page.text("status") == "called off"
+    assert page.text("load-words") == "critical state, the rest called off"
+    assert page.page.locator("#loading path.unloading").count() == 1
+    # The next answer has all threads.
+    start = time.monotonic()
+    page.enter("adhesion.work", "1 mJ/m2")
+    assert page.text("load-words") == "after the jump onto the floor"
+    assert time.monotonic() - start < 10
+    assert not page.page.is_visible("#ask-again") and page.text("cells-note") == ""
+
+
+def test_what_was_called_off_is_asked_again_and_another_slider_takes_its_place(explore):
+    page = explore(QUICK)
+    change(page, "adhesion.work", "50 mJ/m2")
+    until_solving(page)
+    page.page.click("#call-off")
+    page.rest()
+    page.page.click("#ask-again")
+    until_solving(page)
+    assert page.page.is_visible("#call-off") and not page.page.is_visible("#ask-again")
+    page.page.focus("#adhesion-work-slider")
+    page.page.keyboard.press("Home")
+    page.rest()
+    # Without adhesion nothing sticks, the floor neither.
+    assert page.text("load-words") == "critical state"
+    for name in ("#cycle-progress", "#cells-note", "#to-jump", "#adhesion-floor"):
+        assert not page.page.is_visible(name), name
+    assert "adhesion" not in page.text("case-file")
+
+
+def test_the_floor_is_let_stick_on_the_page(explore):
+    page = explore(sticky(0.03, 0.001))
+    assert not page.page.is_visible("#stuck-floor") and not page.page.is_visible("#to-jump")
+    assert page.text("load-words") == "critical state"
+    page.page.check("#adhesion-floor")
+    page.rest()
+    assert page.page.is_visible("#stuck-floor") and page.page.is_visible("#to-jump")
+    assert "floor = true" in page.text("case-file")
+    assert "adhesion.floor=true" in page.text("command")
+    assert "floor=True" in page.text("python")
+    # The substrates of the paper leave it as it is.
+    page.page.click("[data-preset=rigid]")
+    page.rest()
+    assert page.page.is_checked("#adhesion-floor")
+    page.page.click("[data-preset=intermediate]")
+    page.rest()
+    # A floor that the lens goes through does not stick.
+    page.page.uncheck("#floor-contact")
+    page.rest()
+    assert not page.page.is_checked("#adhesion-floor") and not page.page.is_visible("#problem")
+    page.page.check("#floor-contact")
+    page.page.check("#adhesion-floor")
+    page.rest()
+    # What it is not made for is refused in words, and the last picture stays.
+    page.page.select_option("#texture-lattice", "square")
+    page.rest()
+    assert "does not stick" in page.text("problem") or "hexagonal" in page.text("problem")
+    page.page.uncheck("#adhesion-floor")
+    page.rest()
+    assert not page.page.is_visible("#problem")
+
+
+def test_coarse_cells_are_orders_of_magnitude(explore):
+    """A result that says that its cells are coarse is told as one."""
+
+    def coarse(route):
+        response = route.fetch()
+        text = response.text().replace('"coarse":false', '"coarse":true')
+        route.fulfill(response=response, body=text)
+
+    page = explore("#" + "&".join(paper(0.03)))
+    page.page.route("**/api/cycle", coarse)
+    page.page.goto(page.page.url.split("#")[0] + QUICK)
+    page.page.reload()
+    page.until("document.getElementById('stuck-floor').hidden === false")
+    page.rest()
+    assert "these are orders of magnitude" in page.text("stuck-floor")
+    assert page.page.locator("#stuck-floor.strained").count() == 1
+
+
+@pytest.mark.parametrize("width, height", [(390, 844), (1400, 900)])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_floor_that_sticks_fits_every_screen(explore, width, height, scheme):
+    page = explore(QUICK, width, height, color_scheme=scheme)
+    assert page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth") <= 0
+    page.picture(f"stuck-{width}-{scheme}")
