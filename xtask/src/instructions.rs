@@ -17,7 +17,14 @@ const RECORDED: &str = "bench/instructions.csv";
 const BAND: f64 = 0.05;
 
 /// Kernels of `crates/fakir/examples/kernels.rs`.
-const KERNELS: [&str; 5] = ["coupling", "products", "one_pillar", "floor", "elements"];
+const KERNELS: [&str; 6] = [
+    "coupling",
+    "products",
+    "rough_products",
+    "one_pillar",
+    "floor",
+    "elements",
+];
 
 /// Whole runs of the program: name and arguments.
 const RUNS: [(&str, &[&str]); 3] = [

@@ -145,7 +145,7 @@ fn elements() -> f64 {
 pub type Kernel = (&'static str, fn() -> f64);
 
 /// All of them.
-pub const KERNELS: [Kernel; 5] = [
+pub const KERNELS: [Kernel; 6] = [
     ("coupling", coupling),
     ("products", products),
     ("rough_products", rough_products),
