@@ -233,8 +233,8 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         self.couple();
     }
 
-    /// What all coefficients do to each other, anew.
-    fn couple(&mut self) {
+    /// What all coefficients do to each other, anew and exactly.
+    pub(super) fn couple(&mut self) {
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {

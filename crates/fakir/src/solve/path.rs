@@ -633,6 +633,10 @@ impl<'a> Path<'a> {
             self.solve_within(Source::Present, STUCK_STATE_TOLERANCE)?;
         }
         self.solve_unit()?;
+        if self.floor.is_none() {
+            // Residuals that are to be made up for are told by exact products.
+            self.contact.couple();
+        }
         self.find_loads();
         self.refine();
         Ok(())
