@@ -221,7 +221,7 @@ fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
 const FEW_PILLARS: usize = 12;
 
 /// Changes of the two results when partially touched pillars are solved on other node arrays. Errors of
-/// pillars that are symmetric copies of each other add up, others do as if their signs were random. Of mirror images one is looked at.
+/// pillars that are symmetric copies of each other add up, others do as if their signs were random. Of many mirror images one is looked at.
 fn node_changes(
     newton: &Newton<'_>,
     copies: Option<&Copies>,
@@ -230,17 +230,15 @@ fn node_changes(
 ) -> Result<[f64; 2], SolveError> {
     let modes = newton.contact.modes();
     let is_partial = |pillar: &usize| newton.tops.status[*pillar] == PillarStatus::Partial;
-    // Pillars, and how many each stands for.
-    let partial: Vec<(usize, f64)> = match copies {
+    let all: Vec<usize> = (0..newton.tops.sites.len()).filter(is_partial).collect();
+    // Node arrays are no mirror images of each other: a few pillars are all looked at. Pillars, and how many each stands for.
+    let partial: Vec<(usize, f64)> = match copies.filter(|_| all.len() > FEW_PILLARS) {
         Some(copies) => {
             let own = copies.own().iter().map(|pillar| *pillar as usize);
-            let all = own.zip(copies.counts());
-            all.filter(|(pillar, _)| is_partial(pillar)).collect()
+            let images = own.zip(copies.counts());
+            images.filter(|(pillar, _)| is_partial(pillar)).collect()
         }
-        None => {
-            let pillars = (0..newton.tops.sites.len()).filter(is_partial);
-            pillars.map(|pillar| (pillar, 1.0)).collect()
-        }
+        None => all.into_iter().map(|pillar| (pillar, 1.0)).collect(),
     };
     if partial.is_empty() {
         return Ok([0.0; 2]);
