@@ -206,8 +206,8 @@ impl LatticeSymmetry {
     #[must_use]
     pub fn fold(&self, point: Point) -> Point {
         let size = point[0].hypot(point[1]);
-        // On an axis means on it: no rounding errors of either sign.
-        let clean = |point: Point| point.map(|v| if v.abs() < 1e-12 * size { 0.0 } else { v });
+        // On an axis means on it: no rounding errors of either sign. The floor is flat about its lowest point, whose place is known less exactly than its height.
+        let clean = |point: Point| point.map(|v| if v.abs() < 1e-9 * size { 0.0 } else { v });
         let mut folded = clean(point);
         for image in self.images(point) {
             let candidate = clean(image);
