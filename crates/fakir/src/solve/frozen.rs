@@ -233,8 +233,15 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         self.couple();
     }
 
-    /// What all coefficients do to each other, anew and exactly.
-    pub(super) fn couple(&mut self) {
+    /// Takes exact products in place of what rough ones have added up to, where there are any.
+    pub(super) fn make_exact(&mut self) {
+        if self.coupling.rough_error() > 0.0 {
+            self.couple();
+        }
+    }
+
+    /// What all coefficients do to each other, anew.
+    fn couple(&mut self) {
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {

@@ -635,7 +635,7 @@ impl<'a> Path<'a> {
         self.solve_unit()?;
         if self.floor.is_none() {
             // Residuals that are to be made up for are told by exact products.
-            self.contact.couple();
+            self.contact.make_exact();
         }
         self.find_loads();
         self.refine();
