@@ -34,6 +34,7 @@ pub(crate) mod point;
 pub(crate) mod quantity;
 pub(crate) mod scaled;
 pub(crate) mod surface;
+pub(crate) mod symmetry;
 pub(crate) mod system;
 pub(crate) mod tops;
 

@@ -113,7 +113,7 @@ impl PillarGrid {
 const ROUNDING: f64 = 1e-9;
 
 /// A lens axis that is less than this beside a point of the grid, in its sides, is at it: what is mirrored there is so to rounding.
-const ON_AXIS: f64 = 1e-13;
+pub(super) const ON_AXIS: f64 = 1e-13;
 
 /// The length of which two others are small whole multiples, and these. Of one length that is 0, the other.
 fn common_side(lengths: [f64; 2], longest: f64) -> Option<(f64, [i64; 2])> {
@@ -481,12 +481,23 @@ impl PillarField {
     /// Columns and rows of the [grid of pillars](Self::pillar_grid) from pillar (0, 0) to the lens axis, if all that stands is its own mirror image along x
     /// and along y there.
     pub(crate) fn mirrored_at(&self) -> Option<[i64; 2]> {
-        let alike = match self {
-            Self::Hexagonal { .. } => true,
-            Self::Lattice(lattice) => lattice.scatter.is_none() && lattice.ends.is_none(),
-            Self::Listed(_) => false,
-        };
-        self.pillar_grid().filter(|_| alike)?.mirrored_at()
+        self.endless_lattice()?;
+        self.pillar_grid()?.mirrored_at()
+    }
+
+    /// The vectors of a lattice of equal pillars that has no end, and pillar (0, 0) of it.
+    pub(super) fn endless_lattice(&self) -> Option<([Point; 2], Point)> {
+        match self {
+            Self::Hexagonal { lattice, .. } => {
+                let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));
+                Some((vectors, lattice.centre(0, 0)))
+            }
+            Self::Lattice(lattice) => {
+                let alike = lattice.scatter.is_none() && lattice.ends.is_none();
+                alike.then_some((lattice.vectors, lattice.origin))
+            }
+            Self::Listed(_) => None,
+        }
     }
 
     /// Distance of the nearest neighbours of a lattice; the spacing of a list.

@@ -6,6 +6,7 @@ use super::layer::WeightedLayer;
 use super::lens::ShapedLens;
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::{Point, turned};
+use super::symmetry::Symmetry;
 use super::system::System;
 use crate::numerics::convergence::smaller;
 
@@ -92,6 +93,15 @@ impl Scene {
     pub(crate) fn mirrored_at(&self) -> Option<[i64; 2]> {
         let axis = self.field.mirrored_at();
         axis.filter(|_| self.lens.is_axisymmetric())
+    }
+
+    /// Rotations and reflections about the lens axis under which all is what it was.
+    pub(crate) fn symmetries(&self) -> Vec<Symmetry> {
+        if self.lens.is_axisymmetric() {
+            Symmetry::of(&self.field)
+        } else {
+            Vec::new()
+        }
     }
 
     /// Whether the lens reaches the floor before any pillar.

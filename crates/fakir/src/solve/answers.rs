@@ -196,7 +196,11 @@ fn solve(
             let error = refined(&mut solution, target, run)?;
             match told {
                 Some(state) => Ok(ContactState { error, ..state }),
-                None => assembled(&solution, lowest, error),
+                None => {
+                    // States of many pillars take as much memory.
+                    solution.newton.release_coupling();
+                    assembled(&solution, lowest, error)
+                }
             }
         }
         PillarMethod::Punch(form) => {

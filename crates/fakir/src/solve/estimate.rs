@@ -46,7 +46,7 @@ const NEIGHBOURHOOD: f64 = 13.0;
 const PAIRS: f64 = 9.0;
 
 /// Pillars that are symmetric copies of each other, as a rule, where few are crossed by the edge.
-const COPIES: f64 = 4.0;
+const COPIES: usize = 4;
 
 /// Load and response that belong to one result.
 struct Adjoint {
@@ -59,8 +59,8 @@ struct Adjoint {
 }
 
 impl Adjoint {
-    /// The mean over mirror images, of the pillars alone.
-    fn mirrored(&self, newton: &Newton<'_>, copies: &Copies) -> Self {
+    /// The mean over images, of the pillars alone.
+    fn averaged(&self, newton: &Newton<'_>, copies: &Copies) -> Self {
         let modes = modes(newton.degree());
         let mean = |of_all: &[f64]| {
             let mut of_pillars = of_all[..newton.contact.tops()].to_vec();
@@ -88,17 +88,17 @@ pub(crate) fn estimate(
         // The contact is smaller than the distance of nodes: nothing is known of it.
         return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
     }
-    let total = newton.contact.coefficients().to_vec();
     let mut adjoints = adjoints(newton, outcome, target)?;
-    let few = newton.tops.sites.len() <= SAMPLED;
-    let copies = newton.copies.as_ref().filter(|_| few);
+    let few = |copies: &&Copies| copies.own().len() <= SAMPLED;
+    let copies = newton.copies.as_ref().filter(few);
     if let Some(copies) = copies {
-        // What mirror images differ by of an adjoint does not count, as the changes are images of each other too.
-        adjoints = adjoints.map(|adjoint| adjoint.mirrored(newton, copies));
+        // What images differ by of an adjoint does not count, as the changes are images of each other too.
+        adjoints = adjoints.map(|adjoint| adjoint.averaged(newton, copies));
     }
     let adjoints = adjoints.each_ref();
-    let nodes = node_changes(newton, copies, &total, adjoints)?;
-    let degree = degree_changes(newton, outcome, copies, &total, adjoints)?;
+    let total = newton.contact.coefficients();
+    let nodes = node_changes(newton, copies, total, adjoints)?;
+    let degree = degree_changes(newton, outcome, copies, total, adjoints)?;
     let floor = floor_changes(newton, outcome, adjoints);
     let relative = |k: usize, value: f64| {
         let changes = nodes[k] + degree[k] + floor[k];
@@ -169,7 +169,13 @@ fn adjoints(
             .sum();
         factor = 1.0 / (1.0 - unit_displacement);
     }
+    newton.contact.release_room();
     let unit = newton.contact.unit_sensitivity();
+    let nothing = || Adjoint {
+        floor: 0.0,
+        coefficients: vec![0.0; size],
+        sensitivity: vec![0.0; size],
+    };
     let combine = |along_unit: f64, floor: f64| Adjoint {
         floor,
         coefficients: (0..size)
@@ -182,9 +188,9 @@ fn adjoints(
             .collect(),
     };
     Ok(match target {
-        Control::Force(_) => [combine(0.0, 0.0), combine(-1.0 / stiffness, 0.0)],
+        Control::Force(_) => [nothing(), combine(-1.0 / stiffness, 0.0)],
         Control::FloorContact => [combine(1.0, stiffness * factor), combine(0.0, factor)],
-        Control::Indentation(_) => [combine(1.0, 0.0), combine(0.0, 0.0)],
+        Control::Indentation(_) => [combine(1.0, 0.0), nothing()],
     })
 }
 
@@ -221,7 +227,7 @@ fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
 const FEW_PILLARS: usize = 12;
 
 /// Changes of the two results when partially touched pillars are solved on other node arrays. Errors of
-/// pillars that are symmetric copies of each other add up, others do as if their signs were random. Of many mirror images one is looked at.
+/// pillars that are symmetric copies of each other add up, others do as if their signs were random. Of many images one of four is looked at.
 fn node_changes(
     newton: &Newton<'_>,
     copies: Option<&Copies>,
@@ -231,22 +237,26 @@ fn node_changes(
     let modes = newton.contact.modes();
     let is_partial = |pillar: &usize| newton.tops.status[*pillar] == PillarStatus::Partial;
     let all: Vec<usize> = (0..newton.tops.sites.len()).filter(is_partial).collect();
-    // Node arrays are no mirror images of each other: a few pillars are all looked at. Pillars, and how many each stands for.
-    let partial: Vec<(usize, f64)> = match copies.filter(|_| all.len() > FEW_PILLARS) {
+    let count = all.len();
+    // Node arrays are no images of each other: a few pillars are all looked at. Pillars, and how many each stands for.
+    let partial: Vec<(usize, f64)> = match copies.filter(|_| count > FEW_PILLARS) {
         Some(copies) => {
-            let own = copies.own().iter().map(|pillar| *pillar as usize);
-            let images = own.zip(copies.counts());
-            images.filter(|(pillar, _)| is_partial(pillar)).collect()
+            let orbits = copies.distinct_images();
+            let looked_at = orbits.flat_map(|images| {
+                let part = images.len() as f64 / images.len().div_ceil(COPIES) as f64;
+                let some: Vec<usize> = images.iter().step_by(COPIES).copied().collect();
+                some.into_iter().map(move |pillar| (pillar, part))
+            });
+            looked_at.filter(|(pillar, _)| is_partial(pillar)).collect()
         }
         None => all.into_iter().map(|pillar| (pillar, 1.0)).collect(),
     };
     if partial.is_empty() {
         return Ok([0.0; 2]);
     }
-    let count: f64 = partial.iter().map(|(_, images)| images).sum();
     let mut of_pillars = vec![[0.0_f64; 2]; partial.len()];
     let mut largest_sum = [0.0_f64; 2];
-    for resolution in other_resolutions(newton.tops.top.resolution(), count as usize) {
+    for resolution in other_resolutions(newton.tops.top.resolution(), count) {
         let ratio = newton.tops.sites.common_body().column;
         let top = PillarTop::new(resolution, newton.degree(), ratio);
         let work = || (LocalSolver::new(&top), vec![0.0; modes]);
@@ -288,7 +298,7 @@ fn node_changes(
         let squares: f64 = of_images
             .map(|(change, (_, n))| n * change[k].powi(2))
             .sum();
-        largest_sum[k].max((count.min(COPIES) * squares).sqrt())
+        largest_sum[k].max((count.min(COPIES) as f64 * squares).sqrt())
     }))
 }
 
@@ -301,9 +311,12 @@ fn degree_changes(
     adjoints: [&Adjoint; 2],
 ) -> Result<[f64; 2], SolveError> {
     let pillars = newton.tops.sites.len();
-    let touched = match outcome.floor.map(|point| point.position) {
-        Some([x, y]) if copies.is_some() => vec![[x, y], [-x, y], [x, -y], [-x, -y]],
-        point => Vec::from_iter(point),
+    let touched: Vec<Point> = match (outcome.floor.map(|point| point.position), copies) {
+        (Some(point), Some(copies)) => {
+            let images = copies.symmetries().iter();
+            images.map(|symmetry| symmetry.image(point)).collect()
+        }
+        (point, _) => Vec::from_iter(point),
     };
     let (modes, extended) = (newton.contact.modes(), newton.degree() + EXTRA_DEGREES);
     let count = mode_count(extended);
@@ -375,7 +388,8 @@ fn degree_changes(
         let own = copies.own();
         let of_own = |room: &mut _, number: usize| one(room, own[number] as usize);
         let of_own = workers.map(own.len(), COSTLY_PILLARS, work, of_own);
-        copies.numbers().map(|number| of_own[number]).collect()
+        let numbers = copies.numbers().into_iter();
+        numbers.map(|number| of_own[number]).collect()
     } else {
         let every = (pillars / SAMPLED).max(1);
         let sampled = pillars.div_ceil(every);

@@ -173,31 +173,14 @@ fn starts_on_lattice(lattice: &HexagonalLattice) -> Starts {
     }
 }
 
-/// One of the points that rotations by sixths of a turn and reflections make of each other, as far as the lattice is what it was after them.
+/// One of the points that symmetries of the lattice make of each other.
 fn one_of_alike(lattice: &HexagonalLattice, points: &[Point]) -> Vec<Point> {
-    let turned = |[x, y]: Point, step: usize, reflected: bool| {
-        let (sin, cos) = (PI / 3.0 * step as f64).sin_cos();
-        let y = if reflected { -y } else { y };
-        [cos * x - sin * y, sin * x + cos * y]
-    };
     let rounding = 1e-9 * lattice.pitch;
-    let corners = [(0, 0), (1, 0), (0, 1)].map(|(i, j)| lattice.centre(i, j));
-    let stays = |(step, reflected): &(usize, bool)| {
-        corners.iter().all(|corner| {
-            let image = turned(*corner, *step, *reflected);
-            let (i, j) = lattice.nearest_pillar(image);
-            distance(lattice.centre(i, j), image) < rounding
-        })
-    };
-    let all = (0..6).flat_map(|step| [false, true].map(|reflected| (step, reflected)));
-    let symmetries: Vec<(usize, bool)> = all.filter(stays).collect();
+    let symmetry = lattice.symmetry();
     let mut kept: Vec<Point> = Vec::new();
     for point in points {
-        let known = symmetries.iter().any(|(step, reflected)| {
-            let image = turned(*point, *step, *reflected);
-            kept.iter().any(|other| distance(*other, image) < rounding)
-        });
-        if !known {
+        let known = |image: Point| kept.iter().any(|other| distance(*other, image) < rounding);
+        if !symmetry.images(*point).any(known) {
             kept.push(*point);
         }
     }

@@ -154,15 +154,30 @@ struct Room {
     residual: Vec<f64>,
     direction: Vec<f64>,
     direction_load: Vec<f64>,
-    preconditioned: Vec<f64>,
+    /// The product with the direction, and then the preconditioned residual.
     product: Vec<f64>,
+}
+
+impl Room {
+    /// Makes room for so many unknowns.
+    fn resize(&mut self, size: usize) {
+        let Self {
+            load,
+            residual,
+            direction,
+            direction_load,
+            product,
+        } = self;
+        for vector in [load, residual, direction, direction_load, product] {
+            vector.resize(size, 0.0);
+        }
+    }
 }
 
 impl<'a, O: Coupling> FrozenContact<'a, O> {
     /// No pressure anywhere, at no indentation.
     pub(crate) fn new(run: &'a Run<'a>, coupling: O, modes: usize, own_load: Vec<f64>) -> Self {
         let size = own_load.len();
-        let vector = || vec![0.0; size];
         Self {
             run,
             coupling,
@@ -175,14 +190,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             base: 0.0,
             products: 0,
             remainder: 0.0,
-            room: Room {
-                load: vector(),
-                residual: vector(),
-                direction: vector(),
-                direction_load: vector(),
-                preconditioned: vector(),
-                product: vector(),
-            },
+            room: Room::default(),
         }
     }
 
@@ -207,24 +215,6 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
             response.far.truncate(tops);
             response.far.resize(size, 0.0);
         }
-        let Room {
-            load,
-            residual,
-            direction,
-            direction_load,
-            preconditioned,
-            product,
-        } = &mut self.room;
-        for vector in [
-            load,
-            residual,
-            direction,
-            direction_load,
-            preconditioned,
-            product,
-        ] {
-            vector.resize(size, 0.0);
-        }
         couple(&mut self.coupling);
         if had_floor && self.present.coefficients[tops..].iter().any(|c| *c > 0.0) {
             // The loads on pillars are about what they were, and no others are needed before the first product.
@@ -240,12 +230,20 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         }
     }
 
+    /// Gives back the memory of the iteration, until the next one.
+    pub(super) fn release_room(&mut self) {
+        self.room = Room::default();
+    }
+
     /// What all coefficients do to each other, anew.
     fn couple(&mut self) {
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {
-                far.fill(0.0);
+                // Memory that nothing was ever written to is none.
+                if far.iter().any(|far| *far != 0.0) {
+                    far.fill(0.0);
+                }
             } else {
                 self.products += 1;
                 self.coupling.apply(coefficients, far, self.run.workers());
@@ -491,6 +489,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         response: &mut Response,
     ) -> Result<Judgement, SolveError> {
         let mut room = std::mem::take(&mut self.room);
+        room.resize(self.len());
         let mut solved = Ok(Judgement::TooLarge);
         for _ in 0..MOST_STARTS {
             let mut before = 0.0;
@@ -538,12 +537,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         }
         self.run.check_cancelled()?;
         vectors.subtract(&mut room.residual, far);
-        let preconditioned = &mut room.preconditioned;
         let direction_load = &mut room.direction_load[..tops];
-        rule.precondition(&room.residual, preconditioned, direction_load, workers);
-        room.direction.copy_from_slice(&room.preconditioned);
+        let direction = &mut room.direction;
+        rule.precondition(&room.residual, direction, direction_load, workers);
         room.direction_load[tops..].fill(0.0);
-        let mut energy = vectors.dot(&room.residual, &room.preconditioned);
+        let mut energy = vectors.dot(&room.residual, &room.direction);
         if tops < room.load.len() {
             // Before anything bears pressure there is no other energy to compare with.
             scale = larger(scale, energy);
@@ -578,13 +576,13 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
                 -length,
                 &room.direction_load[..tops],
             );
-            let preconditioned = &mut room.preconditioned;
+            let preconditioned = &mut room.product;
             let load = &mut room.load[..tops];
             rule.precondition(&room.residual, preconditioned, load, workers);
-            let next = vectors.dot(&room.residual, &room.preconditioned);
+            let next = vectors.dot(&room.residual, preconditioned);
             let ratio = next / energy;
             energy = next;
-            vectors.scale_and_add(&mut room.direction, ratio, &room.preconditioned);
+            vectors.scale_and_add(&mut room.direction, ratio, &room.product);
             vectors.scale_and_add(&mut room.direction_load[..tops], ratio, &room.load[..tops]);
         }
         Ok(Judgement::TooLarge)

@@ -212,7 +212,7 @@ pub(crate) struct Newton<'a> {
     /// Of the floor's last grid.
     kernels: Option<FloorKernels>,
     pub(crate) exterior: Exterior,
-    /// Which pillars are mirror images of each other, where all is.
+    /// Which pillars are images of each other, where there are any.
     pub(crate) copies: Option<Copies>,
     floor: FloorSearch,
 }
@@ -229,8 +229,7 @@ impl<'a> Newton<'a> {
     ) -> Self {
         let degree = pair.modes().last().map_or(0, |mode| mode.degree);
         let tops = Tops::new(&scene.lens, sites, top, degree);
-        let axis = scene.mirrored_at();
-        let copies = axis.and_then(|axis| Copies::about(axis, &scene.field, &tops.sites));
+        let copies = Copies::of(scene.symmetries(), &tops.sites);
         let own_load = tops.lens_load(copies.as_ref(), run.workers());
         run.report(Progress {
             stage: Stage::Coupling,

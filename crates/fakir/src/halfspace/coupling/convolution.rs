@@ -20,7 +20,7 @@ use crate::numerics::convergence::larger;
 use crate::numerics::fft::{Real, RealPlans, smooth_size};
 use crate::numerics::vector::widest;
 use crate::numerics::workers::Workers;
-use rustfft::num_complex::{Complex, Complex64};
+use num_complex::{Complex, Complex64};
 use std::ops::Range;
 
 /// Rows of a tile.
@@ -32,6 +32,9 @@ const CACHE_LINE: usize = 64;
 /// Padded arrays of fewer points than this are not worth sharing between threads.
 const PARALLEL_POINTS: usize = 40_000;
 
+/// Bytes of transformed rows that are kept while kernels are made, about.
+pub(super) const TRANSFORMED: usize = 128 << 20;
+
 /// Distances a thread takes at a time, at the least.
 const DISTANCES: usize = 200;
 
@@ -41,6 +44,8 @@ pub(crate) struct LatticeConvolution {
     /// Transformed kernels: for every column, the high parts of every pair of modes, every row, then the low parts of the same. The real part
     /// where even, the imaginary part where odd. With the normalisation of the inverse.
     kernel: Vec<f32>,
+    /// Room for the transformed rows of products, exact ones or rough.
+    tiles: Vec<Complex64>,
     exact: Passes<f64>,
     rough: Passes<f32>,
 }
@@ -55,9 +60,9 @@ struct Layout {
     padded: (usize, usize),
     /// Complex columns kept of a real transform, `padded.1/2 + 1`.
     half: usize,
-    places: Vec<(usize, usize)>,
-    /// The pillars of every row.
+    /// The pillars of every row, which stand in columns that follow each other, and the column of the first.
     ranges: Vec<Range<usize>>,
+    first_columns: Vec<usize>,
     /// Whether the kernel of an upper-triangle pair of modes is odd.
     odd: Vec<bool>,
 }
@@ -82,6 +87,8 @@ impl LatticeConvolution {
     /// If it is cancelled the kernels are nothing; solvers look before they ask for a product.
     pub(crate) fn new(window: &Window, pair: &PairCoupling, workers: Workers<'_>) -> Self {
         let shape = window.shape();
+        let first_column =
+            |row: &Range<usize>| window.places().get(row.start).map_or(0, |place| place.1);
         let padded = (smooth_size(2 * shape.0 - 1), smooth_size(2 * shape.1 - 1));
         let mut odd = Vec::with_capacity(pair.entry_count());
         for (row, receiver) in pair.modes().iter().enumerate() {
@@ -94,13 +101,14 @@ impl LatticeConvolution {
             shape,
             padded,
             half: padded.1 / 2 + 1,
-            places: window.places().to_vec(),
             ranges: window.rows().to_vec(),
+            first_columns: window.rows().iter().map(first_column).collect(),
             odd,
         };
-        let exact = Passes::new(&layout);
+        let exact = Passes::<f64>::new(&layout);
         Self {
             kernel: kernels(&layout, pair, &exact.transforms, workers),
+            tiles: vec![Complex64::default(); Passes::<f64>::room(&layout)],
             rough: Passes::new(&layout),
             exact,
             layout,
@@ -109,7 +117,7 @@ impl LatticeConvolution {
 
     /// `far = B c`
     pub(crate) fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
-        let parts = (&self.layout, &self.kernel[..]);
+        let parts = (&self.layout, &self.kernel[..], &mut self.tiles[..]);
         self.exact.apply(parts, coefficients, far, 1.0, workers);
     }
 
@@ -125,7 +133,9 @@ impl LatticeConvolution {
             .iter()
             .fold(0.0, |most, c| larger(most, c.abs()));
         let unit = if largest.is_normal() { largest } else { 1.0 };
-        let parts = (&self.layout, &self.kernel[..]);
+        let tiles = bytemuck::cast_slice_mut(&mut self.tiles);
+        let tiles = &mut tiles[..Passes::<f32>::room(&self.layout)];
+        let parts = (&self.layout, &self.kernel[..], tiles);
         self.rough.apply(parts, coefficients, far, unit, workers);
     }
 
@@ -141,9 +151,9 @@ impl LatticeConvolution {
         let operations = rows_there_and_back + columns_there_and_back + multiplied;
         // Tiles are written, read and written again, and read.
         let bytes = if rough {
-            2 * self.kernel.len() + 4 * 8 * self.rough.tiles.len()
+            2 * self.kernel.len() + 4 * 8 * Passes::<f32>::room(layout)
         } else {
-            4 * self.kernel.len() + 4 * 16 * self.exact.tiles.len()
+            4 * self.kernel.len() + 4 * 16 * Passes::<f64>::room(layout)
         };
         [operations, bytes as f64]
     }
@@ -166,46 +176,74 @@ fn kernels(
     transforms: &RealPlans,
     workers: Workers<'_>,
 ) -> Vec<f32> {
-    let (rows, columns) = layout.padded;
+    let (_, columns) = layout.padded;
     let (entries, half) = (pair.entry_count(), layout.half);
     let reach = (layout.shape.0 as i64 - 1, layout.shape.1 as i64 - 1);
     let least = layout.least();
     let radial = radial_parts(pair, reach.0.max(reach.1), workers);
-    // The columns of every pair, row after row of the lattice.
-    let mut transformed = vec![Complex64::default(); layout.shape.0 * entries * half];
-    let transform = &transforms.row;
-    let work = || RowWork {
-        grids: vec![0.0; entries * columns],
-        block: vec![0.0; entries],
-        scratch: transform.make_scratch_vec(),
-    };
-    workers.fill(
-        &mut transformed,
-        entries * half,
-        least,
-        work,
-        |work, row, output| {
+    let mut kernel = vec![0.0; half * layout.kernel_column()];
+    // Rows of the lattice and the columns that are kept of them take as much room as the kernels: of large lattices a part of the columns at a time.
+    let of_column = size_of::<Complex64>() * layout.shape.0 * entries;
+    let at_a_time = (TRANSFORMED / of_column).clamp(1, half);
+    let mut transformed = vec![Complex64::default(); layout.shape.0 * entries * at_a_time];
+    for (number, kernel) in kernel
+        .chunks_mut(at_a_time * layout.kernel_column())
+        .enumerate()
+    {
+        let first = number * at_a_time;
+        let kept = first..(first + at_a_time).min(half);
+        let transformed = &mut transformed[..layout.shape.0 * entries * kept.len()];
+        let work = || RowWork {
+            grids: vec![0.0; entries * columns],
+            block: vec![0.0; entries],
+            spectrum: transforms.row.make_output_vec(),
+            scratch: transforms.row.make_scratch_vec(),
+        };
+        let of_row = |work: &mut RowWork, row: usize, output: &mut [Complex64]| {
             if workers.cancel.is_cancelled() {
                 return;
             }
             work.fill_row(pair, &radial, row as i64, reach.1, columns);
-            let grids = work.grids.chunks_exact_mut(columns);
-            for (grid, output) in grids.zip(output.chunks_exact_mut(half)) {
-                transforms.row_forward(grid, output, &mut work.scratch);
+            let RowWork {
+                grids,
+                spectrum,
+                scratch,
+                ..
+            } = work;
+            let grids = grids.chunks_exact_mut(columns);
+            for (grid, output) in grids.zip(output.chunks_exact_mut(kept.len())) {
+                transforms.row_forward(grid, spectrum, scratch);
+                output.copy_from_slice(&spectrum[kept.clone()]);
             }
-        },
-    );
+        };
+        workers.fill(transformed, entries * kept.len(), least, work, of_row);
+        fill_columns(layout, transformed, transforms, kernel, workers);
+    }
+    kernel
+}
+
+/// The kernels of some columns from the rows of these.
+fn fill_columns(
+    layout: &Layout,
+    transformed: &[Complex64],
+    transforms: &RealPlans,
+    kernel: &mut [f32],
+    workers: Workers<'_>,
+) {
+    let (rows, columns) = layout.padded;
+    let entries = layout.odd.len();
+    let of_rows = transformed.len() / layout.shape.0;
+    let at_a_time = of_rows / entries;
     let scale = 1.0 / (rows * columns) as f64;
     let (odd, transform) = (&layout.odd, &transforms.column);
     let work = || {
         let scratch = vec![Complex64::default(); transform.get_inplace_scratch_len()];
         (vec![Complex64::default(); entries * rows], scratch)
     };
-    let mut kernel = vec![0.0; half * layout.kernel_column()];
     workers.fill(
-        &mut kernel,
+        kernel,
         layout.kernel_column(),
-        least,
+        layout.least(),
         work,
         |(input, scratch), column, kernel| {
             if workers.cancel.is_cancelled() {
@@ -214,8 +252,8 @@ fn kernels(
             for (entry, (input, &odd)) in input.chunks_exact_mut(rows).zip(odd).enumerate() {
                 let sign = if odd { -1.0 } else { 1.0 };
                 input.fill(Complex64::default());
-                for (row, values) in transformed.chunks_exact(entries * half).enumerate() {
-                    let value = values[entry * half + column];
+                for (row, values) in transformed.chunks_exact(of_rows).enumerate() {
+                    let value = values[entry * at_a_time + column];
                     input[row] = value;
                     if row > 0 {
                         input[rows - row] = sign * value.conj();
@@ -234,7 +272,6 @@ fn kernels(
             }
         },
     );
-    kernel
 }
 
 /// Numbers in which products are made.
@@ -258,10 +295,10 @@ impl Precision for f32 {
 }
 
 /// The passes of a product, in a precision.
+///
+/// Transformed rows, and what becomes of them, lie in tiles: for every few columns, every [`TILE_ROWS`] rows of the window, every mode, these rows of
+/// these columns.
 struct Passes<R: Real> {
-    /// Transformed rows, and what becomes of them. In tiles: for every few columns, every
-    /// [`TILE_ROWS`] rows of the window, every mode, these rows of these columns.
-    tiles: Vec<Complex<R>>,
     transforms: RealPlans<R>,
 }
 
@@ -270,12 +307,15 @@ impl<R: Precision> Passes<R> {
     const TILE_COLUMNS: usize = CACHE_LINE / size_of::<Complex<R>>();
 
     fn new(layout: &Layout) -> Self {
-        let (_, strip) = Self::lengths(layout);
-        let strips = layout.half.div_ceil(Self::TILE_COLUMNS);
         Self {
-            tiles: vec![Complex::default(); strips * strip],
             transforms: RealPlans::new(layout.padded.0, layout.padded.1),
         }
+    }
+
+    /// Numbers in all tiles.
+    fn room(layout: &Layout) -> usize {
+        let (_, strip) = Self::lengths(layout);
+        layout.half.div_ceil(Self::TILE_COLUMNS) * strip
     }
 
     /// Length of a tile, and of all tiles of a few columns.
@@ -286,16 +326,16 @@ impl<R: Precision> Passes<R> {
 
     /// The product, of coefficients in that unit.
     fn apply(
-        &mut self,
-        (layout, kernel): (&Layout, &[f32]),
+        &self,
+        (layout, kernel, tiles): (&Layout, &[f32], &mut [Complex<R>]),
         coefficients: &[f64],
         far: &mut [f64],
         unit: f64,
         workers: Workers<'_>,
     ) {
-        self.rows_forward(layout, coefficients, unit.recip(), workers);
-        self.columns(layout, kernel, workers);
-        self.rows_back(layout, far, unit, workers);
+        self.rows_forward((layout, tiles), coefficients, unit.recip(), workers);
+        self.columns((layout, tiles), kernel, workers);
+        self.rows_back((layout, tiles), far, unit, workers);
     }
 
     fn transforms_alone(&self, layout: &Layout) {
@@ -318,8 +358,8 @@ impl<R: Precision> Passes<R> {
     }
 
     fn rows_forward(
-        &mut self,
-        layout: &Layout,
+        &self,
+        (layout, tiles): (&Layout, &mut [Complex<R>]),
         coefficients: &[f64],
         factor: f64,
         workers: Workers<'_>,
@@ -333,7 +373,7 @@ impl<R: Precision> Passes<R> {
             .chunks(TILE_ROWS)
             .map(|_| Vec::with_capacity(half.div_ceil(Self::TILE_COLUMNS)))
             .collect();
-        for strip in self.tiles.chunks_exact_mut(strip) {
+        for strip in tiles.chunks_exact_mut(strip) {
             for (block, tile) in blocks.iter_mut().zip(strip.chunks_exact_mut(tile)) {
                 block.push(tile);
             }
@@ -353,13 +393,14 @@ impl<R: Precision> Passes<R> {
                     spectrum,
                     scratch,
                 } = room;
-                let ranges = layout.ranges.iter().skip(number * TILE_ROWS);
-                for (row, range) in ranges.take(TILE_ROWS).enumerate() {
+                let ranges = layout.ranges.iter().zip(&layout.first_columns);
+                let ranges = ranges.skip(number * TILE_ROWS).take(TILE_ROWS);
+                for (row, (range, first)) in ranges.enumerate() {
                     for mode in 0..modes {
                         values.fill(R::default());
-                        for pillar in range.clone() {
-                            let value = factor * coefficients[pillar * modes + mode];
-                            values[layout.places[pillar].1] = R::of(value);
+                        let of_row = values[*first..].iter_mut();
+                        for (value, pillar) in of_row.zip(range.clone()) {
+                            *value = R::of(factor * coefficients[pillar * modes + mode]);
                         }
                         transforms.row_forward(values, spectrum, scratch);
                         let line = (mode * TILE_ROWS + row) * Self::TILE_COLUMNS;
@@ -373,7 +414,13 @@ impl<R: Precision> Passes<R> {
         );
     }
 
-    fn rows_back(&self, layout: &Layout, far: &mut [f64], unit: f64, workers: Workers<'_>) {
+    fn rows_back(
+        &self,
+        (layout, tiles): (&Layout, &[Complex<R>]),
+        far: &mut [f64],
+        unit: f64,
+        workers: Workers<'_>,
+    ) {
         let mut blocks = Vec::with_capacity(layout.ranges.len().div_ceil(TILE_ROWS));
         let mut rest = far;
         for ranges in layout.ranges.chunks(TILE_ROWS) {
@@ -390,7 +437,7 @@ impl<R: Precision> Passes<R> {
             work,
             |room, number, block| {
                 if !workers.cancel.is_cancelled() {
-                    self.block_back(layout, number, (block[0], unit), room);
+                    self.block_back((layout, tiles), number, (block[0], unit), room);
                 }
             },
         );
@@ -399,7 +446,7 @@ impl<R: Precision> Passes<R> {
     /// Transforms the rows of a block back; `far` are the loads on the pillars in them.
     fn block_back(
         &self,
-        layout: &Layout,
+        (layout, tiles): (&Layout, &[Complex<R>]),
         number: usize,
         (far, unit): (&mut [f64], f64),
         room: &mut RowRoom<R>,
@@ -414,23 +461,28 @@ impl<R: Precision> Passes<R> {
         let first = number * TILE_ROWS;
         let ranges = &layout.ranges[first..layout.shape.0.min(first + TILE_ROWS)];
         let start = ranges[0].start;
-        for (row, range) in ranges.iter().enumerate() {
+        let columns = &layout.first_columns[first..];
+        for (row, (range, first)) in ranges.iter().zip(columns).enumerate() {
             for mode in 0..modes {
                 let line = number * tile + (mode * TILE_ROWS + row) * Self::TILE_COLUMNS;
-                let strips = self.tiles.chunks_exact(strip);
+                let strips = tiles.chunks_exact(strip);
                 for (values, strip) in spectrum.chunks_mut(Self::TILE_COLUMNS).zip(strips) {
                     values.copy_from_slice(&strip[line..line + values.len()]);
                 }
                 self.transforms.row_back(spectrum, values, scratch);
-                for pillar in range.clone() {
-                    let value = values[layout.places[pillar].1].double();
-                    far[(pillar - start) * modes + mode] = unit * value;
+                for (value, pillar) in values[*first..].iter().zip(range.clone()) {
+                    far[(pillar - start) * modes + mode] = unit * value.double();
                 }
             }
         }
     }
 
-    fn columns(&mut self, layout: &Layout, kernels: &[f32], workers: Workers<'_>) {
+    fn columns(
+        &self,
+        (layout, tiles): (&Layout, &mut [Complex<R>]),
+        kernels: &[f32],
+        workers: Workers<'_>,
+    ) {
         let (modes, rows, padded) = (layout.modes, layout.shape.0, layout.padded.0);
         let columns_of_tile = Self::TILE_COLUMNS;
         let (tile, strip) = Self::lengths(layout);
@@ -490,7 +542,7 @@ impl<R: Precision> Passes<R> {
                 }
             }
         };
-        workers.fill(&mut self.tiles, strip, layout.least(), work, one);
+        workers.fill(tiles, strip, layout.least(), work, one);
     }
 }
 
@@ -498,6 +550,7 @@ struct RowWork {
     /// One row of every pair.
     grids: Vec<f64>,
     block: Vec<f64>,
+    spectrum: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 

@@ -1,50 +1,53 @@
-//! Pillars that are mirror images of each other along x and along y at the lens axis: what one of them does, the others do, mirrored.
+//! Pillars that rotations and reflections about the lens axis make of each other: what one of them does, the others do, turned and mirrored.
 
 use super::sites::Sites;
 use crate::halfspace::disc::basis::Mode;
-use crate::problem::pillar_field::PillarField;
+use crate::problem::symmetry::Symmetry;
 
-/// For every pillar the one that it is a mirror image of.
+/// Which pillars are images of each other.
 #[derive(Debug, Clone)]
 pub(crate) struct Copies {
-    images: Vec<Image>,
-    /// The pillars that stand for themselves.
+    symmetries: Vec<Symmetry>,
+    /// Of every pillar that stands for itself its images, by the symmetries; the first is itself.
+    images: Vec<u32>,
+    /// The pillars that stand for themselves, in order.
     own: Vec<u32>,
-}
-
-/// What a pillar is an image of.
-#[derive(Debug, Clone, Copy)]
-struct Image {
-    /// The number among the pillars that stand for themselves.
-    number: usize,
-    /// Whether it is mirrored along x, and along y.
-    flipped: [bool; 2],
-    /// Whether it is its own image along x, and along y.
-    still: [bool; 2],
+    /// Number of all pillars.
+    pillars: usize,
 }
 
 impl Copies {
-    /// Of some sites of a field that are mirrored so many columns and rows of its grid from pillar (0, 0); `None` if not all images are among them.
-    pub(crate) fn about(axis: [i64; 2], field: &PillarField, sites: &Sites) -> Option<Self> {
-        let grid = field.pillar_grid()?;
-        let place = |pillar: usize| grid.place(sites.index(pillar));
-        let stands = |pillar: &usize| [0, 1].iter().all(|k| place(*pillar)[*k] >= axis[*k]);
-        let own: Vec<u32> = (0..sites.len()).filter(stands).map(|p| p as u32).collect();
-        let image = |pillar: usize| {
-            let place = place(pillar);
-            let mirrored = [0, 1].map(|k| axis[k] + (place[k] - axis[k]).abs());
-            let of = sites.find(grid.index(mirrored)?)?;
-            Some(Image {
-                number: own.binary_search(&(of as u32)).ok()?,
-                flipped: [0, 1].map(|k| place[k] < axis[k]),
-                still: [0, 1].map(|k| place[k] == axis[k]),
-            })
-        };
-        let images: Option<Vec<Image>> = (0..sites.len()).map(image).collect();
+    /// Of some sites of a field with these symmetries; `None` where there is none but the first, that which changes nothing, and if not all images are among
+    /// the sites.
+    pub(crate) fn of(symmetries: Vec<Symmetry>, sites: &Sites) -> Option<Self> {
+        if symmetries.len() < 2 {
+            return None;
+        }
+        let mut known = vec![false; sites.len()];
+        let (mut images, mut own) = (Vec::with_capacity(2 * sites.len()), Vec::new());
+        for pillar in 0..sites.len() {
+            if known[pillar] {
+                continue;
+            }
+            own.push(pillar as u32);
+            let index = sites.index(pillar);
+            for symmetry in &symmetries {
+                let image = sites.find(symmetry.index(index))?;
+                known[image] = true;
+                images.push(image as u32);
+            }
+        }
         Some(Self {
-            images: images?,
+            symmetries,
+            images,
             own,
+            pillars: sites.len(),
         })
+    }
+
+    /// The symmetries, that which changes nothing among them.
+    pub(crate) fn symmetries(&self) -> &[Symmetry] {
+        &self.symmetries
     }
 
     /// The pillars that stand for themselves.
@@ -52,68 +55,128 @@ impl Copies {
         &self.own
     }
 
-    /// The number among them of what every pillar is an image of.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = usize> + '_ {
-        self.images.iter().map(|image| image.number)
+    /// The images of each of these, itself the first of them; the same image as often as symmetries make it.
+    fn orbits(&self) -> impl Iterator<Item = &[u32]> {
+        self.images.chunks_exact(self.symmetries.len())
     }
 
-    /// How many pillars are images of each of these, itself among them.
-    pub(crate) fn counts(&self) -> Vec<f64> {
-        let mut counts = vec![0.0; self.own.len()];
-        for image in &self.images {
-            counts[image.number] += 1.0;
+    /// The number among the pillars that stand for themselves of what every pillar is an image of.
+    pub(crate) fn numbers(&self) -> Vec<usize> {
+        let mut numbers = vec![0; self.pillars];
+        for (number, images) in self.orbits().enumerate() {
+            for image in images {
+                numbers[*image as usize] = number;
+            }
         }
-        counts
+        numbers
+    }
+
+    /// The images of each of these, every one once.
+    pub(crate) fn distinct_images(&self) -> impl Iterator<Item = Vec<usize>> {
+        self.orbits().map(|images| {
+            let mut images: Vec<usize> = images.iter().map(|image| *image as usize).collect();
+            images.sort_unstable();
+            images.dedup();
+            images
+        })
     }
 
     /// Coefficients of the modes of all pillars, from those of the ones that stand for themselves.
     pub(crate) fn spread(&self, modes: &[Mode], of_own: &[f64]) -> Vec<f64> {
-        self.images
-            .iter()
-            .flat_map(|image| {
-                let own = of_own[image.number * modes.len()..].iter();
-                modes
-                    .iter()
-                    .zip(own)
-                    .map(|(mode, value)| sign(mode, image.flipped) * value)
-            })
-            .collect()
+        let mut of_all = vec![0.0; self.pillars * modes.len()];
+        let turns = Turns::new(&self.symmetries, modes);
+        for (own, images) in of_own.chunks_exact(modes.len()).zip(self.orbits()) {
+            for (image, turn) in images.iter().zip(turns.all()) {
+                let place = *image as usize * modes.len();
+                turns.apply(turn, own, &mut of_all[place..][..modes.len()]);
+            }
+        }
+        of_all
     }
 
-    /// The means of coefficients over mirror images, for all of them.
+    /// The means of coefficients over images, for all of them.
     pub(crate) fn average(&self, modes: &[Mode], coefficients: &mut [f64]) {
+        let turns = Turns::new(&self.symmetries, modes);
         let count = modes.len();
-        let mut sums = vec![0.0; self.own.len() * count];
-        let images = self.counts();
-        for (pillar, image) in self.images.iter().enumerate() {
-            for (k, mode) in modes.iter().enumerate() {
-                let value = coefficients[pillar * count + k];
-                sums[image.number * count + k] += sign(mode, image.flipped) * value;
+        let mut back = vec![0.0; count];
+        let mut means = Vec::with_capacity(self.own.len() * count);
+        let part = (self.symmetries.len() as f64).recip();
+        for images in self.orbits() {
+            let first = means.len();
+            means.resize(first + count, 0.0);
+            for (image, turn) in images.iter().zip(turns.all()) {
+                turns.undo(
+                    turn,
+                    &coefficients[*image as usize * count..][..count],
+                    &mut back,
+                );
+                for (mean, value) in means[first..].iter_mut().zip(&back) {
+                    *mean += part * value;
+                }
             }
         }
-        for (pillar, image) in self.images.iter().enumerate() {
-            for (k, mode) in modes.iter().enumerate() {
-                // What is odd is nothing on its own image.
-                let [odd_x, odd_y] = mode.parities();
-                let nothing = (odd_x && image.still[0]) || (odd_y && image.still[1]);
-                let mean = sums[image.number * count + k] / images[image.number];
-                coefficients[pillar * count + k] = if nothing {
-                    0.0
-                } else {
-                    sign(mode, image.flipped) * mean
-                };
-            }
-        }
+        coefficients.copy_from_slice(&self.spread(modes, &means));
     }
 }
 
-/// The sign of a mode that is mirrored along x, and along y.
-fn sign(mode: &Mode, [along_x, along_y]: [bool; 2]) -> f64 {
-    let [odd_x, odd_y] = mode.parities();
-    if (along_x && odd_x) ^ (along_y && odd_y) {
-        -1.0
-    } else {
-        1.0
+/// What symmetries do to the coefficients of modes.
+struct Turns<'m> {
+    modes: &'m [Mode],
+    /// For every symmetry whether it reflects, and for every mode cosine and sine of the angle by which its order turns.
+    turns: Vec<(bool, Vec<[f64; 2]>)>,
+}
+
+impl<'m> Turns<'m> {
+    fn new(symmetries: &[Symmetry], modes: &'m [Mode]) -> Self {
+        // Halves and quarters of a turn are that without rounding.
+        let exact = |value: f64| {
+            let whole = value.round();
+            if (value - whole).abs() < 1e-14 {
+                whole
+            } else {
+                value
+            }
+        };
+        let of = |symmetry: &Symmetry| {
+            let angles = modes.iter().map(|mode| mode.order as f64 * symmetry.angle);
+            let turned = angles.map(|angle| [exact(angle.cos()), exact(angle.sin())]);
+            (symmetry.reflected, turned.collect())
+        };
+        Self {
+            modes,
+            turns: symmetries.iter().map(of).collect(),
+        }
+    }
+
+    fn all(&self) -> std::slice::Iter<'_, (bool, Vec<[f64; 2]>)> {
+        self.turns.iter()
+    }
+
+    /// The coefficients of an image.
+    fn apply(&self, turn: &(bool, Vec<[f64; 2]>), own: &[f64], image: &mut [f64]) {
+        let (reflected, turns) = turn;
+        let sign = if *reflected { -1.0 } else { 1.0 };
+        for (k, (mode, [cosine, sine])) in self.modes.iter().zip(turns).enumerate() {
+            // The sine of an order follows its cosine.
+            image[k] = match (mode.order, mode.sine) {
+                (0, _) => own[k],
+                (_, false) => cosine * own[k] - sign * sine * own[k + 1],
+                (_, true) => sine * own[k - 1] + sign * cosine * own[k],
+            };
+        }
+    }
+
+    /// The coefficients of what has this image.
+    fn undo(&self, turn: &(bool, Vec<[f64; 2]>), image: &[f64], own: &mut [f64]) {
+        let (reflected, turns) = turn;
+        let sign = if *reflected { -1.0 } else { 1.0 };
+        for (k, (mode, [cosine, sine])) in self.modes.iter().zip(turns).enumerate() {
+            own[k] = match (mode.order, mode.sine) {
+                (0, _) => image[k],
+                (_, false) => cosine * image[k] + sine * image[k + 1],
+                (_, true) => sign * (cosine * image[k] - sine * image[k - 1]),
+            };
+        }
     }
 }
 
@@ -123,6 +186,7 @@ mod tests {
     use crate::halfspace::disc::basis::modes;
     use crate::halfspace::disc::projection::LensProjector;
     use crate::problem::HexagonalLattice;
+    use crate::problem::pillar_field::PillarField;
     use crate::theory::reference;
 
     /// Sites of the paper's lattice, at an offset along x and at one along y, in pitches, and which pillars are images of each other.
@@ -137,12 +201,21 @@ mod tests {
             column: 0.0.into(),
         };
         let sites = Sites::within(&field, 15.0);
-        let axis = field.mirrored_at();
-        let copies = axis.and_then(|axis| Copies::about(axis, &field, &sites));
+        let copies = Copies::of(Symmetry::of(&field), &sites);
         (sites, copies)
     }
 
     const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
+
+    /// Offsets, their directions, and images of pillars that are on no mirror.
+    const SITES: [(f64, f64, usize); 6] = [
+        (0.0, 0.0, 12),
+        (0.577_350_269_189_625_7, 0.0, 6),
+        (0.866_025_403_784_438_6, 0.0, 4),
+        (0.5, RIGHT_ANGLE, 4),
+        (0.3, 0.0, 2),
+        (0.3, RIGHT_ANGLE / 3.0, 2),
+    ];
 
     /// Expected: what is projected for every pillar by itself.
     #[test]
@@ -151,10 +224,12 @@ mod tests {
         let lens = crate::problem::scaled::Scene::new(&system).lens;
         let modes = modes(4);
         let projector = LensProjector::new(&lens, 4);
-        for (offset, angle) in [(0.0, 0.0), (0.5 * 3f64.sqrt(), 0.0), (0.5, RIGHT_ANGLE)] {
+        for (offset, angle, order) in SITES {
             let (sites, copies) = sites(offset, angle);
             let copies = copies.unwrap();
-            assert!(3 * copies.own().len() < sites.len());
+            let counts: Vec<usize> = copies.distinct_images().map(|of| of.len()).collect();
+            assert_eq!(counts.iter().sum::<usize>(), sites.len());
+            assert_eq!(counts.iter().max(), Some(&order));
             let load_of = |pillar: usize| {
                 let mut load = vec![0.0; modes.len()];
                 projector.project(&lens, sites.centres()[pillar], 1.0, &mut load);
@@ -184,30 +259,25 @@ mod tests {
     /// What images differ by has no part in the product with what is alike on all.
     #[test]
     fn means_make_the_same_products_with_what_is_alike() {
-        let (sites, copies) = sites(0.0, 0.0);
-        let (copies, modes) = (copies.unwrap(), modes(4));
-        let numbers = |count: usize, turn: f64| -> Vec<f64> {
-            (0..count).map(|k| (turn * k as f64).sin()).collect()
-        };
-        let any = numbers(sites.len() * modes.len(), 1.7);
-        let mut alike = numbers(sites.len() * modes.len(), 0.3);
-        copies.average(&modes, &mut alike);
-        let mut means = any.clone();
-        copies.average(&modes, &mut means);
-        let dot = |a: &[f64]| -> f64 { a.iter().zip(&alike).map(|(a, b)| a * b).sum() };
-        assert!((dot(&any) - dot(&means)).abs() < 1e-12 * dot(&alike));
+        for (offset, angle, _) in SITES {
+            let (sites, copies) = sites(offset, angle);
+            let (copies, modes) = (copies.unwrap(), modes(4));
+            let numbers = |count: usize, turn: f64| -> Vec<f64> {
+                (0..count).map(|k| (turn * k as f64).sin()).collect()
+            };
+            let any = numbers(sites.len() * modes.len(), 1.7);
+            let mut alike = numbers(sites.len() * modes.len(), 0.3);
+            copies.average(&modes, &mut alike);
+            let mut means = any.clone();
+            copies.average(&modes, &mut means);
+            let dot = |a: &[f64]| -> f64 { a.iter().zip(&alike).map(|(a, b)| a * b).sum() };
+            assert!((dot(&any) - dot(&means)).abs() < 1e-12 * dot(&alike));
+        }
     }
 
     #[test]
-    fn nothing_is_its_own_image_about_other_points() {
-        // The second is nearly the middle between two pillars.
-        let beside = 0.5 * 3f64.sqrt() + 3e-10;
-        for (offset, angle) in [
-            (0.5, 0.0),
-            (beside, 0.0),
-            (0.3, RIGHT_ANGLE),
-            (1.0 / 3f64.sqrt(), 0.0),
-        ] {
+    fn nothing_is_an_image_where_nothing_is_alike() {
+        for (offset, angle) in [(0.5, 0.1), (0.3, 0.5), (1.0 / 3f64.sqrt(), 1e-9)] {
             assert!(sites(offset, angle).1.is_none());
         }
     }

@@ -1,6 +1,6 @@
 //! The displacement that every pillar of a window sees from all others.
 
-use super::convolution::LatticeConvolution;
+use super::convolution::{LatticeConvolution, TRANSFORMED};
 use super::direct::DirectCoupling;
 use super::on_grid::{GridCoupling, Plan, pair_degree};
 use super::operator::Coupling;
@@ -124,9 +124,8 @@ pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
     let modes = modes as f64;
     let pairs = 0.5 * modes * (modes + 1.0);
     let kernels = 8.0 * pairs * (2.0 * side) * (side + 1.0);
-    let build = 16.0 * pairs * side * (side + 1.0);
-    // In double precision and in single.
-    let spectrum = 24.0 * modes * side * (side + 1.0);
+    let build = (16.0 * pairs * side * (side + 1.0)).min(TRANSFORMED as f64);
+    let spectrum = 16.0 * modes * side * (side + 1.0);
     let vectors = 12.0 * 8.0 * modes * pillars;
     kernels + build + spectrum + vectors
 }

@@ -59,7 +59,8 @@ impl Window {
                 .map(|row| from_row(row)..from_row(row + 1))
                 .collect(),
             places,
-            centres: indexed.into_iter().map(|(_, centre)| centre).collect(),
+            // No longer than they are, as there may be many.
+            centres: indexed.iter().map(|(_, centre)| *centre).collect(),
             radius,
         }
     }

@@ -143,7 +143,7 @@ impl Tops {
         }
     }
 
-    /// `bs`: the lens shape over every pillar top, in the leading modes; the same over mirror images.
+    /// `bs`: the lens shape over every pillar top, in the leading modes; the same over images.
     pub(crate) fn lens_load(&self, copies: Option<&Copies>, workers: Workers<'_>) -> Vec<f64> {
         let own = copies.map(Copies::own);
         let count = own.map_or(self.sites.len(), <[u32]>::len);
