@@ -11,7 +11,8 @@ WORDS = """\
 
 {where}. Command: `{command}`. One thread; the least of several times.
 
-The floor is the longer of two times: all operations at the rate of multiplications and additions in registers, measured just before,
+The floor is the longer of two times: all operations at the rate of multiplications and additions in registers, measured just before
+in double precision and twice that in single,
 and all bytes, every array once, at the rate of a copy of arrays of that size. A transform of length n counts 5 n log2 n
 operations, one of real numbers half of that. *Transforms alone*: those of the product, of numbers that stay in the cache, without
 anything else; they are the library's.

@@ -2,7 +2,7 @@
 //! least on this machine, one thread: `cargo run --release -p fakir --example limits`.
 //!
 //! The floor is the longer of two times: all operations at the rate of multiplications and additions in
-//! registers, and all bytes at the rate of a copy of arrays of that size.
+//! registers, in single precision twice as fast, and all bytes at the rate of a copy of arrays of that size.
 
 use fakir::kernels::{byte_rate, limits, operation_rate};
 

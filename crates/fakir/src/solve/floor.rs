@@ -52,6 +52,9 @@ const RIVALS: f64 = 2e-3;
 /// each other under a symmetry of the lattice.
 const ALIKE: f64 = 1e-9;
 
+/// By how much the indentations of contact of images may differ.
+const UNLIKE: f64 = 1e-4;
+
 /// Loaded discs and what their pressure does.
 pub(crate) struct LoadedDiscs<'a> {
     pub(crate) exterior: &'a Exterior,
@@ -128,6 +131,25 @@ impl<'a> Surroundings<'a> {
         }
     }
 
+    /// The images of the lowest points under the symmetries of a wide lattice. Solutions are as symmetric only as the nodes on pillars that are touched in
+    /// part, which are few there, so that images differ by their errors.
+    fn images_of_lowest(&self, minima: &[FloorPoint]) -> Vec<Point> {
+        let Self::Lattice(lattice) = self else {
+            return Vec::new();
+        };
+        if lattice.pitch <= WIDE_PITCH {
+            return Vec::new();
+        }
+        let lowest = minima.iter().map(|point| point.indentation);
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        let near = |point: &&FloorPoint| point.indentation - lowest <= UNLIKE * lowest.abs();
+        let symmetry = lattice.symmetry();
+        let points = minima.iter().filter(near).map(|point| point.position);
+        points
+            .flat_map(|point| symmetry.images(point).skip(1).collect::<Vec<_>>())
+            .collect()
+    }
+
     fn starts(&self) -> Starts {
         match self {
             Self::Lattice(lattice) => starts_on_lattice(lattice),
@@ -162,26 +184,33 @@ fn starts_on_lattice(lattice: &HexagonalLattice) -> Starts {
             holes.push(point);
         }
     }
-    if pitch <= WIDE_PITCH {
-        holes = one_of_alike(lattice, &holes);
-    }
     Starts {
         pitch,
-        holes,
+        holes: one_of_alike(lattice, &holes),
         every_hole: pitch > WIDE_PITCH,
         pillars: pillars[..3].iter().map(|centre| (*centre, 1.0)).collect(),
     }
 }
 
-/// One of the points that symmetries of the lattice make of each other.
+/// One of the points that symmetries of the lattice make of each other, where all of these are folded onto it.
 fn one_of_alike(lattice: &HexagonalLattice, points: &[Point]) -> Vec<Point> {
     let rounding = 1e-9 * lattice.pitch;
     let symmetry = lattice.symmetry();
-    let mut kept: Vec<Point> = Vec::new();
-    for point in points {
-        let known = |image: Point| kept.iter().any(|other| distance(*other, image) < rounding);
-        if !symmetry.images(*point).any(known) {
-            kept.push(*point);
+    let mut folded: Vec<Point> = points.iter().map(|point| symmetry.fold(*point)).collect();
+    // Those that are the same but for rounding are next to each other by their distances.
+    let away = |[x, y]: &Point| x.hypot(*y);
+    folded.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    let mut kept: Vec<Point> = Vec::with_capacity(folded.len());
+    for point in folded {
+        let as_far = kept
+            .iter()
+            .rev()
+            .take_while(|other| away(other) > away(&point) - rounding);
+        if as_far
+            .clone()
+            .all(|other| distance(*other, point) > rounding)
+        {
+            kept.push(point);
         }
     }
     kept
@@ -499,20 +528,15 @@ impl FloorSearch {
         if floor.lens.is_flat() || !floor.lens.is_axisymmetric() {
             return None;
         }
-        if self.starts.is_empty() {
+        let anew = self.starts.is_empty();
+        if anew {
             self.starts = first_starts(floor, loaded, cancel);
         }
-        let mut minima: Vec<FloorPoint> = Vec::with_capacity(self.starts.len());
-        for start in &self.starts {
-            let Some(minimum) = descend(floor, loaded, *start, cancel) else {
-                continue;
-            };
-            let known = minima
-                .iter()
-                .any(|other| distance(other.position, minimum.position) < 1e-3);
-            if !known {
-                minima.push(minimum);
-            }
+        let mut minima = Vec::with_capacity(self.starts.len());
+        add_minima(floor, loaded, &self.starts, &mut minima, cancel);
+        if anew {
+            let images = floor.around.images_of_lowest(&minima);
+            add_minima(floor, loaded, &images, &mut minima, cancel);
         }
         minima.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
         minima.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
@@ -525,6 +549,25 @@ impl FloorSearch {
         self.starts
             .extend(minima.iter().map(|point| point.position));
         lowest
+    }
+}
+
+/// Adds the low points below some starts, each once.
+fn add_minima(
+    floor: &Uncovered<'_>,
+    loaded: &impl FloorDisplacement,
+    starts: &[Point],
+    minima: &mut Vec<FloorPoint>,
+    cancel: &CancelToken,
+) {
+    for start in starts {
+        let Some(minimum) = descend(floor, loaded, *start, cancel) else {
+            continue;
+        };
+        let same = |other: &FloorPoint| distance(other.position, minimum.position) < 1e-3;
+        if !minima.iter().any(same) {
+            minima.push(minimum);
+        }
     }
 }
 
@@ -676,6 +719,9 @@ fn first_starts(
                 }
             }
         }
+    }
+    if let Surroundings::Lattice(lattice) = &floor.around {
+        others = one_of_alike(lattice, &others);
     }
     let mut rated: Vec<(f64, Point)> = promising(floor, loaded, &others)
         .iter()

@@ -778,6 +778,7 @@ impl<'a> Newton<'a> {
     /// Takes statuses and leading coefficients of full contact from a coarser solution.
     pub(crate) fn start_from(&mut self, coarse: &Self) {
         self.tops.start_from(&coarse.tops);
+        self.floor = coarse.floor.clone();
         let modes = coarse.contact.modes();
         let sites = &self.tops.sites;
         self.contact

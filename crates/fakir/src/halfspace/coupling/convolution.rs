@@ -16,6 +16,7 @@
 
 use super::pair::PairCoupling;
 use super::window::Window;
+use crate::halfspace::disc::basis::Mode;
 use crate::numerics::convergence::larger;
 use crate::numerics::fft::{Real, RealPlans, smooth_size};
 use crate::numerics::vector::widest;
@@ -23,11 +24,11 @@ use crate::numerics::workers::Workers;
 use num_complex::{Complex, Complex64};
 use std::ops::Range;
 
-/// Rows of a tile.
-const TILE_ROWS: usize = 8;
-
 /// Bytes of a row of a tile: a cache line.
 const CACHE_LINE: usize = 64;
+
+/// Rows of a tile, and those that meet at a time, of which the last ones are joined by some before them.
+const CHUNK: usize = 8;
 
 /// Padded arrays of fewer points than this are not worth sharing between threads.
 const PARALLEL_POINTS: usize = 40_000;
@@ -41,8 +42,8 @@ const DISTANCES: usize = 200;
 /// Products of all pillars of a window.
 pub(crate) struct LatticeConvolution {
     layout: Layout,
-    /// Transformed kernels: for every column, the high parts of every pair of modes, every row, then the low parts of the same. The real part
-    /// where even, the imaginary part where odd. With the normalisation of the inverse.
+    /// Transformed kernels: for every column, the high parts of every [`CHUNK`] rows, every pair of modes, each of these rows, then the low parts of the
+    /// same. With modes of odd degree times the imaginary unit all are real. With the normalisation of the inverse.
     kernel: Vec<f32>,
     /// Room for the transformed rows of products, exact ones or rough.
     tiles: Vec<Complex64>,
@@ -63,8 +64,10 @@ struct Layout {
     /// The pillars of every row, which stand in columns that follow each other, and the column of the first.
     ranges: Vec<Range<usize>>,
     first_columns: Vec<usize>,
-    /// Whether the kernel of an upper-triangle pair of modes is odd.
+    /// Whether a mode is of odd degree.
     odd: Vec<bool>,
+    /// Of every mode with every other the number of the pair.
+    pairs: Vec<usize>,
 }
 
 impl Layout {
@@ -77,10 +80,26 @@ impl Layout {
         }
     }
 
+    /// Pairs of modes, each once.
+    fn entries(&self) -> usize {
+        self.modes * (self.modes + 1) / 2
+    }
+
     /// Numbers of all kernels in a column: high parts, and as many low ones.
     fn kernel_column(&self) -> usize {
-        2 * self.odd.len() * self.padded.0
+        2 * self.entries() * CHUNK * self.padded.0.div_ceil(CHUNK)
     }
+}
+
+/// Numbers of the pairs of so many modes, of all with all: pairs are in the order of the first, then of the second, each once.
+fn pairs(modes: usize) -> Vec<usize> {
+    let of = |a: usize, b: usize| {
+        let [a, b] = [a.min(b), a.max(b)];
+        a * (2 * modes - a - 1) / 2 + b
+    };
+    (0..modes)
+        .flat_map(|b| (0..modes).map(move |a| of(a, b)))
+        .collect()
 }
 
 impl LatticeConvolution {
@@ -89,13 +108,10 @@ impl LatticeConvolution {
         let shape = window.shape();
         let first_column =
             |row: &Range<usize>| window.places().get(row.start).map_or(0, |place| place.1);
-        let padded = (smooth_size(2 * shape.0 - 1), smooth_size(2 * shape.1 - 1));
-        let mut odd = Vec::with_capacity(pair.entry_count());
-        for (row, receiver) in pair.modes().iter().enumerate() {
-            for source in &pair.modes()[row..] {
-                odd.push((receiver.degree + source.degree) % 2 == 1);
-            }
-        }
+        let padded = (
+            smooth_size((2 * shape.0 - 1).max(shape.0.next_multiple_of(CHUNK))),
+            smooth_size(2 * shape.1 - 1),
+        );
         let layout = Layout {
             modes: pair.modes().len(),
             shape,
@@ -103,7 +119,8 @@ impl LatticeConvolution {
             half: padded.1 / 2 + 1,
             ranges: window.rows().to_vec(),
             first_columns: window.rows().iter().map(first_column).collect(),
-            odd,
+            odd: pair.modes().iter().map(Mode::is_odd).collect(),
+            pairs: pairs(pair.modes().len()),
         };
         let exact = Passes::<f64>::new(&layout);
         Self {
@@ -231,11 +248,13 @@ fn fill_columns(
     workers: Workers<'_>,
 ) {
     let (rows, columns) = layout.padded;
-    let entries = layout.odd.len();
+    let entries = layout.entries();
     let of_rows = transformed.len() / layout.shape.0;
     let at_a_time = of_rows / entries;
     let scale = 1.0 / (rows * columns) as f64;
-    let (odd, transform) = (&layout.odd, &transforms.column);
+    let transform = &transforms.column;
+    let modes = |a: usize| (a..layout.modes).map(move |b| [layout.odd[a], layout.odd[b]]);
+    let odd: Vec<[bool; 2]> = (0..layout.modes).flat_map(modes).collect();
     let work = || {
         let scratch = vec![Complex64::default(); transform.get_inplace_scratch_len()];
         (vec![Complex64::default(); entries * rows], scratch)
@@ -249,8 +268,8 @@ fn fill_columns(
             if workers.cancel.is_cancelled() {
                 return;
             }
-            for (entry, (input, &odd)) in input.chunks_exact_mut(rows).zip(odd).enumerate() {
-                let sign = if odd { -1.0 } else { 1.0 };
+            for (entry, (input, [a, b])) in input.chunks_exact_mut(rows).zip(&odd).enumerate() {
+                let sign = if a == b { 1.0 } else { -1.0 };
                 input.fill(Complex64::default());
                 for (row, values) in transformed.chunks_exact(of_rows).enumerate() {
                     let value = values[entry * at_a_time + column];
@@ -261,17 +280,33 @@ fn fill_columns(
                 }
             }
             transform.process_with_scratch(input, scratch);
-            let (high, low) = kernel.split_at_mut(entries * rows);
-            let parts = high.chunks_exact_mut(rows).zip(low.chunks_exact_mut(rows));
-            for ((high, low), (values, &odd)) in parts.zip(input.chunks_exact(rows).zip(odd)) {
+            let (high, low) = kernel.split_at_mut(kernel.len() / 2);
+            let chunks = high
+                .chunks_exact_mut(CHUNK)
+                .zip(low.chunks_exact_mut(CHUNK));
+            for (number, (high, low)) in chunks.enumerate() {
+                let (chunk, entry) = (number / entries, number % entries);
+                let values = &input[entry * rows + first_of_chunk(chunk, rows)..][..CHUNK];
                 for ((high, low), value) in high.iter_mut().zip(low).zip(values) {
-                    let value = scale * if odd { value.im } else { value.re };
+                    // The one of the two modes that is odd is times the imaginary unit.
+                    let value = scale
+                        * match odd[entry] {
+                            [false, true] => value.im,
+                            [true, false] => -value.im,
+                            [false, false] | [true, true] => value.re,
+                        };
                     *high = value as f32;
                     *low = (value - f64::from(*high)) as f32;
                 }
             }
         },
     );
+}
+
+/// The first of the rows of a chunk, of so many.
+#[inline(always)]
+fn first_of_chunk(chunk: usize, rows: usize) -> usize {
+    (chunk * CHUNK).min(rows - CHUNK)
 }
 
 /// Numbers in which products are made.
@@ -296,7 +331,7 @@ impl Precision for f32 {
 
 /// The passes of a product, in a precision.
 ///
-/// Transformed rows, and what becomes of them, lie in tiles: for every few columns, every [`TILE_ROWS`] rows of the window, every mode, these rows of
+/// Transformed rows, and what becomes of them, lie in tiles: for every few columns, every [`CHUNK`] rows of the window, every mode, these rows of
 /// these columns.
 struct Passes<R: Real> {
     transforms: RealPlans<R>,
@@ -320,8 +355,8 @@ impl<R: Precision> Passes<R> {
 
     /// Length of a tile, and of all tiles of a few columns.
     fn lengths(layout: &Layout) -> (usize, usize) {
-        let tile = layout.modes * TILE_ROWS * Self::TILE_COLUMNS;
-        (tile, tile * layout.shape.0.div_ceil(TILE_ROWS))
+        let tile = layout.modes * CHUNK * Self::TILE_COLUMNS;
+        (tile, tile * layout.shape.0.div_ceil(CHUNK))
     }
 
     /// The product, of coefficients in that unit.
@@ -370,7 +405,7 @@ impl<R: Precision> Passes<R> {
         // The tiles of every few rows.
         let mut blocks: Vec<Vec<&mut [Complex<R>]>> = layout
             .ranges
-            .chunks(TILE_ROWS)
+            .chunks(CHUNK)
             .map(|_| Vec::with_capacity(half.div_ceil(Self::TILE_COLUMNS)))
             .collect();
         for strip in tiles.chunks_exact_mut(strip) {
@@ -378,7 +413,7 @@ impl<R: Precision> Passes<R> {
                 block.push(tile);
             }
         }
-        let work = || RowRoom::new(transforms);
+        let work = || RowRoom::new(transforms, Self::TILE_COLUMNS);
         workers.fill(
             &mut blocks,
             1,
@@ -394,7 +429,7 @@ impl<R: Precision> Passes<R> {
                     scratch,
                 } = room;
                 let ranges = layout.ranges.iter().zip(&layout.first_columns);
-                let ranges = ranges.skip(number * TILE_ROWS).take(TILE_ROWS);
+                let ranges = ranges.skip(number * CHUNK).take(CHUNK);
                 for (row, (range, first)) in ranges.enumerate() {
                     for mode in 0..modes {
                         values.fill(R::default());
@@ -402,11 +437,11 @@ impl<R: Precision> Passes<R> {
                         for (value, pillar) in of_row.zip(range.clone()) {
                             *value = R::of(factor * coefficients[pillar * modes + mode]);
                         }
-                        transforms.row_forward(values, spectrum, scratch);
-                        let line = (mode * TILE_ROWS + row) * Self::TILE_COLUMNS;
-                        let pieces = spectrum.chunks(Self::TILE_COLUMNS);
+                        transforms.row_forward(values, &mut spectrum[..half], scratch);
+                        let line = (mode * CHUNK + row) * Self::TILE_COLUMNS;
+                        let pieces = spectrum.chunks_exact(Self::TILE_COLUMNS);
                         for (tile, values) in block[0].iter_mut().zip(pieces) {
-                            tile[line..line + values.len()].copy_from_slice(values);
+                            tile[line..][..Self::TILE_COLUMNS].copy_from_slice(values);
                         }
                     }
                 }
@@ -421,15 +456,15 @@ impl<R: Precision> Passes<R> {
         unit: f64,
         workers: Workers<'_>,
     ) {
-        let mut blocks = Vec::with_capacity(layout.ranges.len().div_ceil(TILE_ROWS));
+        let mut blocks = Vec::with_capacity(layout.ranges.len().div_ceil(CHUNK));
         let mut rest = far;
-        for ranges in layout.ranges.chunks(TILE_ROWS) {
+        for ranges in layout.ranges.chunks(CHUNK) {
             let pillars: usize = ranges.iter().map(ExactSizeIterator::len).sum();
             let (block, after) = rest.split_at_mut(pillars * layout.modes);
             blocks.push(block);
             rest = after;
         }
-        let work = || RowRoom::new(&self.transforms);
+        let work = || RowRoom::new(&self.transforms, Self::TILE_COLUMNS);
         workers.fill(
             &mut blocks,
             1,
@@ -458,17 +493,18 @@ impl<R: Precision> Passes<R> {
             spectrum,
             scratch,
         } = room;
-        let first = number * TILE_ROWS;
-        let ranges = &layout.ranges[first..layout.shape.0.min(first + TILE_ROWS)];
+        let first = number * CHUNK;
+        let ranges = &layout.ranges[first..layout.shape.0.min(first + CHUNK)];
         let start = ranges[0].start;
         let columns = &layout.first_columns[first..];
         for (row, (range, first)) in ranges.iter().zip(columns).enumerate() {
             for mode in 0..modes {
-                let line = number * tile + (mode * TILE_ROWS + row) * Self::TILE_COLUMNS;
+                let line = number * tile + (mode * CHUNK + row) * Self::TILE_COLUMNS;
                 let strips = tiles.chunks_exact(strip);
-                for (values, strip) in spectrum.chunks_mut(Self::TILE_COLUMNS).zip(strips) {
-                    values.copy_from_slice(&strip[line..line + values.len()]);
+                for (values, strip) in spectrum.chunks_exact_mut(Self::TILE_COLUMNS).zip(strips) {
+                    values.copy_from_slice(&strip[line..][..Self::TILE_COLUMNS]);
                 }
+                let spectrum = &mut spectrum[..layout.half];
                 self.transforms.row_back(spectrum, values, scratch);
                 for (value, pillar) in values[*first..].iter().zip(range.clone()) {
                     far[(pillar - start) * modes + mode] = unit * value.double();
@@ -484,12 +520,12 @@ impl<R: Precision> Passes<R> {
         workers: Workers<'_>,
     ) {
         let (modes, rows, padded) = (layout.modes, layout.shape.0, layout.padded.0);
-        let columns_of_tile = Self::TILE_COLUMNS;
         let (tile, strip) = Self::lengths(layout);
-        let (transforms, odd) = (&self.transforms, &layout.odd);
+        let transforms = &self.transforms;
         let scratch_len = transforms.scratch_len();
+        let of_column = layout.kernel_column();
         let work = || ColumnWork {
-            columns: vec![Complex::default(); columns_of_tile * modes * padded],
+            columns: vec![Complex::default(); Self::TILE_COLUMNS * modes * padded],
             product: vec![Complex::default(); modes * padded],
             scratch: vec![Complex::default(); scratch_len],
         };
@@ -502,30 +538,16 @@ impl<R: Precision> Passes<R> {
                 product,
                 scratch,
             } = work;
-            let first = number * columns_of_tile;
-            let lines = |tile: usize| {
-                (0..modes).flat_map(move |mode| {
-                    (0..TILE_ROWS.min(rows - tile * TILE_ROWS)).map(move |row| {
-                        let line = (mode * TILE_ROWS + row) * columns_of_tile;
-                        (line, mode * padded + tile * TILE_ROWS + row)
-                    })
-                })
-            };
-            for (number, tile) in strip.chunks_exact(tile).enumerate() {
-                for (line, place) in lines(number) {
-                    for (k, value) in tile[line..line + columns_of_tile].iter().enumerate() {
-                        columns[k * modes * padded + place] = *value;
-                    }
-                }
-            }
-            let of_column = layout.kernel_column();
-            let kernels = kernels[first * of_column..].chunks_exact(of_column);
+            let lengths = [tile, modes * padded, padded];
+            Self::turn(strip, columns, lengths, |line, value| *value = *line);
+            let kernels =
+                kernels[number * Self::TILE_COLUMNS * of_column..].chunks_exact(of_column);
             for (column, kernel) in columns.chunks_exact_mut(modes * padded).zip(kernels) {
                 for values in column.chunks_exact_mut(padded) {
                     values[rows..].fill(Complex::default());
                 }
                 transforms.column.process_with_scratch(column, scratch);
-                multiply(kernel, odd, modes, padded, column, product);
+                multiply(kernel, layout, column, product);
                 transforms
                     .column_back
                     .process_with_scratch(product, scratch);
@@ -534,15 +556,31 @@ impl<R: Precision> Passes<R> {
                     values[..rows].copy_from_slice(&product[..rows]);
                 }
             }
-            for (number, tile) in strip.chunks_exact_mut(tile).enumerate() {
-                for (line, place) in lines(number) {
-                    for (k, value) in tile[line..line + columns_of_tile].iter_mut().enumerate() {
-                        *value = columns[k * modes * padded + place];
+            Self::turn(strip, columns, lengths, |line, value| *line = *value);
+        };
+        workers.fill(tiles, strip, layout.least(), work, one);
+    }
+
+    /// Goes through lines of tiles and columns together. Lengths of a tile, of all modes in a column, and of one.
+    #[inline(always)]
+    fn turn(
+        strip: &mut [Complex<R>],
+        columns: &mut [Complex<R>],
+        [tile, column, mode]: [usize; 3],
+        each: impl Fn(&mut Complex<R>, &mut Complex<R>),
+    ) {
+        for (number, tile) in strip.chunks_exact_mut(tile).enumerate() {
+            let of_modes = tile.chunks_exact_mut(CHUNK * Self::TILE_COLUMNS);
+            for (place, lines) in of_modes.enumerate() {
+                for k in 0..Self::TILE_COLUMNS {
+                    let first = k * column + place * mode + number * CHUNK;
+                    let rows = &mut columns[first..][..CHUNK];
+                    for row in 0..CHUNK {
+                        each(&mut lines[row * Self::TILE_COLUMNS + k], &mut rows[row]);
                     }
                 }
             }
-        };
-        workers.fill(tiles, strip, layout.least(), work, one);
+        }
     }
 }
 
@@ -593,7 +631,7 @@ impl RowWork {
     }
 }
 
-/// A row, and what it is transformed to.
+/// A row, and what it is transformed to, up to the end of the last tile.
 struct RowRoom<R> {
     values: Vec<R>,
     spectrum: Vec<Complex<R>>,
@@ -601,10 +639,11 @@ struct RowRoom<R> {
 }
 
 impl<R: Real> RowRoom<R> {
-    fn new(transforms: &RealPlans<R>) -> Self {
+    fn new(transforms: &RealPlans<R>, tile_columns: usize) -> Self {
+        let half = transforms.row.complex_len();
         Self {
             values: transforms.row.make_input_vec(),
-            spectrum: transforms.row.make_output_vec(),
+            spectrum: vec![Complex::default(); half.next_multiple_of(tile_columns)],
             scratch: vec![Complex::default(); transforms.scratch_len()],
         }
     }
@@ -620,80 +659,113 @@ struct ColumnWork<R> {
 /// `output = K input` for one column of all modes.
 fn multiply<R: Precision>(
     kernel: &[f32],
-    odd: &[bool],
-    modes: usize,
-    padded: usize,
+    layout: &Layout,
     input: &[Complex<R>],
     output: &mut [Complex<R>],
 ) {
     widest(
         #[inline(always)]
         || {
-            let (high, low) = kernel.split_at(odd.len() * padded);
-            let parts = high.chunks_exact(padded).zip(low.chunks_exact(padded));
-            let mut pairs = parts.zip(odd);
-            for a in 0..modes {
-                for b in a..modes {
-                    let Some((kernel, &odd)) = pairs.next() else {
-                        return;
-                    };
-                    // The first row of pairs meets every mode once, before anything else does.
-                    let first = a == 0;
-                    let (of_a, of_b) = (a * padded..(a + 1) * padded, b * padded..(b + 1) * padded);
-                    let signs = if odd { Some([1.0, -1.0]) } else { None };
-                    add(
-                        kernel,
-                        signs.map(|signs| signs[0]),
-                        first && b == 0,
-                        &input[of_b.clone()],
-                        &mut output[of_a.clone()],
-                    );
-                    if a != b {
-                        let sign = signs.map(|signs| signs[1]);
-                        add(kernel, sign, first, &input[of_a], &mut output[of_b]);
-                    }
-                }
+            let (high, low) = kernel.split_at(kernel.len() / 2);
+            let kernel = (high.as_chunks().0, low.as_chunks().0);
+            let mut first = 0;
+            // As many modes at a time as there are registers for.
+            while first < layout.modes {
+                let meeting = Meeting {
+                    kernel,
+                    layout,
+                    input,
+                    first,
+                };
+                first += match layout.modes - first {
+                    6.. => meeting.multiply::<6>(output),
+                    3.. => meeting.multiply::<3>(output),
+                    _ => meeting.multiply::<1>(output),
+                };
             }
         },
     );
 }
 
-/// Adds the product with a kernel that is real, or imaginary with a sign; if it is the first, in
-/// place of what was there.
-#[inline(always)]
-fn add<R: Precision>(
-    (high, low): (&[f32], &[f32]),
-    imaginary: Option<f64>,
-    first: bool,
-    source: &[Complex<R>],
-    target: &mut [Complex<R>],
-) {
-    let kernel = high.iter().zip(low).map(|(high, low)| R::sum(*high, *low));
-    let places = target.iter_mut().zip(source).zip(kernel);
-    match (imaginary, first) {
-        (None, true) => {
-            for ((target, source), k) in places {
-                *target = Complex::new(k * source.re, k * source.im);
+/// High and low parts of kernels in chunks of rows.
+type Chunks<'a> = (&'a [[f32; CHUNK]], &'a [[f32; CHUNK]]);
+
+/// All modes of a column, and the first of those whose product is made.
+struct Meeting<'a, R> {
+    kernel: Chunks<'a>,
+    layout: &'a Layout,
+    input: &'a [Complex<R>],
+    first: usize,
+}
+
+impl<R: Precision> Meeting<'_, R> {
+    /// The product of `M` modes. Returns how many these are.
+    #[inline(always)]
+    fn multiply<const M: usize>(&self, output: &mut [Complex<R>]) -> usize {
+        // As many rows at a time as are in a register.
+        if size_of::<R>() == size_of::<f32>() {
+            self.in_chunks::<M, 8>(output);
+        } else {
+            self.in_chunks::<M, 4>(output);
+        }
+        M
+    }
+
+    #[inline(always)]
+    fn in_chunks<const M: usize, const N: usize>(&self, output: &mut [Complex<R>]) {
+        let (high, low) = self.kernel;
+        let entries = self.layout.entries();
+        let kernels = high.chunks_exact(entries).zip(low.chunks_exact(entries));
+        for (chunk, kernel) in kernels.enumerate() {
+            let first = first_of_chunk(chunk, self.layout.padded.0);
+            for part in (0..CHUNK).step_by(N) {
+                self.rows::<M, N>(kernel, part, first + part, output);
             }
         }
-        (None, false) => {
-            for ((target, source), k) in places {
-                target.re = target.re + k * source.re;
-                target.im = target.im + k * source.im;
+    }
+
+    /// The product of `M` modes in `N` rows, whose sums stay in registers.
+    #[inline(always)]
+    fn rows<const M: usize, const N: usize>(
+        &self,
+        (high, low): Chunks<'_>,
+        part: usize,
+        row: usize,
+        output: &mut [Complex<R>],
+    ) {
+        let (modes, padded) = (self.layout.modes, self.layout.padded.0);
+        let mut real = [[R::default(); N]; M];
+        let mut imaginary = [[R::default(); N]; M];
+        for (b, odd) in self.layout.odd.iter().enumerate() {
+            let source = &self.input[b * padded + row..][..N];
+            let (mut re, mut im) = ([R::default(); N], [R::default(); N]);
+            for i in 0..N {
+                (re[i], im[i]) = (source[i].re, source[i].im);
+            }
+            if *odd {
+                for i in 0..N {
+                    (re[i], im[i]) = (-im[i], re[i]);
+                }
+            }
+            let pairs = &self.layout.pairs[b * modes + self.first..][..M];
+            for k in 0..M {
+                let (high, low) = (&high[pairs[k]][part..][..N], &low[pairs[k]][part..][..N]);
+                for i in 0..N {
+                    let kernel = R::sum(high[i], low[i]);
+                    real[k][i] = real[k][i] + kernel * re[i];
+                    imaginary[k][i] = imaginary[k][i] + kernel * im[i];
+                }
             }
         }
-        (Some(sign), true) => {
-            let sign = R::of(sign);
-            for ((target, source), k) in places {
-                *target = Complex::new(-sign * k * source.im, sign * k * source.re);
-            }
-        }
-        (Some(sign), false) => {
-            let sign = R::of(sign);
-            for ((target, source), k) in places {
-                let k = sign * k;
-                target.re = target.re - k * source.im;
-                target.im = target.im + k * source.re;
+        for k in 0..M {
+            let a = self.first + k;
+            let target = &mut output[a * padded + row..][..N];
+            for i in 0..N {
+                target[i] = if self.layout.odd[a] {
+                    Complex::new(imaginary[k][i], -real[k][i])
+                } else {
+                    Complex::new(real[k][i], imaginary[k][i])
+                };
             }
         }
     }

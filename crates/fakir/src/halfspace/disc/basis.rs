@@ -32,6 +32,11 @@ pub(crate) struct Mode {
 }
 
 impl Mode {
+    /// Whether it changes its sign when it is turned by half a turn.
+    pub(crate) fn is_odd(&self) -> bool {
+        self.degree % 2 == 1
+    }
+
     /// Whether it is odd along x, and along y.
     pub(crate) fn parities(&self) -> [bool; 2] {
         [(self.order + usize::from(self.sine)) % 2 == 1, self.sine]
