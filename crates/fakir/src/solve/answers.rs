@@ -197,7 +197,7 @@ fn solve(
             match told {
                 Some(state) => Ok(ContactState { error, ..state }),
                 None => {
-                    // States of many pillars take as much memory.
+                    // The states of many pillars need its memory.
                     solution.newton.release_coupling();
                     assembled(&solution, lowest, error)
                 }

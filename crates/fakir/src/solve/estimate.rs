@@ -241,11 +241,10 @@ fn node_changes(
     // Node arrays are no images of each other: a few pillars are all looked at. Pillars, and how many each stands for.
     let partial: Vec<(usize, f64)> = match copies.filter(|_| count > FEW_PILLARS) {
         Some(copies) => {
-            let orbits = copies.distinct_images();
-            let looked_at = orbits.flat_map(|images| {
+            let looked_at = copies.distinct_images().flat_map(|images| {
                 let part = images.len() as f64 / images.len().div_ceil(COPIES) as f64;
-                let some: Vec<usize> = images.iter().step_by(COPIES).copied().collect();
-                some.into_iter().map(move |pillar| (pillar, part))
+                let some = images.into_iter().step_by(COPIES);
+                some.map(move |pillar| (pillar, part))
             });
             looked_at.filter(|(pillar, _)| is_partial(pillar)).collect()
         }
@@ -388,8 +387,8 @@ fn degree_changes(
         let own = copies.own();
         let of_own = |room: &mut _, number: usize| one(room, own[number] as usize);
         let of_own = workers.map(own.len(), COSTLY_PILLARS, work, of_own);
-        let numbers = copies.numbers().into_iter();
-        numbers.map(|number| of_own[number]).collect()
+        let numbers = copies.numbers();
+        numbers.iter().map(|number| of_own[*number]).collect()
     } else {
         let every = (pillars / SAMPLED).max(1);
         let sampled = pillars.div_ceil(every);

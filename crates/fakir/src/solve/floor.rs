@@ -170,20 +170,11 @@ fn starts_on_lattice(lattice: &HexagonalLattice) -> Starts {
         .map(|(i, j)| lattice.centre(i, j))
         .collect();
     pillars.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
-    let mut holes: Vec<Point> = Vec::new();
-    for point in pillars
+    let near = |[x, y]: &Point| x.hypot(*y) < 1.6 * pitch;
+    let middles = pillars
         .iter()
-        .flat_map(|centre| lattice.middles_beside(*centre))
-    {
-        let near = point[0].hypot(point[1]) < 1.6 * pitch;
-        if near
-            && holes
-                .iter()
-                .all(|other| distance(*other, point) > 0.1 * pitch)
-        {
-            holes.push(point);
-        }
-    }
+        .flat_map(|centre| lattice.middles_beside(*centre));
+    let holes: Vec<Point> = middles.filter(near).collect();
     Starts {
         pitch,
         holes: one_of_alike(lattice, &holes),
@@ -202,14 +193,9 @@ fn one_of_alike(lattice: &HexagonalLattice, points: &[Point]) -> Vec<Point> {
     folded.sort_by(|a, b| away(a).total_cmp(&away(b)));
     let mut kept: Vec<Point> = Vec::with_capacity(folded.len());
     for point in folded {
-        let as_far = kept
-            .iter()
-            .rev()
-            .take_while(|other| away(other) > away(&point) - rounding);
-        if as_far
-            .clone()
-            .all(|other| distance(*other, point) > rounding)
-        {
+        let nearest = away(&point) - rounding;
+        let mut as_far = kept.iter().rev().take_while(|other| away(other) > nearest);
+        if !as_far.any(|other| distance(*other, point) <= rounding) {
             kept.push(point);
         }
     }

@@ -240,7 +240,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {
-                // Memory that nothing was ever written to is none.
+                // Zeros are left alone: memory that is only read takes no room.
                 if far.iter().any(|far| *far != 0.0) {
                     far.fill(0.0);
                 }

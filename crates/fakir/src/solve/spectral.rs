@@ -139,6 +139,7 @@ pub(crate) fn solve_spectral<'a>(
         let top = PillarTop::new(tops, degrees.coupling, sites.common_body().column);
         let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
         newton.start_from(&coarse);
+        // Its vectors take room.
         drop(coarse);
         let outcome = newton.solve(target, Purpose::Answer)?;
         steps += outcome.steps;

@@ -68,6 +68,8 @@ struct Layout {
     odd: Vec<bool>,
     /// Of every mode with every other the number of the pair.
     pairs: Vec<usize>,
+    /// Pairs of modes, each once.
+    entries: usize,
 }
 
 impl Layout {
@@ -80,14 +82,9 @@ impl Layout {
         }
     }
 
-    /// Pairs of modes, each once.
-    fn entries(&self) -> usize {
-        self.modes * (self.modes + 1) / 2
-    }
-
     /// Numbers of all kernels in a column: high parts, and as many low ones.
     fn kernel_column(&self) -> usize {
-        2 * self.entries() * CHUNK * self.padded.0.div_ceil(CHUNK)
+        2 * self.entries * CHUNK * self.padded.0.div_ceil(CHUNK)
     }
 }
 
@@ -121,6 +118,7 @@ impl LatticeConvolution {
             first_columns: window.rows().iter().map(first_column).collect(),
             odd: pair.modes().iter().map(Mode::is_odd).collect(),
             pairs: pairs(pair.modes().len()),
+            entries: pair.entry_count(),
         };
         let exact = Passes::<f64>::new(&layout);
         Self {
@@ -194,7 +192,7 @@ fn kernels(
     workers: Workers<'_>,
 ) -> Vec<f32> {
     let (_, columns) = layout.padded;
-    let (entries, half) = (pair.entry_count(), layout.half);
+    let (entries, half) = (layout.entries, layout.half);
     let reach = (layout.shape.0 as i64 - 1, layout.shape.1 as i64 - 1);
     let least = layout.least();
     let radial = radial_parts(pair, reach.0.max(reach.1), workers);
@@ -248,7 +246,7 @@ fn fill_columns(
     workers: Workers<'_>,
 ) {
     let (rows, columns) = layout.padded;
-    let entries = layout.entries();
+    let entries = layout.entries;
     let of_rows = transformed.len() / layout.shape.0;
     let at_a_time = of_rows / entries;
     let scale = 1.0 / (rows * columns) as f64;
@@ -714,7 +712,7 @@ impl<R: Precision> Meeting<'_, R> {
     #[inline(always)]
     fn in_chunks<const M: usize, const N: usize>(&self, output: &mut [Complex<R>]) {
         let (high, low) = self.kernel;
-        let entries = self.layout.entries();
+        let entries = self.layout.entries;
         let kernels = high.chunks_exact(entries).zip(low.chunks_exact(entries));
         for (chunk, kernel) in kernels.enumerate() {
             let first = first_of_chunk(chunk, self.layout.padded.0);

@@ -1,7 +1,7 @@
 //! Pillars that rotations and reflections about the lens axis make of each other: what one of them does, the others do, turned and mirrored.
 
 use super::sites::Sites;
-use crate::halfspace::disc::basis::Mode;
+use crate::halfspace::disc::basis::{Mode, Turn};
 use crate::problem::symmetry::Symmetry;
 
 /// Which pillars are images of each other.
@@ -81,14 +81,22 @@ impl Copies {
         })
     }
 
+    /// What the symmetries do to the coefficients of modes.
+    fn turns(&self, modes: &[Mode]) -> Vec<Turn> {
+        let of = |symmetry: &Symmetry| Turn::new(modes, symmetry.angle, symmetry.reflected);
+        self.symmetries.iter().map(of).collect()
+    }
+
     /// Coefficients of the modes of all pillars, from those of the ones that stand for themselves.
     pub(crate) fn spread(&self, modes: &[Mode], of_own: &[f64]) -> Vec<f64> {
-        let mut of_all = vec![0.0; self.pillars * modes.len()];
-        let turns = Turns::new(&self.symmetries, modes);
-        for (own, images) in of_own.chunks_exact(modes.len()).zip(self.orbits()) {
-            for (image, turn) in images.iter().zip(turns.all()) {
-                let place = *image as usize * modes.len();
-                turns.apply(turn, own, &mut of_all[place..][..modes.len()]);
+        let count = modes.len();
+        let mut of_all = vec![0.0; self.pillars * count];
+        let turns = self.turns(modes);
+        for (own, images) in of_own.chunks_exact(count).zip(self.orbits()) {
+            for (image, turn) in images.iter().zip(&turns) {
+                let of_image = &mut of_all[*image as usize * count..][..count];
+                of_image.copy_from_slice(own);
+                turn.apply(of_image);
             }
         }
         of_all
@@ -96,87 +104,21 @@ impl Copies {
 
     /// The means of coefficients over images, for all of them.
     pub(crate) fn average(&self, modes: &[Mode], coefficients: &mut [f64]) {
-        let turns = Turns::new(&self.symmetries, modes);
         let count = modes.len();
-        let mut back = vec![0.0; count];
-        let mut means = Vec::with_capacity(self.own.len() * count);
+        let turns: Vec<Turn> = self.turns(modes).into_iter().map(Turn::inverse).collect();
         let part = (self.symmetries.len() as f64).recip();
-        for images in self.orbits() {
-            let first = means.len();
-            means.resize(first + count, 0.0);
-            for (image, turn) in images.iter().zip(turns.all()) {
-                turns.undo(
-                    turn,
-                    &coefficients[*image as usize * count..][..count],
-                    &mut back,
-                );
-                for (mean, value) in means[first..].iter_mut().zip(&back) {
+        let mut means = vec![0.0; self.own.len() * count];
+        let mut back = vec![0.0; count];
+        for (means, images) in means.chunks_exact_mut(count).zip(self.orbits()) {
+            for (image, turn) in images.iter().zip(&turns) {
+                back.copy_from_slice(&coefficients[*image as usize * count..][..count]);
+                turn.apply(&mut back);
+                for (mean, value) in means.iter_mut().zip(&back) {
                     *mean += part * value;
                 }
             }
         }
         coefficients.copy_from_slice(&self.spread(modes, &means));
-    }
-}
-
-/// What symmetries do to the coefficients of modes.
-struct Turns<'m> {
-    modes: &'m [Mode],
-    /// For every symmetry whether it reflects, and for every mode cosine and sine of the angle by which its order turns.
-    turns: Vec<(bool, Vec<[f64; 2]>)>,
-}
-
-impl<'m> Turns<'m> {
-    fn new(symmetries: &[Symmetry], modes: &'m [Mode]) -> Self {
-        // Halves and quarters of a turn are that without rounding.
-        let exact = |value: f64| {
-            let whole = value.round();
-            if (value - whole).abs() < 1e-14 {
-                whole
-            } else {
-                value
-            }
-        };
-        let of = |symmetry: &Symmetry| {
-            let angles = modes.iter().map(|mode| mode.order as f64 * symmetry.angle);
-            let turned = angles.map(|angle| [exact(angle.cos()), exact(angle.sin())]);
-            (symmetry.reflected, turned.collect())
-        };
-        Self {
-            modes,
-            turns: symmetries.iter().map(of).collect(),
-        }
-    }
-
-    fn all(&self) -> std::slice::Iter<'_, (bool, Vec<[f64; 2]>)> {
-        self.turns.iter()
-    }
-
-    /// The coefficients of an image.
-    fn apply(&self, turn: &(bool, Vec<[f64; 2]>), own: &[f64], image: &mut [f64]) {
-        let (reflected, turns) = turn;
-        let sign = if *reflected { -1.0 } else { 1.0 };
-        for (k, (mode, [cosine, sine])) in self.modes.iter().zip(turns).enumerate() {
-            // The sine of an order follows its cosine.
-            image[k] = match (mode.order, mode.sine) {
-                (0, _) => own[k],
-                (_, false) => cosine * own[k] - sign * sine * own[k + 1],
-                (_, true) => sine * own[k - 1] + sign * cosine * own[k],
-            };
-        }
-    }
-
-    /// The coefficients of what has this image.
-    fn undo(&self, turn: &(bool, Vec<[f64; 2]>), image: &[f64], own: &mut [f64]) {
-        let (reflected, turns) = turn;
-        let sign = if *reflected { -1.0 } else { 1.0 };
-        for (k, (mode, [cosine, sine])) in self.modes.iter().zip(turns).enumerate() {
-            own[k] = match (mode.order, mode.sine) {
-                (0, _) => image[k],
-                (_, false) => cosine * image[k] + sine * image[k + 1],
-                (_, true) => sign * (cosine * image[k] - sine * image[k - 1]),
-            };
-        }
     }
 }
 

@@ -59,7 +59,7 @@ impl Window {
                 .map(|row| from_row(row)..from_row(row + 1))
                 .collect(),
             places,
-            // No longer than they are, as there may be many.
+            // In a list of its own, as the one with the indices takes far more room.
             centres: indexed.iter().map(|(_, centre)| *centre).collect(),
             radius,
         }

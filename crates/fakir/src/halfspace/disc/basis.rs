@@ -77,14 +77,60 @@ pub(crate) fn modes(degree: usize) -> Vec<Mode> {
 /// The coefficients of what an expansion becomes when it is turned by an angle (rad).
 pub(crate) fn turn(coefficients: &mut [f64], angle: f64) {
     let modes = modes(degree_with(coefficients.len()));
-    for (number, mode) in modes.iter().enumerate() {
-        // The sine of an order follows its cosine.
-        if mode.order > 0 && !mode.sine {
-            let (sin, cos) = (mode.order as f64 * angle).sin_cos();
-            let [of_cosine, of_sine] = [coefficients[number], coefficients[number + 1]];
-            coefficients[number] = cos * of_cosine - sin * of_sine;
-            coefficients[number + 1] = sin * of_cosine + cos * of_sine;
+    Turn::new(&modes, angle, false).apply(coefficients);
+}
+
+/// What a rotation, after a reflection along y or none, makes of the coefficients of modes.
+#[derive(Debug, Clone)]
+pub(crate) struct Turn {
+    reflected: bool,
+    /// The number of every mode that goes as a cosine, which that of the sine follows, with cosine and sine of the angle by which its order turns.
+    cosines: Vec<(usize, [f64; 2])>,
+}
+
+impl Turn {
+    /// By an angle (rad).
+    pub(crate) fn new(modes: &[Mode], angle: f64, reflected: bool) -> Self {
+        let are_cosines = |(_, mode): &(usize, &Mode)| mode.order > 0 && !mode.sine;
+        let turned = |(number, mode): (usize, &Mode)| {
+            let (sine, cosine) = (mode.order as f64 * angle).sin_cos();
+            (number, [cosine, sine].map(whole))
+        };
+        let all = modes.iter().enumerate().filter(are_cosines);
+        Self {
+            reflected,
+            cosines: all.map(turned).collect(),
         }
+    }
+
+    /// What takes it back.
+    pub(crate) fn inverse(mut self) -> Self {
+        // What reflects takes itself back.
+        if !self.reflected {
+            for (_, [_, sine]) in &mut self.cosines {
+                *sine = -*sine;
+            }
+        }
+        self
+    }
+
+    pub(crate) fn apply(&self, coefficients: &mut [f64]) {
+        let sign = if self.reflected { -1.0 } else { 1.0 };
+        for (number, [cosine, sine]) in &self.cosines {
+            let [of_cosine, of_sine] = [coefficients[*number], sign * coefficients[number + 1]];
+            coefficients[*number] = cosine * of_cosine - sine * of_sine;
+            coefficients[number + 1] = sine * of_cosine + cosine * of_sine;
+        }
+    }
+}
+
+/// Quarters and halves of a turn without rounding.
+fn whole(value: f64) -> f64 {
+    let nearest = value.round();
+    if (value - nearest).abs() < 1e-14 {
+        nearest
+    } else {
+        value
     }
 }
 
