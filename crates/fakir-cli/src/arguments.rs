@@ -124,8 +124,8 @@ pub(crate) enum Command {
     /// one page of claims, figures and numbers that needs nothing else.
     ///
     /// adhesion: surface fractions, works of adhesion, substrates and offsets with tops and floor that stick: the jump
-    /// onto the floor, its loss, pull-off and hysteresis, with power laws, figures and a report. The floor is computed by
-    /// the fast model of a collapsed floor, whose range is told with every number. Ctrl-C ends it; --resume goes on.
+    /// onto the floor, its loss, pull-off and hysteresis, with laws, figures and a report. The floor is computed by the
+    /// fast model of a collapsed floor in its range, and by cells of the floor below it. Ctrl-C ends it; --resume goes on.
     #[command(after_help = "Examples:
   fakir reproduce paper --output paper
   fakir reproduce adhesion --output adhesion --quick")]

@@ -1,7 +1,7 @@
 //! A coarse study of adhesion, interrupted and resumed, and its report read back from its tables.
 
 use fakir::state::{CancelToken, Run};
-use fakir_paper::adhesion::scaling::{HeldOut, Reduced};
+use fakir_paper::adhesion::scaling::{Form, HeldOut, Reduced};
 use fakir_paper::adhesion::study::{FloorCase, Part, Scope, others};
 use fakir_paper::adhesion::{Progress, cases_of_laws, reproduce_adhesion};
 use fakir_paper::{PaperError, grid::Substrate};
@@ -109,12 +109,13 @@ fn the_report_says_what_the_tables_say() {
         read(&folder.join("floor/table.csv")),
         read(&folder.join("tops/table.csv")),
     );
-    // The model beside the one case on cells.
+    // The model beside the case on cells in its range.
     let cells = read(&folder.join("cells/table.csv"));
-    let (cells, model) = (&cells[0], typical(&floor, 0.01));
+    let (cells, model) = (typical(&cells, 0.01), typical(&floor, 0.01));
     let [by_model, by_cells] = [model, cells].map(|of| number(of, "floor_lost_indentation_m"));
     let change = (by_model - by_cells).abs() / number(model, "critical_indentation_m");
-    same("largest_change_of_loss_over_critical_indentation", change);
+    assert!(claimed("largest_change_of_loss_over_critical_indentation") >= 0.999_999 * change);
+    assert!(claimed("solved_on_cells") >= 2.0);
     let (floor, tops) = (typical(&floor, 0.05), typical(&tops, 0.05));
     // The jump.
     let critical = number(floor, "critical_force_N");
@@ -142,15 +143,22 @@ fn the_report_says_what_the_tables_say() {
     let of_laws = cases_of_laws(&made.cases);
     assert!(made.laws.len() >= 4, "{:?}", made.laws);
     for (law, held) in &made.laws {
-        let residual = |case: &&FloorCase| Some((law.reduced.of(case)? / law.at(case)).ln());
+        let is_sum = law.reduced.form() == Form::Sum;
+        let residual = |case: &&FloorCase| {
+            let (value, by_law) = (law.reduced.of(case)?, law.at(case));
+            Some(if is_sum {
+                value - by_law
+            } else {
+                (value / by_law).ln()
+            })
+        };
         let residuals: Vec<f64> = of_laws.iter().filter_map(residual).collect();
         let squares: f64 = residuals.iter().map(|x| x * x).sum();
         let freedom = (residuals.len() - law.groups.len() - 1) as f64;
         let name = law.reduced.name();
-        same(
-            &format!("{name}_scatter"),
-            (squares / freedom).sqrt().exp_m1(),
-        );
+        let root = (squares / freedom).sqrt();
+        let scatter = if is_sum { root } else { root.exp_m1() };
+        same(&format!("{name}_scatter"), scatter);
         // Least squares leave nothing along any group.
         assert!(residuals.iter().sum::<f64>().abs() < 1e-6);
         let held = held.unwrap();
@@ -172,18 +180,18 @@ fn the_report_says_what_the_tables_say() {
     assert!((Reduced::PullOff.of(case).unwrap() + pulls[0] / smooth).abs() < 1e-9);
 
     // Systems that were not in the study at all.
-    let fresh = fresh(6, 20);
+    let fresh = fresh(20, 20);
+    let (mut told, mut right) = (0, 0);
     for (law, held) in &made.laws {
-        if let Some(found) = HeldOut::new(law, &fresh) {
-            let said = held.unwrap();
-            println!("{}: {found:?}", law.reduced.name());
-            assert!(
-                found.scatter < said.largest.max(law.largest),
-                "{}",
-                law.reduced.name()
-            );
-        }
+        let found = HeldOut::new(law, &fresh).unwrap();
+        println!("{}: {found:?}, band {}", law.reduced.name(), law.band);
+        let said = law.band.max(held.unwrap().largest);
+        let within = |case: &&FloorCase| law.distance(case).is_some_and(|d| d <= said);
+        told += found.points;
+        right += fresh.iter().filter(within).count();
     }
+    println!("{right} of {told} within what the report says");
+    assert!(20 * right >= 19 * told, "{right} of {told}");
     for finding in &made.findings {
         println!("{}: {}", finding.title, finding.text);
     }
@@ -202,12 +210,14 @@ fn fresh(count: usize, after: usize) -> Vec<FloorCase> {
         let case = file.case().expect("a case");
         let (found, _) = collapse(&case.system, case.method, &Run::default()).expect("an answer");
         FloorCase {
+            surface_fraction: values[3],
             young_modulus: values[4],
             offset: 0.0,
             height: values[1],
             diameter: values[2],
             lens_radius: values[0],
             found,
+            cells: None,
         }
     };
     systems.into_iter().map(case).collect()

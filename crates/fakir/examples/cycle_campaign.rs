@@ -1,33 +1,45 @@
-//! Random cycles of loading and unloading with adhesion: whether each ends with nothing in contact, and how well its certificate holds.
+//! Random cycles of loading and unloading with adhesion: whether each ends with nothing in contact, and how well its certificate holds. With `floor`
+//! the floor sticks too, and every cycle is computed on finer cells once more: whether both agree within the errors that they state.
 //!
-//! `cargo run --release --example cycle_campaign -- [first] [count]` prints a row for each: what was drawn, the results, and the difference
-//! between loop area and dissipation over the loop area. It fails if one does not come off, or if one differs by more than 1e-4.
+//! `cargo run --release --example cycle_campaign -- [first] [count] [floor]` prints a row for each: what was drawn, the results, and the difference
+//! between loop area and dissipation over the loop area. It fails if one does not come off, if that differs by more than 1e-4 (with the floor 1e-3), or if two
+//! cells do not agree.
 
 use fakir::problem::{
-    Adhesion, CyclePlan, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance,
-    System, Texture,
+    Accuracy, Adhesion, CyclePlan, HexagonalLattice, Lens, Material, Method, Pillar,
+    PillarCompliance, System, Texture,
 };
-use fakir::state::Run;
+use fakir::state::{Cycle, Run, SolveError};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::error::Error;
+use std::f64::consts::TAU;
 
-/// Difference between loop area and dissipation that is allowed, over the loop area.
-const CERTIFICATE: f64 = 1e-4;
+/// Difference between loop area and dissipation that is allowed, over the loop area, without and with the floor.
+const CERTIFICATE: [f64; 2] = [1e-4, 1e-3];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let arguments: Vec<u64> = std::env::args()
-        .skip(1)
+    let (words, numbers): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|word| word == "floor");
+    let numbers: Vec<u64> = numbers
+        .iter()
         .map(|word| word.parse())
         .collect::<Result<_, _>>()?;
-    let first = arguments.first().copied().unwrap_or(0);
-    let count = arguments.get(1).copied().unwrap_or(200);
-    println!(
-        "seed phi E_s offset angle work work_receding F_c pillars partial pull_off separation loop certificate events seconds closed"
-    );
+    let floor = !words.is_empty();
+    let first = numbers.first().copied().unwrap_or(0);
+    let count = numbers
+        .get(1)
+        .copied()
+        .unwrap_or(if floor { 30 } else { 200 });
+    println!("{}", if floor { FLOOR_HEADING } else { HEADING });
     let mut failures = 0;
     for seed in first..first + count {
-        failures += usize::from(!holds(seed)?);
+        let drawn = Drawn::new(seed, floor);
+        failures += usize::from(!if floor {
+            drawn.agrees()?
+        } else {
+            drawn.holds()?
+        });
     }
     if failures > 0 {
         return Err(format!("{failures} of {count} cycles do not hold what is promised").into());
@@ -35,61 +47,162 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints a row; whether it holds what is promised.
-fn holds(seed: u64) -> Result<bool, Box<dyn Error>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut uniform = |low: f64, high: f64| {
-        let unit = (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        low + (high - low) * unit
+const HEADING: &str = "seed phi E_s offset angle work work_receding F_c pillars partial pull_off separation loop certificate events seconds closed";
+const FLOOR_HEADING: &str = "seed phi E_s offset angle work cells; jump force, jump area, lost, pull-off, loop: difference over the sum of both errors; certificate seconds agree";
+
+/// What is drawn for a case.
+struct Drawn {
+    seed: u64,
+    phi: f64,
+    modulus: f64,
+    offset: f64,
+    angle: f64,
+    adhesion: Adhesion,
+}
+
+impl Drawn {
+    fn new(seed: u64, floor: bool) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut uniform = |low: f64, high: f64| {
+            let unit = (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+            low + (high - low) * unit
+        };
+        let [phis, moduli, works] = if floor {
+            [[0.01, 0.06], [2e6, 1e9], [0.5e-3, 20e-3]]
+        } else {
+            [[0.003, 0.1], [2e4, 2e9], [1e-5, 0.5]]
+        };
+        let logarithmic = |[low, high]: [f64; 2], part: f64| low * (high / low).powf(part);
+        let phi = logarithmic(phis, uniform(0.0, 1.0));
+        let modulus = logarithmic(moduli, uniform(0.0, 1.0));
+        let (offset, angle) = (uniform(0.0, 1.0), uniform(0.0, TAU));
+        let work = logarithmic(works, uniform(0.0, 1.0));
+        // Half of them take more to part than they gain.
+        let hysteretic = !floor && uniform(0.0, 1.0) < 0.5;
+        let receding = hysteretic.then(|| work * 10f64.powf(uniform(0.0, 1.0)));
+        Self {
+            seed,
+            phi,
+            modulus,
+            offset,
+            angle,
+            adhesion: Adhesion {
+                work,
+                work_receding: receding,
+                floor,
+            },
+        }
+    }
+
+    fn cycle(&self, accuracy: Accuracy) -> Result<Cycle, SolveError> {
+        let pillar = Pillar {
+            diameter: 6e-6,
+            height: 2.2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lattice = HexagonalLattice {
+            offset_angle: self.angle,
+            ..HexagonalLattice::with_surface_fraction(self.phi, 6e-6).offset_by(self.offset)
+        };
+        let lens = Lens {
+            radius: 2.2e-3,
+            material: Material::new(2e6, 0.5),
+        };
+        let substrate = Material::new(self.modulus, 0.5);
+        let system = System::new(lens, substrate, Texture::new(pillar, lattice))?;
+        let system = system.with_adhesion(self.adhesion)?;
+        let (plan, method) = (CyclePlan::default(), Method::Spectral(accuracy));
+        fakir::cycle(&system, plan, method, &Run::default())
+    }
+
+    fn told(&self) -> String {
+        let Self {
+            seed,
+            phi,
+            modulus,
+            offset,
+            angle,
+            adhesion,
+        } = self;
+        let work = adhesion.work;
+        format!("{seed} {phi:.5} {modulus:.2e} {offset:.3} {angle:.3} {work:.2e}")
+    }
+
+    /// Prints a row; whether it holds what is promised.
+    fn holds(&self) -> Result<bool, Box<dyn Error>> {
+        let start = std::time::Instant::now();
+        let cycle = self.cycle(Accuracy::Default)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let certificate = cycle.certificate().unwrap_or(f64::INFINITY);
+        let closed = cycle.converged() && cycle.separation.is_some();
+        println!(
+            "{} {:.2e} {:.5e} {} {} {:.4e} {:.4e} {:.4e} {certificate:.1e} {} {seconds:.2} {closed} {:?}",
+            self.told(),
+            self.adhesion.receding(),
+            cycle.turn.force,
+            cycle.turn.pillars_in_contact,
+            cycle.turn.pillars_partially_in_contact,
+            cycle.pull_off.as_ref().map_or(0.0, |pull| pull.force),
+            cycle.separation.unwrap_or(f64::NAN),
+            cycle.loop_area,
+            cycle.events.len(),
+            cycle.termination,
+        );
+        Ok(closed && certificate < CERTIFICATE[0])
+    }
+
+    /// Prints a row; whether it agrees with itself on finer cells.
+    fn agrees(&self) -> Result<bool, Box<dyn Error>> {
+        let start = std::time::Instant::now();
+        let cycles = [
+            self.cycle(Accuracy::Default)?,
+            self.cycle(Accuracy::Accurate)?,
+        ];
+        let seconds = start.elapsed().as_secs_f64();
+        let certificates = cycles.each_ref().map(|cycle| cycle.certificate());
+        let certificate = certificates
+            .map(|it| it.unwrap_or(f64::INFINITY))
+            .into_iter()
+            .fold(0.0, f64::max);
+        let cells = cycles
+            .each_ref()
+            .map(|cycle| cycle.floor.map_or(f64::NAN, |floor| 1e6 * floor.cell));
+        let figures = cycles.each_ref().map(figures);
+        let [coarse, fine] = &figures;
+        let shares: Vec<f64> = coarse
+            .iter()
+            .zip(fine)
+            .map(|(a, b)| (a.0 - b.0).abs() / (a.1 + b.1))
+            .collect();
+        let agree = shares.iter().all(|share| *share <= 1.0) && certificate < CERTIFICATE[1];
+        println!(
+            "{} {cells:.2?}; {shares:.2?} {certificate:.1e} {seconds:.1} {agree}",
+            self.told()
+        );
+        Ok(agree)
+    }
+}
+
+/// Force and area after the jump, where the floor is lost, pull-off force and loop area, each with its error.
+fn figures(cycle: &Cycle) -> [(f64, f64); 5] {
+    let errors = cycle.floor.map(|floor| floor.errors);
+    let jump = cycle.floor_jump().map(|[_, after]| after);
+    let known = |value: Option<f64>, error: Option<f64>| {
+        let value = value.unwrap_or(f64::NAN);
+        (value, error.map_or(f64::NAN, |error| error * value.abs()))
     };
-    let phi = 10f64.powf(uniform(0.003f64.log10(), -1.0));
-    let modulus = 2e6 * 10f64.powf(uniform(-2.0, 3.0));
-    let (offset, angle) = (uniform(0.0, 1.0), uniform(0.0, std::f64::consts::TAU));
-    let work = 10f64.powf(uniform(-5.0, 0.5f64.log10()));
-    // Half of them take more to part than they gain.
-    let receding = (uniform(0.0, 1.0) < 0.5).then(|| work * 10f64.powf(uniform(0.0, 1.0)));
-    let pillar = Pillar {
-        diameter: 6e-6,
-        height: 2.2e-6,
-        compliance: PillarCompliance::Column,
-    };
-    let lattice = HexagonalLattice {
-        offset_angle: angle,
-        ..HexagonalLattice::with_surface_fraction(phi, 6e-6).offset_by(offset)
-    };
-    let lens = Lens {
-        radius: 2.2e-3,
-        material: Material::new(2e6, 0.5),
-    };
-    let substrate = Material::new(modulus, 0.5);
-    let adhesion = Adhesion {
-        work,
-        work_receding: receding,
-        floor: false,
-    };
-    let system = System::new(lens, substrate, Texture::new(pillar, lattice))?;
-    let system = system.with_adhesion(adhesion)?;
-    let start = std::time::Instant::now();
-    let cycle = fakir::cycle(
-        &system,
-        CyclePlan::default(),
-        Method::default(),
-        &Run::default(),
-    )?;
-    let seconds = start.elapsed().as_secs_f64();
-    let certificate = cycle.certificate().unwrap_or(f64::INFINITY);
-    let closed = cycle.converged() && cycle.separation.is_some();
-    println!(
-        "{seed} {phi:.5} {modulus:.2e} {offset:.3} {angle:.3} {work:.2e} {:.2e} {:.5e} {} {} {:.4e} {:.4e} {:.4e} {certificate:.1e} {} {seconds:.2} {closed} {:?}",
-        adhesion.receding(),
-        cycle.turn.force,
-        cycle.turn.pillars_in_contact,
-        cycle.turn.pillars_partially_in_contact,
-        cycle.pull_off.as_ref().map_or(0.0, |pull| pull.force),
-        cycle.separation.unwrap_or(f64::NAN),
-        cycle.loop_area,
-        cycle.events.len(),
-        cycle.termination,
-    );
-    Ok(closed && certificate < CERTIFICATE)
+    let lost = cycle.floor_lost().map(|[last, _]| last.indentation);
+    let area = jump.and_then(|after| Some(after.floor?.area));
+    let [of_pull, of_loop] = [cycle.errors.pull_off_force, cycle.errors.loop_area]
+        .map(|error| error.numerical() + error.fronts);
+    [
+        known(jump.map(|after| after.force), errors.map(|e| e.jump_force)),
+        known(area, errors.map(|e| e.jump_area)),
+        known(lost, errors.map(|e| e.lost_indentation)),
+        known(
+            cycle.pull_off.as_ref().map(|pull| pull.force),
+            Some(of_pull),
+        ),
+        known(Some(cycle.loop_area), Some(of_loop)),
+    ]
 }

@@ -1,7 +1,8 @@
 //! The figures of the study.
 
+use super::LEAST_THRESHOLD;
 use super::findings::{Checked, RUBBER, TYPICAL};
-use super::scaling::{Group, Reduced};
+use super::scaling::{Form, Group, Reduced};
 use super::study::{Cases, FloorCase, Scope, same};
 use crate::PaperError;
 use crate::figures::Plate;
@@ -192,13 +193,13 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
             .map(|case| [case.found.surface_fraction, 1e3 * case.found.work])
             .collect()
     };
-    let good = |case: &FloorCase| case.found.unloading_validity == Validity::InRange;
+    let good = |case: &FloorCase| case.fate().is_some();
     let mark = |tint, marker| Style {
         tint,
         line: None,
         marker: Some(marker),
     };
-    let is = |fate: Fate| move |case: &FloorCase| case.found.fate == fate;
+    let is = |fate: Fate| move |case: &FloorCase| case.fate().unwrap_or(case.found.fate) == fate;
     let told = [
         (
             "held through zero load",
@@ -246,8 +247,8 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         &format!("regions-{}", substrate.name()),
         "What becomes of the floor",
         &format!(
-            "Work of adhesion against surface fraction, {} substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: whether the floor still holds where the load is zero. Full marks: the fast model \
-             in its range; rings: its answer beyond it. Crosses: it tells of no stuck region, since annuli meet, none is left where the lens turns back, or no front stands still. The line is the threshold of the flat lattice without load.",
+            "Work of adhesion against surface fraction, {} substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: whether the floor still holds where the load is zero. Full marks: cells of the floor, or the fast model \
+             in its range; rings: its answer beyond it. Crosses: it tells of no stuck region, since annuli meet, none is left where the lens turns back, or no front stands still, and cells were not asked. The line is the threshold of the flat lattice without load.",
             substrate.name()
         ),
     )
@@ -300,7 +301,7 @@ fn withdrawals(cases: &Cases) -> Plate {
         &chart,
         "withdrawal",
         "How far back until the floor is lost",
-        "How far the lens goes back until the floor is lost, over the critical indentation, against the work of adhesion over that of collapse; solid: intermediate, dashed: rigid substrate. \
+        "How far the lens goes back until the floor is lost, over the critical indentation, against the work of adhesion over that of collapse, on cells or by the fast model in its range; solid: intermediate, dashed: rigid substrate. \
          The threshold alone does not bring the curves together.",
     )
 }
@@ -309,7 +310,8 @@ fn withdrawals(cases: &Cases) -> Plate {
 fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     let reduced = law.reduced;
     let points = |of: &mut dyn Iterator<Item = &FloorCase>| -> Vec<[f64; 2]> {
-        of.filter_map(|case| Some([law.at(case), reduced.of(case)?]))
+        of.filter(|case| case.found.work_over_collapse_work >= LEAST_THRESHOLD)
+            .filter_map(|case| Some([law.at(case), reduced.of(case)?]))
             .collect()
     };
     let mut series = Vec::new();
@@ -340,24 +342,37 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     let all = series
         .iter()
         .flat_map(|series| series.points.iter().map(|point| point[0]));
-    let (low, high) = all.fold((f64::INFINITY, 0.0f64), |(low, high), x| {
+    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
     });
     series.push(Series::unnamed(
         vec![[low, low], [high, high]],
         Style::line(0).in_tint(Tint::Black),
     ));
+    let form = reduced.form();
     let mut label = format!("{:.3}", law.prefactor);
     for (group, [exponent, _]) in law.groups.iter().zip(&law.exponents) {
-        label.push_str(&format!(" {}^{{{exponent:.2}}}", group.label()).replace('-', "−"));
+        let term = match form {
+            Form::Powers => format!(" {}^{{{exponent:.2}}}", group.label()),
+            Form::Sum => {
+                let sign = if *exponent < 0.0 { '-' } else { '+' };
+                format!(" {sign} {:.2} {}", exponent.abs(), group.label())
+            }
+        };
+        label.push_str(&term.replace('-', "−"));
     }
+    let axis = match form {
+        Form::Powers => Axis::logarithmic,
+        Form::Sum => Axis::linear,
+    };
     let chart = LineChart {
-        x: Axis::logarithmic(label),
-        y: Axis::logarithmic(reduced.formula()),
+        x: axis(label.as_str()),
+        y: axis(reduced.formula()),
         series,
     };
+    let unit = law.unit();
     let mut caption = format!(
-        "{} against its law, in the range of the fast model: {} cases scatter about the line by {:.1} %, {:.1} % at most.",
+        "{} against its law, on cells or in the range of the fast model: {} cases scatter about the line by {:.1} %{unit}, {:.1} % at most.",
         match reduced {
             Reduced::Withdrawal => "How far the lens goes back until the floor is lost",
             Reduced::Area => "Area of the floor after the jump over that of the contact",
@@ -371,16 +386,18 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     );
     if let Some(held) = held {
         caption.push_str(&format!(
-            " Rings: {} systems that are not in the law, {:.1} % from it, {:.1} % at most.",
+            " Rings: {} systems that are not in the law, {:.1} %{unit} from it, {:.1} % at most; {} are within the {:.1} % that 19 of 20 are expected in.",
             held.points,
             100.0 * held.scatter,
-            100.0 * held.largest
+            100.0 * held.largest,
+            held.in_band,
+            100.0 * law.band
         ));
     }
     plate(
         &chart,
         &format!("law-{}", reduced.name().replace('_', "-")),
-        "A power law and what it leaves",
+        "A law and what it leaves",
         &caption,
     )
 }

@@ -76,13 +76,17 @@ fn coverage(cases: &Cases) -> Option<Finding> {
             && case.found.annulus_slope.is_some_and(|slope| slope > 1.0)
     };
     let steep = cases.floor.iter().filter(steep).count();
+    let beyond = |case: &&FloorCase| case.found.unloading_validity != Validity::InRange;
+    let on_cells = |case: &&FloorCase| case.cells.is_some();
+    let solved = cases.floor.iter().filter(beyond).filter(on_cells).count();
     (all > 0).then(|| Finding {
         name: "coverage",
         title: "What the numbers are worth",
         text: format!(
             "Of {all} cases of a floor that sticks the fast model is in its range in {good} ({}): one stuck region of two pitches at least in radius, annuli \
              below 0.3 pitches. There its force is good to {} of that of the tops, its area to {}, and where the floor is lost to {} ζ_c, as it was held against cells on the floor. In {narrow} the stuck \
-             region is too small for a disc, in {wide} annuli are too wide, in {meet} they would meet and the model was not asked, and in {none} no front stands still. \
+             region is too small for a disc, in {wide} annuli are too wide, in {meet} they would meet and the model was not asked, and in {none} no front stands still: {solved} of those are solved \
+             on cells of the floor, with errors of their own. \
              In {steep} of those in range the step beside a pillar is steeper than 1, where linear elasticity itself is doubtful.",
             percent(share(good, all)),
             percent(MODEL_ERROR_OF_FORCE),
@@ -99,6 +103,7 @@ fn coverage(cases: &Cases) -> Option<Finding> {
             ("annuli_wide", wide as f64),
             ("annuli_meet", meet as f64),
             ("no_front", none as f64),
+            ("solved_on_cells", solved as f64),
             ("in_range_and_steep", steep as f64),
         ]),
     })
@@ -114,13 +119,10 @@ fn on_cells(cases: &Cases) -> Option<Finding> {
     let mut force: Vec<[f64; 2]> = Vec::new();
     let mut area: Vec<[f64; 2]> = Vec::new();
     let mut loss: Vec<[f64; 2]> = Vec::new();
-    for cells in &cases.cells {
-        let same_case = |case: &&FloorCase| {
-            same(case.found.surface_fraction, cells.surface_fraction)
-                && same(case.found.work, cells.work)
-        };
-        let mut model = cases.on_pillar(Substrate::Intermediate);
-        let (Some(case), Some(floor)) = (model.find(same_case), cells.floor) else {
+    let all = cases.floor.iter().chain(&cases.check);
+    let solved: Vec<&FloorCase> = all.filter(|case| case.cells.is_some()).collect();
+    for case in &solved {
+        let Some(floor) = case.cells.as_ref().and_then(|cells| cells.floor) else {
             continue;
         };
         let model = &case.found;
@@ -146,8 +148,8 @@ fn on_cells(cases: &Cases) -> Option<Finding> {
     let largest = |of: &[[f64; 2]]| [0, 1].map(|k| of.iter().map(|it| it[k]).fold(0.0, f64::max));
     let [of_force, of_area, of_loss] = [&force, &area, &loss].map(|of| largest(of));
     let mut text = format!(
-        "On the intermediate substrate tops and floor were solved together, on cells of the floor, for {}.",
-        counted(cases.cells.len())
+        "Tops and floor were solved together, on cells of the floor, for {}.",
+        counted(solved.len())
     );
     if !force.is_empty() {
         let [[force_change, force_error], [area_change, area_error]] =
@@ -172,7 +174,7 @@ fn on_cells(cases: &Cases) -> Option<Finding> {
         title: "The fast model beside cells",
         text,
         numbers: named([
-            ("cases_on_cells", cases.cells.len() as f64),
+            ("cases_on_cells", solved.len() as f64),
             ("cases_in_range_after_jump", force.len() as f64),
             ("largest_change_of_force_over_critical_force", of_force[0]),
             (
@@ -282,9 +284,7 @@ fn border(cases: &Cases) -> Option<Finding> {
     let ratio = |fate: Fate| {
         let on = [Substrate::Rigid, Substrate::Intermediate].into_iter();
         on.flat_map(|substrate| cases.on_pillar(substrate))
-            .filter(move |case| {
-                case.found.fate == fate && case.found.unloading_validity == Validity::InRange
-            })
+            .filter(move |case| case.fate() == Some(fate))
             .map(|case| case.found.work_over_collapse_work)
     };
     let (_, last) = range(ratio(Fate::LostUnderLoad))?;
@@ -293,7 +293,7 @@ fn border(cases: &Cases) -> Option<Finding> {
         name: "border",
         title: "When the floor holds without load",
         text: format!(
-            "On the rigid and the intermediate substrate, in the range of the model, the floor is lost under load up to w/w_c = {} and held through zero load from w/w_c = {} on. \
+            "On the rigid and the intermediate substrate, on cells or in the range of the model, the floor is lost under load up to w/w_c = {} and held through zero load from w/w_c = {} on. \
              The threshold of the flat lattice is 1: shells of pillars hold a front that has been made.",
             short(last),
             short(first)
@@ -437,29 +437,35 @@ fn scaling((law, held): &Checked) -> Finding {
         numbers.push((format!("{stem}_from"), *from));
         numbers.push((format!("{stem}_to"), *to));
     }
+    let name = law.reduced.name();
+    let unit = law.unit();
     let mut text = format!(
-        "{} = {}: {} cases scatter about it by {}, {} at most. Exponents are with their standard errors, as if the residuals were noise, which they are not.",
+        "{} = {}: {} cases scatter about it by {}{unit}, {} at most; of 20 cases of systems that it does not come from 19 are expected within {}{unit}. Standard errors are given as if the residuals \
+         were noise, which they are not.",
         law.reduced.plain(),
         law.words(),
         law.points,
         percent(law.scatter),
-        percent(law.largest)
+        percent(law.largest),
+        percent(law.band),
     );
+    numbers.push((format!("{name}_band"), law.band));
     text.push_str(&format!(" It comes from {}.", ranges.join(", ")));
-    if law.largest > NO_LAW {
+    if law.band > NO_LAW {
         text.push_str(" With cases that far from it, it is a trend and no law.");
     }
     if let Some(held) = held {
         text.push_str(&format!(
-            " {} systems that it does not come from, with other lenses, pillars and moduli, are {} from it, {} at most.",
+            " Of {} systems with other lenses, pillars and moduli {} are within that; they are {}{unit} from it, {} at most.",
             held.points,
+            held.in_band,
             percent(held.scatter),
             percent(held.largest)
         ));
-        let name = law.reduced.name();
         numbers.push((format!("{name}_held_out_scatter"), held.scatter));
         numbers.push((format!("{name}_held_out_largest"), held.largest));
         numbers.push((format!("{name}_held_out_cases"), held.points as f64));
+        numbers.push((format!("{name}_held_out_in_band"), held.in_band as f64));
     }
     Finding {
         name: match law.reduced {

@@ -11,7 +11,8 @@
 //! | `provenance.json` | version, study, what to cite |
 //!
 //! The floor is computed by the fast model of a collapsed floor and by closed forms, the tops exactly; every number of the model has its
-//! [validity](fakir_study::Validity) beside it, and the model is held against some cases on cells of the floor.
+//! [validity](fakir_study::Validity) beside it. Cases beyond its range are solved on cells of the floor where that takes seconds, and some in it are, to
+//! hold the model against them.
 
 pub mod figures;
 pub mod findings;
@@ -26,13 +27,13 @@ use fakir_case::Study;
 use fakir_study::citations::Topic;
 use fakir_study::output::{File, csv_file, save};
 use fakir_study::provenance::Provenance;
-use fakir_study::{DamagedLine, Existing};
+use fakir_study::{DamagedLine, Existing, Row};
 use findings::{Checked, Finding, findings};
 use page::Page;
 use scaling::{HeldOut, Law, Reduced, candidates, chosen};
 use serde::Serialize;
 use std::path::Path;
-use study::{Cases, FloorCase, Part, Scope, cell_cases, floor_cases, top_cases};
+use study::{Cases, FloorCase, Part, Scope, floor_cases, top_cases};
 
 /// How far it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,27 +74,33 @@ struct FindingRow<'a> {
 struct LawRow {
     quantity: &'static str,
     chosen: bool,
+    form: &'static str,
     groups: String,
     exponents: String,
     standard_errors: String,
     ranges: String,
     prefactor: f64,
     cases: usize,
-    relative_scatter: f64,
-    largest_relative_distance: f64,
-    relative_scatter_left_out: f64,
+    scatter: f64,
+    largest_distance: f64,
+    scatter_left_out: f64,
+    band: f64,
 }
 
-/// Cases that laws come from: rigid and intermediate substrate with the lens axis on a pillar, and the other sizes. The soft substrate is drawn down as a whole with
-/// nearly every work of the study, and has no part in them.
+/// Cases that laws come from: rigid and intermediate substrate with the lens axis on a pillar, and the other sizes, from [`LEAST_THRESHOLD`] on. The soft substrate is drawn down as a whole
+/// with nearly every work of the study, and has no part in them.
 #[must_use]
 pub fn cases_of_laws(cases: &Cases) -> Vec<&FloorCase> {
     use crate::grid::Substrate;
     let hard = [Substrate::Rigid, Substrate::Intermediate].into_iter();
     hard.flat_map(|substrate| cases.on_pillar(substrate))
         .chain(&cases.sizes)
+        .filter(|case| case.found.work_over_collapse_work >= LEAST_THRESHOLD)
         .collect()
 }
+
+/// Part of the work of collapse below which there is no law: patches small against their holes come off like spheres, as the power 2/3 of the work, and do not feel the pillars.
+pub const LEAST_THRESHOLD: f64 = 0.03;
 
 /// Makes everything in a folder. An interrupted one goes on with [`Existing::Resume`].
 ///
@@ -108,27 +115,29 @@ pub fn reproduce_adhesion(
 ) -> Result<AdhesionStudy, PaperError> {
     prepare(folder, existing, &Part::ALL.map(Part::folder))?;
     let mut damaged = Vec::new();
-    let mut parts = Vec::new();
-    for part in Part::ALL {
-        let study = scope.study(part)?;
+    let mut rows = Vec::new();
+    let mut sweep = |part: Part, known: &Cases| -> Result<(Study, Vec<Row>), PaperError> {
+        let study = scope.study(part, known)?;
         let tell = |progress| on_progress(Progress::Sweep(part, progress));
         let summary = swept(&study, &folder.join(part.folder()), existing, run, &tell)?;
         damaged.extend(summary.damaged);
-        parts.push((study, summary.rows));
-    }
-    let [floor, tops, sizes, offsets, check, cells] = &parts[..] else {
-        unreachable!("as many parts as there are");
+        rows.extend(summary.rows.iter().map(|row| row.problem.is_some()));
+        Ok((study, summary.rows))
     };
-    let cases = Cases {
-        floor: [floor, offsets]
-            .into_iter()
-            .flat_map(|(study, rows)| floor_cases(study, rows))
-            .collect(),
-        tops: top_cases(&tops.0, &tops.1),
-        sizes: floor_cases(&sizes.0, &sizes.1),
-        check: floor_cases(&check.0, &check.1),
-        cells: cell_cases(&cells.1),
-    };
+    let mut cases = Cases::default();
+    let (of_floor, found) = sweep(Part::Floor, &cases)?;
+    cases.floor = floor_cases(&of_floor, &found);
+    let (study, found) = sweep(Part::Tops, &cases)?;
+    cases.tops = top_cases(&study, &found);
+    let (study, found) = sweep(Part::Sizes, &cases)?;
+    cases.sizes = floor_cases(&study, &found);
+    let (study, found) = sweep(Part::Offsets, &cases)?;
+    cases.floor.extend(floor_cases(&study, &found));
+    let (study, found) = sweep(Part::Check, &cases)?;
+    cases.check = floor_cases(&study, &found);
+    let (_, found) = sweep(Part::Cells, &cases)?;
+    cases.take_cells(scope, &found);
+    let (count, failed) = (rows.len(), rows.iter().filter(|failed| **failed).count());
     let of_laws = cases_of_laws(&cases);
     let all: Vec<Vec<Law>> = Reduced::ALL
         .into_iter()
@@ -142,12 +151,7 @@ pub fn reproduce_adhesion(
     let found = findings(scope, &cases, &laws);
     on_progress(Progress::Figures);
     let plates = figures::plates(scope, &cases, &laws, run)?;
-    let rows = || parts.iter().flat_map(|(_, rows)| rows);
-    let (count, failed) = (
-        rows().count(),
-        rows().filter(|row| row.problem.is_some()).count(),
-    );
-    let provenance = provenance(&floor.0);
+    let provenance = provenance(&of_floor);
     let page = Page {
         findings: &found,
         laws: &laws,
@@ -213,6 +217,7 @@ fn law_rows(all: &[Vec<Law>]) -> impl Iterator<Item = LawRow> + '_ {
             LawRow {
                 quantity: law.reduced.name(),
                 chosen: best.is_some_and(|best| best == law),
+                form: law.reduced.form().name(),
                 groups: joined(&|k| law.groups[k].name().to_owned()),
                 exponents: joined(&|k| law.exponents[k][0].to_string()),
                 standard_errors: joined(&|k| law.exponents[k][1].to_string()),
@@ -222,9 +227,10 @@ fn law_rows(all: &[Vec<Law>]) -> impl Iterator<Item = LawRow> + '_ {
                 }),
                 prefactor: law.prefactor,
                 cases: law.points,
-                relative_scatter: law.scatter,
-                largest_relative_distance: law.largest,
-                relative_scatter_left_out: law.left_out,
+                scatter: law.scatter,
+                largest_distance: law.largest,
+                scatter_left_out: law.left_out,
+                band: law.band,
             }
         })
     })

@@ -1,5 +1,6 @@
 //! `report.html` of the study: what was found, laws, figures. One file, nothing to load.
 
+use super::LEAST_THRESHOLD;
 use super::findings::{Checked, Finding, RUBBER};
 use super::study::{Cases, same};
 use crate::claims::{percent, short};
@@ -92,7 +93,8 @@ impl Page<'_> {
             }
             p {
                 "Methods: the critical state and the tops alone are exact; the floor that sticks is computed by the fast model of a collapsed floor (free annuli as cracks in a stuck disc, \
-                 a circular front), with its validity in the columns " code { "jump_validity" } " and " code { "unloading_validity" } " of every row; thresholds, annuli and the smooth floor are closed forms."
+                 a circular front), with its validity in the columns " code { "jump_validity" } " and " code { "unloading_validity" } " of every row, and beyond its range at small works of adhesion, where the floor sticks hole by hole, on cells, each with its error; \
+                 thresholds, annuli and the smooth floor are closed forms."
             }
         }
     }
@@ -114,15 +116,15 @@ impl Page<'_> {
 
     fn power_laws(&self) -> Markup {
         html! {
-            h2 { "Power laws" }
+            h2 { "Laws" }
             p {
-                "Least squares in logarithms over the rigid and the intermediate substrate and other heights and diameters, in the range of the model. Heights and lengths along the surface scale apart from each other, so that no \
-                 more groups than these can matter. Chosen are the fewest groups whose residual, every case left out of the law it is held against, is within 15 % of the least; all candidates are in "
+                "Least squares, in logarithms but for the pull-off, over the rigid and the intermediate substrate and other heights and diameters, on cells or in the range of the model, from w = " (LEAST_THRESHOLD) " w" sub { "c" } " on: below, patches small against their holes come off like spheres and do not feel the pillars. Heights and lengths along the surface scale apart from each other, so that no \
+                 more groups than these can matter. Chosen are the fewest groups whose residual, every system with all its works of adhesion left out of the law it is held against, is within 15 % of the least; all candidates are in "
                 code { "tables/laws.csv" } "."
             }
             div.scroll { table {
                 thead { tr {
-                    th { "Quantity" } th { "Law" } th.n { "cases" } th.n { "scatter" } th.n { "largest" } th.n { "other systems" }
+                    th { "Quantity" } th { "Law" } th.n { "cases" } th.n { "scatter" } th.n { "largest" } th.n { "19 of 20 within" } th.n { "other systems" } th.n { "of them within" }
                 } }
                 tbody {
                     @for (law, held) in self.laws {
@@ -132,10 +134,12 @@ impl Page<'_> {
                             td.n { (law.points) }
                             td.n { (percent(law.scatter)) }
                             td.n { (percent(law.largest)) }
-                            td.n {
-                                @if let Some(held) = held {
-                                    (percent(held.scatter)) ", " (percent(held.largest)) " at most"
-                                } @else { "-" }
+                            td.n { (percent(law.band)) (formatted(law.unit())) }
+                            @if let Some(held) = held {
+                                td.n { (percent(held.scatter)) ", " (percent(held.largest)) " at most" }
+                                td.n { (held.in_band) " of " (held.points) }
+                            } @else {
+                                td.n { "-" } td.n { "-" }
                             }
                         }
                     }
@@ -183,12 +187,12 @@ impl Page<'_> {
         html! {
             h2 { "What is left out" }
             p {
-                "Fronts that are no circle and tops that stick in part while the floor does; regions of one patch per hole, which the fast model has not; works of adhesion that differ between making and breaking contact; friction, the finite range of \
+                "In the fast model fronts that are no circle, tops that stick in part while the floor does, and regions of one patch per hole; on cells hysteresis, as those cycles turn back at first touch; in both works of adhesion that differ between making and breaking contact; friction, the finite range of \
                  attraction, and strains beyond linear elasticity, which steps steeper than 1 beside pillars reach."
             }
             h2 { "Files, and how to make them again" }
             p {
-                "Made by " code { "fakir reproduce adhesion --output FOLDER" } ". The folders " code { "floor" } ", " code { "tops" } ", " code { "sizes" } ", " code { "offsets" } " and " code { "check" } " are those of "
+                "Made by " code { "fakir reproduce adhesion --output FOLDER" } ". The folders " code { "floor" } ", " code { "tops" } ", " code { "sizes" } ", " code { "offsets" } ", " code { "check" } " and " code { "cells" } " are those of "
                 code { "fakir sweep" } ": the " code { "study.toml" } " of each can be run by itself. Every figure is in " code { "figures" } " as SVG and PNG, the tables are in " code { "tables" } "."
             }
             h2 { "To be cited" }

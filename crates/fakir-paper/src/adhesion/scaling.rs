@@ -1,11 +1,12 @@
-//! Power laws in the groups without dimension.
+//! Laws in the groups without dimension: products of powers, and a sum.
 //!
 //! Slopes are small and the lens is flat, so that heights and lengths along the surface scale apart from each other: with `E*` the reduced modulus, `a` the radius,
 //! `h` the height and `d` the diameter of pillars and `R` the radius of the lens, what is left are the surface fraction, `R h/d^2`, `kappa`, and one group with the work of adhesion: `w a/(E* h^2)`
 //! or `w/w_c`, where `w_c` is that of collapse of the flat lattice.
 
 use super::study::FloorCase;
-use fakir_study::Validity;
+use fakir::theory::collapsed_floor::{MODEL_ERROR_OF_AREA, NARROWEST_FRONT};
+use fakir_study::{Cycled, Fate, Validity};
 use std::f64::consts::PI;
 
 /// What a law is of, without dimension.
@@ -45,6 +46,16 @@ impl Reduced {
         }
     }
 
+    /// How its law puts groups together.
+    #[must_use]
+    pub fn form(self) -> Form {
+        match self {
+            // It goes down to nothing at a finite work of adhesion.
+            Self::PullOff => Form::Sum,
+            _ => Form::Powers,
+        }
+    }
+
     /// Its formula, as figures write it.
     #[must_use]
     pub fn formula(self) -> &'static str {
@@ -69,9 +80,53 @@ impl Reduced {
         }
     }
 
-    /// The value of a case where the model is in its range; none elsewhere, and where it is not positive.
+    /// The value of a case: on cells, as far as they tell it, or by the fast model in its range. None elsewhere, and where it is not positive.
     #[must_use]
     pub fn of(self, case: &FloorCase) -> Option<f64> {
+        let on_cells = case
+            .cells
+            .as_ref()
+            .and_then(|cells| self.on_cells(case, cells));
+        let value = on_cells.or_else(|| self.by_model(case))?;
+        (value > 0.0 && value.is_finite()).then_some(value)
+    }
+
+    /// On cells, to [`KNOWN_TO`] by their own estimate; after the jump where as much is stuck as the fast model asks for, since in fewer holes their number makes steps. Their cycles turn back where they touch the floor, so that they tell no hysteresis beside that of the model.
+    fn on_cells(self, case: &FloorCase, cells: &Cycled) -> Option<f64> {
+        let (floor, loading) = (cells.floor?, &cells.loading);
+        let wide = || {
+            let in_pitches = floor.jump.front_radius / cells.pitch;
+            (in_pitches >= NARROWEST_FRONT).then_some(())
+        };
+        let (value, error) = match self {
+            Self::Withdrawal => {
+                let lost = floor.lost?.indentation / loading.critical_indentation?;
+                (1.0 - lost, floor.lost_indentation_error * lost)
+            }
+            Self::Area => {
+                wide()?;
+                let area = floor.jump.floor_area / (PI * loading.critical_contact_radius?.powi(2));
+                (area, floor.jump_area_error * area)
+            }
+            Self::Drop => {
+                wide()?;
+                let force = floor.jump.force / loading.critical_force?;
+                (1.0 - force, floor.jump_force_error * force)
+            }
+            Self::PullOff => {
+                let pull = cells
+                    .pull_off
+                    .filter(|_| case.fate() == Some(Fate::HeldThroughZero))?;
+                let force = -pull.force / (1.5 * PI * cells.work * case.lens_radius);
+                (force, (pull.error.numerical + pull.error.model) * force)
+            }
+            Self::Hysteresis => return None,
+        };
+        (error.abs() <= KNOWN_TO * value.abs()).then_some(value)
+    }
+
+    /// By the fast model in its range.
+    fn by_model(self, case: &FloorCase) -> Option<f64> {
         let found = &case.found;
         let validity = match self {
             Self::Area | Self::Drop => found.jump_validity,
@@ -80,7 +135,7 @@ impl Reduced {
         if validity != Validity::InRange {
             return None;
         }
-        let value = match self {
+        Some(match self {
             Self::Withdrawal => 1.0 - found.lost?.indentation / found.critical_indentation,
             Self::Area => found.jump?.floor_area / (PI * found.critical_contact_radius.powi(2)),
             Self::Drop => 1.0 - found.jump?.force / found.critical_force,
@@ -88,8 +143,53 @@ impl Reduced {
             Self::Hysteresis => {
                 found.hysteresis? / (found.critical_force * found.critical_indentation)
             }
-        };
-        (value > 0.0 && value.is_finite()).then_some(value)
+        })
+    }
+}
+
+/// Relative error up to which a number on cells has a part in laws: that of the areas of the fast model.
+const KNOWN_TO: f64 = MODEL_ERROR_OF_AREA;
+
+/// How a law puts its groups together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A product of powers, by least squares in logarithms: distances from it are relative.
+    Powers,
+    /// A sum, each with a factor, by least squares: distances from it are those of the values.
+    Sum,
+}
+
+impl Form {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Powers => "powers",
+            Self::Sum => "sum",
+        }
+    }
+
+    /// In what a law is linear, and back.
+    fn linear(self, value: f64) -> f64 {
+        match self {
+            Self::Powers => value.ln(),
+            Self::Sum => value,
+        }
+    }
+
+    fn value(self, linear: f64) -> f64 {
+        match self {
+            Self::Powers => linear.exp(),
+            Self::Sum => linear,
+        }
+    }
+
+    /// The distance that a difference is in what the law is linear in.
+    fn distance(self, difference: f64) -> f64 {
+        match self {
+            Self::Powers => difference.abs().exp_m1(),
+            Self::Sum => difference.abs(),
+        }
     }
 }
 
@@ -98,6 +198,8 @@ impl Reduced {
 pub enum Group {
     /// `w/w_c`.
     Threshold,
+    /// `w_c/w`.
+    Collapse,
     /// `w a/(E* h^2)`.
     Work,
     /// The surface fraction.
@@ -114,6 +216,7 @@ impl Group {
     pub fn name(self) -> &'static str {
         match self {
             Self::Threshold => "w/w_c",
+            Self::Collapse => "w_c/w",
             Self::Work => "w a/(E h^2)",
             Self::Fraction => "φ",
             Self::Lens => "R h/d^2",
@@ -126,6 +229,7 @@ impl Group {
     pub fn label(self) -> &'static str {
         match self {
             Self::Threshold => "(*w*/*w*_{c})",
+            Self::Collapse => "*w*_{c}/*w*",
             Self::Work => "(*w* *a*/*E* *h*^{2})",
             Self::Fraction => "*φ*",
             Self::Lens => "(*R* *h*/*d*^{2})",
@@ -139,6 +243,7 @@ impl Group {
         let found = &case.found;
         match self {
             Self::Threshold => found.work_over_collapse_work,
+            Self::Collapse => found.work_over_collapse_work.recip(),
             Self::Work => found.work_over_stiffness * (0.5 * case.diameter / case.height).powi(2),
             Self::Fraction => found.surface_fraction,
             Self::Lens => found.lens_number,
@@ -147,116 +252,199 @@ impl Group {
     }
 }
 
-/// A power law by least squares in logarithms.
+/// A law by least squares.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
     /// What it is of.
     pub reduced: Reduced,
     /// The groups.
     pub groups: Vec<Group>,
-    /// The exponent of each, with its standard error.
+    /// The exponent of each, or in a sum its factor, with its standard error.
     pub exponents: Vec<[f64; 2]>,
     /// From where to where each group goes in the cases.
     pub ranges: Vec<[f64; 2]>,
-    /// The factor in front.
+    /// The factor in front, or in a sum the constant.
     pub prefactor: f64,
     /// Number of cases.
     pub points: usize,
-    /// Root of the mean square of the relative distance of cases from the law, with the degrees of freedom that are left.
+    /// Root of the mean square of the distance of cases from the law, with the degrees of freedom that are left.
     pub scatter: f64,
-    /// The largest of them.
+    /// The largest distance.
     pub largest: f64,
-    /// The same root where every case is left out of the law that it is held against: the residual by which groups are chosen.
+    /// The same root where every system, with all works of adhesion, is left out of the law that it is held against: the residual by which groups are chosen.
     pub left_out: f64,
+    /// Nineteen in twenty cases of systems left out like this are nearer to their law than this.
+    pub band: f64,
 }
+
+/// A linear equation for the coefficients of a law, from a case.
+struct Equation {
+    row: Vec<f64>,
+    value: f64,
+    system: [u64; 5],
+}
+
+impl Equation {
+    fn residual(&self, coefficients: &[f64]) -> f64 {
+        self.value - product(&self.row, coefficients)
+    }
+}
+
+/// The matrix of least squares.
+fn normal_matrix<'e>(
+    size: usize,
+    equations: impl IntoIterator<Item = &'e Equation>,
+) -> Vec<Vec<f64>> {
+    let mut normal = vec![vec![0.0; size]; size];
+    for Equation { row, .. } in equations {
+        for (line, x) in normal.iter_mut().zip(row) {
+            for (sum, y) in line.iter_mut().zip(row) {
+                *sum += x * y;
+            }
+        }
+    }
+    normal
+}
+
+/// The coefficients by least squares, from the inverse of their matrix.
+fn solution<'e>(
+    inverse: &[Vec<f64>],
+    equations: impl IntoIterator<Item = &'e Equation>,
+) -> Vec<f64> {
+    let mut right = vec![0.0; inverse.len()];
+    for Equation { row, value, .. } in equations {
+        for (sum, x) in right.iter_mut().zip(row) {
+            *sum += x * value;
+        }
+    }
+    inverse.iter().map(|row| product(row, &right)).collect()
+}
+
+/// The part of the cases that [`Law::band`] is for.
+const IN_BAND: f64 = 0.95;
 
 impl Law {
     /// The law of a quantity in groups. `None` with too few cases, or groups that do not vary apart from each other.
     #[must_use]
     pub fn fit(reduced: Reduced, groups: &[Group], cases: &[&FloorCase]) -> Option<Self> {
-        let rows: Vec<(Vec<f64>, f64)> = cases
-            .iter()
-            .filter_map(|case| {
-                let value = reduced.of(case)?.ln();
-                let ones = std::iter::once(1.0);
-                let logarithms = groups.iter().map(|group| group.of(case).ln());
-                Some((ones.chain(logarithms).collect(), value))
-            })
-            .collect();
-        let (count, size) = (rows.len(), groups.len() + 1);
+        let form = reduced.form();
+        let equation = |case: &&FloorCase| {
+            let value = form.linear(reduced.of(case)?);
+            let ones = std::iter::once(1.0);
+            let others = groups.iter().map(|group| form.linear(group.of(case)));
+            let row = ones.chain(others).collect();
+            let system = case.system();
+            Some(Equation { row, value, system })
+        };
+        let equations: Vec<Equation> = cases.iter().filter_map(equation).collect();
+        let (count, size) = (equations.len(), groups.len() + 1);
         if count < size + 3 {
             return None;
         }
-        let mut normal = vec![vec![0.0; size]; size];
-        let mut right = vec![0.0; size];
-        for (row, value) in &rows {
-            for i in 0..size {
-                right[i] += row[i] * value;
-                for j in 0..size {
-                    normal[i][j] += row[i] * row[j];
-                }
-            }
-        }
-        let inverse = inverted(&normal)?;
-        let coefficients: Vec<f64> = inverse.iter().map(|row| product(row, &right)).collect();
-        let (mut squares, mut left_out, mut largest) = (0.0, 0.0, 0.0f64);
-        for (row, value) in &rows {
-            let residual = value - product(row, &coefficients);
-            let image: Vec<f64> = inverse.iter().map(|line| product(line, row)).collect();
-            let leverage = product(row, &image);
+        let inverse = inverted(&normal_matrix(size, &equations))?;
+        let coefficients = solution(&inverse, &equations);
+        let mut squares = 0.0;
+        let mut largest = 0.0f64;
+        for equation in &equations {
+            let residual = equation.residual(&coefficients);
             squares += residual * residual;
-            left_out += (residual / (1.0 - leverage).max(1e-9)).powi(2);
             largest = largest.max(residual.abs());
+        }
+        let mut left_out = Vec::with_capacity(count);
+        let mut systems: Vec<_> = equations.iter().map(|equation| equation.system).collect();
+        systems.sort_unstable();
+        systems.dedup();
+        for system in systems {
+            let (own, others): (Vec<_>, Vec<_>) = equations
+                .iter()
+                .partition(|equation| equation.system == system);
+            let inverse = inverted(&normal_matrix(size, others.iter().copied()))?;
+            let coefficients = solution(&inverse, others);
+            left_out.extend(own.iter().map(|it| it.residual(&coefficients).abs()));
         }
         let variance = squares / (count - size) as f64;
         let exponents = (1..size)
             .map(|k| [coefficients[k], (variance * inverse[k][k]).sqrt()])
             .collect();
         let ranges = (1..size).map(|k| {
-            let logarithms = rows.iter().map(|(row, _)| row[k]);
+            let all = equations.iter().map(|equation| equation.row[k]);
             let whole = [f64::INFINITY, f64::NEG_INFINITY];
-            let range = logarithms.fold(whole, |[low, high], x| [low.min(x), high.max(x)]);
-            range.map(f64::exp)
+            let range = all.fold(whole, |[low, high], x| [low.min(x), high.max(x)]);
+            range.map(|linear| form.value(linear))
         });
+        let of_left_out: f64 = left_out.iter().map(|x| x * x).sum();
+        left_out.sort_by(f64::total_cmp);
+        let last_in_band = (IN_BAND * count as f64).ceil() as usize - 1;
         Some(Self {
             reduced,
             groups: groups.to_vec(),
             exponents,
             ranges: ranges.collect(),
-            prefactor: coefficients[0].exp(),
+            prefactor: form.value(coefficients[0]),
             points: count,
-            scatter: variance.sqrt().exp_m1(),
-            largest: largest.exp_m1(),
-            left_out: (left_out / count as f64).sqrt().exp_m1(),
+            scatter: form.distance(variance.sqrt()),
+            largest: form.distance(largest),
+            left_out: form.distance((of_left_out / count as f64).sqrt()),
+            band: form.distance(left_out[last_in_band]),
         })
     }
 
     /// The law at a case.
     #[must_use]
     pub fn at(&self, case: &FloorCase) -> f64 {
+        let form = self.reduced.form();
         let groups = self.groups.iter().zip(&self.exponents);
-        groups.fold(self.prefactor, |value, (group, [exponent, _])| {
-            value * group.of(case).powf(*exponent)
-        })
+        let terms = groups.map(|(group, [exponent, _])| exponent * form.linear(group.of(case)));
+        form.value(form.linear(self.prefactor) + terms.sum::<f64>())
     }
 
-    /// In words: `0.9 (w/w_c)^0.50`.
+    /// The distance of a case from it.
+    #[must_use]
+    pub fn distance(&self, case: &FloorCase) -> Option<f64> {
+        let form = self.reduced.form();
+        let value = self.reduced.of(case)?;
+        Some(form.distance(form.linear(value) - form.linear(self.at(case))))
+    }
+
+    /// In words: `0.9 (w/w_c)^(0.500 ± 0.010)`, or `1.1 - (0.600 ± 0.020) w_c/w`.
     #[must_use]
     pub fn words(&self) -> String {
+        let form = self.reduced.form();
         let groups = self.groups.iter().zip(&self.exponents);
-        let powers: Vec<String> = groups
-            .map(|(group, [exponent, error])| {
-                format!("({})^({exponent:.2} ± {error:.2})", group.name())
+        let terms: Vec<String> = groups
+            .map(|(group, [exponent, error])| match form {
+                Form::Powers => format!("({})^({exponent:.3} ± {error:.3})", group.name()),
+                Form::Sum => {
+                    let sign = if *exponent < 0.0 { '-' } else { '+' };
+                    format!(
+                        "{sign} ({:.3} ± {error:.3}) {}",
+                        exponent.abs(),
+                        group.name()
+                    )
+                }
             })
             .collect();
-        format!("{:.3} {}", self.prefactor, powers.join(" "))
+        format!("{:.3} {}", self.prefactor, terms.join(" "))
+    }
+
+    /// Of what its distances are parts.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        match self.reduced.form() {
+            Form::Powers => "",
+            Form::Sum => " of 3π w R/2",
+        }
     }
 }
 
-/// All candidates for a quantity: one group with the work, and any of the others.
+/// All candidates for a quantity: of powers one group with the work, and any of the others.
 #[must_use]
 pub fn candidates(reduced: Reduced, cases: &[&FloorCase]) -> Vec<Law> {
     const OTHERS: [Group; 3] = [Group::Fraction, Group::Lens, Group::Column];
+    if reduced.form() == Form::Sum {
+        let law = Law::fit(reduced, &[Group::Collapse], cases);
+        return law.into_iter().collect();
+    }
     let mut laws = Vec::new();
     for work in [Group::Threshold, Group::Work] {
         for chosen in 0..8u32 {
@@ -292,7 +480,9 @@ pub fn chosen(candidates: &[Law]) -> Option<&Law> {
 pub struct HeldOut {
     /// Number of cases.
     pub points: usize,
-    /// Root of the mean square of relative distances.
+    /// Those within the [band](Law::band) of the law.
+    pub in_band: usize,
+    /// Root of the mean square of distances.
     pub scatter: f64,
     /// The largest.
     pub largest: f64,
@@ -302,10 +492,7 @@ impl HeldOut {
     /// Of a law on cases; `None` if it says nothing about any of them.
     #[must_use]
     pub fn new(law: &Law, cases: &[FloorCase]) -> Option<Self> {
-        let distances: Vec<f64> = cases
-            .iter()
-            .filter_map(|case| Some((law.reduced.of(case)? / law.at(case)).ln().abs()))
-            .collect();
+        let distances: Vec<f64> = cases.iter().filter_map(|case| law.distance(case)).collect();
         let count = distances.len();
         if count == 0 {
             return None;
@@ -313,8 +500,9 @@ impl HeldOut {
         let squares: f64 = distances.iter().map(|x| x * x).sum();
         Some(Self {
             points: count,
-            scatter: (squares / count as f64).sqrt().exp_m1(),
-            largest: distances.into_iter().fold(0.0, f64::max).exp_m1(),
+            in_band: distances.iter().filter(|x| **x <= law.band).count(),
+            scatter: (squares / count as f64).sqrt(),
+            largest: distances.into_iter().fold(0.0, f64::max),
         })
     }
 }

@@ -4,7 +4,7 @@ use crate::grid::Substrate;
 use fakir::theory::stuck_floor::StuckFloor;
 use fakir_case::study::Coordinate;
 use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
-use fakir_study::{Answer, Collapsed, Cycled, Row};
+use fakir_study::{Answer, Collapsed, Cycled, Fate, Row, Validity};
 use std::fmt::Write;
 
 /// A part of the study: a sweep in a folder of its own.
@@ -20,7 +20,7 @@ pub enum Part {
     Offsets,
     /// Systems that are in no law: other lenses, pillars, moduli and works at once.
     Check,
-    /// Some cases on cells of the floor, tops and floor solved together, which the fast model is held against.
+    /// Tops and floor solved together on cells of the floor: cases that are beyond the range of the fast model, and some in it that it is held against.
     Cells,
 }
 
@@ -57,7 +57,7 @@ impl Part {
             Self::Sizes => "other heights and diameters",
             Self::Offsets => "the lens axis beside a pillar",
             Self::Check => "systems that are in no law",
-            Self::Cells => "some cases on cells of the floor",
+            Self::Cells => "cases on cells of the floor",
         }
     }
 }
@@ -83,7 +83,12 @@ pub struct Scope {
     pub sized_works: Vec<f64>,
     /// Systems that are in no law.
     pub checks: usize,
-    /// Surface fractions of the cases on cells.
+    /// Cases beyond the range of the fast model are solved on cells from this surface fraction on, and up to this work of adhesion (J/m^2): others take
+    /// minutes each.
+    pub cells_from: f64,
+    /// See there.
+    pub cells_up_to: f64,
+    /// Surface fractions at which the fast model is held against cells.
     pub cell_fractions: Vec<f64>,
     /// Works of adhesion of those, J/m^2.
     pub cell_works: Vec<f64>,
@@ -105,7 +110,9 @@ impl Scope {
             sized_fractions: vec![0.015, 0.03, 0.045],
             sized_works: vec![5e-3, 15e-3, 50e-3, 100e-3],
             checks: 20,
-            cell_fractions: vec![0.015, 0.02, 0.03],
+            cells_from: 0.01,
+            cells_up_to: 20e-3,
+            cell_fractions: vec![0.02, 0.03, 0.045, 0.06],
             cell_works: vec![5e-3, 10e-3, 20e-3],
         }
     }
@@ -123,16 +130,39 @@ impl Scope {
             sized_fractions: vec![0.02],
             sized_works: vec![15e-3, 50e-3],
             checks: 20,
+            cells_from: 0.02,
+            cells_up_to: 10e-3,
             cell_fractions: vec![0.03],
             cell_works: vec![10e-3],
         }
     }
 
-    /// The study of a part.
+    /// Whether a case of the floor is solved on cells, too.
+    #[must_use]
+    pub fn is_on_cells(&self, case: &FloorCase) -> bool {
+        let found = &case.found;
+        let [soft, intermediate] = [Substrate::Soft, Substrate::Intermediate]
+            .map(|substrate| same(case.young_modulus, substrate.young_modulus()));
+        if soft || case.offset.abs() > 1e-12 {
+            return false;
+        }
+        let beyond = [found.jump_validity, found.unloading_validity]
+            .into_iter()
+            .any(|validity| validity != Validity::InRange);
+        let affordable = case.surface_fraction > self.cells_from * (1.0 - 1e-9)
+            && found.work < self.cells_up_to * (1.0 + 1e-9);
+        let among = |value: f64, list: &[f64]| list.iter().any(|other| same(value, *other));
+        let compared = intermediate
+            && among(case.surface_fraction, &self.cell_fractions)
+            && among(found.work, &self.cell_works);
+        (beyond && affordable) || compared
+    }
+
+    /// The study of a part; that of the cells after those of the floor and of other systems, whose cases are `known`.
     ///
     /// # Errors
     /// [`CaseError`] for values that cannot be.
-    pub fn study(&self, part: Part) -> Result<Study, CaseError> {
+    pub fn study(&self, part: Part, known: &Cases) -> Result<Study, CaseError> {
         let list = |values: &[f64]| -> String {
             let values: Vec<String> = values.iter().map(|value| format!("{value:e}")).collect();
             values.join(", ")
@@ -172,14 +202,16 @@ impl Scope {
                 axis("texture.surface_fraction", &self.sized_fractions);
                 axis("adhesion.work", &self.sized_works);
             }
-            Part::Cells => {
-                case.push_str("\n[adhesion]\nwork = 0.01\nfloor = true\n");
-                axis("texture.surface_fraction", &self.cell_fractions);
-                axis("adhesion.work", &self.cell_works);
-            }
-            Part::Check => {
+            Part::Check | Part::Cells => {
                 text.push_str("combine = \"zip\"\n");
-                let systems = others(self.checks, 0)?;
+                let systems = if part == Part::Check {
+                    others(self.checks, 0)?
+                } else {
+                    case.push_str("\n[adhesion]\nwork = 0.01\nfloor = true\n");
+                    let cases = known.floor.iter().chain(&known.check);
+                    let on_cells = cases.filter(|case| self.is_on_cells(case));
+                    on_cells.map(FloorCase::varied).collect()
+                };
                 for (place, key) in VARIED.into_iter().enumerate() {
                     let values: Vec<f64> = systems.iter().map(|system| system[place]).collect();
                     axis(key.path(), &values);
@@ -240,6 +272,8 @@ pub fn others(count: usize, after: usize) -> Result<Vec<[f64; 6]>, CaseError> {
 /// A case of the floor, with where it comes from.
 #[derive(Debug, Clone)]
 pub struct FloorCase {
+    /// Surface fraction.
+    pub surface_fraction: f64,
     /// Young's modulus of the substrate, Pa.
     pub young_modulus: f64,
     /// Offset of the lens axis, pitches.
@@ -250,8 +284,42 @@ pub struct FloorCase {
     pub diameter: f64,
     /// Radius of the lens, m.
     pub lens_radius: f64,
-    /// The answer.
+    /// The answer of the fast model.
     pub found: Collapsed,
+    /// That on cells of the floor, if they tell more than orders of magnitude.
+    pub cells: Option<Cycled>,
+}
+
+impl FloorCase {
+    /// What of it is in [`VARIED`].
+    #[must_use]
+    pub fn varied(&self) -> [f64; 6] {
+        [
+            self.lens_radius,
+            self.height,
+            self.diameter,
+            self.surface_fraction,
+            self.young_modulus,
+            self.found.work,
+        ]
+    }
+
+    /// Tells apart systems that differ in more than the work of adhesion.
+    pub(crate) fn system(&self) -> [u64; 5] {
+        let [lens, height, diameter, fraction, modulus, _] = self.varied();
+        [lens, height, diameter, fraction, modulus].map(f64::to_bits)
+    }
+
+    /// What becomes of the floor when the lens is withdrawn: on cells, or by the fast model in its range.
+    #[must_use]
+    pub fn fate(&self) -> Option<Fate> {
+        let on_cells = self.cells.as_ref().and_then(|cells| cells.floor?.lost);
+        match on_cells {
+            Some(lost) if lost.force > 0.0 => Some(Fate::LostUnderLoad),
+            Some(_) => Some(Fate::HeldThroughZero),
+            None => (self.found.unloading_validity == Validity::InRange).then_some(self.found.fate),
+        }
+    }
 }
 
 /// A case of the tops.
@@ -285,6 +353,7 @@ pub fn floor_cases(study: &Study, rows: &[Row]) -> Vec<FloorCase> {
     let (pillar, lens) = (system.pillar(), system.lens().sphere_radius());
     let case = |row: &Row| match &row.answer {
         Some(Answer::Collapse(found)) if row.problem.is_none() => Some(FloorCase {
+            surface_fraction: value(study, row, Key::SurfaceFraction, found.surface_fraction),
             young_modulus: value(
                 study,
                 row,
@@ -296,6 +365,7 @@ pub fn floor_cases(study: &Study, rows: &[Row]) -> Vec<FloorCase> {
             diameter: value(study, row, Key::PillarDiameter, pillar.diameter),
             lens_radius: value(study, row, Key::LensRadius, lens),
             found: found.clone(),
+            cells: None,
         }),
         _ => None,
     };
@@ -316,17 +386,6 @@ pub fn top_cases(study: &Study, rows: &[Row]) -> Vec<TopCase> {
     rows.iter().filter_map(case).collect()
 }
 
-/// The cycles in a sweep, those of which the floor is known to more than an order of magnitude.
-#[must_use]
-pub fn cell_cases(rows: &[Row]) -> Vec<Cycled> {
-    let case = |row: &Row| match &row.answer {
-        Some(Answer::Cycle(found)) if row.problem.is_none() => Some(found.clone()),
-        _ => None,
-    };
-    let fine = |cycle: &Cycled| cycle.floor.is_some_and(|floor| !floor.coarse);
-    rows.iter().filter_map(case).filter(fine).collect()
-}
-
 /// Whether two numbers are the same but for rounding.
 #[must_use]
 pub fn same(a: f64, b: f64) -> bool {
@@ -334,7 +393,7 @@ pub fn same(a: f64, b: f64) -> bool {
 }
 
 /// What was computed.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Cases {
     /// The floor.
     pub floor: Vec<FloorCase>,
@@ -344,11 +403,24 @@ pub struct Cases {
     pub sizes: Vec<FloorCase>,
     /// Systems that are in no law.
     pub check: Vec<FloorCase>,
-    /// Some on cells of the floor, on the intermediate substrate.
-    pub cells: Vec<Cycled>,
 }
 
 impl Cases {
+    /// Gives the rows on cells to the cases that they are of.
+    pub fn take_cells(&mut self, scope: &Scope, rows: &[Row]) {
+        let cases = self.floor.iter_mut().chain(&mut self.check);
+        let on_cells = cases.filter(|case| scope.is_on_cells(case));
+        for (case, row) in on_cells.zip(rows) {
+            let told = |cycle: &&Cycled| cycle.floor.is_some_and(|floor| !floor.coarse);
+            case.cells = match &row.answer {
+                Some(Answer::Cycle(cycle)) if row.problem.is_none() => Some(cycle),
+                _ => None,
+            }
+            .filter(told)
+            .cloned();
+        }
+    }
+
     /// The floor on a substrate with the lens axis on a pillar.
     pub fn on_pillar(&self, substrate: Substrate) -> impl Iterator<Item = &FloorCase> {
         let on = move |case: &&FloorCase| {

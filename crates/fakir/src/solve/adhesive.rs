@@ -347,7 +347,7 @@ impl<'a> Loading<'a> {
         };
         let curvature = self.path.gap_radius(&lowest);
         let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
-        let division = self.path.stuck_division(ring, patch);
+        let division = self.path.stuck_division(self.accuracy, ring, patch);
         let cell = division.cell_area().sqrt();
         self.floor = Some(FloorResolution {
             cell: cell * scene.length,

@@ -16,7 +16,7 @@ use super::rules::stuck_floor::{FloorStation, StuckFloor};
 use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent, SurfaceCoupling};
 use crate::halfspace::floor::grid::Division;
 use crate::halfspace::floor::load::FloorLoad;
-use crate::problem::Point;
+use crate::problem::{Accuracy, Point};
 use crate::state::SolveError;
 
 /// Cells between the contact with the floor and the end of the window at the least, and by how much that becomes wider, in distances of pillars: also on
@@ -42,6 +42,9 @@ const CELLS_ALONG_PATCH: f64 = 10.0;
 const WANTED_ALONG_PATCH: f64 = 20.0;
 const LARGEST_CELL: f64 = 0.7;
 const SMALLEST_CELL: f64 = 1e-3;
+
+/// Sides of cells with the accuracy that takes longer, over those without.
+const ACCURATE_CELLS: f64 = 0.6;
 
 /// Cells along half the shortest distance of pillars at the least.
 const FEWEST_HALVES: f64 = 4.0;
@@ -253,21 +256,26 @@ impl Path<'_> {
 
     /// The division of the floor for a free ring of this width and a first patch of this radius, as fine as it can be afforded; with cells that are
     /// as many times as large as the variation says, about.
-    pub(super) fn stuck_division(&self, ring: f64, patch: f64) -> Division {
+    pub(super) fn stuck_division(&self, accuracy: Accuracy, ring: f64, patch: f64) -> Division {
+        let (cells, points) = match accuracy {
+            Accuracy::Default => (1.0, 1.0),
+            Accuracy::Accurate => (ACCURATE_CELLS, ACCURATE_CELLS.powi(-2)),
+        };
         let field = &self.scene.field;
         let shortest = field.shortest_distance();
         let radius = self.reach() + field.spacing();
         let extent = PillarExtent::new(&self.sites, radius, field.pillar_grid().is_some());
         let limit = self.run.memory_limit() as f64;
         let fewest = FEWEST_HALVES as usize;
-        let finest = |along_patch: f64, points: f64| {
+        let finest = |along_patch: f64, most: f64| {
             let cell = (ring / CELLS_ACROSS_RING)
                 .min(patch / along_patch)
-                .clamp(SMALLEST_CELL, LARGEST_CELL);
+                .clamp(SMALLEST_CELL, LARGEST_CELL)
+                * cells;
             let wanted = (0.5 * shortest / cell).ceil().max(FEWEST_HALVES) as usize;
             let affordable = |fineness: &usize| {
                 let division = Division::new(field, *fineness);
-                FloorCoupling::points(&division, radius, extent, FLOOR_DEGREE) < points
+                FloorCoupling::points(&division, radius, extent, FLOOR_DEGREE) < points * most
                     && FloorCoupling::memory_estimate(&division, radius, extent, FLOOR_DEGREE)
                         < limit
             };
@@ -623,7 +631,7 @@ mod tests {
         };
         let critical = path.indentation();
         // As the ring of 4 um at this work asks for.
-        let division = path.stuck_division(4.0e-6 / scene.length, f64::INFINITY);
+        let division = path.stuck_division(Accuracy::Default, 4.0e-6 / scene.length, f64::INFINITY);
         path.stick(lowest, division, 2.0 * scene.field.spacing())
             .unwrap();
         let newton = scene.force();

@@ -131,7 +131,7 @@ impl StuckFloorErrors {
 
 impl FloorResolution {
     /// Cells across the ring with which the error of the fronts is a few per cent.
-    pub const ENOUGH: f64 = 4.0;
+    pub const ENOUGH: f64 = 3.0;
 
     /// Whether the numbers are orders of magnitude.
     #[must_use]
