@@ -159,7 +159,7 @@ impl Drawn {
             self.cycle(Accuracy::Accurate)?,
         ];
         let seconds = start.elapsed().as_secs_f64();
-        let certificates = cycles.each_ref().map(|cycle| cycle.certificate());
+        let certificates = cycles.each_ref().map(Cycle::certificate);
         let certificate = certificates
             .map(|it| it.unwrap_or(f64::INFINITY))
             .into_iter()

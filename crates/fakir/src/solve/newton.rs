@@ -194,6 +194,9 @@ impl Tolerances {
 /// Pillars so much farther from the lens axis than those touched are coupled with the floor, in pitches.
 const REACH_MARGIN: f64 = 1.0;
 
+/// The contact has come near to pillars that are not coupled with the floor, in pitches.
+const NEAR_REACH: f64 = 0.5;
+
 /// Modes of a pillar that the floor sees and that see the floor, by their degree: 3 changes the force by 7e-8, also where
 /// the floor is touched 0.6 pillar radii from a rim.
 pub(crate) const FLOOR_DEGREE: usize = 2;
@@ -453,6 +456,9 @@ impl<'a> Newton<'a> {
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
         let coefficients = |cell: usize| start(centres[cell]).map(|pressure| unit_cell * pressure);
         self.reach = self.pillar_reach();
+        if self.scene.layers.is_empty() {
+            self.tops.touch_only_within(self.reach);
+        }
         let (sites, reach) = (&self.tops.sites, self.reach);
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
         let (kernels, layers) = (&mut self.kernels, &self.scene.layers[..]);
@@ -471,22 +477,32 @@ impl<'a> Newton<'a> {
         self.cells = Some(cells);
     }
 
-    /// Distance of pillar centres from the lens axis up to which they are coupled with the floor: those touched at present, and some more. Those
-    /// beyond do not feel the floor, which on half-spaces only moves the lens away from them: if they are not touched without it, they are not with it.
-    /// A thin layer rises around what is pressed; that it does to those next to the touched ones first.
+    /// Distance of pillar centres from the lens axis up to which they are coupled with the floor: those touched at present, and some more.
+    ///
+    /// Those beyond are not touched: on half-spaces the floor only moves the lens away from them, and as it takes load from the tops within, nothing else would
+    /// tell them so. A thin layer rises around what is pressed; that it does to those next to the touched ones first.
     ///
     /// If none is touched yet: as far as the undeformed lens is below the tops, with a margin for the indentation, where that is to be found.
     pub(crate) fn pillar_reach(&self) -> f64 {
         if self.touched() > 0 {
-            return self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();
+            let reach = self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();
+            // Tall pillars beyond lower ones come and go with the floor's grid.
+            return match self.scene.field.has_unlike_heights() {
+                true => reach.max(self.reach),
+                false => reach,
+            };
         }
         let depth = 1.1 * self.contact.indentation();
         self.scene.farthest_reached(depth)
     }
 
-    /// Whether a pillar is touched that is not coupled with the floor.
+    /// Whether pillars are touched that are not coupled with the floor, or may be because the contact has come near to them.
     pub(crate) fn touches_beyond_reach(&self) -> bool {
-        self.cells.is_some() && self.tops.reach() > self.reach
+        let near = match self.scene.layers.is_empty() {
+            true => NEAR_REACH * self.scene.field.spacing(),
+            false => 0.0,
+        };
+        self.cells.is_some() && self.touched() > 0 && self.tops.reach() > self.reach - near
     }
 
     /// The pressure on the floor, where it bears any.
@@ -763,6 +779,7 @@ impl<'a> Newton<'a> {
         let top = PillarTop::new(tops, coupling, sites.common_body().column);
         let mut rebuilt = Self::new(&self.scene, self.run, self.stage, sites, &pair, top);
         rebuilt.kernels.clone_from(&self.kernels);
+        rebuilt.reach = self.reach;
         rebuilt.start_from(self);
         rebuilt
     }

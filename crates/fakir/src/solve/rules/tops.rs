@@ -69,6 +69,8 @@ pub(crate) struct Tops {
     partial: Vec<Partial>,
     /// Index into `partial` of every pillar that is there.
     partial_of: Vec<u32>,
+    /// Pillars farther from the lens axis than this are not touched, whatever is asked of them.
+    farthest: f64,
 }
 
 /// What an update changed.
@@ -116,9 +118,15 @@ impl Tops {
             status: vec![PillarStatus::Untouched; sites.len()],
             partial: Vec::new(),
             partial_of: vec![NOT_PARTIAL; sites.len()],
+            farthest: f64::INFINITY,
             top,
             sites,
         }
+    }
+
+    /// From now on pillars farther from the lens axis than this are not touched.
+    pub(crate) fn touch_only_within(&mut self, farthest: f64) {
+        self.farthest = farthest;
     }
 
     /// The top of a pillar, on its own column.
@@ -412,6 +420,10 @@ impl Tops {
         let work = || (vec![0.0; self.modes], Rim::new(self.degree));
         let count = self.sites.len();
         workers.map(count, PILLARS, work, |(load, rim), pillar| {
+            let [x, y] = self.sites.centres()[pillar];
+            if self.farthest.is_finite() && x.hypot(y) > self.farthest {
+                return PillarStatus::Untouched;
+            }
             incident(pillar, load);
             self.status_under(pillar, load, rim)
         })
