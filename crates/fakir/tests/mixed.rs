@@ -291,6 +291,21 @@ fn far_past_the_transition_it_is_the_contact_of_hertz() {
     }
 }
 
+/// Where the floor takes half the load, pillars that are not coupled with it, outside, feel less than without it: they stay untouched all the same. The force is
+/// that of a program that let them be touched and began anew with wider windows, in twice as many steps.
+#[test]
+fn no_pillar_outside_is_touched_on_the_way() {
+    let system = system(0.08, 2e6, 0.0);
+    let state = pressed(
+        &system,
+        Control::Indentation(89.550_684 * UM),
+        Accuracy::Default,
+    );
+    assert!((state.force / 6.835_697_36e-2 - 1.0).abs() < 1e-8);
+    assert_eq!(state.pillars_in_contact, 1915);
+    assert!(state.iterations <= 20, "{}", state.iterations);
+}
+
 #[test]
 fn a_force_returns_its_indentation() {
     for (phi, modulus, offset, ratio) in [
