@@ -1,6 +1,5 @@
 //! The figures of the study.
 
-use super::LEAST_THRESHOLD;
 use super::findings::{Checked, RUBBER, TYPICAL};
 use super::scaling::{Form, Group, Reduced};
 use super::study::{Cases, FloorCase, Scope, same};
@@ -310,7 +309,7 @@ fn withdrawals(cases: &Cases) -> Plate {
 fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     let reduced = law.reduced;
     let points = |of: &mut dyn Iterator<Item = &FloorCase>| -> Vec<[f64; 2]> {
-        of.filter(|case| case.found.work_over_collapse_work >= LEAST_THRESHOLD)
+        of.filter(|case| case.has_laws())
             .filter_map(|case| Some([law.at(case), reduced.of(case)?]))
             .collect()
     };

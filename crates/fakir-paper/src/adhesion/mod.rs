@@ -87,7 +87,7 @@ struct LawRow {
     band: f64,
 }
 
-/// Cases that laws come from: rigid and intermediate substrate with the lens axis on a pillar, and the other sizes, from [`LEAST_THRESHOLD`] on. The soft substrate is drawn down as a whole
+/// Cases that laws come from: rigid and intermediate substrate with the lens axis on a pillar, and the other sizes, as far as [laws hold](FloorCase::has_laws). The soft substrate is drawn down as a whole
 /// with nearly every work of the study, and has no part in them.
 #[must_use]
 pub fn cases_of_laws(cases: &Cases) -> Vec<&FloorCase> {
@@ -95,12 +95,9 @@ pub fn cases_of_laws(cases: &Cases) -> Vec<&FloorCase> {
     let hard = [Substrate::Rigid, Substrate::Intermediate].into_iter();
     hard.flat_map(|substrate| cases.on_pillar(substrate))
         .chain(&cases.sizes)
-        .filter(|case| case.found.work_over_collapse_work >= LEAST_THRESHOLD)
+        .filter(|case| case.has_laws())
         .collect()
 }
-
-/// Part of the work of collapse below which there is no law: patches small against their holes come off like spheres, as the power 2/3 of the work, and do not feel the pillars.
-pub const LEAST_THRESHOLD: f64 = 0.03;
 
 /// Makes everything in a folder. An interrupted one goes on with [`Existing::Resume`].
 ///
@@ -115,13 +112,15 @@ pub fn reproduce_adhesion(
 ) -> Result<AdhesionStudy, PaperError> {
     prepare(folder, existing, &Part::ALL.map(Part::folder))?;
     let mut damaged = Vec::new();
-    let mut rows = Vec::new();
+    let (mut count, mut failed) = (0, 0);
     let mut sweep = |part: Part, known: &Cases| -> Result<(Study, Vec<Row>), PaperError> {
         let study = scope.study(part, known)?;
         let tell = |progress| on_progress(Progress::Sweep(part, progress));
         let summary = swept(&study, &folder.join(part.folder()), existing, run, &tell)?;
         damaged.extend(summary.damaged);
-        rows.extend(summary.rows.iter().map(|row| row.problem.is_some()));
+        count += summary.rows.len();
+        let failures = summary.rows.iter().filter(|row| row.problem.is_some());
+        failed += failures.count();
         Ok((study, summary.rows))
     };
     let mut cases = Cases::default();
@@ -137,7 +136,6 @@ pub fn reproduce_adhesion(
     cases.check = floor_cases(&study, &found);
     let (_, found) = sweep(Part::Cells, &cases)?;
     cases.take_cells(scope, &found);
-    let (count, failed) = (rows.len(), rows.iter().filter(|failed| **failed).count());
     let of_laws = cases_of_laws(&cases);
     let all: Vec<Vec<Law>> = Reduced::ALL
         .into_iter()

@@ -1,8 +1,7 @@
 //! `report.html` of the study: what was found, laws, figures. One file, nothing to load.
 
-use super::LEAST_THRESHOLD;
 use super::findings::{Checked, Finding, RUBBER};
-use super::study::{Cases, same};
+use super::study::{Cases, LEAST_THRESHOLD, same};
 use crate::claims::{percent, short};
 use crate::figures::Plate;
 use crate::grid::Substrate;

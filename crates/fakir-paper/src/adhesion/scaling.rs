@@ -6,7 +6,7 @@
 
 use super::study::FloorCase;
 use fakir::theory::collapsed_floor::{MODEL_ERROR_OF_AREA, NARROWEST_FRONT};
-use fakir_study::{Cycled, Fate, Validity};
+use fakir_study::{Cycled, Fate, FloorJump, FloorLoss, Validity};
 use std::f64::consts::PI;
 
 /// What a law is of, without dimension.
@@ -91,38 +91,33 @@ impl Reduced {
         (value > 0.0 && value.is_finite()).then_some(value)
     }
 
-    /// On cells, to [`KNOWN_TO`] by their own estimate; after the jump where as much is stuck as the fast model asks for, since in fewer holes their number makes steps. Their cycles turn back where they touch the floor, so that they tell no hysteresis beside that of the model.
+    /// On cells, to [`KNOWN_TO`] by their own estimate; after the jump where as much is stuck as the fast model asks for, since in fewer holes their
+    /// number makes steps. Their cycles turn back where they touch the floor, so that they tell no hysteresis beside that of the model.
     fn on_cells(self, case: &FloorCase, cells: &Cycled) -> Option<f64> {
         let (floor, loading) = (cells.floor?, &cells.loading);
-        let wide = || {
-            let in_pitches = floor.jump.front_radius / cells.pitch;
-            (in_pitches >= NARROWEST_FRONT).then_some(())
+        let held = case.fate() == Some(Fate::HeldThroughZero);
+        let pull = cells.pull_off.filter(|_| held);
+        let wide = floor.jump.front_radius >= NARROWEST_FRONT * cells.pitch;
+        let quotient = self.quotient(&Figures {
+            critical_indentation: loading.critical_indentation?,
+            critical_contact_radius: loading.critical_contact_radius?,
+            critical_force: loading.critical_force?,
+            smooth_pull_off: 1.5 * PI * cells.work * case.lens_radius,
+            jump: Some(floor.jump).filter(|_| wide),
+            lost: floor.lost,
+            pull_off: pull.map(|pull| pull.force),
+            hysteresis: None,
+        })?;
+        let relative_error = match self {
+            Self::Withdrawal => floor.lost_indentation_error,
+            Self::Area => floor.jump_area_error,
+            Self::Drop => floor.jump_force_error,
+            Self::PullOff | Self::Hysteresis => {
+                pull.map_or(0.0, |pull| pull.error.numerical + pull.error.model)
+            }
         };
-        let (value, error) = match self {
-            Self::Withdrawal => {
-                let lost = floor.lost?.indentation / loading.critical_indentation?;
-                (1.0 - lost, floor.lost_indentation_error * lost)
-            }
-            Self::Area => {
-                wide()?;
-                let area = floor.jump.floor_area / (PI * loading.critical_contact_radius?.powi(2));
-                (area, floor.jump_area_error * area)
-            }
-            Self::Drop => {
-                wide()?;
-                let force = floor.jump.force / loading.critical_force?;
-                (1.0 - force, floor.jump_force_error * force)
-            }
-            Self::PullOff => {
-                let pull = cells
-                    .pull_off
-                    .filter(|_| case.fate() == Some(Fate::HeldThroughZero))?;
-                let force = -pull.force / (1.5 * PI * cells.work * case.lens_radius);
-                (force, (pull.error.numerical + pull.error.model) * force)
-            }
-            Self::Hysteresis => return None,
-        };
-        (error.abs() <= KNOWN_TO * value.abs()).then_some(value)
+        let value = self.value_of(quotient);
+        ((relative_error * quotient).abs() <= KNOWN_TO * value.abs()).then_some(value)
     }
 
     /// By the fast model in its range.
@@ -135,16 +130,52 @@ impl Reduced {
         if validity != Validity::InRange {
             return None;
         }
+        let quotient = self.quotient(&Figures {
+            critical_indentation: found.critical_indentation,
+            critical_contact_radius: found.critical_contact_radius,
+            critical_force: found.critical_force,
+            smooth_pull_off: 1.5 * PI * found.work * case.lens_radius,
+            jump: found.jump,
+            lost: found.lost,
+            pull_off: found.pull_off,
+            hysteresis: found.hysteresis,
+        })?;
+        Some(self.value_of(quotient))
+    }
+
+    /// What was measured over what makes it a number without dimension.
+    fn quotient(self, figures: &Figures) -> Option<f64> {
         Some(match self {
-            Self::Withdrawal => 1.0 - found.lost?.indentation / found.critical_indentation,
-            Self::Area => found.jump?.floor_area / (PI * found.critical_contact_radius.powi(2)),
-            Self::Drop => 1.0 - found.jump?.force / found.critical_force,
-            Self::PullOff => -found.pull_off? / (1.5 * PI * found.work * case.lens_radius),
+            Self::Withdrawal => figures.lost?.indentation / figures.critical_indentation,
+            Self::Area => figures.jump?.floor_area / (PI * figures.critical_contact_radius.powi(2)),
+            Self::Drop => figures.jump?.force / figures.critical_force,
+            Self::PullOff => -figures.pull_off? / figures.smooth_pull_off,
             Self::Hysteresis => {
-                found.hysteresis? / (found.critical_force * found.critical_indentation)
+                figures.hysteresis? / (figures.critical_force * figures.critical_indentation)
             }
         })
     }
+
+    /// The number itself: what the quotient lacks to 1, or the quotient.
+    fn value_of(self, quotient: f64) -> f64 {
+        match self {
+            Self::Withdrawal | Self::Drop => 1.0 - quotient,
+            Self::Area | Self::PullOff | Self::Hysteresis => quotient,
+        }
+    }
+}
+
+/// What a cycle came to, on cells or by the fast model, in SI units.
+struct Figures {
+    critical_indentation: f64,
+    critical_contact_radius: f64,
+    critical_force: f64,
+    /// The pull-off force of a smooth sphere.
+    smooth_pull_off: f64,
+    jump: Option<FloorJump>,
+    lost: Option<FloorLoss>,
+    pull_off: Option<f64>,
+    hysteresis: Option<f64>,
 }
 
 /// Relative error up to which a number on cells has a part in laws: that of the areas of the fast model.
@@ -430,9 +461,9 @@ impl Law {
     /// Of what its distances are parts.
     #[must_use]
     pub fn unit(&self) -> &'static str {
-        match self.reduced.form() {
-            Form::Powers => "",
-            Form::Sum => " of 3π w R/2",
+        match self.reduced {
+            Reduced::PullOff => " of 3π w R/2",
+            _ => "",
         }
     }
 }

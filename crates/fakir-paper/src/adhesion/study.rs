@@ -269,6 +269,10 @@ pub fn others(count: usize, after: usize) -> Result<Vec<[f64; 6]>, CaseError> {
         .collect()
 }
 
+/// Part of the work of collapse below which there is no law: patches small against their holes come off like spheres, as the power 2/3 of the work, and do not
+/// feel the pillars.
+pub const LEAST_THRESHOLD: f64 = 0.03;
+
 /// A case of the floor, with where it comes from.
 #[derive(Debug, Clone)]
 pub struct FloorCase {
@@ -302,6 +306,12 @@ impl FloorCase {
             self.young_modulus,
             self.found.work,
         ]
+    }
+
+    /// Whether laws hold for it: from [`LEAST_THRESHOLD`] on.
+    #[must_use]
+    pub fn has_laws(&self) -> bool {
+        self.found.work_over_collapse_work >= LEAST_THRESHOLD
     }
 
     /// Tells apart systems that differ in more than the work of adhesion.
@@ -411,13 +421,12 @@ impl Cases {
         let cases = self.floor.iter_mut().chain(&mut self.check);
         let on_cells = cases.filter(|case| scope.is_on_cells(case));
         for (case, row) in on_cells.zip(rows) {
-            let told = |cycle: &&Cycled| cycle.floor.is_some_and(|floor| !floor.coarse);
-            case.cells = match &row.answer {
-                Some(Answer::Cycle(cycle)) if row.problem.is_none() => Some(cycle),
-                _ => None,
+            if let Some(Answer::Cycle(cycle)) = &row.answer
+                && row.problem.is_none()
+                && cycle.floor.is_some_and(|floor| !floor.coarse)
+            {
+                case.cells = Some(cycle.clone());
             }
-            .filter(told)
-            .cloned();
         }
     }
 

@@ -431,9 +431,11 @@ impl<'a> Newton<'a> {
     /// Takes over the states that the pillars and the floor's cells have under the present loads.
     fn update(&mut self) -> Change {
         let incident = self.contact.incident();
-        let mut change =
-            self.tops
-                .update(&incident, self.contact.coefficients(), self.run.workers());
+        let coefficients = self.contact.coefficients();
+        let bounded = self.cells.is_some() && self.scene.layers.is_empty();
+        let farthest = bounded.then_some(self.reach);
+        let workers = self.run.workers();
+        let mut change = self.tops.update(&incident, coefficients, farthest, workers);
         if let Some(cells) = &mut self.cells {
             let contact = &self.contact;
             let of_floor = cells.update(
@@ -456,9 +458,6 @@ impl<'a> Newton<'a> {
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
         let coefficients = |cell: usize| start(centres[cell]).map(|pressure| unit_cell * pressure);
         self.reach = self.pillar_reach();
-        if self.scene.layers.is_empty() {
-            self.tops.touch_only_within(self.reach);
-        }
         let (sites, reach) = (&self.tops.sites, self.reach);
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
         let (kernels, layers) = (&mut self.kernels, &self.scene.layers[..]);
@@ -487,9 +486,10 @@ impl<'a> Newton<'a> {
         if self.touched() > 0 {
             let reach = self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();
             // Tall pillars beyond lower ones come and go with the floor's grid.
-            return match self.scene.field.has_unlike_heights() {
-                true => reach.max(self.reach),
-                false => reach,
+            return if self.scene.field.has_unlike_heights() {
+                reach.max(self.reach)
+            } else {
+                reach
             };
         }
         let depth = 1.1 * self.contact.indentation();
@@ -498,9 +498,10 @@ impl<'a> Newton<'a> {
 
     /// Whether pillars are touched that are not coupled with the floor, or may be because the contact has come near to them.
     pub(crate) fn touches_beyond_reach(&self) -> bool {
-        let near = match self.scene.layers.is_empty() {
-            true => NEAR_REACH * self.scene.field.spacing(),
-            false => 0.0,
+        let near = if self.scene.layers.is_empty() {
+            NEAR_REACH * self.scene.field.spacing()
+        } else {
+            0.0
         };
         self.cells.is_some() && self.touched() > 0 && self.tops.reach() > self.reach - near
     }

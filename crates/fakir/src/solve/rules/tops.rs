@@ -69,8 +69,6 @@ pub(crate) struct Tops {
     partial: Vec<Partial>,
     /// Index into `partial` of every pillar that is there.
     partial_of: Vec<u32>,
-    /// Pillars farther from the lens axis than this are not touched, whatever is asked of them.
-    farthest: f64,
 }
 
 /// What an update changed.
@@ -118,15 +116,9 @@ impl Tops {
             status: vec![PillarStatus::Untouched; sites.len()],
             partial: Vec::new(),
             partial_of: vec![NOT_PARTIAL; sites.len()],
-            farthest: f64::INFINITY,
             top,
             sites,
         }
-    }
-
-    /// From now on pillars farther from the lens axis than this are not touched.
-    pub(crate) fn touch_only_within(&mut self, farthest: f64) {
-        self.farthest = farthest;
     }
 
     /// The top of a pillar, on its own column.
@@ -369,14 +361,16 @@ impl Tops {
         gap
     }
 
-    /// Solves every pillar under its incident load, and takes over its state. `coefficients` are those of the frozen contact.
+    /// Solves every pillar under its incident load, and takes over its state. `coefficients` are those of the frozen contact. Pillars farther from the lens
+    /// axis than `farthest`, if there is such a distance, are not touched, whatever is asked of them.
     pub(crate) fn update(
         &mut self,
         incident: &Incident<'_>,
         coefficients: &[f64],
+        farthest: Option<f64>,
         workers: Workers<'_>,
     ) -> Change {
-        let statuses = self.statuses(incident, workers);
+        let statuses = self.statuses(incident, farthest, workers);
         let before = std::mem::replace(&mut self.status, statuses);
         let partial: Vec<usize> = (0..self.sites.len())
             .filter(|&p| self.status[p] == PillarStatus::Partial)
@@ -416,12 +410,17 @@ impl Tops {
         }
     }
 
-    fn statuses(&self, incident: &Incident<'_>, workers: Workers<'_>) -> Vec<PillarStatus> {
+    fn statuses(
+        &self,
+        incident: &Incident<'_>,
+        farthest: Option<f64>,
+        workers: Workers<'_>,
+    ) -> Vec<PillarStatus> {
         let work = || (vec![0.0; self.modes], Rim::new(self.degree));
         let count = self.sites.len();
         workers.map(count, PILLARS, work, |(load, rim), pillar| {
             let [x, y] = self.sites.centres()[pillar];
-            if self.farthest.is_finite() && x.hypot(y) > self.farthest {
+            if farthest.is_some_and(|farthest| x.hypot(y) > farthest) {
                 return PillarStatus::Untouched;
             }
             incident(pillar, load);
