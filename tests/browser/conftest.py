@@ -96,10 +96,15 @@ class Explorer:
         """Waits until the page has the answer to all that was asked."""
         self.until("document.body.dataset.busy === 'no'")
 
-    def enter(self, key, value):
+    def change(self, key, value):
+        """Enters a value without waiting for the answer."""
         field = self.page.locator(f"#{key.replace('.', '-')}")
         field.fill(value)
         field.press("Enter")
+
+    def enter(self, key, value):
+        """Enters a value and waits for the answer."""
+        self.change(key, value)
         self.rest()
 
     def slide(self, name, value):

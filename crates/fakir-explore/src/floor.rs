@@ -2,7 +2,7 @@
 
 use fakir::problem::{FloorModel, Point, System};
 use fakir::state::{FloorContact, FloorResolution};
-use fakir::theory::stuck_floor::{AnnulusEdge, StuckPillar};
+use fakir::theory::stuck_floor::StuckPillar;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -80,15 +80,7 @@ fn well_within(pulls: impl Iterator<Item = f64>) -> f64 {
     pulls.get(place).copied().unwrap_or_default()
 }
 
-/// Cells that the solver lays across the free ring round a pillar if it can, with how many its errors are known, and its largest cells in pillar radii.
-const WANTED_ACROSS_RING: f64 = 5.0;
-const LARGEST_CELL: f64 = 0.7;
-
-/// So many cells under the contact in the critical state the solver affords, about: its limit are the points of a transform, of which there are nine
-/// for every such cell.
-const MOST_CELLS: f64 = 2.2e5;
-
-/// More of them take more than about half a minute.
+/// More cells under the contact in the critical state take more than about half a minute.
 const MANY_CELLS: f64 = 1.2e5;
 
 /// What the cells of a floor that sticks are going to be, about, by the closed form of the free ring round a pillar.
@@ -112,15 +104,12 @@ impl ExpectedCells {
             return None;
         }
         let pillar = StuckPillar::of(system);
-        let ring = match pillar.edge(adhesion.receding(), 0.0) {
-            Ok(AnnulusEdge::At(radius)) => radius - pillar.radius(),
-            Ok(AnnulusEdge::Closed) => 0.0,
-            Ok(AnnulusEdge::Runs) | Err(_) => system.pitch(),
-        };
+        let ring = pillar.free_ring(adhesion.receding());
+        let ring = ring.ok().flatten().unwrap_or(system.pitch());
         let area = PI * contact_radius * contact_radius;
-        let largest = LARGEST_CELL * pillar.radius();
-        let smallest = (area / MOST_CELLS).sqrt();
-        let cell = (ring / WANTED_ACROSS_RING).min(largest).max(smallest);
+        let largest = FloorResolution::LARGEST_CELL * pillar.radius();
+        let smallest = (area / FloorResolution::MOST_CELLS).sqrt();
+        let cell = (ring / FloorResolution::WANTED).min(largest).max(smallest);
         let cells = area / (cell * cell);
         let across_ring = ring / cell;
         Some(Self {

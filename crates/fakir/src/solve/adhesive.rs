@@ -24,7 +24,7 @@ use crate::state::{
     FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
     PullOff, Run, SolveError, StuckFloorErrors, Termination, Warning,
 };
-use crate::theory::stuck_floor::{AnnulusEdge, StuckPillar};
+use crate::theory::stuck_floor::StuckPillar;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -340,11 +340,8 @@ impl<'a> Loading<'a> {
     fn stick(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
         let (scene, works) = (self.path.scene, self.path.tops.fronts.works());
         let pillar = StuckPillar::of(self.system);
-        let ring = match pillar.edge(self.system.adhesion().receding(), 0.0) {
-            Ok(AnnulusEdge::At(radius)) => (radius - pillar.radius()) / scene.length,
-            Ok(AnnulusEdge::Closed) => 0.0,
-            Ok(AnnulusEdge::Runs) | Err(_) => scene.field.spacing(),
-        };
+        let ring = pillar.free_ring(self.system.adhesion().receding());
+        let ring = (ring.ok().flatten()).map_or(scene.field.spacing(), |ring| ring / scene.length);
         let curvature = self.path.gap_radius(&lowest);
         let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
         let division = self.path.stuck_division(self.accuracy, ring, patch);

@@ -17,7 +17,7 @@ use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent, SurfaceCoup
 use crate::halfspace::floor::grid::Division;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::problem::{Accuracy, Point};
-use crate::state::SolveError;
+use crate::state::{FloorResolution, SolveError};
 
 /// Cells between the contact with the floor and the end of the window at the least, and by how much that becomes wider, in distances of pillars: also on
 /// unloading, when the contact becomes smaller.
@@ -36,11 +36,9 @@ const REACH_MARGIN_UNLOADING: f64 = 0.01;
 /// A gap below zero by this part of the height of the pillars is one.
 const ENTERED: f64 = 1e-5;
 
-/// Cells across the free ring round a pillar and along the radius of the first patch at the least, and sides of cells, pillar radii.
-const CELLS_ACROSS_RING: f64 = 5.0;
+/// Cells along the radius of the first patch at the least, those wanted, and the side of the smallest cells, pillar radii.
 const CELLS_ALONG_PATCH: f64 = 10.0;
 const WANTED_ALONG_PATCH: f64 = 20.0;
-const LARGEST_CELL: f64 = 0.7;
 const SMALLEST_CELL: f64 = 1e-3;
 
 /// Sides of cells with the accuracy that takes longer, over those without.
@@ -50,7 +48,7 @@ const ACCURATE_CELLS: f64 = 0.6;
 const FEWEST_HALVES: f64 = 4.0;
 
 /// Points of a transform up to which cells are made as small as they should be, and smaller along the first patch.
-const MOST_POINTS: f64 = 2e6;
+const MOST_POINTS: f64 = 9.0 * FloorResolution::MOST_CELLS;
 const EASY_POINTS: f64 = 1e6;
 
 impl<'a> Path<'a> {
@@ -268,9 +266,9 @@ impl Path<'_> {
         let limit = self.run.memory_limit() as f64;
         let fewest = FEWEST_HALVES as usize;
         let finest = |along_patch: f64, most: f64| {
-            let cell = (ring / CELLS_ACROSS_RING)
+            let cell = (ring / FloorResolution::WANTED)
                 .min(patch / along_patch)
-                .clamp(SMALLEST_CELL, LARGEST_CELL)
+                .clamp(SMALLEST_CELL, FloorResolution::LARGEST_CELL)
                 * cells;
             let wanted = (0.5 * shortest / cell).ceil().max(FEWEST_HALVES) as usize;
             let affordable = |fineness: &usize| {

@@ -132,6 +132,13 @@ impl StuckFloorErrors {
 impl FloorResolution {
     /// Cells across the ring with which the error of the fronts is a few per cent.
     pub const ENOUGH: f64 = 3.0;
+    /// Cells across the ring that are laid where they are affordable.
+    pub const WANTED: f64 = 5.0;
+    /// Side of the largest cells, pillar radii.
+    pub const LARGEST_CELL: f64 = 0.7;
+    /// Cells under the contact in the critical state that are affordable by default, about: their limit is one of the points of a transform, of which
+    /// there are nine for every such cell.
+    pub const MOST_CELLS: f64 = 2e6 / 9.0;
 
     /// Whether the numbers are orders of magnitude.
     #[must_use]

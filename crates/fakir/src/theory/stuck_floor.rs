@@ -304,6 +304,19 @@ impl StuckPillar {
         })
     }
 
+    /// Width, m, of the free ring round the pillar under a work of adhesion (J/m^2), without pressure far away; 0 of a ring that closes, none of one that
+    /// grows without end.
+    ///
+    /// # Errors
+    /// A work that is no positive number.
+    pub fn free_ring(&self, work: f64) -> Result<Option<f64>, InvalidQuantity> {
+        Ok(match self.edge(work, 0.0)? {
+            AnnulusEdge::At(radius) => Some(radius - self.radius),
+            AnnulusEdge::Closed => Some(0.0),
+            AnnulusEdge::Runs => None,
+        })
+    }
+
     /// Stress intensity over the one that the edge holds, less one, at a relative width `b/a - 1`.
     fn excess(&self, width: f64, pressure: f64, critical: f64) -> f64 {
         let coefficients = AnnulusCoefficients::of(1.0 + width);
@@ -813,6 +826,8 @@ mod tests {
         let stiff = StuckPillar::of(&system(0.03, 1000.0));
         let edge = stiff.edge(10e-3, 0.0).unwrap();
         assert!(matches!(edge, AnnulusEdge::At(b) if (b * 1e6 - 10.1).abs() < 0.06));
+        let ring = stiff.free_ring(10e-3).unwrap().unwrap();
+        assert!(matches!(edge, AnnulusEdge::At(b) if (b - stiff.radius()) == ring));
         let pressures = [-0.05, -0.02, -0.01, 0.0, 0.01, 0.02, 0.05, 0.1, 0.2];
         let table = [6.02, 5.00, 4.82, 4.67, 4.55, 4.44, 4.20, 3.93, 3.63];
         for (pressure, expected) in pressures.into_iter().zip(table) {
