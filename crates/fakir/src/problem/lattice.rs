@@ -90,9 +90,9 @@ impl HexagonalLattice {
             (low_i + 1, low_j + 1),
         ] {
             let [x, y] = self.centre(i, j);
-            let distance = (x - point[0]).hypot(y - point[1]);
-            if distance < smallest {
-                smallest = distance;
+            let square = (x - point[0]).powi(2) + (y - point[1]).powi(2);
+            if square < smallest {
+                smallest = square;
                 nearest = (i, j);
             }
         }

@@ -257,7 +257,7 @@ fn node_changes(
     let mut largest_sum = [0.0_f64; 2];
     for resolution in other_resolutions(newton.tops.top.resolution(), count) {
         let ratio = newton.tops.sites.common_body().column;
-        let top = PillarTop::new(resolution, newton.degree(), ratio);
+        let top = PillarTop::shared(resolution, newton.degree(), ratio);
         let work = || (LocalSolver::new(&top), vec![0.0; modes]);
         let one = |(solver, refined): &mut (LocalSolver, Vec<f64>), number: usize| {
             let (pillar, _) = partial[number];

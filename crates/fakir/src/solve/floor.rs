@@ -30,8 +30,9 @@ const STEP_TOLERANCE: f64 = 1e-9;
 /// lowers the value by is believed.
 const LAST_DESCENT: f64 = 1e-12;
 
-/// Starting points taken from a scan, besides the holes.
+/// Starting points taken from a scan, besides the holes, and how far apart these are at the least, in pitches.
 const SCANNED: usize = 8;
+const SEPARATION: f64 = 0.12;
 
 /// In textures wider than this pitch (pillar radii) the lowest point may lie anywhere around a
 /// pillar; in denser ones it lies in a hole.
@@ -45,8 +46,10 @@ const LOWEST_HOLES: usize = 6;
 const REMEMBERED: usize = 3;
 
 /// Relative difference of indentations of contact up to which a low point may become the lowest as the
-/// pressures change. (One that is farther off and does is found in the end, by a search from scratch.)
-const RIVALS: f64 = 2e-3;
+/// pressures change: at the most, and over what the last change did to the lowest. (One that is farther off and does is found in the end, by a search
+/// from scratch.)
+const MOST_RIVALS: f64 = 1e-2;
+const RIVALS: f64 = 10.0;
 
 /// Relative difference of indentations of contact up to which two holes are alike, being copies of
 /// each other under a symmetry of the lattice.
@@ -91,14 +94,14 @@ pub(crate) enum Surroundings<'a> {
 }
 
 /// Where a search may start.
+#[derive(Debug, Clone)]
 struct Starts {
-    /// How far apart the pillars stand.
-    pitch: f64,
-    /// The middles between them, and whether the search starts from all of these.
+    /// The middles between pillars, and whether the search starts from all of these.
     holes: Vec<Point>,
     every_hole: bool,
-    /// Some of the pillars next to the lens axis, and their radii.
-    pillars: Vec<(Point, f64)>,
+    /// Other points, of which it starts from the lowest, and how far apart these are at the least.
+    others: Vec<Point>,
+    separation: f64,
 }
 
 /// Pillars of any sites around which is looked where they stand far apart.
@@ -175,11 +178,12 @@ fn starts_on_lattice(lattice: &HexagonalLattice) -> Starts {
         .iter()
         .flat_map(|centre| lattice.middles_beside(*centre));
     let holes: Vec<Point> = middles.filter(near).collect();
+    let others = others(pitch, pillars[..3].iter().map(|centre| (*centre, 1.0)));
     Starts {
-        pitch,
         holes: one_of_alike(lattice, &holes),
         every_hole: pitch > WIDE_PITCH,
-        pillars: pillars[..3].iter().map(|centre| (*centre, 1.0)).collect(),
+        others: one_of_alike(lattice, &others),
+        separation: SEPARATION * pitch,
     }
 }
 
@@ -200,6 +204,24 @@ fn one_of_alike(lattice: &HexagonalLattice, points: &[Point]) -> Vec<Point> {
         }
     }
     kept
+}
+
+/// Other points than holes at which the floor may be lowest: the lens axis, and in wide textures rings around some pillars, given with their radii.
+fn others(pitch: f64, pillars: impl Iterator<Item = (Point, f64)>) -> Vec<Point> {
+    let mut others = vec![[0.0, 0.0]];
+    if pitch > WIDE_PITCH {
+        for ([x, y], size) in pillars {
+            let [least, most] = [1.1 * size, pitch - 1.5 * size];
+            for ring in 0..12 {
+                let radius = least * (most / least).powf(f64::from(ring) / 11.0);
+                for step in 0..12 {
+                    let angle = PI / 6.0 * f64::from(step);
+                    others.push([x + radius * angle.cos(), y + radius * angle.sin()]);
+                }
+            }
+        }
+    }
+    others
 }
 
 /// The points as far from three pillars as from any, and some beside the outermost pillars, as the floor may be lower there than between them.
@@ -246,10 +268,10 @@ fn starts_among(sites: &Sites, spacing: f64, reach: f64) -> Starts {
     pillars.sort_by(|a, b| away(a).total_cmp(&away(b)));
     pillars.truncate(SURROUNDED);
     Starts {
-        pitch: spacing,
         holes,
         every_hole: false,
-        pillars,
+        others: others(spacing, pillars.into_iter()),
+        separation: SEPARATION * spacing,
     }
 }
 
@@ -277,6 +299,11 @@ pub(crate) trait FloorDisplacement {
     /// `w1` and `w0` at a point off the pillars, with derivatives.
     fn displacement(&self, position: Point) -> [FieldJet; 2];
 
+    /// The same without derivatives, which may take less time.
+    fn value(&self, position: Point) -> [f64; 2] {
+        self.displacement(position).map(|jet| jet.value)
+    }
+
     /// Both at many points to about two digits, if that takes much less time.
     fn rough_displacements(&self, _: &[Point]) -> Option<Vec<[f64; 2]>> {
         None
@@ -298,8 +325,66 @@ impl LoadedDiscs<'_> {
 
     /// What some discs do; where they have one radius, in units of that.
     #[inline(always)]
-    fn sums(&self, discs: Range<usize>, [x, y]: Point) -> [LaneJets; 2] {
+    fn sums(&self, discs: Range<usize>, position: Point) -> [LaneJets; 2] {
         let mut sums = [LaneJets::default(); 2];
+        self.for_lanes(
+            discs,
+            position,
+            #[inline(always)]
+            |lanes| {
+                let LanesOfDiscs {
+                    offsets,
+                    coefficients,
+                    own_radius,
+                } = lanes;
+                if let Some(radius) = own_radius {
+                    let mut own = [LaneJets::default(); 2];
+                    self.exterior.add_jets(offsets, coefficients, &mut own);
+                    let scale = radius.map(f64::recip);
+                    for (sum, own) in sums.iter_mut().zip(&own) {
+                        sum.add_scaled(radius, scale, own);
+                    }
+                } else {
+                    self.exterior.add_jets(offsets, coefficients, &mut sums);
+                }
+            },
+        );
+        sums
+    }
+
+    /// The same without derivatives.
+    #[inline(always)]
+    fn values(&self, discs: Range<usize>, position: Point) -> [Lanes; 2] {
+        let mut sums = [Lanes::default(); 2];
+        let mut room = [Lanes::default(); NO_LOAD];
+        let of_modes = &mut room[..self.modes];
+        self.for_lanes(
+            discs,
+            position,
+            #[inline(always)]
+            |lanes| {
+                self.exterior.lane_values(lanes.offsets, of_modes);
+                let radius = lanes.own_radius.unwrap_or(Lanes::splat(1.0));
+                for (sum, coefficients) in sums.iter_mut().zip(lanes.coefficients) {
+                    let mut own = Lanes::default();
+                    for (mode, value) in of_modes.iter().enumerate() {
+                        own += Lanes(coefficients.map(|of_disc| of_disc[mode])) * *value;
+                    }
+                    *sum += radius * own;
+                }
+            },
+        );
+        sums
+    }
+
+    /// Hands out some discs, [`LANES`] at a time.
+    #[inline(always)]
+    fn for_lanes(
+        &self,
+        discs: Range<usize>,
+        [x, y]: Point,
+        mut each: impl FnMut(LanesOfDiscs<'_>),
+    ) {
         let end = discs.end;
         let differ = self.radii.len() > 1;
         let mut radius = Lanes::splat(self.radii[0]);
@@ -323,20 +408,34 @@ impl LoadedDiscs<'_> {
                     None => &zeros[..],
                 })
             };
-            let offsets = [offset(0, x), offset(1, y)];
-            let coefficients = [coefficients(0), coefficients(1)];
-            if differ {
-                let mut own = [LaneJets::default(); 2];
-                self.exterior.add_jets(offsets, coefficients, &mut own);
-                for (sum, own) in sums.iter_mut().zip(&own) {
-                    sum.add_scaled(radius, scale, own);
-                }
-            } else {
-                self.exterior.add_jets(offsets, coefficients, &mut sums);
-            }
+            each(LanesOfDiscs {
+                offsets: [offset(0, x), offset(1, y)],
+                coefficients: [coefficients(0), coefficients(1)],
+                own_radius: differ.then_some(radius),
+            });
         }
-        sums
     }
+
+    /// Sums over all discs, block by block.
+    fn by_blocks<S: Send>(&self, of_block: impl Fn(Range<usize>) -> S + Sync) -> Vec<S> {
+        let count = self.centres.len();
+        let block = |(): &mut (), number: usize| {
+            let first = number * BLOCK;
+            of_block(first..count.min(first + BLOCK))
+        };
+        let workers = self.run.workers();
+        workers.map(count.div_ceil(BLOCK), BLOCKS, || (), block)
+    }
+}
+
+/// Discs that are taken together.
+struct LanesOfDiscs<'a> {
+    /// Of the point from their centres, in their radii.
+    offsets: [Lanes; 2],
+    /// Of both sets.
+    coefficients: [[&'a [f64]; LANES]; 2],
+    /// Their radii, where these differ.
+    own_radius: Option<Lanes>,
 }
 
 /// Discs that are summed up together, a multiple of [`LANES`].
@@ -353,17 +452,13 @@ const FAR_AWAY: f64 = 1e3;
 
 impl FloorDisplacement for LoadedDiscs<'_> {
     fn displacement(&self, position: Point) -> [FieldJet; 2] {
-        let count = self.centres.len();
-        let block = |(): &mut (), number: usize| {
-            let first = number * BLOCK;
+        let blocks = self.by_blocks(|discs| {
             widest(
                 #[inline(always)]
-                || self.sums(first..count.min(first + BLOCK), position),
+                || self.sums(discs.clone(), position),
             )
             .map(|sums| sums.sum())
-        };
-        let workers = self.run.workers();
-        let blocks = workers.map(count.div_ceil(BLOCK), BLOCKS, || (), block);
+        });
         let mut total = [FieldJet::default(); 2];
         for block in blocks {
             for (sum, part) in total.iter_mut().zip(block) {
@@ -377,6 +472,21 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             }
         }
         total
+    }
+
+    fn value(&self, position: Point) -> [f64; 2] {
+        let blocks = self.by_blocks(|discs| {
+            widest(
+                #[inline(always)]
+                || self.values(discs.clone(), position),
+            )
+            .map(Lanes::sum)
+        });
+        let scale = match *self.radii {
+            [radius] => radius,
+            _ => 1.0,
+        };
+        [0, 1].map(|set| scale * blocks.iter().map(|block| block[set]).sum::<f64>())
     }
 
     /// Points next to each other share what is far from all of them: there discs that are near each other act as one force in their middle, and
@@ -496,10 +606,41 @@ const PROMISING: usize = 100;
 /// Searches the floor near the lens axis; remembers where the lowest points were.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FloorSearch {
+    /// The lowest points found last, and the indentation of contact of the lowest.
     starts: Vec<Point>,
+    last: f64,
+    /// Where it may begin on a lattice, once that is known.
+    on_lattice: Option<Starts>,
 }
 
 impl FloorSearch {
+    /// Has the next search look everywhere again.
+    pub(crate) fn forget(&mut self) {
+        self.starts.clear();
+    }
+
+    /// The same where that takes hardly longer than to look at the lowest points alone: in dense textures.
+    pub(crate) fn forget_if_quick(&mut self) {
+        if (self.on_lattice.as_ref()).is_some_and(|starts| !starts.every_hole) {
+            self.forget();
+        }
+    }
+
+    /// Where it may begin; on a lattice that is always the same.
+    fn first_starts(
+        &mut self,
+        floor: &Uncovered<'_>,
+        loaded: &impl FloorDisplacement,
+        cancel: &CancelToken,
+    ) -> Vec<Point> {
+        let starts = (self.on_lattice.take()).unwrap_or_else(|| floor.around.starts());
+        let lowest = lowest_starts(&starts, floor, loaded, cancel);
+        if let Surroundings::Lattice(_) = floor.around {
+            self.on_lattice = Some(starts);
+        }
+        lowest
+    }
+
     /// The lowest point of `zeta(x)`. `None` if the floor cannot be reached anywhere (nothing
     /// of it has `w1 < 1`), if what presses is a cylinder or a plate, which come nearest to the floor far from all pillars, or if it is cancelled.
     ///
@@ -516,7 +657,7 @@ impl FloorSearch {
         }
         let anew = self.starts.is_empty();
         if anew {
-            self.starts = first_starts(floor, loaded, cancel);
+            self.starts = self.first_starts(floor, loaded, cancel);
         }
         let mut minima = Vec::with_capacity(self.starts.len());
         add_minima(floor, loaded, &self.starts, &mut minima, cancel);
@@ -527,9 +668,17 @@ impl FloorSearch {
         minima.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
         minima.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
         let lowest = minima.first().copied();
-        minima.retain(|point| {
-            lowest.is_some_and(|low| point.indentation < low.indentation * (1.0 + RIVALS))
-        });
+        if let Some(FloorPoint { indentation, .. }) = lowest {
+            let change = if anew {
+                1.0
+            } else {
+                (indentation / self.last - 1.0).abs()
+            };
+            let rivals = (RIVALS * change).min(MOST_RIVALS);
+            let highest = indentation + rivals * indentation.abs();
+            minima.retain(|point| point.indentation <= highest);
+            self.last = indentation;
+        }
         minima.truncate(REMEMBERED);
         self.starts.clear();
         self.starts
@@ -597,6 +746,24 @@ fn indentation_of_contact(
         gradient,
         hessian,
     })
+}
+
+/// `zeta(x)` alone; `None` where it is none of [`indentation_of_contact`] or no number.
+fn value_of_contact(
+    floor: &Uncovered<'_>,
+    loaded: &impl FloorDisplacement,
+    position: Point,
+) -> Option<f64> {
+    if floor.around.clearance(position) <= 0.0 {
+        return None;
+    }
+    let [unit, rest] = loaded.value(position);
+    let denominator = 1.0 - unit;
+    if denominator <= 0.0 {
+        return None;
+    }
+    let value = (floor.height + sag_jet(&floor.lens, position)?.value + rest) / denominator;
+    value.is_finite().then_some(value)
 }
 
 fn sag_jet(lens: &ShapedLens, position: Point) -> Option<FieldJet> {
@@ -680,76 +847,47 @@ fn newton_step(jet: &FieldJet) -> [f64; 2] {
     [-(along * cos - across * sin), -(along * sin + across * cos)]
 }
 
-/// Where to start: holes and bridges near the lens axis, the lens axis itself, and in wide
-/// textures rings around the nearest pillars, as far as they promise a low gap.
-fn first_starts(
+/// The holes and others of the points where a search may start, as far as they promise a low gap.
+fn lowest_starts(
+    from: &Starts,
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
     cancel: &CancelToken,
 ) -> Vec<Point> {
-    let Starts {
-        pitch,
-        holes,
-        every_hole,
-        pillars,
-    } = floor.around.starts();
-    let mut others = vec![[0.0, 0.0]];
-    if pitch > WIDE_PITCH {
-        for ([x, y], size) in &pillars {
-            let [least, most] = [1.1 * size, pitch - 1.5 * size];
-            for ring in 0..12 {
-                let radius = least * (most / least).powf(f64::from(ring) / 11.0);
-                for step in 0..12 {
-                    let angle = PI / 6.0 * f64::from(step);
-                    others.push([x + radius * angle.cos(), y + radius * angle.sin()]);
-                }
-            }
-        }
-    }
-    if let Surroundings::Lattice(lattice) = &floor.around {
-        others = one_of_alike(lattice, &others);
-    }
-    let mut rated: Vec<(f64, Point)> = promising(floor, loaded, &others)
-        .iter()
-        .copied()
-        .take_while(|_| !cancel.is_cancelled())
-        .filter_map(|point| Some((indentation_of_contact(floor, loaded, point)?.value, point)))
-        .collect();
-    rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut starts = if every_hole {
-        holes
+    let mut starts = if from.every_hole {
+        from.holes.clone()
     } else {
-        lowest_holes(floor, loaded, &holes, cancel)
+        let mut holes = rated(floor, loaded, &from.holes, cancel);
+        holes.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
+        holes.truncate(LOWEST_HOLES);
+        holes.into_iter().map(|hole| hole.position).collect()
     };
-    let separation = 0.12 * pitch;
     let mut added: Vec<Point> = Vec::new();
-    for (_, point) in rated {
+    for FloorPoint { position, .. } in rated(floor, loaded, &from.others, cancel) {
         if added.len() == SCANNED {
             break;
         }
-        if added
-            .iter()
-            .all(|other| distance(*other, point) > separation)
-        {
-            added.push(point);
+        let is_apart = |other: &Point| distance(*other, position) > from.separation;
+        if added.iter().all(is_apart) {
+            added.push(position);
         }
     }
     starts.extend(added);
     starts
 }
 
-/// The holes with the lowest gap, one of those that are alike.
-fn lowest_holes(
+/// Those of some points at which the floor can be touched, the lowest first.
+fn rated(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
-    holes: &[Point],
+    points: &[Point],
     cancel: &CancelToken,
-) -> Vec<Point> {
-    let mut rated: Vec<FloorPoint> = promising(floor, loaded, holes)
+) -> Vec<FloorPoint> {
+    let mut rated: Vec<FloorPoint> = promising(floor, loaded, points)
         .iter()
         .take_while(|_| !cancel.is_cancelled())
         .filter_map(|&position| {
-            let indentation = indentation_of_contact(floor, loaded, position)?.value;
+            let indentation = value_of_contact(floor, loaded, position)?;
             Some(FloorPoint {
                 position,
                 indentation,
@@ -757,9 +895,7 @@ fn lowest_holes(
         })
         .collect();
     rated.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
-    rated.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
-    rated.truncate(LOWEST_HOLES);
-    rated.into_iter().map(|point| point.position).collect()
+    rated
 }
 
 /// The points that roughly are the lowest, or all where it is as quick to look at them closely or where a rough look would not do.

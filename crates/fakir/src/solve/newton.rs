@@ -29,6 +29,7 @@ use crate::numerics::vector::add_scaled;
 use crate::problem::scaled::Scene;
 use crate::problem::{Control, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
+use std::sync::Arc;
 
 /// Relative energy of the residual at which a linear solution counts as exact.
 pub(super) const LINEAR_TOLERANCE: f64 = 1e-10;
@@ -228,7 +229,7 @@ impl<'a> Newton<'a> {
         stage: Stage,
         sites: Sites,
         pair: &PairCoupling,
-        top: PillarTop,
+        top: Arc<PillarTop>,
     ) -> Self {
         let degree = pair.modes().last().map_or(0, |mode| mode.degree);
         let tops = Tops::new(&scene.lens, sites, top, degree);
@@ -524,7 +525,7 @@ impl<'a> Newton<'a> {
         let Some(present) = outcome.floor else {
             return false;
         };
-        self.floor = FloorSearch::default();
+        self.floor.forget();
         self.search_floor(true).is_some_and(|lowest| {
             lowest.indentation < present.indentation * (1.0 - FLOOR_TOLERANCE)
         })
@@ -777,7 +778,7 @@ impl<'a> Newton<'a> {
     pub(crate) fn rebuilt(&self, sites: Sites, degrees: Degrees) -> Self {
         let Degrees { coupling, tops } = degrees;
         let pair = PairCoupling::of_scene(coupling, &self.scene);
-        let top = PillarTop::new(tops, coupling, sites.common_body().column);
+        let top = PillarTop::shared(tops, coupling, sites.common_body().column);
         let mut rebuilt = Self::new(&self.scene, self.run, self.stage, sites, &pair, top);
         rebuilt.kernels.clone_from(&self.kernels);
         rebuilt.reach = self.reach;
@@ -797,6 +798,7 @@ impl<'a> Newton<'a> {
     pub(crate) fn start_from(&mut self, coarse: &Self) {
         self.tops.start_from(&coarse.tops);
         self.floor = coarse.floor.clone();
+        self.floor.forget_if_quick();
         let modes = coarse.contact.modes();
         let sites = &self.tops.sites;
         self.contact
@@ -842,7 +844,7 @@ pub(crate) mod tests {
             turn: 0.0,
             rings: 10,
         };
-        let top = PillarTop::new(resolution, 2, scene.field.column());
+        let top = PillarTop::shared(resolution, 2, scene.field.column());
         let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
         newton.tops.touch_within(0.9 * pitch);
         newton

@@ -15,6 +15,7 @@ use crate::numerics::vector::{dot, subtract};
 use crate::problem::PunchForm;
 use crate::state::PillarStatus;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Degree of the nodes on which the farthest pillars are solved again, where they were coarser.
 const FINE_DEGREE: usize = 12;
@@ -172,7 +173,7 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut Co
 
 /// Solutions of single pillars on more nodes.
 struct Finer {
-    top: PillarTop,
+    top: Arc<PillarTop>,
     solver: LocalSolver,
     finder: CoverFinder,
 }
@@ -181,7 +182,7 @@ impl Finer {
     fn new(newton: &Newton<'_>) -> Self {
         let kappa = newton.tops.sites.common_body().column;
         let resolution = Resolution::of_nodes(FINE_DEGREE);
-        let top = PillarTop::new(resolution, newton.degree(), kappa);
+        let top = PillarTop::shared(resolution, newton.degree(), kappa);
         Self {
             solver: LocalSolver::new(&top),
             finder: CoverFinder::new(FINE_DEGREE),

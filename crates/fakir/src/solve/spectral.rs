@@ -91,7 +91,7 @@ pub(crate) fn solve_punch<'a>(
     loop {
         let radius_used = limited(scene, radius);
         let sites = checked_sites(scene, radius_used, 1, run)?;
-        let top = PillarTop::new(CENTRES, 0, sites.common_body().column);
+        let top = PillarTop::shared(CENTRES, 0, sites.common_body().column);
         let mut newton = Newton::new(scene, run, Stage::Punch, sites, &pair, top);
         if form == PunchForm::Plain {
             newton.load_at_centres();
@@ -136,7 +136,7 @@ pub(crate) fn solve_spectral<'a>(
         if coarse.touched() > FEW_PILLARS {
             tops.rings = 0;
         }
-        let top = PillarTop::new(tops, degrees.coupling, sites.common_body().column);
+        let top = PillarTop::shared(tops, degrees.coupling, sites.common_body().column);
         let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
         newton.start_from(&coarse);
         // Its vectors take room.
@@ -333,7 +333,7 @@ pub(crate) fn untouched<'a>(
     let radius = limited(scene, contact_radius + 1.5 * scene.field.spacing() + 1.0);
     let sites = checked_sites(scene, radius, mode_count(degrees.coupling), run)?;
     let kappa = sites.common_body().column;
-    let top = PillarTop::new(degrees.tops, degrees.coupling, kappa);
+    let top = PillarTop::shared(degrees.tops, degrees.coupling, kappa);
     let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
     newton.contact.move_to(indentation);
     let outcome = Outcome {

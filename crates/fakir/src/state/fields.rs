@@ -239,8 +239,8 @@ impl Fields {
     }
 
     fn displacement_of_unit(&self, disc: &Disc, at: Point, values: &mut [f64]) -> f64 {
-        let distance = at[0].hypot(at[1]);
-        if distance <= 1.0 {
+        let square = at[0] * at[0] + at[1] * at[1];
+        if square <= 1.0 {
             let mut basis = BasisEvaluator::new(self.degree_of(disc));
             basis.evaluate(at, values);
             let of_half_spaces: f64 = disc
@@ -257,7 +257,7 @@ impl Fields {
             self.close_exterior.layer_values(count, at, values);
             return of_half_spaces + dot(&values[..count], &disc.coefficients[..count]);
         }
-        let exterior = if distance < NEAR {
+        let exterior = if square < NEAR * NEAR {
             &self.close_exterior
         } else {
             &self.exterior

@@ -98,9 +98,9 @@ impl Fields {
         FieldSamples::check_memory(points.len(), 0, run)?;
         let scaled: Vec<Point> = points.iter().map(|point| self.scaled(*point)).collect();
         let far = FarField::worthwhile(self, &scaled, run)?;
-        let one = |point: &Point| {
+        let one = |point: &Point, room: &mut [f64]| {
             let displacement = match &far {
-                Some(far) => far.displacement(self, *point),
+                Some(far) => far.displacement(self, *point, room),
                 None => self.scaled_displacement(*point),
             };
             [
@@ -110,7 +110,8 @@ impl Fields {
         };
         let batch = |points: &[Point]| -> Result<Vec<[f64; 2]>, SolveError> {
             run.check_cancelled()?;
-            Ok(points.iter().map(one).collect())
+            let mut room = vec![0.0; self.compliance.len()];
+            Ok(points.iter().map(|point| one(point, &mut room)).collect())
         };
         let values = in_batches(&scaled, batch, run)?;
         let pick = |field: usize| values.iter().map(|value| value[field]).collect();
@@ -190,6 +191,11 @@ impl Block {
     }
 }
 
+/// Whether a pillar is near the middle of a cell.
+fn is_near(lattice: &HexagonalLattice, [x, y]: Point) -> bool {
+    x * x + y * y < (NEAR * lattice.pitch).powi(2)
+}
+
 /// What pillars that are not near add to the displacement, in every cell that holds points.
 struct FarField {
     lattice: HexagonalLattice,
@@ -198,6 +204,10 @@ struct FarField {
     /// For every place in `pillars`, which disc stands there, plus one.
     disc_at: Vec<u32>,
     nodes: [f64; NODES],
+    /// Their weights in the barycentric formula.
+    weights: [f64; NODES],
+    /// From a pillar to those that are near.
+    near: Vec<(i64, i64)>,
     /// For every cell, the values at its nodes, row by row.
     values: Vec<f64>,
 }
@@ -252,24 +262,29 @@ impl FarField {
         let half_width = lattice.pitch / 3f64.sqrt();
         let nodes =
             std::array::from_fn(|k| half_width * (PI * (k as f64 + 0.5) / NODES as f64).cos());
+        let mut sign = 1.0;
+        let weights = std::array::from_fn(|k| {
+            sign = -sign;
+            sign * (PI * (k as f64 + 0.5) / NODES as f64).sin()
+        });
+        let near = (-3..=3).flat_map(|i| (-3..=3).map(move |j| (i, j)));
+        let near = near.filter(|(i, j)| is_near(&lattice, lattice.lattice_vector(*i, *j)));
         let mut far = Self {
             lattice,
             cells,
             pillars,
             disc_at,
             nodes,
+            weights,
+            near: near.collect(),
             values: Vec::new(),
         };
         far.values = Convolution::new(&far, padded).far_values(&far, fields, run)?;
         Ok(Some(far))
     }
 
-    fn is_near(&self, vector: Point) -> bool {
-        vector[0].hypot(vector[1]) < NEAR * self.lattice.pitch
-    }
-
-    /// The displacement at a scaled position in one of the cells.
-    fn displacement(&self, fields: &Fields, point: Point) -> f64 {
+    /// The displacement at a scaled position in one of the cells; with room for the modes of a disc.
+    fn displacement(&self, fields: &Fields, point: Point, room: &mut [f64]) -> f64 {
         let (i, j) = self.lattice.nearest_pillar(point);
         let Some((row, column)) = self.cells.place((i, j)) else {
             return fields.scaled_displacement(point);
@@ -292,14 +307,10 @@ impl FarField {
                         .sum::<f64>()
             })
             .sum();
-        let mut values = vec![0.0; fields.compliance.len()];
-        let near: f64 = (i - 3..=i + 3)
-            .flat_map(|near_i| (j - 3..=j + 3).map(move |near_j| (near_i, near_j)))
-            .filter(|(near_i, near_j)| {
-                self.is_near(self.lattice.lattice_vector(near_i - i, near_j - j))
-            })
+        let near = self.near.iter().map(|(di, dj)| (i + di, j + dj));
+        let near: f64 = near
             .filter_map(|index| self.disc(fields, index))
-            .map(|disc| fields.displacement_by(disc, point, &mut values))
+            .map(|disc| fields.displacement_by(disc, point, room))
             .sum();
         near + far + fields.displacement_by_floor(point)
     }
@@ -316,12 +327,8 @@ impl FarField {
         if let Some(hit) = self.nodes.iter().position(hit) {
             return std::array::from_fn(|k| if k == hit { 1.0 } else { 0.0 });
         }
-        let mut sign = 1.0;
-        let mut weights: [f64; NODES] = std::array::from_fn(|k| {
-            sign = -sign;
-            let angle = PI * (k as f64 + 0.5) / NODES as f64;
-            sign * angle.sin() / (x - self.nodes[k])
-        });
+        let mut weights: [f64; NODES] =
+            std::array::from_fn(|k| self.weights[k] / (x - self.nodes[k]));
         let sum: f64 = weights.iter().sum();
         weights.iter_mut().for_each(|weight| *weight /= sum);
         weights
@@ -360,7 +367,7 @@ impl Convolution {
                 let di = difference(row, shape.0.0, shape.1.0, padded.0)? + origin.0;
                 let dj = difference(column, shape.0.1, shape.1.1, padded.1)? + origin.1;
                 let vector = far.lattice.lattice_vector(di, dj);
-                (!far.is_near(vector)).then_some(vector)
+                (!is_near(&far.lattice, vector)).then_some(vector)
             })
             .collect();
         Self {

@@ -28,15 +28,22 @@ const FAR_TERMS: usize = 140;
 /// Terms kept about `z = 1`: enough for 1e-16 at `1 - z = 1 - NEAR`.
 const NEAR_TERMS: usize = 40;
 
-/// Number of terms that leaves less than 1e-16 behind, for `z` up to the bound.
-const TERMS_FOR: [(f64, usize); 7] = [
+/// Number of terms that leaves about 1e-16 behind, 1e-15 at degree 16, for `z` up to the bound.
+const TERMS_FOR: [(f64, usize); 14] = [
     (1.0 / 4096.0, 5),
     (1.0 / 1024.0, 6),
     (1.0 / 256.0, 7),
+    (1.0 / 128.0, 9),
     (1.0 / 64.0, 10),
+    (1.0 / 32.0, 12),
     (1.0 / 16.0, 15),
+    (1.0 / 8.0, 20),
+    (0.18, 24),
     (1.0 / 4.0, 29),
+    (0.35, 38),
     (1.0 / 2.0, 56),
+    (0.6, 78),
+    (0.68, 104),
 ];
 
 /// Radial part of `W_lm` without `cos`/`sin`, as a function of `t = delta^2`, divided by
@@ -423,9 +430,10 @@ impl Exterior {
 
     /// As [`Self::values`], for the first `count` modes at the most.
     pub(crate) fn values_of_first(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
-        let distance = point[0].hypot(point[1]);
+        let square = point[0] * point[0] + point[1] * point[1];
+        let inverse_distance = square.sqrt().recip();
         self.fill_values(count, point, values, |radial| {
-            radial.value(distance.recip())
+            radial.value(inverse_distance)
         });
     }
 

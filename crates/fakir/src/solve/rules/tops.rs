@@ -17,6 +17,7 @@ use crate::problem::{Point, ShapedLens};
 use crate::solve::frozen::Rule;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Pillars a thread takes at a time, at the least, where little is done for each ...
 const PILLARS: usize = 4000;
@@ -60,7 +61,7 @@ pub(crate) struct Tops {
     lens: ShapedLens,
     pub(crate) sites: Sites,
     /// Of unit radius, on the column that is common.
-    pub(crate) top: PillarTop,
+    pub(crate) top: Arc<PillarTop>,
     projector: LensProjector,
     /// Leading modes per pillar, and their degree.
     modes: usize,
@@ -107,7 +108,7 @@ const NOT_PARTIAL: u32 = u32::MAX;
 
 impl Tops {
     /// All pillars untouched; they act on each other by the modes up to a degree.
-    pub(crate) fn new(lens: &ShapedLens, sites: Sites, top: PillarTop, degree: usize) -> Self {
+    pub(crate) fn new(lens: &ShapedLens, sites: Sites, top: Arc<PillarTop>, degree: usize) -> Self {
         Self {
             lens: lens.clone(),
             projector: LensProjector::new(lens, degree),

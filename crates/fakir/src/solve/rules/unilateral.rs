@@ -20,10 +20,15 @@ use crate::numerics::vector::dot;
 use crate::problem::column::Column;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A pressure may be this far below zero at a node, relative to the largest unconstrained
 /// value: rounding of the node values, not tension.
 const PRESSURE_TOLERANCE: f64 = 1e-11;
+
+/// Tops that were made last, to be asked for again, and how many numbers all of them may have.
+static KEPT: Mutex<Vec<Arc<PillarTop>>> = Mutex::new(Vec::new());
+const MOST_KEPT: usize = 1 << 21;
 
 /// A pillar top of unit radius with a node array: what pillars of one column compliance share.
 #[derive(Debug, Clone)]
@@ -59,6 +64,30 @@ pub(crate) struct LocalSolver {
 }
 
 impl PillarTop {
+    /// As [`new`](Self::new) makes it; one that was made before is taken again.
+    pub(crate) fn shared(
+        resolution: Resolution,
+        lead: usize,
+        column: impl Into<Column>,
+    ) -> Arc<Self> {
+        let column = column.into();
+        let is_it = |top: &Arc<Self>| {
+            (top.resolution, top.lead, top.column) == (resolution, mode_count(lead), column)
+        };
+        let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = kept().iter().find(|top| is_it(top)).cloned();
+        found.unwrap_or_else(|| {
+            let top = Arc::new(Self::new(resolution, lead, column));
+            let mut kept = kept();
+            kept.push(Arc::clone(&top));
+            while kept.iter().map(|top| top.response.len()).sum::<usize>() > MOST_KEPT {
+                // The oldest one.
+                kept.remove(0);
+            }
+            top
+        })
+    }
+
     /// `lead` is the degree of the coupling between pillars.
     pub(crate) fn new(resolution: Resolution, lead: usize, column: impl Into<Column>) -> Self {
         let column = column.into();
