@@ -47,7 +47,8 @@ impl Bounds {
 
 /// Of a vector none of whose components is so small or so large that its square is not a number: quicker than without that.
 fn length([x, y]: [f64; 2]) -> f64 {
-    (x * x + y * y).sqrt()
+    let square = x * x + y * y;
+    square.sqrt()
 }
 
 fn between(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -340,7 +341,7 @@ pub(crate) mod tests {
         while discs.len() < count {
             let centre = [(); 2].map(|()| side * (uniform() - 0.5));
             let radius = 0.75 + 0.5 * uniform();
-            let is_apart = |disc: &Disc| distance(disc.0, centre) >= radius + disc.1 + gap;
+            let is_apart = |disc: &Disc| between(disc.0, centre) >= radius + disc.1 + gap;
             if discs.iter().all(is_apart) {
                 discs.push((centre, radius));
             }
@@ -348,15 +349,11 @@ pub(crate) mod tests {
         discs
     }
 
-    fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-        (a[0] - b[0]).hypot(a[1] - b[1])
-    }
-
     /// Every search against looking at all of them.
     fn check(discs: &[Disc], at: [f64; 2], reach: f64) {
         let tree = Neighbours::new(discs.iter().copied());
         let near: Vec<u32> = (0..discs.len())
-            .filter(|&k| distance(discs[k].0, at) <= reach)
+            .filter(|&k| between(discs[k].0, at) <= reach)
             .map(|k| k as u32)
             .collect();
         assert_eq!(tree.within(at, reach), near);
@@ -367,8 +364,8 @@ pub(crate) mod tests {
                 .enumerate()
                 .filter(|(k, disc)| Some(*k) != but && disc.1 >= least);
             let rated = rated.map(|(k, (centre, radius))| match what {
-                Nearest::Centre => (k, distance(*centre, at)),
-                Nearest::Edge => (k, distance(*centre, at) - radius),
+                Nearest::Centre => (k, between(*centre, at)),
+                Nearest::Edge => (k, between(*centre, at) - radius),
             });
             rated.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
         };
@@ -393,7 +390,7 @@ pub(crate) mod tests {
         };
         let gap = pairs()
             .map(|(one, other, _)| {
-                let gap = distance(one.0, other.0) - one.1 - other.1;
+                let gap = between(one.0, other.0) - one.1 - other.1;
                 gap / one.1.min(other.1)
             })
             .fold(f64::INFINITY, f64::min);
@@ -402,14 +399,14 @@ pub(crate) mod tests {
             found.total_cmp(&gap).is_eq() || (found - gap).abs() <= 1e-9 * (1.0 + gap.abs()),
             "{found} {gap}"
         );
-        let overlap = pairs().find(|(one, other, _)| distance(other.0, one.0) - other.1 < one.1);
+        let overlap = pairs().find(|(one, other, _)| between(other.0, one.0) - other.1 < one.1);
         match (tree.overlapping(), overlap) {
             (None, None) => {}
             (Some((one, other, far)), Some((_, _, first))) => {
                 assert_eq!(one, first);
                 assert_eq!(
                     far.to_bits(),
-                    distance(discs[one].0, discs[other].0).to_bits()
+                    between(discs[one].0, discs[other].0).to_bits()
                 );
                 assert!(far < discs[one].1 + discs[other].1);
             }

@@ -448,7 +448,7 @@ mod tests {
             let direct = DirectCoupling::new(sites.centres(), radius, &pair, workers);
             LatticeCoupling::Direct(direct)
         };
-        let top = PillarTop::new(Resolution::of_nodes(8), degree, 0.0);
+        let top = PillarTop::shared(Resolution::of_nodes(8), degree, 0.0);
         let mut tops = Tops::new(&scene.lens, sites, top, degree);
         tops.touch_within(f64::INFINITY);
         let own_load = vec![0.0; tops.sites.len() * mode_count(degree)];

@@ -827,7 +827,7 @@ mod tests {
         let edge = stiff.edge(10e-3, 0.0).unwrap();
         assert!(matches!(edge, AnnulusEdge::At(b) if (b * 1e6 - 10.1).abs() < 0.06));
         let ring = stiff.free_ring(10e-3).unwrap().unwrap();
-        assert!(matches!(edge, AnnulusEdge::At(b) if (b - stiff.radius()) == ring));
+        assert!(matches!(edge, AnnulusEdge::At(b) if (b - stiff.radius() - ring).abs() < 1e-20));
         let pressures = [-0.05, -0.02, -0.01, 0.0, 0.01, 0.02, 0.05, 0.1, 0.2];
         let table = [6.02, 5.00, 4.82, 4.67, 4.55, 4.44, 4.20, 3.93, 3.63];
         for (pressure, expected) in pressures.into_iter().zip(table) {
