@@ -15,7 +15,7 @@ use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, Pillar
 use crate::problem::scaled::Scene;
 use crate::problem::{Accuracy, Cells, Control, Grid, HexagonalLattice, Lens, Material, PunchForm};
 use crate::solve::estimate::estimate;
-use crate::solve::floor::{FloorDisplacement, LoadedDiscs};
+use crate::solve::floor::{Discs, FloorDisplacement, LoadedDiscs};
 use crate::solve::newton::{Newton, Purpose};
 use crate::solve::rules::unilateral::{LocalSolver, PillarTop};
 use crate::solve::spectral::{degrees, solve_punch, solve_spectral};
@@ -113,7 +113,7 @@ fn floor() -> f64 {
     let exterior = Exterior::new(DEGREE);
     let modes = mode_count(DEGREE);
     let c = coefficients(window.len() * modes);
-    let discs = LoadedDiscs {
+    let discs = Discs {
         exterior: &exterior,
         modes,
         centres: window.centres(),
@@ -121,6 +121,7 @@ fn floor() -> f64 {
         coefficients: [&c, &c],
         run: &Run::default(),
     };
+    let discs = LoadedDiscs::new(discs);
     (0..200)
         .map(|k| {
             let x = 2.3 + 1e-3 * f64::from(k);

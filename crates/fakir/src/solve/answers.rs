@@ -4,7 +4,7 @@ use super::assembled::{OfFloor, PillarMethod, assemble, floor_gap, refined};
 use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::unknowns_only;
-use super::floor::{FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
+use super::floor::{Discs, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
 use super::mixed;
 use super::newton::{Newton, Purpose};
 use super::rules::patch::{Patch, PatchSolver};
@@ -297,7 +297,7 @@ pub(super) fn without_contact(
     indentation: f64,
 ) -> ContactState {
     let exterior = Exterior::new(0);
-    let discs = LoadedDiscs {
+    let discs = Discs {
         exterior: &exterior,
         modes: 1,
         centres: &[],
@@ -305,6 +305,7 @@ pub(super) fn without_contact(
         coefficients: [&[], &[]],
         run: &Run::default(),
     };
+    let discs = LoadedDiscs::new(discs);
     let lowest = lowest_floor(scene, 0.0, &discs);
     let fields = Fields::new(scene.as_asked(), indentation, Vec::new(), 0, 0);
     ContactState {
@@ -405,7 +406,7 @@ fn patch_degree() -> usize {
 /// Lowest point of the floor under a patch: its gap plus the indentation.
 fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<FloorPoint> {
     let zeros = vec![0.0; patch.coefficients.len()];
-    let discs = LoadedDiscs {
+    let discs = Discs {
         exterior,
         modes: patch.coefficients.len(),
         centres: &[[0.0, 0.0]],
@@ -413,6 +414,7 @@ fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<Floo
         coefficients: [&zeros, &patch.coefficients],
         run: &Run::default(),
     };
+    let discs = LoadedDiscs::new(discs);
     lowest_floor(scene, patch.radius, &discs)
 }
 

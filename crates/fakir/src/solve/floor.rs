@@ -58,8 +58,9 @@ const ALIKE: f64 = 1e-9;
 /// By how much the indentations of contact of images may differ.
 const UNLIKE: f64 = 1e-4;
 
-/// Loaded discs and what their pressure does.
-pub(crate) struct LoadedDiscs<'a> {
+/// Discs and what they bear.
+#[derive(Clone, Copy)]
+pub(crate) struct Discs<'a> {
     pub(crate) exterior: &'a Exterior,
     /// Number of coefficients of each disc.
     pub(crate) modes: usize,
@@ -70,6 +71,24 @@ pub(crate) struct LoadedDiscs<'a> {
     /// Coefficients `c1` and `c0`, disc by disc.
     pub(crate) coefficients: [&'a [f64]; 2],
     pub(crate) run: &'a Run<'a>,
+}
+
+/// Loaded discs, to be asked what their pressure does.
+pub(crate) struct LoadedDiscs<'a> {
+    discs: Discs<'a>,
+    /// [`LANES`] of them together.
+    together: Vec<LanesOfDiscs>,
+    /// Their coefficients, mode by mode, of both sets.
+    coefficients: [Vec<Lanes>; 2],
+}
+
+/// Discs that are taken together, the last ones with some that bear nothing.
+#[derive(Debug, Clone, Copy)]
+struct LanesOfDiscs {
+    centre: [Lanes; 2],
+    radius: Lanes,
+    /// One over that.
+    scale: Lanes,
 }
 
 /// A point of the floor with its indentation of contact.
@@ -310,145 +329,144 @@ pub(crate) trait FloorDisplacement {
     }
 }
 
-impl LoadedDiscs<'_> {
+impl Discs<'_> {
     /// The coefficients of a disc.
-    #[inline(always)]
     fn coefficients_of(&self, set: usize, disc: usize) -> &[f64] {
         &self.coefficients[set][disc * self.modes..(disc + 1) * self.modes]
     }
 
     /// The radius of a disc.
-    #[inline(always)]
     fn radius_of(&self, disc: usize) -> f64 {
         self.radii.get(disc).copied().unwrap_or(self.radii[0])
     }
 
-    /// What some discs do; where they have one radius, in units of that.
-    #[inline(always)]
-    fn sums(&self, discs: Range<usize>, position: Point) -> [LaneJets; 2] {
-        let mut sums = [LaneJets::default(); 2];
-        self.for_lanes(
+    /// Whether they have several radii.
+    fn differ(&self) -> bool {
+        self.radii.len() > 1
+    }
+}
+
+impl<'a> LoadedDiscs<'a> {
+    pub(crate) fn new(discs: Discs<'a>) -> Self {
+        let (count, modes) = (discs.centres.len(), discs.modes);
+        // Where there are no more discs, the last one again.
+        let lanes = |first: usize, of_disc: &dyn Fn(usize) -> f64| {
+            Lanes(std::array::from_fn(|lane| {
+                of_disc((first + lane).min(count - 1))
+            }))
+        };
+        let firsts = || (0..count).step_by(LANES);
+        let together = firsts().map(|first| {
+            let radius = lanes(first, &|disc| discs.radius_of(disc));
+            LanesOfDiscs {
+                centre: [0, 1].map(|along| lanes(first, &|disc| discs.centres[disc][along])),
+                radius,
+                scale: radius.map(f64::recip),
+            }
+        });
+        let coefficients = [0, 1].map(|set| {
+            let of_lanes = |first: usize| {
+                (0..modes).map(move |mode| {
+                    let of_disc = |lane: usize| {
+                        let is_there = first + lane < count;
+                        is_there.then(|| discs.coefficients_of(set, first + lane)[mode])
+                    };
+                    Lanes(std::array::from_fn(|lane| {
+                        of_disc(lane).unwrap_or_default()
+                    }))
+                })
+            };
+            firsts().flat_map(of_lanes).collect()
+        });
+        Self {
             discs,
-            position,
-            #[inline(always)]
-            |lanes| {
-                let LanesOfDiscs {
-                    offsets,
-                    coefficients,
-                    own_radius,
-                } = lanes;
-                if let Some(radius) = own_radius {
-                    let mut own = [LaneJets::default(); 2];
-                    self.exterior.add_jets(offsets, coefficients, &mut own);
-                    let scale = radius.map(f64::recip);
-                    for (sum, own) in sums.iter_mut().zip(&own) {
-                        sum.add_scaled(radius, scale, own);
-                    }
-                } else {
-                    self.exterior.add_jets(offsets, coefficients, &mut sums);
+            together: together.collect(),
+            coefficients,
+        }
+    }
+
+    /// What some discs taken together do; where they have one radius, in units of that.
+    #[inline(always)]
+    fn sums(&self, places: Range<usize>, position: Point) -> [LaneJets; 2] {
+        let mut sums = [LaneJets::default(); 2];
+        let exterior = self.discs.exterior;
+        let differ = self.discs.differ();
+        for place in places {
+            let LanesOfDiscs { radius, scale, .. } = self.together[place];
+            let offsets = self.offsets(place, position);
+            let coefficients = self.coefficients_at(place);
+            if differ {
+                let mut own = [LaneJets::default(); 2];
+                exterior.add_jets(offsets, coefficients, &mut own);
+                for (sum, own) in sums.iter_mut().zip(&own) {
+                    sum.add_scaled(radius, scale, own);
                 }
-            },
-        );
+            } else {
+                exterior.add_jets(offsets, coefficients, &mut sums);
+            }
+        }
         sums
     }
 
     /// The same without derivatives.
     #[inline(always)]
-    fn values(&self, discs: Range<usize>, position: Point) -> [Lanes; 2] {
+    fn values(&self, places: Range<usize>, position: Point) -> [Lanes; 2] {
         let mut sums = [Lanes::default(); 2];
-        let mut room = [Lanes::default(); NO_LOAD];
-        let of_modes = &mut room[..self.modes];
-        self.for_lanes(
-            discs,
-            position,
-            #[inline(always)]
-            |lanes| {
-                self.exterior.lane_values(lanes.offsets, of_modes);
-                let radius = lanes.own_radius.unwrap_or(Lanes::splat(1.0));
-                for (sum, coefficients) in sums.iter_mut().zip(lanes.coefficients) {
-                    let mut own = Lanes::default();
-                    for (mode, value) in of_modes.iter().enumerate() {
-                        own += Lanes(coefficients.map(|of_disc| of_disc[mode])) * *value;
-                    }
-                    *sum += radius * own;
+        let mut room = [Lanes::default(); mode_count(MAXIMUM_DEGREE)];
+        let of_modes = &mut room[..self.discs.modes];
+        let differ = self.discs.differ();
+        for place in places {
+            let offsets = self.offsets(place, position);
+            self.discs.exterior.lane_values(offsets, of_modes);
+            for (sum, coefficients) in sums.iter_mut().zip(self.coefficients_at(place)) {
+                let mut own = Lanes::default();
+                for (coefficient, value) in coefficients.iter().zip(&*of_modes) {
+                    own += *coefficient * *value;
                 }
-            },
-        );
+                *sum += if differ {
+                    self.together[place].radius * own
+                } else {
+                    own
+                };
+            }
+        }
         sums
     }
 
-    /// Hands out some discs, [`LANES`] at a time.
+    /// A point from the centres of discs taken together, in their radii.
     #[inline(always)]
-    fn for_lanes(
-        &self,
-        discs: Range<usize>,
-        [x, y]: Point,
-        mut each: impl FnMut(LanesOfDiscs<'_>),
-    ) {
-        let end = discs.end;
-        let differ = self.radii.len() > 1;
-        let mut radius = Lanes::splat(self.radii[0]);
-        let mut scale = radius.map(f64::recip);
-        let zeros = [0.0; NO_LOAD];
-        for first in discs.step_by(LANES) {
-            // Where there are no more discs, one far away that bears nothing.
-            let centre = |lane: usize| self.centres[..end].get(first + lane);
-            if differ {
-                radius = Lanes(std::array::from_fn(|lane| self.radius_of(first + lane)));
-                scale = radius.map(f64::recip);
-            }
-            let offset = |along: usize, at: f64| {
-                Lanes(std::array::from_fn(|lane| {
-                    centre(lane).map_or(FAR_AWAY, |centre| (at - centre[along]) * scale.0[lane])
-                }))
-            };
-            let coefficients = |set: usize| {
-                std::array::from_fn(|lane| match centre(lane) {
-                    Some(_) => self.coefficients_of(set, first + lane),
-                    None => &zeros[..],
-                })
-            };
-            each(LanesOfDiscs {
-                offsets: [offset(0, x), offset(1, y)],
-                coefficients: [coefficients(0), coefficients(1)],
-                own_radius: differ.then_some(radius),
-            });
-        }
+    fn offsets(&self, place: usize, [x, y]: Point) -> [Lanes; 2] {
+        let LanesOfDiscs { centre, scale, .. } = self.together[place];
+        [
+            (Lanes::splat(x) - centre[0]) * scale,
+            (Lanes::splat(y) - centre[1]) * scale,
+        ]
+    }
+
+    /// Their coefficients of both sets.
+    #[inline(always)]
+    fn coefficients_at(&self, place: usize) -> [&[Lanes]; 2] {
+        let modes = place * self.discs.modes..(place + 1) * self.discs.modes;
+        self.coefficients.each_ref().map(|set| &set[modes.clone()])
     }
 
     /// Sums over all discs, block by block.
     fn by_blocks<S: Send>(&self, of_block: impl Fn(Range<usize>) -> S + Sync) -> Vec<S> {
-        let count = self.centres.len();
+        let count = self.together.len();
         let block = |(): &mut (), number: usize| {
             let first = number * BLOCK;
             of_block(first..count.min(first + BLOCK))
         };
-        let workers = self.run.workers();
+        let workers = self.discs.run.workers();
         workers.map(count.div_ceil(BLOCK), BLOCKS, || (), block)
     }
 }
 
-/// Discs that are taken together.
-struct LanesOfDiscs<'a> {
-    /// Of the point from their centres, in their radii.
-    offsets: [Lanes; 2],
-    /// Of both sets.
-    coefficients: [[&'a [f64]; LANES]; 2],
-    /// Their radii, where these differ.
-    own_radius: Option<Lanes>,
-}
-
-/// Discs that are summed up together, a multiple of [`LANES`].
-const BLOCK: usize = 1024;
+/// So many times [`LANES`] discs are summed up together.
+const BLOCK: usize = 256;
 
 /// Blocks a thread takes at a time, at the least.
 const BLOCKS: usize = 4;
-
-/// Coefficients of a disc that is not there, enough for every degree.
-const NO_LOAD: usize = mode_count(MAXIMUM_DEGREE);
-
-/// Where it is, pillar radii.
-const FAR_AWAY: f64 = 1e3;
 
 impl FloorDisplacement for LoadedDiscs<'_> {
     fn displacement(&self, position: Point) -> [FieldJet; 2] {
@@ -465,7 +483,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 sum.add_scaled(1.0, &part);
             }
         }
-        if let [radius] = *self.radii {
+        if let [radius] = *self.discs.radii {
             for sum in &mut total {
                 sum.value *= radius;
                 sum.hessian = sum.hessian.map(|h| h / radius);
@@ -482,7 +500,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             )
             .map(Lanes::sum)
         });
-        let scale = match *self.radii {
+        let scale = match *self.discs.radii {
             [radius] => radius,
             _ => 1.0,
         };
@@ -492,21 +510,22 @@ impl FloorDisplacement for LoadedDiscs<'_> {
     /// Points next to each other share what is far from all of them: there discs that are near each other act as one force in their middle, and
     /// what they all do is expanded around the middle of the points to second order.
     fn rough_displacements(&self, points: &[Point]) -> Option<Vec<[f64; 2]>> {
-        if points.len() * self.centres.len() < MANY {
+        let discs = &self.discs;
+        if points.len() * discs.centres.len() < MANY {
             return None;
         }
-        let discs = self.centres.iter().enumerate();
-        let tree = Neighbours::new(discs.map(|(disc, at)| (*at, self.radius_of(disc))));
+        let numbered = discs.centres.iter().enumerate();
+        let tree = Neighbours::new(numbered.map(|(disc, at)| (*at, discs.radius_of(disc))));
         let of_disc = |disc: usize| {
-            let [x, y] = self.centres[disc];
-            let square = UNIT_FORCE * self.radius_of(disc).powi(2);
-            let [unit, rest] = [0, 1].map(|set| square * self.coefficients_of(set, disc)[0]);
+            let [x, y] = discs.centres[disc];
+            let square = UNIT_FORCE * discs.radius_of(disc).powi(2);
+            let [unit, rest] = [0, 1].map(|set| square * discs.coefficients_of(set, disc)[0]);
             [unit, rest, 1.0, x, y]
         };
-        let forces: Vec<_> = (0..self.centres.len()).map(of_disc).collect();
+        let forces: Vec<_> = (0..discs.centres.len()).map(of_disc).collect();
         let sums = tree.sums(|disc| forces[disc]);
         let beside = |disc: usize, [x, y]: Point, values: &mut Vec<f64>| {
-            let (centre, radius) = (self.centres[disc], self.radius_of(disc));
+            let (centre, radius) = (discs.centres[disc], discs.radius_of(disc));
             let offset = [(x - centre[0]) / radius, (y - centre[1]) / radius];
             let square = offset[0] * offset[0] + offset[1] * offset[1];
             // There is no floor on a pillar.
@@ -514,22 +533,22 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 return [0.0; 2];
             }
             if square > BESIDE_DISC * BESIDE_DISC {
-                let of_force = self.exterior.of_force(offset.map(|along| along * radius));
+                let of_force = discs.exterior.of_force(offset.map(|along| along * radius));
                 let [unit, rest, ..] = forces[disc];
                 return [unit, rest].map(|force| force * of_force.value);
             }
-            self.exterior.values(offset, values);
-            [0, 1].map(|set| radius * dot(values, self.coefficients_of(set, disc)))
+            discs.exterior.values(offset, values);
+            [0, 1].map(|set| radius * dot(values, discs.coefficients_of(set, disc)))
         };
         let holes = Neighbours::new(points.iter().map(|point| (*point, 0.0)));
         let groups = holes.groups(TOGETHER);
         let add = |forces: [f64; 2], offset: Point, sums: &mut [FieldJet; 2]| {
-            let of_force = self.exterior.of_force(offset);
+            let of_force = discs.exterior.of_force(offset);
             for (sum, force) in sums.iter_mut().zip(forces) {
                 sum.add_scaled(force, &of_force);
             }
         };
-        let work = || (vec![0.0; self.modes], Vec::new());
+        let work = || (vec![0.0; discs.modes], Vec::new());
         let of_group = |(values, near): &mut (Vec<f64>, Vec<usize>), number: usize| {
             let (group, sides) = groups[number];
             let places = || group.iter().map(|place| points[*place as usize]);
@@ -538,7 +557,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             });
             let middle = [0, 1].map(|k| first[k] + 0.5 * sides[k]);
             let extent = 0.5 * sides[0].hypot(sides[1]);
-            let (mut boxes, mut discs) = ([FieldJet::default(); 2], [FieldJet::default(); 2]);
+            let (mut boxes, mut single) = ([FieldJet::default(); 2], [FieldJet::default(); 2]);
             near.clear();
             let small = |place: usize| {
                 let [unit, rest, count, u, v] = sums[place];
@@ -546,11 +565,11 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 add([unit, rest], offset, &mut boxes);
             };
             let alone = |disc: usize| {
-                let offset = [0, 1].map(|k| middle[k] - self.centres[disc][k]);
-                let far = f64::max(extent / FAR_FROM_ALL, BESIDE_DISC * self.radius_of(disc));
+                let offset = [0, 1].map(|k| middle[k] - discs.centres[disc][k]);
+                let far = f64::max(extent / FAR_FROM_ALL, BESIDE_DISC * discs.radius_of(disc));
                 if offset[0].hypot(offset[1]) > far {
                     let [unit, rest, ..] = forces[disc];
-                    add([unit, rest], offset, &mut discs);
+                    add([unit, rest], offset, &mut single);
                 } else {
                     near.push(disc);
                 }
@@ -559,7 +578,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             let of_point = |at: Point| {
                 let step = [0, 1].map(|k| at[k] - middle[k]);
                 let mut sum =
-                    [0, 1].map(|set| boxes[set].expanded(step) + discs[set].expanded(step));
+                    [0, 1].map(|set| boxes[set].expanded(step) + single[set].expanded(step));
                 for disc in &*near {
                     let own = beside(*disc, at, values);
                     sum = [0, 1].map(|set| sum[set] + own[set]);
@@ -568,7 +587,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             };
             places().map(of_point).collect::<Vec<_>>()
         };
-        let workers = self.run.workers();
+        let workers = discs.run.workers();
         let found = workers.map(groups.len(), ROUGH, work, of_group);
         let mut displacements = vec![[0.0; 2]; points.len()];
         for ((group, _), found) in groups.iter().zip(found) {
@@ -1021,7 +1040,7 @@ mod tests {
             .collect();
         let none = vec![0.0; coefficients.len()];
         // Of one radius, as far as the field is concerned.
-        let loaded = LoadedDiscs {
+        let loaded = Discs {
             exterior: &Exterior::new(2),
             modes: 6,
             centres: &centres,
@@ -1029,6 +1048,7 @@ mod tests {
             coefficients: [&none, &coefficients],
             run: &Run::default(),
         };
+        let loaded = LoadedDiscs::new(loaded);
         let lens = Lens {
             radius: 1000.0,
             material: Material::new(1.0, 0.5),

@@ -6,7 +6,7 @@
 //! the solutions of all pillars.
 
 use super::floor::{
-    FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
+    Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
 use super::frozen::{FrozenContact, Response, Source};
 use super::rules::floor::{FloorCells, Places};
@@ -763,7 +763,7 @@ impl<'a> Newton<'a> {
         {
             radii.truncate(1);
         }
-        let discs = LoadedDiscs {
+        let discs = Discs {
             exterior: &self.exterior,
             modes,
             centres: &centres,
@@ -771,6 +771,7 @@ impl<'a> Newton<'a> {
             coefficients: [&along, &without],
             run: self.run,
         };
+        let discs = LoadedDiscs::new(discs);
         ask(&discs)
     }
 

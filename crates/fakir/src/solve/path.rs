@@ -8,7 +8,7 @@
 //! sets free is dissipated.
 
 use super::floor::{
-    FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
+    Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
 use super::frozen::{FrozenContact, Remainder, Rule, Source};
 use super::rules::floor::Places;
@@ -982,7 +982,7 @@ impl<'a> Path<'a> {
         add_scaled(&mut without, -self.contact.indentation(), &along);
         let centre = |p: &usize| self.sites.centres()[*p];
         let centres: Vec<Point> = touched.iter().map(centre).collect();
-        let discs = LoadedDiscs {
+        let discs = Discs {
             exterior: &self.exterior,
             modes,
             centres: &centres,
@@ -990,6 +990,7 @@ impl<'a> Path<'a> {
             coefficients: [&along, &without],
             run: self.run,
         };
+        let discs = LoadedDiscs::new(discs);
         ask(&discs)
     }
 }

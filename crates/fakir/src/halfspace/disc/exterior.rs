@@ -323,7 +323,7 @@ impl Exterior {
     pub(crate) fn add_jets(
         &self,
         [x, y]: [Lanes; 2],
-        coefficients: [[&[f64]; LANES]; 2],
+        coefficients: [&[Lanes]; 2],
         sums: &mut [LaneJets; 2],
     ) {
         let degree = self.degree().min(MAXIMUM_DEGREE);
@@ -342,8 +342,8 @@ impl Exterior {
         let mut of_layers: &mut [[Lanes; 3]] = &mut [];
         if let Some(OnLayers { radial: layers, .. }) = self.layers.as_deref() {
             let bears = |lane: usize| {
-                let of_disc = coefficients.iter().flat_map(|set| set[lane]);
-                of_disc.into_iter().any(|c| *c != 0.0)
+                let mut of_disc = coefficients.iter().copied().flatten();
+                of_disc.any(|c| c.0[lane] != 0.0)
             };
             let lanes = (0..LANES).filter(|lane| bears(*lane));
             let places = lanes.map(|lane| (lane, inverse_square.0[lane].sqrt().recip()));
@@ -379,8 +379,7 @@ impl Exterior {
             }
             let field = harmonic_times(mode, [x, y], &harmonics, &radial);
             for (sum, coefficients) in sums.iter_mut().zip(coefficients) {
-                let factor = Lanes(coefficients.map(|of_disc| of_disc[number]));
-                sum.add_product(factor, &field);
+                sum.add_product(coefficients[number], &field);
             }
         }
     }
@@ -632,14 +631,15 @@ mod tests {
         let film = crate::halfspace::layer::tests::film();
         let exterior = Exterior::new(4).with_layers(&[film]);
         let count = exterior.count();
-        let (step, zero) = (1e-4, vec![0.0; count]);
+        let step = 1e-4;
         for point in [[1.3, 0.4], [-2.1, 3.3], [8.0, -5.0], [30.0, 2.0]] {
             let coefficients: Vec<f64> = (0..count).map(|k| (1.3 * k as f64).cos()).collect();
             let at = |dx: f64, dy: f64| {
                 let mut sums = [LaneJets::default(); 2];
                 let [x, y] = [point[0] + dx, point[1] + dy].map(Lanes::splat);
-                let sets: [&[f64]; LANES] = [&coefficients, &zero, &zero, &zero];
-                exterior.add_jets([x, y], [sets; 2], &mut sums);
+                let first = coefficients.iter().map(|c| Lanes([*c, 0.0, 0.0, 0.0]));
+                let set: Vec<Lanes> = first.collect();
+                exterior.add_jets([x, y], [&set; 2], &mut sums);
                 sums[0].sum()
             };
             let jet = at(0.0, 0.0);
@@ -741,13 +741,13 @@ mod tests {
                 let mut unit = vec![0.0; count];
                 unit[which] = 1.0;
                 // With three more discs, far and near, that bear nothing.
-                let zero = vec![0.0; count];
                 let at = |dx: f64, dy: f64| {
                     let mut sums = [LaneJets::default(); 2];
                     let x = Lanes([point[0] + dx, 1.01, 30.0, -2.0]);
                     let y = Lanes([point[1] + dy, 0.0, 4.0, 3.0]);
-                    let coefficients: [&[f64]; LANES] = [&unit, &zero, &zero, &zero];
-                    exterior.add_jets([x, y], [coefficients; 2], &mut sums);
+                    let first = unit.iter().map(|c| Lanes([*c, 0.0, 0.0, 0.0]));
+                    let set: Vec<Lanes> = first.collect();
+                    exterior.add_jets([x, y], [&set; 2], &mut sums);
                     sums[0].sum()
                 };
                 let jet = at(0.0, 0.0);

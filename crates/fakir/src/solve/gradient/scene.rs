@@ -33,7 +33,7 @@ use crate::numerics::vector::{add_scaled, dot, subtract};
 use crate::problem::Point;
 use crate::problem::column::Column;
 use crate::problem::layer::WeightedLayer;
-use crate::solve::floor::{FloorDisplacement, FloorPoint, LoadedDiscs};
+use crate::solve::floor::{Discs, FloorDisplacement, FloorPoint, LoadedDiscs};
 use crate::solve::newton::{LINEAR_TOLERANCE, Newton};
 use crate::solve::rules::rim::Motion;
 use crate::solve::rules::unilateral::LocalSolver;
@@ -407,7 +407,7 @@ fn add_floor(
         let radius = newton.tops.sites.body(place).radius;
         let moments = &newton.contact.coefficients()[place * modes..(place + 1) * modes];
         let coefficients: Vec<f64> = moments.iter().map(|m| m / (radius * radius)).collect();
-        let disc = LoadedDiscs {
+        let disc = Discs {
             exterior: &newton.exterior,
             modes,
             centres: &[centre],
@@ -415,6 +415,7 @@ fn add_floor(
             coefficients: [&coefficients, &coefficients],
             run: newton.run,
         };
+        let disc = LoadedDiscs::new(disc);
         let [field, _] = disc.displacement(point);
         let along = |[x, y]: Point| x * field.gradient[0] + y * field.gradient[1];
         // At D from a disc of radius a moments m make a field m·w(D/a)/a.
