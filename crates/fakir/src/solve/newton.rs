@@ -59,8 +59,10 @@ const LEVEL_CHANGES: usize = 200;
 /// Relative error of the indentation by the punch lattice, about.
 const START_ERROR: f64 = 0.02;
 
-/// A start is good enough when a step changes the status of one pillar in so many.
+/// A start is good enough when a step changes the status of one pillar in so many; and of one in so many, or two, if the step changes no fewer than one
+/// before it: pillars at the edge may be touched and untouched in turns.
 const START_CHANGES: usize = 300;
+const STALLED_CHANGES: usize = 100;
 
 /// Largest tolerance of the response to a unit indentation.
 const UNIT_TOLERANCE: f64 = 1e-2;
@@ -315,7 +317,9 @@ impl<'a> Newton<'a> {
             self.run.check_cancelled()?;
             outcome.mismatch = change.mismatch;
             let exact = tolerances.are_exact(unit_tolerance);
-            if let Some(ending) = self.ending(target, purpose, exact, &change, &outcome) {
+            if let Some(ending) =
+                self.ending(target, purpose, exact, tolerances.fewest, &change, &outcome)
+            {
                 outcome.termination = ending;
                 return Ok(outcome);
             }
@@ -350,17 +354,22 @@ impl<'a> Newton<'a> {
         Ok(settled)
     }
 
-    /// Whether and how the iteration ends after a step.
+    /// Whether and how the iteration ends after a step, with the fewest changes in any step before.
     fn ending(
         &mut self,
         target: Control,
         purpose: Purpose,
         exact: bool,
+        fewest: usize,
         change: &Change,
         outcome: &Outcome,
     ) -> Option<Termination> {
-        if purpose == Purpose::Start && change.pillars * START_CHANGES <= self.touched() {
-            return Some(Termination::Converged);
+        if purpose == Purpose::Start {
+            let few = (self.touched() / STALLED_CHANGES).max(2);
+            let stalled = change.pillars <= few && change.places() >= fewest;
+            if stalled || change.pillars * START_CHANGES <= self.touched() {
+                return Some(Termination::Converged);
+            }
         }
         if purpose == Purpose::Level
             && exact
