@@ -45,7 +45,7 @@ impl Bounds {
     }
 }
 
-/// Of a vector none of whose components is so small or so large that its square is not a number: quicker than without that.
+/// Length of a vector whose squares neither overflow nor vanish: quicker than `hypot`.
 fn length([x, y]: [f64; 2]) -> f64 {
     let square = x * x + y * y;
     square.sqrt()
