@@ -3,7 +3,7 @@
 //!
 //! Matrices are kept column by column, of which the lower triangle counts.
 
-use super::vector::widest;
+use super::vector::{Lanes, inner_dot, widest};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor as llt;
 use faer::{MatMut, Par};
@@ -112,14 +112,29 @@ pub(crate) fn solve_lower(factor: &[f64], size: usize, right: &mut [f64]) {
     );
 }
 
+/// Solves `L x = b` in place for several right sides side by side.
+pub(crate) fn solve_lower_lanes(factor: &[f64], size: usize, right: &mut [Lanes]) {
+    widest(
+        #[inline(always)]
+        || {
+            for (k, column) in factor.chunks_exact(size.max(1)).enumerate() {
+                let value = right[k] * Lanes::splat(column[k].recip());
+                right[k] = value;
+                for (b, l) in right[k + 1..].iter_mut().zip(&column[k + 1..]) {
+                    *b = *b - Lanes::splat(*l) * value;
+                }
+            }
+        },
+    );
+}
+
 /// Solves `L' x = b` in place.
 pub(crate) fn solve_upper(factor: &[f64], size: usize, right: &mut [f64]) {
     widest(
         #[inline(always)]
         || {
             for (k, column) in factor.chunks_exact(size.max(1)).enumerate().rev() {
-                let known = column[k + 1..].iter().zip(&right[k + 1..]);
-                let sum: f64 = known.map(|(l, x)| l * x).sum();
+                let sum = inner_dot(&column[k + 1..size], &right[k + 1..size]);
                 right[k] = (right[k] - sum) / column[k];
             }
         },
@@ -146,7 +161,13 @@ mod tests {
                 .collect();
             let mut factor = matrix;
             assert!(factorise(&mut factor, size));
+            let mut lanes: Vec<Lanes> = right.iter().map(|b| Lanes([*b, 0.0, 2.0, -b])).collect();
+            solve_lower_lanes(&factor, size, &mut lanes);
             solve_lower(&factor, size, &mut right);
+            for (lanes, alone) in lanes.iter().zip(&right) {
+                assert!((lanes.0[0] - alone).abs() < 1e-13 && lanes.0[1] == 0.0);
+                assert!((lanes.0[3] + alone).abs() < 1e-13);
+            }
             solve_upper(&factor, size, &mut right);
             for (found, wanted) in right.iter().zip(&wanted) {
                 assert!((found - wanted).abs() < 1e-12, "{size}: {found} {wanted}");

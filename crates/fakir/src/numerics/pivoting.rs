@@ -5,9 +5,9 @@
 //! violate a sign change sides all at once, and, where that does not lower their number, one at a
 //! time by Murty's rule, which is finite (J. J. Júdice, F. M. Pires, Comput. Oper. Res. 21, 587 (1994)).
 
-use super::cholesky::{factorise, solve_lower, solve_upper};
+use super::cholesky::{factorise, solve_lower, solve_lower_lanes, solve_upper};
 use super::convergence::largest;
-use super::vector::{add_scaled, dot};
+use super::vector::{LANES, Lanes, widest};
 
 /// `q` may be this far below zero, relative to the largest `|q0|`: rounding, not a violation.
 const TOLERANCE: f64 = 1e-11;
@@ -39,6 +39,8 @@ pub(crate) struct PivotSolver {
     /// Cholesky factor of `G` on them.
     factor: Vec<f64>,
     right: Vec<f64>,
+    /// Room for right sides, four by four.
+    lanes: Vec<Lanes>,
 }
 
 impl PivotSolver {
@@ -50,6 +52,7 @@ impl PivotSolver {
             indices: Vec::with_capacity(count),
             factor: vec![0.0; count * count],
             right: vec![0.0; count],
+            lanes: Vec::new(),
         }
     }
 
@@ -120,28 +123,49 @@ impl PivotSolver {
     }
 
     /// `W' G_II^-1 W` row by row into `product`, with `G_II` the matrix on the active indices and
-    /// `W` the `columns` columns of values at them; `room` is for `columns` columns of any length.
+    /// `W` the `columns` columns of values at them.
     pub(crate) fn projected_inverse(
-        &self,
+        &mut self,
         columns: usize,
-        room: &mut [f64],
         product: &mut [f64],
         value: impl Fn(usize, usize) -> f64,
     ) {
-        let size = self.indices.len();
-        for column in 0..columns {
-            let half = &mut room[column * size..(column + 1) * size];
-            for (slot, &k) in half.iter_mut().zip(&self.indices) {
-                *slot = value(k, column);
-            }
-            solve_lower(&self.factor[..size * size], size, half);
+        let (size, groups) = (self.indices.len(), columns.div_ceil(LANES));
+        let factor = &self.factor[..size * size];
+        // Columns four by four, one group after the other.
+        self.lanes.clear();
+        for group in 0..groups {
+            let at = |k: &usize| {
+                Lanes(std::array::from_fn(|lane| {
+                    let column = LANES * group + lane;
+                    if column < columns {
+                        value(*k, column)
+                    } else {
+                        0.0
+                    }
+                }))
+            };
+            self.lanes.extend(self.indices.iter().map(at));
+            solve_lower_lanes(factor, size, &mut self.lanes[group * size..]);
         }
-        let half = |column: usize| &room[column * size..(column + 1) * size];
-        for i in 0..columns {
-            for j in 0..columns {
-                product[i * columns + j] = dot(half(i), half(j));
-            }
-        }
+        let lanes = |group: usize| &self.lanes[group * size..(group + 1) * size];
+        widest(
+            #[inline(always)]
+            || {
+                for (i, row) in product.chunks_exact_mut(columns).enumerate() {
+                    let own = lanes(i / LANES);
+                    for (group, slots) in row.chunks_mut(LANES).enumerate() {
+                        let mut sums = Lanes::default();
+                        for (own, other) in own.iter().zip(lanes(group)) {
+                            sums += Lanes::splat(own.0[i % LANES]) * *other;
+                        }
+                        for (slot, sum) in slots.iter_mut().zip(sums.0) {
+                            *slot = sum;
+                        }
+                    }
+                }
+            },
+        );
     }
 
     /// With `q` zero at the active indices: their multipliers, and `q` elsewhere.
@@ -149,7 +173,7 @@ impl PivotSolver {
         if !self.factorise(matrix, active) {
             return false;
         }
-        let (count, size) = (self.constant.len(), self.indices.len());
+        let size = self.indices.len();
         let right = &mut self.right[..size];
         for (slot, &k) in right.iter_mut().zip(&self.indices) {
             *slot = -self.constant[k];
@@ -157,11 +181,11 @@ impl PivotSolver {
         solve_lower(&self.factor[..size * size], size, right);
         solve_upper(&self.factor[..size * size], size, right);
         self.multiplier.fill(0.0);
-        self.slack.copy_from_slice(&self.constant);
         for (&s, &k) in right.iter().zip(&self.indices) {
             self.multiplier[k] = s;
-            add_scaled(&mut self.slack, s, &matrix[k * count..(k + 1) * count]);
         }
+        self.slack.copy_from_slice(&self.constant);
+        add_rows(&mut self.slack, matrix, &self.indices, right);
         for &k in &self.indices {
             self.slack[k] = 0.0;
         }
@@ -175,13 +199,38 @@ impl PivotSolver {
         let size = self.indices.len();
         for (column, &k) in self.indices.iter().enumerate() {
             let row = &matrix[k * count..(k + 1) * count];
-            for (slot, &l) in self.factor[column * size..(column + 1) * size]
+            // The lower triangle.
+            for (slot, &l) in self.factor[column * size + column..(column + 1) * size]
                 .iter_mut()
-                .zip(&self.indices)
+                .zip(&self.indices[column..])
             {
                 *slot = row[l];
             }
         }
         factorise(&mut self.factor[..size * size], size)
     }
+}
+
+/// Adds some rows of a matrix, each times a factor.
+fn add_rows(sum: &mut [f64], matrix: &[f64], rows: &[usize], factors: &[f64]) {
+    let count = sum.len();
+    let row = |k: usize| &matrix[k * count..(k + 1) * count];
+    widest(
+        #[inline(always)]
+        || {
+            let (rows, few) = rows.as_chunks::<LANES>();
+            let (factors, few_factors) = factors.as_chunks::<LANES>();
+            for (rows, [s, t, u, v]) in rows.iter().zip(factors) {
+                let [a, b, c, d] = rows.map(row);
+                for ((((sum, a), b), c), d) in sum.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                    *sum += (s * a + t * b) + (u * c + v * d);
+                }
+            }
+            for (k, s) in few.iter().zip(few_factors) {
+                for (sum, a) in sum.iter_mut().zip(row(*k)) {
+                    *sum += s * a;
+                }
+            }
+        },
+    );
 }

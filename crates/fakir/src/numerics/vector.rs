@@ -156,21 +156,25 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     chunks.map(|(a, b)| dot_of_chunk(a, b)).sum()
 }
 
-/// The dot product of two chunks, added up in [`LANES`] partial sums.
+/// The dot product of two chunks.
 fn dot_of_chunk(a: &[f64], b: &[f64]) -> f64 {
     widest(
         #[inline(always)]
-        || {
-            let mut sums = Lanes::default();
-            let (a, a_rest) = a.as_chunks::<LANES>();
-            let (b, b_rest) = b.as_chunks::<LANES>();
-            for (x, y) in a.iter().zip(b) {
-                sums += Lanes(*x) * Lanes(*y);
-            }
-            let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
-            sums.sum() + rest
-        },
+        || inner_dot(a, b),
     )
+}
+
+/// A dot product, added up in [`LANES`] partial sums: for loops that are compiled by [`widest`].
+#[inline(always)]
+pub(super) fn inner_dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = Lanes::default();
+    let (a, a_rest) = a.as_chunks::<LANES>();
+    let (b, b_rest) = b.as_chunks::<LANES>();
+    for (x, y) in a.iter().zip(b) {
+        sums += Lanes(*x) * Lanes(*y);
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+    sums.sum() + rest
 }
 
 /// `a -= b`

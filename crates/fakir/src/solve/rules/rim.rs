@@ -274,7 +274,6 @@ pub(crate) struct RimSolver {
     /// Modes, and those by which pillars act on each other.
     count: usize,
     lead: usize,
-    room: Vec<f64>,
     cells: Vec<Cell>,
     /// Whether cells of two rings some sectors apart count as far from each other.
     far: Vec<bool>,
@@ -305,7 +304,6 @@ impl RimSolver {
             values: vec![0.0; size * count],
             count,
             lead,
-            room: vec![0.0; size * lead],
             cells: Vec::with_capacity(size),
             far: vec![false; across_pairs(resolution.rings) * shape[0]],
         }
@@ -445,7 +443,7 @@ impl RimSolver {
     pub(crate) fn derivative(&mut self, derivative: &mut [f64]) {
         let (values, count) = (&self.values, self.count);
         self.pivot
-            .projected_inverse(self.lead, &mut self.room, derivative, |cell, mode| {
+            .projected_inverse(self.lead, derivative, |cell, mode| {
                 values[cell * count + mode]
             });
     }

@@ -54,7 +54,6 @@ pub(crate) struct PillarTop {
 /// Working storage of the local problem, and its solution.
 pub(crate) struct LocalSolver {
     pivot: PivotSolver,
-    right: Vec<f64>,
     /// The rim and its cells are made when the first load needs them, the cells for every column.
     rim: Option<Rim>,
     cells: Option<Box<RimSolver>>,
@@ -254,7 +253,6 @@ impl LocalSolver {
     pub(crate) fn new(top: &PillarTop) -> Self {
         Self {
             pivot: PivotSolver::new(top.count),
-            right: vec![0.0; top.count * top.lead.max(1)],
             rim: None,
             cells: None,
             column: None,
@@ -375,7 +373,7 @@ impl LocalSolver {
         }
         let lead = top.lead;
         self.pivot
-            .projected_inverse(lead, &mut self.right, derivative, |node, mode| {
+            .projected_inverse(lead, derivative, |node, mode| {
                 top.row(&top.pressures, node)[mode]
             });
         for (index, value) in derivative.iter_mut().enumerate() {
