@@ -113,15 +113,17 @@ fn floor() -> f64 {
     let exterior = Exterior::new(DEGREE);
     let modes = mode_count(DEGREE);
     let c = coefficients(window.len() * modes);
-    let discs = Discs {
+    let bears = |disc: usize, mode: usize| c[disc * modes + mode];
+    let discs = LoadedDiscs {
         exterior: &exterior,
-        modes,
-        centres: window.centres(),
-        radii: &[1.0],
-        coefficients: [&c, &c],
+        discs: Discs::new(
+            [window.len(), modes],
+            |disc| window.centres()[disc],
+            |_| 1.0,
+            [Some(&bears), Some(&bears)],
+        ),
         run: &Run::default(),
     };
-    let discs = LoadedDiscs::new(discs);
     (0..200)
         .map(|k| {
             let x = 2.3 + 1e-3 * f64::from(k);

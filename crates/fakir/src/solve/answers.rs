@@ -297,15 +297,11 @@ pub(super) fn without_contact(
     indentation: f64,
 ) -> ContactState {
     let exterior = Exterior::new(0);
-    let discs = Discs {
+    let discs = LoadedDiscs {
         exterior: &exterior,
-        modes: 1,
-        centres: &[],
-        radii: &[],
-        coefficients: [&[], &[]],
+        discs: Discs::new([0, 1], |_| [0.0; 2], |_| 1.0, [None, None]),
         run: &Run::default(),
     };
-    let discs = LoadedDiscs::new(discs);
     let lowest = lowest_floor(scene, 0.0, &discs);
     let fields = Fields::new(scene.as_asked(), indentation, Vec::new(), 0, 0);
     ContactState {
@@ -405,16 +401,17 @@ fn patch_degree() -> usize {
 
 /// Lowest point of the floor under a patch: its gap plus the indentation.
 fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<FloorPoint> {
-    let zeros = vec![0.0; patch.coefficients.len()];
-    let discs = Discs {
+    let bears = |_: usize, mode: usize| patch.coefficients[mode];
+    let discs = LoadedDiscs {
         exterior,
-        modes: patch.coefficients.len(),
-        centres: &[[0.0, 0.0]],
-        radii: &[patch.radius],
-        coefficients: [&zeros, &patch.coefficients],
+        discs: Discs::new(
+            [1, patch.coefficients.len()],
+            |_| [0.0; 2],
+            |_| patch.radius,
+            [None, Some(&bears)],
+        ),
         run: &Run::default(),
     };
-    let discs = LoadedDiscs::new(discs);
     lowest_floor(scene, patch.radius, &discs)
 }
 

@@ -10,7 +10,7 @@ use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
 use crate::halfspace::disc::exterior::{Exterior, LaneJets, MAXIMUM_DEGREE};
 use crate::halfspace::jet::FieldJet;
 use crate::numerics::neighbours::Neighbours;
-use crate::numerics::vector::{LANES, Lanes, dot, widest};
+use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::numerics::workers::CancelToken;
 use crate::problem::lens::LensJet;
 use crate::problem::{HexagonalLattice, Point, ShapedLens};
@@ -46,7 +46,7 @@ const LOWEST_HOLES: usize = 6;
 const REMEMBERED: usize = 3;
 
 /// Relative difference of indentations of contact up to which a low point may become the lowest as the
-/// pressures change: at the most, and over what the last change did to the lowest. (One that is farther off and does is found in the end, by a search
+/// pressures change: at the most, and over what the last change did to the lowest; images remain in any case. (One that is farther off and does is found in the end, by a search
 /// from scratch.)
 const MOST_RIVALS: f64 = 1e-2;
 const RIVALS: f64 = 10.0;
@@ -58,37 +58,27 @@ const ALIKE: f64 = 1e-9;
 /// By how much the indentations of contact of images may differ.
 const UNLIKE: f64 = 1e-4;
 
-/// Discs and what they bear.
-#[derive(Clone, Copy)]
-pub(crate) struct Discs<'a> {
-    pub(crate) exterior: &'a Exterior,
+/// Discs and what they bear, [`LANES`] of them together: the last ones with some that bear nothing.
+pub(crate) struct Discs {
+    count: usize,
     /// Number of coefficients of each disc.
-    pub(crate) modes: usize,
-    /// Centres of the discs that bear pressure.
-    pub(crate) centres: &'a [Point],
-    /// The radius that all have, or that of every one.
-    pub(crate) radii: &'a [f64],
-    /// Coefficients `c1` and `c0`, disc by disc.
-    pub(crate) coefficients: [&'a [f64]; 2],
-    pub(crate) run: &'a Run<'a>,
-}
-
-/// Loaded discs, to be asked what their pressure does.
-pub(crate) struct LoadedDiscs<'a> {
-    discs: Discs<'a>,
-    /// [`LANES`] of them together.
-    together: Vec<LanesOfDiscs>,
-    /// Their coefficients, mode by mode, of both sets.
+    modes: usize,
+    centres: Vec<[Lanes; 2]>,
+    /// Their radii, or that of all.
+    radii: Vec<Lanes>,
+    differ: bool,
+    /// Coefficients `c1` and `c0`, mode by mode; none of a set by which no disc bears anything.
     coefficients: [Vec<Lanes>; 2],
 }
 
-/// Discs that are taken together, the last ones with some that bear nothing.
-#[derive(Debug, Clone, Copy)]
-struct LanesOfDiscs {
-    centre: [Lanes; 2],
-    radius: Lanes,
-    /// One over that.
-    scale: Lanes,
+/// A coefficient of a disc, by its number and that of the mode.
+type Coefficient<'c> = &'c dyn Fn(usize, usize) -> f64;
+
+/// Loaded discs, to be asked what their pressure does.
+pub(crate) struct LoadedDiscs<'a> {
+    pub(crate) exterior: &'a Exterior,
+    pub(crate) discs: Discs,
+    pub(crate) run: &'a Run<'a>,
 }
 
 /// A point of the floor with its indentation of contact.
@@ -329,72 +319,100 @@ pub(crate) trait FloorDisplacement {
     }
 }
 
-impl Discs<'_> {
-    /// The coefficients of a disc.
-    fn coefficients_of(&self, set: usize, disc: usize) -> &[f64] {
-        &self.coefficients[set][disc * self.modes..(disc + 1) * self.modes]
-    }
-
-    /// The radius of a disc.
-    fn radius_of(&self, disc: usize) -> f64 {
-        self.radii.get(disc).copied().unwrap_or(self.radii[0])
-    }
-
-    /// Whether they have several radii.
-    fn differ(&self) -> bool {
-        self.radii.len() > 1
-    }
-}
-
-impl<'a> LoadedDiscs<'a> {
-    pub(crate) fn new(discs: Discs<'a>) -> Self {
-        let (count, modes) = (discs.centres.len(), discs.modes);
-        // Where there are no more discs, the last one again.
+impl Discs {
+    /// So many, each given by its number; the coefficients of both sets, or none of a set by which no disc bears anything.
+    pub(crate) fn new(
+        [count, modes]: [usize; 2],
+        centre: impl Fn(usize) -> Point,
+        radius: impl Fn(usize) -> f64,
+        coefficients: [Option<Coefficient<'_>>; 2],
+    ) -> Self {
         let lanes = |first: usize, of_disc: &dyn Fn(usize) -> f64| {
-            Lanes(std::array::from_fn(|lane| {
-                of_disc((first + lane).min(count - 1))
-            }))
+            Lanes(std::array::from_fn(|lane| of_disc(first + lane)))
         };
         let firsts = || (0..count).step_by(LANES);
-        let together = firsts().map(|first| {
-            let radius = lanes(first, &|disc| discs.radius_of(disc));
-            LanesOfDiscs {
-                centre: [0, 1].map(|along| lanes(first, &|disc| discs.centres[disc][along])),
-                radius,
-                scale: radius.map(f64::recip),
-            }
-        });
-        let coefficients = [0, 1].map(|set| {
-            let of_lanes = |first: usize| {
-                (0..modes).map(move |mode| {
-                    let of_disc = |lane: usize| {
-                        let is_there = first + lane < count;
-                        is_there.then(|| discs.coefficients_of(set, first + lane)[mode])
-                    };
-                    Lanes(std::array::from_fn(|lane| {
-                        of_disc(lane).unwrap_or_default()
-                    }))
-                })
-            };
-            firsts().flat_map(of_lanes).collect()
+        // Where there are no more discs, the last one again.
+        let last = count.saturating_sub(1);
+        let centres = firsts()
+            .map(|first| [0, 1].map(|along| lanes(first, &|disc| centre(disc.min(last))[along])));
+        let is_other = |disc: usize| radius(disc).to_bits() != radius(0).to_bits();
+        let differ = (0..count).any(is_other);
+        let radii = firsts()
+            .take(if differ { count } else { 1 })
+            .map(|first| lanes(first, &|disc| radius(disc.min(last))));
+        let coefficients = coefficients.map(|set| {
+            set.map_or_else(Vec::new, |of_disc| {
+                let bears = |disc: usize, mode: usize| {
+                    if disc < count {
+                        of_disc(disc, mode)
+                    } else {
+                        0.0
+                    }
+                };
+                let modes = |first: usize| {
+                    (0..modes).map(move |mode| lanes(first, &|disc| bears(disc, mode)))
+                };
+                firsts().flat_map(modes).collect()
+            })
         });
         Self {
-            discs,
-            together: together.collect(),
+            count,
+            modes,
+            centres: centres.collect(),
+            radii: radii.collect(),
+            differ,
             coefficients,
         }
     }
 
+    fn centre_of(&self, disc: usize) -> Point {
+        self.centres[disc / LANES].map(|along| along.0[disc % LANES])
+    }
+
+    fn radius_of(&self, disc: usize) -> f64 {
+        self.radius_at(disc / LANES).0[disc % LANES]
+    }
+
+    fn coefficient_of(&self, set: usize, disc: usize, mode: usize) -> f64 {
+        let lanes = self.coefficients[set].get(disc / LANES * self.modes + mode);
+        lanes.map_or(0.0, |lanes| lanes.0[disc % LANES])
+    }
+
+    /// The radii of discs taken together.
+    #[inline(always)]
+    fn radius_at(&self, place: usize) -> Lanes {
+        self.radii.get(place).copied().unwrap_or(self.radii[0])
+    }
+
+    /// A point from their centres, times a scale.
+    #[inline(always)]
+    fn offsets(&self, place: usize, scale: Lanes, [x, y]: Point) -> [Lanes; 2] {
+        let [u, v] = self.centres[place];
+        [(Lanes::splat(x) - u) * scale, (Lanes::splat(y) - v) * scale]
+    }
+
+    /// Their coefficients of both sets.
+    #[inline(always)]
+    fn coefficients_at(&self, place: usize) -> [&[Lanes]; 2] {
+        let modes = place * self.modes..(place + 1) * self.modes;
+        self.coefficients
+            .each_ref()
+            .map(|set| set.get(modes.clone()).unwrap_or_default())
+    }
+}
+
+impl LoadedDiscs<'_> {
     /// What some discs taken together do; where they have one radius, in units of that.
     #[inline(always)]
     fn sums(&self, places: Range<usize>, position: Point) -> [LaneJets; 2] {
         let mut sums = [LaneJets::default(); 2];
-        let exterior = self.discs.exterior;
-        let differ = self.discs.differ();
+        let exterior = self.exterior;
+        let differ = self.discs.differ;
         for place in places {
-            let LanesOfDiscs { radius, scale, .. } = self.together[place];
-            let offsets = self.offsets(place, position);
-            let coefficients = self.coefficients_at(place);
+            let radius = self.discs.radius_at(place);
+            let scale = radius.map(f64::recip);
+            let offsets = self.discs.offsets(place, scale, position);
+            let coefficients = self.discs.coefficients_at(place);
             if differ {
                 let mut own = [LaneJets::default(); 2];
                 exterior.add_jets(offsets, coefficients, &mut own);
@@ -414,50 +432,30 @@ impl<'a> LoadedDiscs<'a> {
         let mut sums = [Lanes::default(); 2];
         let mut room = [Lanes::default(); mode_count(MAXIMUM_DEGREE)];
         let of_modes = &mut room[..self.discs.modes];
-        let differ = self.discs.differ();
+        let differ = self.discs.differ;
         for place in places {
-            let offsets = self.offsets(place, position);
-            self.discs.exterior.lane_values(offsets, of_modes);
-            for (sum, coefficients) in sums.iter_mut().zip(self.coefficients_at(place)) {
+            let radius = self.discs.radius_at(place);
+            let offsets = self.discs.offsets(place, radius.map(f64::recip), position);
+            self.exterior.lane_values(offsets, of_modes);
+            for (sum, coefficients) in sums.iter_mut().zip(self.discs.coefficients_at(place)) {
                 let mut own = Lanes::default();
                 for (coefficient, value) in coefficients.iter().zip(&*of_modes) {
                     own += *coefficient * *value;
                 }
-                *sum += if differ {
-                    self.together[place].radius * own
-                } else {
-                    own
-                };
+                *sum += if differ { radius * own } else { own };
             }
         }
         sums
     }
 
-    /// A point from the centres of discs taken together, in their radii.
-    #[inline(always)]
-    fn offsets(&self, place: usize, [x, y]: Point) -> [Lanes; 2] {
-        let LanesOfDiscs { centre, scale, .. } = self.together[place];
-        [
-            (Lanes::splat(x) - centre[0]) * scale,
-            (Lanes::splat(y) - centre[1]) * scale,
-        ]
-    }
-
-    /// Their coefficients of both sets.
-    #[inline(always)]
-    fn coefficients_at(&self, place: usize) -> [&[Lanes]; 2] {
-        let modes = place * self.discs.modes..(place + 1) * self.discs.modes;
-        self.coefficients.each_ref().map(|set| &set[modes.clone()])
-    }
-
     /// Sums over all discs, block by block.
     fn by_blocks<S: Send>(&self, of_block: impl Fn(Range<usize>) -> S + Sync) -> Vec<S> {
-        let count = self.together.len();
+        let count = self.discs.centres.len();
         let block = |(): &mut (), number: usize| {
             let first = number * BLOCK;
             of_block(first..count.min(first + BLOCK))
         };
-        let workers = self.discs.run.workers();
+        let workers = self.run.workers();
         workers.map(count.div_ceil(BLOCK), BLOCKS, || (), block)
     }
 }
@@ -483,7 +481,8 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 sum.add_scaled(1.0, &part);
             }
         }
-        if let [radius] = *self.discs.radii {
+        if !self.discs.differ && self.discs.count > 0 {
+            let radius = self.discs.radius_of(0);
             for sum in &mut total {
                 sum.value *= radius;
                 sum.hessian = sum.hessian.map(|h| h / radius);
@@ -500,9 +499,10 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             )
             .map(Lanes::sum)
         });
-        let scale = match *self.discs.radii {
-            [radius] => radius,
-            _ => 1.0,
+        let scale = if self.discs.differ || self.discs.count == 0 {
+            1.0
+        } else {
+            self.discs.radius_of(0)
         };
         [0, 1].map(|set| scale * blocks.iter().map(|block| block[set]).sum::<f64>())
     }
@@ -511,21 +511,21 @@ impl FloorDisplacement for LoadedDiscs<'_> {
     /// what they all do is expanded around the middle of the points to second order.
     fn rough_displacements(&self, points: &[Point]) -> Option<Vec<[f64; 2]>> {
         let discs = &self.discs;
-        if points.len() * discs.centres.len() < MANY {
+        if points.len() * discs.count < MANY {
             return None;
         }
-        let numbered = discs.centres.iter().enumerate();
-        let tree = Neighbours::new(numbered.map(|(disc, at)| (*at, discs.radius_of(disc))));
+        let all = 0..discs.count;
+        let tree = Neighbours::new(all.map(|disc| (discs.centre_of(disc), discs.radius_of(disc))));
         let of_disc = |disc: usize| {
-            let [x, y] = discs.centres[disc];
+            let [x, y] = discs.centre_of(disc);
             let square = UNIT_FORCE * discs.radius_of(disc).powi(2);
-            let [unit, rest] = [0, 1].map(|set| square * discs.coefficients_of(set, disc)[0]);
+            let [unit, rest] = [0, 1].map(|set| square * discs.coefficient_of(set, disc, 0));
             [unit, rest, 1.0, x, y]
         };
-        let forces: Vec<_> = (0..discs.centres.len()).map(of_disc).collect();
+        let forces: Vec<_> = (0..discs.count).map(of_disc).collect();
         let sums = tree.sums(|disc| forces[disc]);
         let beside = |disc: usize, [x, y]: Point, values: &mut Vec<f64>| {
-            let (centre, radius) = (discs.centres[disc], discs.radius_of(disc));
+            let (centre, radius) = (discs.centre_of(disc), discs.radius_of(disc));
             let offset = [(x - centre[0]) / radius, (y - centre[1]) / radius];
             let square = offset[0] * offset[0] + offset[1] * offset[1];
             // There is no floor on a pillar.
@@ -533,17 +533,22 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 return [0.0; 2];
             }
             if square > BESIDE_DISC * BESIDE_DISC {
-                let of_force = discs.exterior.of_force(offset.map(|along| along * radius));
+                let of_force = self.exterior.of_force(offset.map(|along| along * radius));
                 let [unit, rest, ..] = forces[disc];
                 return [unit, rest].map(|force| force * of_force.value);
             }
-            discs.exterior.values(offset, values);
-            [0, 1].map(|set| radius * dot(values, discs.coefficients_of(set, disc)))
+            self.exterior.values(offset, values);
+            [0, 1].map(|set| {
+                let of_modes = values.iter().enumerate();
+                let sum =
+                    of_modes.map(|(mode, value)| value * discs.coefficient_of(set, disc, mode));
+                radius * sum.sum::<f64>()
+            })
         };
         let holes = Neighbours::new(points.iter().map(|point| (*point, 0.0)));
         let groups = holes.groups(TOGETHER);
         let add = |forces: [f64; 2], offset: Point, sums: &mut [FieldJet; 2]| {
-            let of_force = discs.exterior.of_force(offset);
+            let of_force = self.exterior.of_force(offset);
             for (sum, force) in sums.iter_mut().zip(forces) {
                 sum.add_scaled(force, &of_force);
             }
@@ -565,7 +570,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 add([unit, rest], offset, &mut boxes);
             };
             let alone = |disc: usize| {
-                let offset = [0, 1].map(|k| middle[k] - discs.centres[disc][k]);
+                let offset = [0, 1].map(|k| middle[k] - discs.centre_of(disc)[k]);
                 let far = f64::max(extent / FAR_FROM_ALL, BESIDE_DISC * discs.radius_of(disc));
                 if offset[0].hypot(offset[1]) > far {
                     let [unit, rest, ..] = forces[disc];
@@ -587,7 +592,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             };
             places().map(of_point).collect::<Vec<_>>()
         };
-        let workers = discs.run.workers();
+        let workers = self.run.workers();
         let found = workers.map(groups.len(), ROUGH, work, of_group);
         let mut displacements = vec![[0.0; 2]; points.len()];
         for ((group, _), found) in groups.iter().zip(found) {
@@ -693,7 +698,7 @@ impl FloorSearch {
             } else {
                 (indentation / self.last - 1.0).abs()
             };
-            let rivals = (RIVALS * change).min(MOST_RIVALS);
+            let rivals = (RIVALS * change).clamp(UNLIKE, MOST_RIVALS);
             let highest = indentation + rivals * indentation.abs();
             minima.retain(|point| point.indentation <= highest);
             self.last = indentation;
@@ -1038,17 +1043,18 @@ mod tests {
                 _ => 0.003 * (2.3 * k as f64).sin(),
             })
             .collect();
-        let none = vec![0.0; coefficients.len()];
         // Of one radius, as far as the field is concerned.
-        let loaded = Discs {
+        let bears = |disc: usize, mode: usize| coefficients[6 * disc + mode];
+        let loaded = LoadedDiscs {
             exterior: &Exterior::new(2),
-            modes: 6,
-            centres: &centres,
-            radii: &[0.75],
-            coefficients: [&none, &coefficients],
+            discs: Discs::new(
+                [centres.len(), 6],
+                |disc| centres[disc],
+                |_| 0.75,
+                [None, Some(&bears)],
+            ),
             run: &Run::default(),
         };
-        let loaded = LoadedDiscs::new(loaded);
         let lens = Lens {
             radius: 1000.0,
             material: Material::new(1.0, 0.5),

@@ -25,7 +25,6 @@ use crate::halfspace::floor::coupling::{FloorKernels, SurfaceCoupling};
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
-use crate::numerics::vector::add_scaled;
 use crate::problem::scaled::Scene;
 use crate::problem::{Control, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
@@ -749,38 +748,27 @@ impl<'a> Newton<'a> {
         let touched: Vec<usize> = (0..sites.len())
             .filter(|&p| self.tops.status[p] != PillarStatus::Untouched)
             .collect();
-        let gather = |coefficients: &[f64]| -> Vec<f64> {
-            let of_pillar = |&pillar: &usize| {
-                let square = radius(pillar) * radius(pillar);
-                let moments = &coefficients[pillar * modes..(pillar + 1) * modes];
-                moments.iter().map(move |moment| moment / square)
-            };
-            touched.iter().flat_map(of_pillar).collect()
+        let ([present, unit], indentation) = (self.contact.parts(), self.contact.indentation());
+        let of_area = |disc: usize, mode: usize, moments: &[f64]| {
+            moments[touched[disc] * modes + mode] / radius(touched[disc]).powi(2)
         };
-        let mut without = gather(self.contact.coefficients());
-        let along = if with_indentation {
-            let unit = gather(&self.contact.unit.coefficients);
-            add_scaled(&mut without, -self.contact.indentation(), &unit);
-            unit
-        } else {
-            vec![0.0; without.len()]
-        };
-        let centres: Vec<Point> = touched.iter().map(|&p| sites.centres()[p]).collect();
-        let mut radii: Vec<f64> = touched.iter().map(|&p| radius(p)).collect();
-        if let Some(first) = radii.first().map(|first| first.to_bits())
-            && radii.iter().all(|radius| radius.to_bits() == first)
-        {
-            radii.truncate(1);
-        }
-        let discs = Discs {
+        let along = |disc: usize, mode: usize| of_area(disc, mode, unit);
+        let all = |disc: usize, mode: usize| of_area(disc, mode, present);
+        let without = |disc: usize, mode: usize| all(disc, mode) - indentation * along(disc, mode);
+        let discs = LoadedDiscs {
             exterior: &self.exterior,
-            modes,
-            centres: &centres,
-            radii: &radii,
-            coefficients: [&along, &without],
+            discs: Discs::new(
+                [touched.len(), modes],
+                |disc| sites.centres()[touched[disc]],
+                |disc| radius(touched[disc]),
+                if with_indentation {
+                    [Some(&along), Some(&without)]
+                } else {
+                    [None, Some(&all)]
+                },
+            ),
             run: self.run,
         };
-        let discs = LoadedDiscs::new(discs);
         ask(&discs)
     }
 

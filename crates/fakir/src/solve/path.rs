@@ -28,7 +28,7 @@ use crate::halfspace::disc::projection::LensProjector;
 use crate::halfspace::floor::coupling::SurfaceCoupling;
 use crate::halfspace::floor::grid::Division;
 use crate::numerics::convergence::Judgement;
-use crate::numerics::vector::{add_scaled, dot, subtract};
+use crate::numerics::vector::{dot, subtract};
 use crate::problem::Point;
 use crate::problem::scaled::Scene;
 use crate::state::{Progress, Run, SolveError, Stage, Termination};
@@ -973,24 +973,21 @@ impl<'a> Path<'a> {
         let touched: Vec<usize> = (0..self.sites.len())
             .filter(|pillar| !self.tops.domains[*pillar].is_out())
             .collect();
-        let gather = |coefficients: &[f64]| -> Vec<f64> {
-            let of_pillar = |p: &usize| &coefficients[p * modes..(p + 1) * modes];
-            touched.iter().flat_map(of_pillar).copied().collect()
+        let ([present, unit], indentation) = (self.contact.parts(), self.contact.indentation());
+        let along = |disc: usize, mode: usize| unit[touched[disc] * modes + mode];
+        let without = |disc: usize, mode: usize| {
+            present[touched[disc] * modes + mode] - indentation * along(disc, mode)
         };
-        let [present, unit] = self.contact.parts();
-        let (mut without, along) = (gather(present), gather(unit));
-        add_scaled(&mut without, -self.contact.indentation(), &along);
-        let centre = |p: &usize| self.sites.centres()[*p];
-        let centres: Vec<Point> = touched.iter().map(centre).collect();
-        let discs = Discs {
+        let discs = LoadedDiscs {
             exterior: &self.exterior,
-            modes,
-            centres: &centres,
-            radii: &[1.0],
-            coefficients: [&along, &without],
+            discs: Discs::new(
+                [touched.len(), modes],
+                |disc| self.sites.centres()[touched[disc]],
+                |_| 1.0,
+                [Some(&along), Some(&without)],
+            ),
             run: self.run,
         };
-        let discs = LoadedDiscs::new(discs);
         ask(&discs)
     }
 }

@@ -379,7 +379,9 @@ impl Exterior {
             }
             let field = harmonic_times(mode, [x, y], &harmonics, &radial);
             for (sum, coefficients) in sums.iter_mut().zip(coefficients) {
-                sum.add_product(coefficients[number], &field);
+                if let Some(coefficient) = coefficients.get(number) {
+                    sum.add_product(*coefficient, &field);
+                }
             }
         }
     }

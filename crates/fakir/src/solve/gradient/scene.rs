@@ -406,16 +406,12 @@ fn add_floor(
         let centre = newton.tops.sites.centres()[place];
         let radius = newton.tops.sites.body(place).radius;
         let moments = &newton.contact.coefficients()[place * modes..(place + 1) * modes];
-        let coefficients: Vec<f64> = moments.iter().map(|m| m / (radius * radius)).collect();
-        let disc = Discs {
+        let bears = |_: usize, mode: usize| moments[mode] / (radius * radius);
+        let disc = LoadedDiscs {
             exterior: &newton.exterior,
-            modes,
-            centres: &[centre],
-            radii: &[radius],
-            coefficients: [&coefficients, &coefficients],
+            discs: Discs::new([1, modes], |_| centre, |_| radius, [Some(&bears), None]),
             run: newton.run,
         };
-        let disc = LoadedDiscs::new(disc);
         let [field, _] = disc.displacement(point);
         let along = |[x, y]: Point| x * field.gradient[0] + y * field.gradient[1];
         // At D from a disc of radius a moments m make a field m·w(D/a)/a.
