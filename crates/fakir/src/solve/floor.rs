@@ -373,6 +373,11 @@ impl Discs {
         self.radius_at(disc / LANES).0[disc % LANES]
     }
 
+    /// The radius that all have, if there is one.
+    fn common_radius(&self) -> Option<f64> {
+        (!self.differ && self.count > 0).then(|| self.radius_of(0))
+    }
+
     fn coefficient_of(&self, set: usize, disc: usize, mode: usize) -> f64 {
         let lanes = self.coefficients[set].get(disc / LANES * self.modes + mode);
         lanes.map_or(0.0, |lanes| lanes.0[disc % LANES])
@@ -481,8 +486,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 sum.add_scaled(1.0, &part);
             }
         }
-        if !self.discs.differ && self.discs.count > 0 {
-            let radius = self.discs.radius_of(0);
+        if let Some(radius) = self.discs.common_radius() {
             for sum in &mut total {
                 sum.value *= radius;
                 sum.hessian = sum.hessian.map(|h| h / radius);
@@ -499,11 +503,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
             )
             .map(Lanes::sum)
         });
-        let scale = if self.discs.differ || self.discs.count == 0 {
-            1.0
-        } else {
-            self.discs.radius_of(0)
-        };
+        let scale = self.discs.common_radius().unwrap_or(1.0);
         [0, 1].map(|set| scale * blocks.iter().map(|block| block[set]).sum::<f64>())
     }
 
@@ -630,9 +630,8 @@ const PROMISING: usize = 100;
 /// Searches the floor near the lens axis; remembers where the lowest points were.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FloorSearch {
-    /// The lowest points found last, and the indentation of contact of the lowest.
-    starts: Vec<Point>,
-    last: f64,
+    /// The lowest points found last, the lowest first.
+    found: Vec<FloorPoint>,
     /// Where it may begin on a lattice, once that is known.
     on_lattice: Option<Starts>,
 }
@@ -640,7 +639,7 @@ pub(crate) struct FloorSearch {
 impl FloorSearch {
     /// Has the next search look everywhere again.
     pub(crate) fn forget(&mut self) {
-        self.starts.clear();
+        self.found.clear();
     }
 
     /// The same where that takes hardly longer than to look at the lowest points alone: in dense textures.
@@ -679,13 +678,14 @@ impl FloorSearch {
         if floor.lens.is_flat() || !floor.lens.is_axisymmetric() {
             return None;
         }
-        let anew = self.starts.is_empty();
-        if anew {
-            self.starts = self.first_starts(floor, loaded, cancel);
-        }
-        let mut minima = Vec::with_capacity(self.starts.len());
-        add_minima(floor, loaded, &self.starts, &mut minima, cancel);
-        if anew {
+        let before = self.found.first().map(|point| point.indentation);
+        let starts = match before {
+            Some(_) => self.found.iter().map(|point| point.position).collect(),
+            None => self.first_starts(floor, loaded, cancel),
+        };
+        let mut minima = Vec::with_capacity(starts.len());
+        add_minima(floor, loaded, &starts, &mut minima, cancel);
+        if before.is_none() {
             let images = floor.around.images_of_lowest(&minima);
             add_minima(floor, loaded, &images, &mut minima, cancel);
         }
@@ -693,20 +693,13 @@ impl FloorSearch {
         minima.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
         let lowest = minima.first().copied();
         if let Some(FloorPoint { indentation, .. }) = lowest {
-            let change = if anew {
-                1.0
-            } else {
-                (indentation / self.last - 1.0).abs()
-            };
+            let change = before.map_or(1.0, |before| (indentation / before - 1.0).abs());
             let rivals = (RIVALS * change).clamp(UNLIKE, MOST_RIVALS);
             let highest = indentation + rivals * indentation.abs();
             minima.retain(|point| point.indentation <= highest);
-            self.last = indentation;
         }
         minima.truncate(REMEMBERED);
-        self.starts.clear();
-        self.starts
-            .extend(minima.iter().map(|point| point.position));
+        self.found = minima;
         lowest
     }
 }
@@ -781,13 +774,13 @@ fn value_of_contact(
     if floor.around.clearance(position) <= 0.0 {
         return None;
     }
-    let [unit, rest] = loaded.value(position);
-    let denominator = 1.0 - unit;
-    if denominator <= 0.0 {
-        return None;
-    }
-    let value = (floor.height + sag_jet(&floor.lens, position)?.value + rest) / denominator;
-    value.is_finite().then_some(value)
+    let sag = sag_jet(&floor.lens, position)?.value;
+    touched_at(floor, sag, loaded.value(position)).filter(|value| value.is_finite())
+}
+
+/// `(h + f + w0)/(1 - w1)` under so much of the lens; `None` where the floor recedes from it.
+fn touched_at(floor: &Uncovered<'_>, sag: f64, [unit, rest]: [f64; 2]) -> Option<f64> {
+    (unit < 1.0).then(|| (floor.height + sag + rest) / (1.0 - unit))
 }
 
 fn sag_jet(lens: &ShapedLens, position: Point) -> Option<FieldJet> {
@@ -942,10 +935,9 @@ fn promising<'p>(
 
 /// The lowest points by their rough displacements.
 fn lowest_roughly(floor: &Uncovered<'_>, points: &[Point], rough: &[[f64; 2]]) -> Vec<Point> {
-    let value = |(point, [unit, rest]): (&Point, &[f64; 2])| {
-        let value = (floor.height + floor.lens.sag_with_brim(*point) + rest) / (1.0 - unit);
-        let exists = *unit < 1.0 && floor.around.clearance(*point) > 0.0;
-        exists.then_some((value, *point))
+    let value = |(point, rough): (&Point, &[f64; 2])| {
+        let value = touched_at(floor, floor.lens.sag_with_brim(*point), *rough)?;
+        (floor.around.clearance(*point) > 0.0).then_some((value, *point))
     };
     let mut rated: Vec<(f64, Point)> = points.iter().zip(rough).filter_map(value).collect();
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -260,12 +260,12 @@ impl FarField {
             }
         }
         let half_width = lattice.pitch / 3f64.sqrt();
-        let nodes =
-            std::array::from_fn(|k| half_width * (PI * (k as f64 + 0.5) / NODES as f64).cos());
+        let angle = |k: usize| PI * (k as f64 + 0.5) / NODES as f64;
+        let nodes = std::array::from_fn(|k| half_width * angle(k).cos());
         let mut sign = 1.0;
         let weights = std::array::from_fn(|k| {
             sign = -sign;
-            sign * (PI * (k as f64 + 0.5) / NODES as f64).sin()
+            sign * angle(k).sin()
         });
         let near = (-3..=3).flat_map(|i| (-3..=3).map(move |j| (i, j)));
         let near = near.filter(|(i, j)| is_near(&lattice, lattice.lattice_vector(*i, *j)));

@@ -628,6 +628,12 @@ mod tests {
         }
     }
 
+    /// Coefficients of the first disc of some, of which the others bear nothing.
+    fn of_first(coefficients: &[f64]) -> Vec<Lanes> {
+        let lanes = coefficients.iter().map(|c| Lanes([*c, 0.0, 0.0, 0.0]));
+        lanes.collect()
+    }
+
     #[test]
     fn layers_have_their_derivatives() {
         let film = crate::halfspace::layer::tests::film();
@@ -639,9 +645,7 @@ mod tests {
             let at = |dx: f64, dy: f64| {
                 let mut sums = [LaneJets::default(); 2];
                 let [x, y] = [point[0] + dx, point[1] + dy].map(Lanes::splat);
-                let first = coefficients.iter().map(|c| Lanes([*c, 0.0, 0.0, 0.0]));
-                let set: Vec<Lanes> = first.collect();
-                exterior.add_jets([x, y], [&set; 2], &mut sums);
+                exterior.add_jets([x, y], [&of_first(&coefficients); 2], &mut sums);
                 sums[0].sum()
             };
             let jet = at(0.0, 0.0);
@@ -747,9 +751,7 @@ mod tests {
                     let mut sums = [LaneJets::default(); 2];
                     let x = Lanes([point[0] + dx, 1.01, 30.0, -2.0]);
                     let y = Lanes([point[1] + dy, 0.0, 4.0, 3.0]);
-                    let first = unit.iter().map(|c| Lanes([*c, 0.0, 0.0, 0.0]));
-                    let set: Vec<Lanes> = first.collect();
-                    exterior.add_jets([x, y], [&set; 2], &mut sums);
+                    exterior.add_jets([x, y], [&of_first(&unit); 2], &mut sums);
                     sums[0].sum()
                 };
                 let jet = at(0.0, 0.0);
