@@ -67,8 +67,13 @@ class Explorer:
         """Waits until a condition in JavaScript holds; the page itself allows no such texts."""
         end = time.monotonic() + seconds
         while not self.page.evaluate(f"() => {condition}"):
-            assert time.monotonic() < end, f"not within {seconds} s: {condition}"
+            assert time.monotonic() < end, f"not within {seconds} s: {condition}; {self.account()}"
             time.sleep(0.02)
+
+    def account(self):
+        """What the page is at, for whoever has to find out why it is not where it should be."""
+        stage = self.page.evaluate("() => document.getElementById('cycle-stage')?.textContent")
+        return f"the page is at {self.page.url}, busy: {self.page.evaluate('() => document.body.dataset.busy')}, stage: {stage!r}"
 
     def text(self, name):
         return self.page.evaluate(f"() => document.getElementById('{name}').textContent")
@@ -125,10 +130,13 @@ class Explorer:
 
 @pytest.fixture
 def explore(browser, address):
-    """Opens the page; whatever would leave this machine is held back, and fails the test."""
+    """Opens the page and waits for its answer if it `rests`; `before` is called with the empty page.
+
+    Whatever would leave this machine is held back, and fails the test.
+    """
     contexts = []
 
-    def open_page(fragment="", width=1440, height=900, address=address, **options):
+    def open_page(fragment="", width=1440, height=900, address=address, rests=True, before=None, **options):
         context = browser.new_context(
             viewport={"width": width, "height": height}, accept_downloads=True, **options
         )
@@ -146,9 +154,12 @@ def explore(browser, address):
         page = context.new_page()
         page.on("pageerror", lambda error: problems.append(str(error)))
         contexts.append((context, requests, problems))
+        if before is not None:
+            before(page)
         page.goto(address + fragment)
         explorer = Explorer(page, requests)
-        explorer.until("document.body.dataset.busy === 'no'")
+        if rests:
+            explorer.rest()
         return explorer
 
     yield open_page

@@ -275,6 +275,27 @@ def test_an_error_is_at_its_field_and_the_picture_stays(explore):
     assert page.results() == before
 
 
+def test_an_address_that_is_entered_is_not_written_over(explore):
+    """The page is told late of an address that was entered: after it would have put there what it shows itself."""
+
+    def be_told_late(page):
+        page.add_init_script(
+            """addEventListener("hashchange", (event) => {
+                if (!event.isTrusted) return;
+                event.stopImmediatePropagation();
+                setTimeout(() => dispatchEvent(new HashChangeEvent("hashchange")), 1000);
+            });"""
+        )
+
+    page = explore("#" + "&".join(paper(0.03)), before=be_told_late)
+    page.change("texture.surface_fraction", "0.04")
+    entered = "#" + "&".join(paper(0.05))
+    page.page.evaluate("(entered) => { location.hash = entered; }", entered)
+    page.until("document.getElementById('texture-surface_fraction').value === '0.05'")
+    page.rest()
+    assert "surface_fraction=0.05" in page.page.url
+
+
 def test_a_link_restores_the_state(explore, browser):
     page = explore()
     page.page.context.grant_permissions(["clipboard-read", "clipboard-write"])

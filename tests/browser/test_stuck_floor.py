@@ -5,7 +5,6 @@ import time
 
 import pytest
 from test_cycle import asked, command_line, force, quantity, sticky
-from test_explorer import paper
 
 STUCK = "adhesion.floor=true"
 
@@ -123,9 +122,7 @@ def test_filled_holes_are_on_the_map_and_in_the_section(explore):
 
 def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
     plain = explore(sticky(0.03, 0.05))
-    page = explore(sticky(0.03, 0.001))
-    page.page.goto(page.page.url.split("#")[0] + LONG)
-    page.page.reload()
+    page = explore(LONG, rests=False)
     until_solving(page)
     # What is known before the jump is shown: as without the floor.
     assert page.results() == plain.results()
@@ -227,12 +224,7 @@ def test_coarse_cells_are_orders_of_magnitude(explore):
         text = response.text().replace('"coarse":false', '"coarse":true')
         route.fulfill(response=response, body=text)
 
-    page = explore("#" + "&".join(paper(0.03)))
-    page.page.route("**/api/cycle", coarse)
-    page.page.goto(page.page.url.split("#")[0] + QUICK)
-    page.page.reload()
-    page.until("document.getElementById('stuck-floor').hidden === false")
-    page.rest()
+    page = explore(QUICK, before=lambda page: page.route("**/api/cycle", coarse))
     assert "these are orders of magnitude" in page.text("stuck-floor")
     assert page.page.locator("#stuck-floor.strained").count() == 1
 

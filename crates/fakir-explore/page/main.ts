@@ -249,6 +249,7 @@ function showTexts(state: State): void {
 // --- Acting -------------------------------------------------------------------------------------
 
 function listen(store: Store, server: Server): void {
+  rememberInAddress(store);
   const slider = byId<HTMLInputElement>("load");
   let pointing = false;
   slider.addEventListener("pointerdown", () => (pointing = true));
@@ -302,10 +303,6 @@ function listen(store: Store, server: Server): void {
   for (const button of buttons("file")) {
     button.addEventListener("click", () => void save(store, server, button.dataset["file"] ?? ""));
   }
-  byId("copy-link").addEventListener("click", () => {
-    history.replaceState(null, "", fragment(store.state.chosen));
-    void copy(store, "link", location.href);
-  });
   for (const button of buttons("copy")) {
     const name = button.dataset["copy"] as keyof Texts;
     button.addEventListener("click", () => void copy(store, name, store.state.texts?.is[name] ?? ""));
@@ -319,9 +316,26 @@ function listen(store: Store, server: Server): void {
   document.addEventListener("click", (event) => {
     if (!menu.contains(event.target as Node)) menu.open = false;
   });
+}
+
+/** Keeps what is chosen in the address, and takes it from there when the user changes it. */
+function rememberInAddress(store: Store): void {
+  let known = location.hash;
+  const write = (): void => {
+    // An address that was entered a moment ago, of which the page is not told yet, is not written over.
+    if (location.hash !== known) return;
+    history.replaceState(null, "", fragment(store.state.chosen));
+    known = location.hash;
+  };
+  afterwards(store, REMEMBER, (state) => state.chosen, write);
+  byId("copy-link").addEventListener("click", () => {
+    write();
+    void copy(store, "link", location.href);
+  });
   window.addEventListener("hashchange", () => {
-    const chosen = chosenIn(location.hash);
-    if (chosen === null || location.hash === fragment(store.state.chosen)) return;
+    known = location.hash;
+    const chosen = chosenIn(known);
+    if (chosen === null || known === fragment(store.state.chosen)) return;
     store.choose(chosen, performance.now());
   });
 }
@@ -345,9 +359,6 @@ const first = chosenIn(location.hash) ?? { case: start.case, load: 1, exaggerati
 const store = new Store(start, first, performance.now());
 show(store);
 listen(store, server);
-afterwards(store, REMEMBER, (state) => state.chosen, (chosen) =>
-  history.replaceState(null, "", fragment(chosen)),
-);
 afterwards(store, REST, announcement, (words) => {
   if (words !== null) store.announce(words);
 });
