@@ -431,11 +431,11 @@ impl LoadedDiscs<'_> {
         sums
     }
 
-    /// The same without derivatives.
+    /// The same without derivatives, of `M` modes at the most.
     #[inline(always)]
-    fn values(&self, places: Range<usize>, position: Point) -> [Lanes; 2] {
+    fn values<const M: usize>(&self, places: Range<usize>, position: Point) -> [Lanes; 2] {
         let mut sums = [Lanes::default(); 2];
-        let mut room = [Lanes::default(); mode_count(MAXIMUM_DEGREE)];
+        let mut room = [Lanes::default(); M];
         let of_modes = &mut room[..self.discs.modes];
         let differ = self.discs.differ;
         for place in places {
@@ -464,6 +464,9 @@ impl LoadedDiscs<'_> {
         workers.map(count.div_ceil(BLOCK), BLOCKS, || (), block)
     }
 }
+
+/// Room for all modes costs more than a few discs with these.
+const FEW_MODES: usize = mode_count(4);
 
 /// So many times [`LANES`] discs are summed up together.
 const BLOCK: usize = 256;
@@ -499,7 +502,13 @@ impl FloorDisplacement for LoadedDiscs<'_> {
         let blocks = self.by_blocks(|discs| {
             widest(
                 #[inline(always)]
-                || self.values(discs.clone(), position),
+                || {
+                    if self.discs.modes <= FEW_MODES {
+                        self.values::<FEW_MODES>(discs.clone(), position)
+                    } else {
+                        self.values::<{ mode_count(MAXIMUM_DEGREE) }>(discs.clone(), position)
+                    }
+                },
             )
             .map(Lanes::sum)
         });

@@ -125,6 +125,11 @@ impl Sites {
         self.bodies.get(pillar).unwrap_or(&self.common)
     }
 
+    /// Whether all have the common body.
+    pub(crate) fn are_alike(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
     /// The body that is common, or that of the first pillar.
     pub(crate) fn common_body(&self) -> &PillarBody {
         &self.common

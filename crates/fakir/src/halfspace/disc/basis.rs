@@ -164,6 +164,8 @@ pub(crate) struct BasisEvaluator {
     legendre: Vec<f64>,
     /// Recurrence coefficients `(alpha, beta)` at the same index, for `m <= l - 2`.
     recurrence: Vec<(f64, f64)>,
+    /// The `mu` and `rho` that the values of `legendre` are of; points on one ring have them in common.
+    ring: Option<(f64, f64)>,
     cosines: Vec<f64>,
     sines: Vec<f64>,
 }
@@ -189,6 +191,7 @@ impl BasisEvaluator {
             modes: modes(degree),
             legendre: vec![0.0; triangle(degree + 1, 0)],
             recurrence,
+            ring: None,
             cosines: vec![0.0; degree + 1],
             sines: vec![0.0; degree + 1],
         }
@@ -218,7 +221,10 @@ impl BasisEvaluator {
         direction: [f64; 2],
         values: &mut [f64],
     ) {
-        self.fill_legendre(mu, rho);
+        if self.ring != Some((mu, rho)) {
+            self.fill_legendre(mu, rho);
+            self.ring = Some((mu, rho));
+        }
         let [cos, sin] = direction;
         (self.cosines[0], self.sines[0]) = (1.0, 0.0);
         for m in 1..=self.degree {

@@ -63,6 +63,8 @@ pub(crate) struct Tops {
     /// Of unit radius, on the column that is common.
     pub(crate) top: Arc<PillarTop>,
     projector: LensProjector,
+    /// Moments of a top of the common body under unit loads in the leading modes, touched in full.
+    answers_in_full: Vec<f64>,
     /// Leading modes per pillar, and their degree.
     modes: usize,
     degree: usize,
@@ -109,7 +111,14 @@ const NOT_PARTIAL: u32 = u32::MAX;
 impl Tops {
     /// All pillars untouched; they act on each other by the modes up to a degree.
     pub(crate) fn new(lens: &ShapedLens, sites: Sites, top: Arc<PillarTop>, degree: usize) -> Self {
+        let common = sites.common_body();
+        let ratios = top.ratios(common.column);
+        let ratios = ratios.into_iter().chain(std::iter::repeat(1.0));
+        let answers = top.lead_compliance().iter().zip(ratios);
         Self {
+            answers_in_full: answers
+                .map(|(lambda, ratio)| ratio * common.radius / lambda)
+                .collect(),
             lens: lens.clone(),
             projector: LensProjector::new(lens, degree),
             modes: mode_count(degree),
@@ -134,6 +143,12 @@ impl Tops {
 
     /// Turns the load on a pillar that is touched in full into its moments.
     fn respond_in_full(&self, pillar: usize, load: &mut [f64]) {
+        if self.sites.are_alike() {
+            for (value, answer) in load.iter_mut().zip(&self.answers_in_full) {
+                *value *= answer;
+            }
+            return;
+        }
         let body = self.sites.body(pillar);
         for (value, lambda) in load.iter_mut().zip(self.top.lead_compliance()) {
             *value = body.radius * *value / lambda;

@@ -16,7 +16,7 @@ use crate::halfspace::disc::basis::{
 use crate::halfspace::disc::nodes::{Resolution, bos_array};
 use crate::numerics::convergence::{larger, smaller, within};
 use crate::numerics::pivoting::{PivotSolver, Pivoting};
-use crate::numerics::vector::dot;
+use crate::numerics::vector::symmetric_products;
 use crate::problem::column::Column;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
@@ -107,10 +107,7 @@ impl PillarTop {
             .chunks_exact(count)
             .flat_map(|row| row.iter().zip(&compliance).map(|(y, lambda)| y / lambda))
             .collect();
-        let mut response = Vec::with_capacity(count * count);
-        for pressures in pressures.chunks_exact(count) {
-            response.extend(values.chunks_exact(count).map(|row| dot(pressures, row)));
-        }
+        let response = symmetric_products(&pressures, &values, count);
         let lead = mode_count(lead);
         let largest = |mode: usize| {
             let at_nodes = values.chunks_exact(count).map(|row| row[mode].abs());
@@ -393,6 +390,7 @@ mod tests {
     use super::*;
     use crate::halfspace::disc::basis::UNIT_FORCE;
     use crate::numerics::quadrature::hemisphere;
+    use crate::numerics::vector::dot;
 
     /// Projects a wanted displacement on the modes.
     fn project(degree: usize, wanted: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
