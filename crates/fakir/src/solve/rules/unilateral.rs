@@ -14,7 +14,7 @@ use crate::halfspace::disc::basis::{
     BasisEvaluator, column_factors, compliances, degree_with, mode_count,
 };
 use crate::halfspace::disc::nodes::{Resolution, bos_array};
-use crate::numerics::convergence::{larger, smaller, within};
+use crate::numerics::convergence::{larger, largest, smaller, within};
 use crate::numerics::pivoting::{PivotSolver, Pivoting};
 use crate::numerics::vector::symmetric_products;
 use crate::problem::column::Column;
@@ -25,6 +25,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// A pressure may be this far below zero at a node, relative to the largest unconstrained
 /// value: rounding of the node values, not tension.
 const PRESSURE_TOLERANCE: f64 = 1e-11;
+
+/// Where the pressure without the condition is less than this part of the largest there will be none, about: without the tension beside it there would be
+/// less. On the edge of a contact it saves one factorisation in four.
+const LOW_PRESSURE: f64 = 0.15;
 
 /// Tops that were made last, to be asked for again, and how many numbers all of them may have.
 static KEPT: Mutex<Vec<Arc<PillarTop>>> = Mutex::new(Vec::new());
@@ -268,10 +272,12 @@ impl LocalSolver {
         rim.sliver(load, active.len() != top.count)
     }
 
-    /// Nodes that would be in tension without the condition: a first guess of the active ones.
+    /// Nodes that would be in tension without the condition, or under little pressure: a first guess of the active ones.
     pub(crate) fn first_guess(&mut self, top: &PillarTop, load: &[f64]) -> Vec<bool> {
         self.prepare(top, load);
-        self.pivot.constant.iter().map(|q| *q < 0.0).collect()
+        let pressures = &self.pivot.constant;
+        let low = LOW_PRESSURE * largest(pressures.iter().copied());
+        pressures.iter().map(|q| *q < low).collect()
     }
 
     /// Finds the pressure under `load` (leading modes suffice; the rest counts as zero).
