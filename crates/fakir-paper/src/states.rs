@@ -52,12 +52,12 @@ pub struct States {
     pub shared: Vec<SharedLoad>,
 }
 
-/// A state in which the floor bears a wanted share of the load, to within [`SHARE_TOLERANCE`].
+/// A state in which the floor bears a wanted share of the load.
 #[derive(Debug, Clone)]
 pub struct SharedLoad {
     /// Surface fraction.
     pub surface_fraction: f64,
-    /// The share that was wanted.
+    /// The share.
     pub share: f64,
     /// The state.
     pub state: ContactState,
@@ -71,12 +71,6 @@ pub const MIXED: [f64; 5] = [0.001, 0.003, 0.01, 0.03, 0.08];
 
 /// Shares of the floor on these lines.
 pub const SHARES: [f64; 3] = [0.1, 0.3, 0.5];
-
-/// Relative tolerance of these shares.
-pub const SHARE_TOLERANCE: f64 = 0.01;
-
-/// The most steps in which a share is sought.
-const MOST_SHARE_STEPS: usize = 10;
 
 /// Surface fraction of the sections and the maps of the floor gap.
 pub const SECTION: f64 = 0.03;
@@ -136,7 +130,7 @@ impl States {
                 dense: dense?,
                 loadings: loadings?,
                 mixed: mixed?,
-                shared: shared?.into_iter().flatten().flatten().collect(),
+                shared: shared?.into_iter().flatten().collect(),
             })
         })
     }
@@ -202,77 +196,15 @@ fn past_transition(run: &Run<'_>) -> Result<ContactState, StateError> {
 }
 
 /// The states in which the floor bears each of [`SHARES`], as far as they are found.
-fn shared_loads(
-    surface_fraction: f64,
-    run: &Run<'_>,
-) -> Result<Vec<Option<SharedLoad>>, StateError> {
-    let critical = critical(Substrate::Intermediate, surface_fraction, run)?.contact;
-    let mut known = Vec::new();
-    SHARES
-        .into_iter()
-        .map(|share| shared_load(surface_fraction, &critical, share, &mut known, run))
-        .collect()
-}
-
-/// Logarithms of the indentation beyond the critical one, over it, and of what the floor bears, over what the tops bear. The one is nearly linear in the other.
-type Known = [f64; 2];
-
-/// Of a share of the floor.
-fn log_of_odds(share: f64) -> f64 {
-    (share / (1.0 - share)).ln()
-}
-
-/// Where the floor is to bear so much: by the nearest two of the states that are known, and the change of their slope to a third.
-fn guess(odds: f64, known: &[Known]) -> f64 {
-    let mut nearest = known.to_vec();
-    nearest.sort_by(|a, b| (a[1] - odds).abs().total_cmp(&(b[1] - odds).abs()));
-    let slope = |a: Known, b: Known| (b[0] - a[0]) / (b[1] - a[1]);
-    // Shares grow as the power 3/2 at first.
-    let first = |a: Known| a[0] + (odds - a[1]) / 1.3;
-    match nearest[..] {
-        [] => (odds + std::f64::consts::LN_2) / 1.5,
-        [a] => first(a),
-        [a, b, ..] => {
-            let of_two = slope(a, b);
-            let bend = nearest.get(2).map_or(0.0, |c| {
-                (slope(b, *c) - of_two) / (c[1] - a[1]) * (odds - b[1])
-            });
-            let along = a[0] + (of_two + bend) * (odds - a[1]);
-            if along.is_finite() { along } else { first(a) }
-        }
-    }
-}
-
-/// The state in which the floor bears a share of the load; what is found on the way becomes known.
-fn shared_load(
-    surface_fraction: f64,
-    critical: &ContactState,
-    share: f64,
-    known: &mut Vec<Known>,
-    run: &Run<'_>,
-) -> Result<Option<SharedLoad>, StateError> {
-    let mut last: Option<f64> = None;
-    for _ in 0..MOST_SHARE_STEPS {
-        let mut position = guess(log_of_odds(share), known);
-        if let Some(last) = last {
-            position = position.clamp(last - 1.0, last + 1.0);
-        }
-        last = Some(position);
-        let control = Control::Indentation((1.0 + position.exp()) * critical.indentation);
-        let state = fakir::press(&critical.system, control, Method::default(), run)?;
-        let found = state.floor.as_ref().map_or(0.0, |floor| floor.share);
-        let odds = log_of_odds(found);
-        if !state.converged() || !odds.is_finite() {
-            return Ok(None);
-        }
-        known.push([position, odds]);
-        if (found / share).ln().abs() < SHARE_TOLERANCE {
-            return Ok(Some(SharedLoad {
-                surface_fraction,
-                share,
-                state,
-            }));
-        }
-    }
-    Ok(None)
+fn shared_loads(surface_fraction: f64, run: &Run<'_>) -> Result<Vec<SharedLoad>, StateError> {
+    let critical = critical(Substrate::Intermediate, surface_fraction, run)?;
+    let states = fakir::press_to_floor_shares(&critical, &SHARES, run)?;
+    let shared = |(state, share)| SharedLoad {
+        surface_fraction,
+        share,
+        state,
+    };
+    let all = states.into_iter().zip(SHARES);
+    let found = all.filter(|(state, _)| state.converged());
+    Ok(found.map(shared).collect())
 }

@@ -66,5 +66,5 @@ pub mod state;
 pub mod theory;
 mod verify;
 
-pub use method::{cycle, follow_cycle, gradient, press, transition};
+pub use method::{cycle, follow_cycle, gradient, press, press_to_floor_shares, transition};
 pub use verify::{Difference, Doubt, Verdict, Verification, verify};

@@ -1,6 +1,6 @@
 //! The one place where a question goes to a method.
 
-use crate::problem::{Accuracy, Control, CyclePlan, LensShape, Method, System};
+use crate::problem::{Accuracy, Control, CyclePlan, FloorModel, LensShape, Method, System};
 use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
@@ -110,6 +110,57 @@ pub fn transition(
 ) -> Result<CriticalState, SolveError> {
     let contact = press(system, Control::FloorContact, method, run)?;
     CriticalState::new(contact).checked()
+}
+
+/// The contacts past a critical state of the spectral method in which the floor bears these parts of the force. Each takes about as long as one under a
+/// prescribed force; in rising order every one tells where to look for the next. Where pillars are touched one after the other there may be several contacts of one share, and one of them
+/// is found.
+///
+/// ```
+/// use fakir::problem::Method;
+/// use fakir::state::Run;
+/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+/// # let rubber = Material::new(2.0e6, 0.5);
+/// # let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
+/// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
+/// # let lens = Lens { radius: 2.2e-3, material: rubber };
+/// # let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+/// let critical = fakir::transition(&system, Method::default(), &Run::default())?;
+/// for contact in fakir::press_to_floor_shares(&critical, &[0.2, 0.4], &Run::default())? {
+///     assert!(contact.converged() && contact.force > critical.contact.force);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`SolveError::NoFloorShare`] where a share is not between 0 and 1, where the floor is reached before any pillar or ignored, with adhesion, and of other
+/// methods; and as [`press`].
+pub fn press_to_floor_shares(
+    critical: &CriticalState,
+    shares: &[f64],
+    run: &Run<'_>,
+) -> Result<Vec<ContactState>, SolveError> {
+    let CriticalState { contact, .. } = critical;
+    let system = &contact.system;
+    let refused = |why| Err(SolveError::NoFloorShare { why });
+    if !shares.iter().all(|share| *share > 0.0 && *share < 1.0) {
+        return refused("it has to be greater than 0 and less than 1 (100 %)");
+    }
+    if !system.adhesion().is_none() {
+        return refused("with adhesion the contact depends on the way there; follow a cycle");
+    }
+    if system.floor_model() != FloorModel::Contact {
+        return refused("the system ignores the floor; have it in contact");
+    }
+    let Method::Spectral(accuracy) = contact.method else {
+        return refused("the method leaves the floor out; use the spectral method");
+    };
+    if !(contact.converged() && contact.force > 0.0) {
+        return refused("it takes a critical state that converged, in which pillars are touched");
+    }
+    let states = answers::press_to_floor_shares(contact, shares, accuracy, run)?;
+    let finished = |state| within_table(state).map(with_layer_warnings)?.checked();
+    states.into_iter().map(finished).collect()
 }
 
 /// A cycle of loading and unloading, with its events in order: [adhesion](System::adhesion) makes unloading another path than

@@ -1,6 +1,7 @@
 //! Answers of the methods that resolve pillars, assembled from their solutions.
 
 use super::assembled::{OfFloor, PillarMethod, assemble, floor_gap, refined};
+use super::control::log_of_odds;
 use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::unknowns_only;
@@ -113,6 +114,75 @@ pub(crate) fn press(
         }
         _ => solve(system, &scene, target, method, run),
     }
+}
+
+/// The contacts past a critical state in which the floor bears these shares of the force.
+pub(crate) fn press_to_floor_shares(
+    critical: &ContactState,
+    shares: &[f64],
+    accuracy: Accuracy,
+    run: &Run<'_>,
+) -> Result<Vec<ContactState>, SolveError> {
+    let system = &critical.system;
+    let scene = Scene::new(system);
+    let reached = critical.indentation / scene.length;
+    let degrees = degrees(Accuracy::Default, &scene);
+    let mut known = Vec::new();
+    let mut states = Vec::with_capacity(shares.len());
+    for share in shares.iter().copied() {
+        let near = reached * (1.0 + start_of_share(share, &known));
+        let near = Control::Indentation(near);
+        let guess = homogenised_radius(system, &scene, near);
+        let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
+        let punch = solve_punch(&scene, near, guess, form, purpose, run)?;
+        let tops = solve_spectral(&scene, near, punch, degrees, run)?;
+        let of_share = [share, reached];
+        let (state, power) = mixed::at_floor_share(system, &scene, of_share, accuracy, tops, run)?;
+        if state.converged() {
+            let past = state.indentation / critical.indentation - 1.0;
+            known.push(KnownShare { share, past, power });
+        }
+        states.push(state);
+    }
+    Ok(states)
+}
+
+/// A floor share that is known.
+struct KnownShare {
+    share: f64,
+    /// How far the lens is past the transition, over the critical indentation.
+    past: f64,
+    /// The power by which what the floor bears over what the tops bear goes with that.
+    power: f64,
+}
+
+/// That power where the floor bears next to nothing.
+const FIRST_POWER: f64 = 1.5;
+
+/// It is taken to fall evenly with the logarithm of what goes by it, but to no less than this part of what it was.
+const LEAST_POWER: f64 = 0.3;
+
+/// About how far past the transition the floor bears a share, over the critical indentation, from what is known last.
+fn start_of_share(share: f64, known: &[KnownShare]) -> f64 {
+    let odds = log_of_odds(share);
+    let Some(last) = known.last() else {
+        // On the lattices of the paper a third at about twice the critical indentation.
+        return ((odds + std::f64::consts::LN_2) / FIRST_POWER).exp();
+    };
+    let [way, bend] = match known {
+        [.., before, _] => {
+            let between = log_of_odds(last.share) - log_of_odds(before.share);
+            [
+                odds - log_of_odds(last.share),
+                (last.power - before.power) / between,
+            ]
+        }
+        _ => [odds - log_of_odds(last.share), 0.0],
+    };
+    let power = |part: f64| (last.power + part * way * bend).max(LEAST_POWER * last.power);
+    // Simpson's rule along the way.
+    let inverse = (1.0 / power(0.0) + 4.0 / power(0.5) + 1.0 / power(1.0)) / 6.0;
+    last.past * (way * inverse).exp()
 }
 
 /// Solves where pillars are touched.

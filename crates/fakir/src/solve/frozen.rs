@@ -330,6 +330,11 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
         self.unit_cell * self.floor_coefficients().iter().sum::<f64>()
     }
 
+    /// Change of the force on the floor with the indentation.
+    pub(crate) fn floor_stiffness(&self) -> f64 {
+        self.unit_cell * self.floor_unit_coefficients().iter().sum::<f64>()
+    }
+
     /// Coefficients of the floor cells.
     pub(crate) fn floor_coefficients(&self) -> &[f64] {
         &self.present.coefficients[self.tops..]

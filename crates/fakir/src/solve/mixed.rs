@@ -6,6 +6,7 @@
 //! two tell how large the error is.
 
 use super::assembled::{OfFloor, PillarMethod, assemble, refined};
+use super::control::{Target, slope_of_odds};
 use super::estimate::unknowns_only;
 use super::floor_start::FloorPressures;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
@@ -21,7 +22,7 @@ use crate::problem::pillar_field::PillarField;
 use crate::problem::scaled::{RISING, Scene};
 use crate::problem::{Accuracy, HexagonalLattice, Point, PunchForm, System};
 use crate::state::{
-    ContactState, FloorContact, FloorErrors, Run, SolveError, Termination, Warning,
+    ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, Termination, Warning,
 };
 use std::f64::consts::TAU;
 
@@ -153,8 +154,34 @@ pub(crate) fn past_transition(
 ) -> Result<ContactState, SolveError> {
     let transition = tops.newton.first_floor_contact(ROUGH)?;
     let transition = transition.unwrap_or(scene.height);
+    let mixed = solve_floor(scene, target.into(), accuracy, tops, None, run)?;
+    finish(
+        system,
+        scene,
+        target.into(),
+        accuracy,
+        mixed,
+        transition,
+        run,
+    )
+}
+
+/// The state in which the floor bears a share of the force, from one on the tops alone that enters the floor. That is `reached` at that indentation.
+/// With it the power by which what the floor bears over what the tops bear goes with how far the lens is past that.
+pub(crate) fn at_floor_share(
+    system: &System,
+    scene: &Scene,
+    [share, reached]: [f64; 2],
+    accuracy: Accuracy,
+    tops: Solution<'_>,
+    run: &Run<'_>,
+) -> Result<(ContactState, f64), SolveError> {
+    let target = Target::FloorShare { share, reached };
     let mixed = solve_floor(scene, target, accuracy, tops, None, run)?;
-    finish(system, scene, target, accuracy, mixed, transition, run)
+    let contact = &mixed.solution.newton.contact;
+    let power = (contact.indentation() - reached) * slope_of_odds(contact);
+    let state = finish(system, scene, target, accuracy, mixed, reached, run)?;
+    Ok((state, power))
 }
 
 /// The state where the lens reaches the floor before any pillar.
@@ -182,15 +209,23 @@ pub(crate) fn floor_first(
     let contact = (lens * indentation.min(lens)).sqrt();
     let degrees = degrees(Accuracy::Default, scene);
     let start = untouched(scene, indentation, contact, degrees, run)?;
-    let mixed = solve_floor(scene, target, accuracy, start, Some(radius), run)?;
-    finish(system, scene, target, accuracy, mixed, scene.height, run)
+    let mixed = solve_floor(scene, target.into(), accuracy, start, Some(radius), run)?;
+    finish(
+        system,
+        scene,
+        target.into(),
+        accuracy,
+        mixed,
+        scene.height,
+        run,
+    )
 }
 
 /// The state of a solution, with its error estimates; `transition` is about the indentation at which the floor was reached.
 fn finish(
     system: &System,
     scene: &Scene,
-    target: Control,
+    target: Target,
     accuracy: Accuracy,
     mixed: MixedSolution<'_>,
     transition: f64,
@@ -201,17 +236,25 @@ fn finish(
         levels,
     } = mixed;
     let termination = solution.outcome.termination;
+    let held = Control::Indentation(solution.outcome.indentation);
+    let prescribed = match target {
+        Target::Prescribed(control) => control,
+        // Met by an indentation as good as prescribed.
+        Target::FloorShare { .. } => held,
+    };
     let mut of_floor = FloorErrors {
         share: 1.0,
         area: 1.0,
     };
-    let mut error = unknowns_only(target, termination, [1.0; 2]);
+    let mut error = unknowns_only(prescribed, termination, [1.0; 2]);
     if termination == Termination::Converged {
         // At a prescribed indentation: all of the error is in the force.
-        let held = Control::Indentation(solution.outcome.indentation);
         let of_pillars = refined(&mut solution, held, run)?.force;
         if let Some((errors, floor)) = estimates(&solution, &levels, transition, of_pillars) {
-            error = unknowns_only(target, termination, errors);
+            error = match target {
+                Target::Prescribed(control) => unknowns_only(control, termination, errors),
+                Target::FloorShare { .. } => at_equal_share(&solution, errors[0], floor.share),
+            };
             of_floor = floor;
         }
     }
@@ -220,7 +263,7 @@ fn finish(
     let mut state = assemble(
         system,
         scene,
-        target,
+        prescribed,
         method,
         &solution,
         OfFloor::Contact(floor),
@@ -243,6 +286,19 @@ fn finish(
             .map_or([0.0; 2], |floor| floor.largest_pressure().1),
         ..state
     })
+}
+
+/// Where the floor bears what is wanted: relative errors of indentation and force, from those of the force and of the floor share at one indentation.
+fn at_equal_share(solution: &Solution<'_>, of_force: f64, of_share: f64) -> ErrorEstimate {
+    let contact = &solution.newton.contact;
+    let (indentation, force) = (solution.outcome.indentation, contact.force());
+    // Of the share `s` to its odds `s/(1 - s)`: relative changes of these are larger by `1/(1 - s)`.
+    let of_odds = of_share / (1.0 - contact.floor_force() / force);
+    let moved = of_odds / slope_of_odds(contact);
+    ErrorEstimate {
+        force: of_force + contact.stiffness() * moved / force,
+        indentation: moved / indentation,
+    }
 }
 
 /// Relative errors of force and indentation, and those of the floor, from the last two grids and the error `of_pillars` of the force.
@@ -458,7 +514,7 @@ impl Wanted {
 /// Solves with the floor, from a solution on the tops alone or from no contact at all.
 pub(crate) fn solve_floor<'a>(
     scene: &Scene,
-    target: Control,
+    target: Target,
     accuracy: Accuracy,
     start: Solution<'a>,
     patch_radius: Option<f64>,
@@ -484,7 +540,7 @@ pub(crate) fn solve_floor<'a>(
             return Ok(mixed);
         }
         next = wanted.next(scene, &mixed);
-        if next.is_some() && !matches!(target, Control::Force(_)) {
+        if next.is_some() && target.indentation().is_some() {
             // For the estimates of errors, which take it to the finest grid as it is: two digits are enough.
             mixed.solution.newton.solve_unit(UNIT_TOLERANCE)?;
         }
@@ -656,7 +712,7 @@ pub(super) fn checked_floor(
 /// Solves on one grid, with windows large enough.
 fn solve_level<'a>(
     scene: &Scene,
-    target: Control,
+    target: Target,
     purpose: Purpose,
     mixed: MixedSolution<'a>,
     division: Division,
@@ -829,7 +885,7 @@ mod tests {
     /// The problem of the tests of Newton's method, past its transition, on one grid.
     fn level(scene: &Scene, indentation: f64, fineness: usize) -> Level {
         let run = Run::default();
-        let target = Control::Indentation(indentation);
+        let target = Control::Indentation(indentation).into();
         let division = Division::new(&scene.field, fineness);
         let degrees = degrees(Accuracy::Default, scene);
         let start = untouched(scene, indentation, 30.0, degrees, &run).unwrap();
@@ -924,7 +980,7 @@ mod tests {
         let alone = level(&scene, indentation, 12);
         let degrees = degrees(Accuracy::Default, &scene);
         let start = untouched(&scene, indentation, 30.0, degrees, &run).unwrap();
-        let target = Control::Indentation(indentation);
+        let target = Control::Indentation(indentation).into();
         let nested = solve_floor(&scene, target, Accuracy::Default, start, None, &run).unwrap();
         let nested = nested.levels.last().unwrap();
         assert_eq!(nested.division, division);

@@ -1,10 +1,11 @@
 //! Semismooth Newton method for all pillars of some sites, with exact solutions on each, and for the floor between them.
 //!
 //! A step [freezes](super::frozen) the states of the pillars and of the floor's cells, solves for the response of all, closes the indentation
-//! by what is [prescribed](Control), and lets the [rules](super::rules) say from the loads which states come next. It ends when none
+//! by what is [wanted](Target), and lets the [rules](super::rules) say from the loads which states come next. It ends when none
 //! changes. The derivative of a pillar's solution is the `P` of its frozen state, so that this is Newton's method on
 //! the solutions of all pillars.
 
+use super::control::Target;
 use super::floor::{
     Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
@@ -48,6 +49,15 @@ const FLOOR_DECREASE: f64 = 0.1;
 /// The same after steps in which few places changed: one in so many of those that bear pressure.
 const FLOOR_FAST_DECREASE: f64 = 0.01;
 const FLOOR_FEW: usize = 100;
+
+/// A floor share is met from this tolerance on: which of many cells bear pressure is known well enough then.
+const SHARE_TOLERANCE: f64 = 1e-4;
+
+/// Largest tolerance of the response to a unit indentation where a floor share is wanted, which depends on what it does to the floor and to the tops.
+const SHARE_UNIT_TOLERANCE: f64 = 5e-3;
+
+/// Part of the relative change of the indentation below which the tolerance does not go after a step to a floor share.
+const PART_OF_CHANGE: f64 = 0.01;
 
 /// The same without the floor.
 const DECREASE: f64 = 0.03;
@@ -179,6 +189,12 @@ impl Tolerances {
         rough
     }
 
+    /// For the step after one along which many states change.
+    fn widen(&mut self) {
+        let of_change = PART_OF_CHANGE * self.change_of_indentation;
+        self.present = self.present.max(of_change.min(FLOOR_FIRST_TOLERANCE));
+    }
+
     /// For the step after one that changed the states of so many places, with so many that bear pressure.
     fn follow(&mut self, changes: usize, bearing: usize) {
         let decrease = if changes == 0 {
@@ -273,9 +289,10 @@ impl<'a> Newton<'a> {
     /// most pillars.
     pub(crate) fn solve(
         &mut self,
-        target: Control,
+        target: impl Into<Target>,
         purpose: Purpose,
     ) -> Result<Outcome, SolveError> {
+        let target = target.into();
         let mut tolerances = Tolerances::new(
             purpose,
             self.cells.is_some(),
@@ -293,7 +310,15 @@ impl<'a> Newton<'a> {
             outcome.steps = step;
             self.run.check_cancelled()?;
             self.report(step);
-            let unit_tolerance = tolerances.unit();
+            let unit_tolerance = match target {
+                Target::Prescribed(_) => tolerances.unit(),
+                Target::FloorShare { .. } => tolerances.unit().min(SHARE_UNIT_TOLERANCE),
+            };
+            let target = if tolerances.present > SHARE_TOLERANCE {
+                target.at_first(self.contact.indentation())
+            } else {
+                target
+            };
             let solved = self.respond(target, tolerances.present, unit_tolerance)?;
             if let Some(failure) = failure(solved) {
                 outcome.termination = failure;
@@ -323,6 +348,9 @@ impl<'a> Newton<'a> {
                 return Ok(outcome);
             }
             tolerances.follow(change.places(), self.touched() + self.pressed());
+            if let Target::FloorShare { .. } = target {
+                tolerances.widen();
+            }
         }
         Ok(outcome)
     }
@@ -330,9 +358,10 @@ impl<'a> Newton<'a> {
     /// Goes on from a solution until nothing is left but rounding. Whether no place changed its state in the last step.
     pub(crate) fn sharpen(
         &mut self,
-        target: Control,
+        target: impl Into<Target>,
         outcome: &mut Outcome,
     ) -> Result<bool, SolveError> {
+        let target = target.into();
         let mut settled = false;
         for _ in 0..SHARP_STEPS {
             self.run.check_cancelled()?;
@@ -356,7 +385,7 @@ impl<'a> Newton<'a> {
     /// Whether and how the iteration ends after a step, with the fewest changes in any step before.
     fn ending(
         &mut self,
-        target: Control,
+        target: Target,
         purpose: Purpose,
         exact: bool,
         fewest: usize,
@@ -387,8 +416,8 @@ impl<'a> Newton<'a> {
         if change.places() > 0 || !exact || self.found_lower_floor(outcome) {
             return None;
         }
-        let borne = target.is_borne(self.force(), MISMATCH_TOLERANCE);
-        Some(if change.failures == 0 && borne {
+        let met = target.is_met(&self.contact, MISMATCH_TOLERANCE);
+        Some(if change.failures == 0 && met {
             Termination::Converged
         } else {
             Termination::Stagnated
@@ -398,12 +427,12 @@ impl<'a> Newton<'a> {
     /// Responses with the present states.
     fn respond(
         &mut self,
-        target: Control,
+        target: Target,
         tolerance: f64,
         unit_tolerance: f64,
     ) -> Result<Judgement, SolveError> {
         let mut groups = Groups::new(&self.tops, self.run.workers());
-        if let Control::Indentation(indentation) = target {
+        if let Some(indentation) = target.indentation() {
             self.contact.move_to(indentation);
         } else {
             let solved = self.solve_frozen(Source::Unit, unit_tolerance, groups.as_mut())?;
@@ -429,11 +458,9 @@ impl<'a> Newton<'a> {
     }
 
     /// The indentation that meets the target with the present responses.
-    fn close(&mut self, target: Control) -> Option<(f64, Option<FloorPoint>)> {
-        let lowest = match target {
-            Control::FloorContact => self.search_floor(true),
-            Control::Indentation(_) | Control::Force(_) => None,
-        };
+    fn close(&mut self, target: Target) -> Option<(f64, Option<FloorPoint>)> {
+        let reaches = target == Target::Prescribed(Control::FloorContact);
+        let lowest = reaches.then(|| self.search_floor(true)).flatten();
         target.close(&self.contact, lowest)
     }
 

@@ -219,6 +219,12 @@ pub enum SolveError {
         /// What is in the way, and what to ask for instead.
         why: &'static str,
     },
+    /// A floor share that cannot be had.
+    #[error("the floor bears no such share: {why}")]
+    NoFloorShare {
+        /// What is in the way, and what to ask for instead.
+        why: &'static str,
+    },
     /// There is no floor to be reached.
     #[error("there is no floor under the lens to be reached")]
     NoFloor,
