@@ -602,8 +602,9 @@ fn window_radius(scene: &Scene, newton: &Newton<'_>) -> f64 {
         .centres()
         .zip(newton.contact.floor_load())
         .filter(|(_, load)| *load > near)
-        .map(|([x, y], _)| x.hypot(y))
-        .fold(0.0, f64::max);
+        .map(|([x, y], _)| x * x + y * y)
+        .fold(0.0, f64::max)
+        .sqrt();
     (reach + WINDOW_MARGIN * cells.grid.division.longest()).min(largest)
 }
 
@@ -819,6 +820,7 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
     let mut open = Vec::new();
     let pillars = cells.grid.pillars.iter();
     let pillars = Neighbours::new(pillars.map(|pillar| (pillar.centre, pillar.body.radius)));
+    let mut radius_squared: f64 = 0.0;
     for index in 0..bears.len() {
         if !bears[index] {
             continue;
@@ -841,7 +843,7 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
             on_border && distance([x, y]) - 0.6 * width.hypot(height) < patches.rim_distance;
         for (u, v) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
             let corner = [x + u * width, y + v * height];
-            patches.radius = patches.radius.max(corner[0].hypot(corner[1]));
+            radius_squared = radius_squared.max(corner[0] * corner[0] + corner[1] * corner[1]);
             if may_be_nearest {
                 patches.rim_distance = patches.rim_distance.min(distance(corner));
             }
@@ -861,6 +863,7 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
             }
         }
     }
+    patches.radius = radius_squared.sqrt();
     patches
 }
 
