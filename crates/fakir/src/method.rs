@@ -144,7 +144,7 @@ pub fn press_to_floor_shares(
     let system = &contact.system;
     let refused = |why| Err(SolveError::NoFloorShare { why });
     if !shares.iter().all(|share| *share > 0.0 && *share < 1.0) {
-        return refused("it has to be greater than 0 and less than 1 (100 %)");
+        return refused("it has to be between 0 and 1 (100 %), without these");
     }
     if !system.adhesion().is_none() {
         return refused("with adhesion the contact depends on the way there; follow a cycle");

@@ -9,8 +9,10 @@
 mod common;
 
 use common::{paper_lattice, paper_system};
-use fakir::problem::{Accuracy, Control, FloorModel, Method, PillarCompliance, System};
-use fakir::state::{ContactState, Run, Warning};
+use fakir::problem::{
+    Accuracy, Adhesion, Control, FloorModel, Method, PillarCompliance, PunchForm, System,
+};
+use fakir::state::{ContactState, Run, SolveError, Warning};
 use std::sync::LazyLock;
 
 const UM: f64 = 1e-6;
@@ -512,4 +514,112 @@ fn what_is_asked_of_a_run_is_kept() {
     let (alone, shared) = (press(&Run::default()).unwrap(), press(&run).unwrap());
     assert_eq!(alone.force.to_bits(), shared.force.to_bits());
     assert_eq!(share(&alone).to_bits(), share(&shared).to_bits());
+}
+
+/// Contacts in which the floor bears given shares, of a system.
+fn at_shares(system: &System, shares: &[f64]) -> Result<Vec<ContactState>, SolveError> {
+    let run = Run::default();
+    let critical = fakir::transition(system, Method::default(), &run)?;
+    fakir::press_to_floor_shares(&critical, shares, &run)
+}
+
+/// They are those under their own indentations and forces: with the lens axis on a pillar, in a hole, where nothing is symmetric, and on the rigid
+/// substrate, from the first pillar to many.
+#[test]
+fn contacts_of_given_floor_shares_are_those_under_their_loads() {
+    let wanted = [0.02, 0.3, 0.6];
+    for (phi, modulus, offset) in [
+        (0.001, 2e6, 0.0),
+        (0.01, 1e9, 1.0 / 3f64.sqrt()),
+        (0.03, 2e6, 0.2),
+        (0.05, 2e3, 0.0),
+    ] {
+        let system = system(phi, modulus, offset);
+        let states = at_shares(&system, &wanted).unwrap();
+        for (state, wanted) in states.iter().zip(wanted) {
+            assert!(state.converged());
+            assert!(
+                (share(state) / wanted - 1.0).abs() < 1e-7,
+                "{phi}: {wanted}"
+            );
+            for load in [
+                Control::Indentation(state.indentation),
+                Control::Force(state.force),
+            ] {
+                let again = pressed(&system, load, Accuracy::Default);
+                let [force, indentation] = [
+                    again.force / state.force,
+                    again.indentation / state.indentation,
+                ]
+                .map(|ratio| (ratio - 1.0).abs());
+                let of_share = (share(&again) / wanted - 1.0).abs();
+                println!("{phi} {wanted}: {force:e} {indentation:e} {of_share:e}");
+                // Two grids that are not the same differ by what is estimated.
+                let [a, b] = [&again, state].map(|it| it.floor.as_ref().unwrap().cell()[0]);
+                if (a / b - 1.0).abs() < 1e-12 {
+                    assert!(force.max(indentation) < 1e-7 && of_share < 1e-6);
+                } else {
+                    assert!(of_share < again.floor.as_ref().unwrap().error.share);
+                }
+            }
+        }
+    }
+}
+
+/// Where the search begins does not matter: it is not the same for shares in falling order.
+#[test]
+fn contacts_of_given_floor_shares_do_not_depend_on_the_order() {
+    let system = system(0.03, 2e6, 0.0);
+    let rising = at_shares(&system, &[0.1, 0.5]).unwrap();
+    let falling = at_shares(&system, &[0.5, 0.1]).unwrap();
+    for (a, b) in rising.iter().zip(falling.iter().rev()) {
+        assert!((a.indentation / b.indentation - 1.0).abs() < 1e-7);
+        assert!((a.force / b.force - 1.0).abs() < 1e-7);
+    }
+}
+
+/// Where the share is prescribed its error is one of indentation and force: what better solutions differ by.
+#[test]
+fn errors_of_contacts_of_given_floor_shares_cover_better_ones() {
+    let wanted = [0.1, 0.4];
+    for (phi, modulus) in [(0.01, 2e6), (0.03, 1e9)] {
+        let system = system(phi, modulus, 0.0);
+        let run = Run::default();
+        let method = Method::Spectral(Accuracy::Accurate);
+        let critical = fakir::transition(&system, method, &run).unwrap();
+        let better = fakir::press_to_floor_shares(&critical, &wanted, &run).unwrap();
+        let states = at_shares(&system, &wanted).unwrap();
+        for (state, better) in states.iter().zip(&better) {
+            assert!(state.converged() && better.converged());
+            let force = (better.force / state.force - 1.0).abs();
+            let indentation = (better.indentation / state.indentation - 1.0).abs();
+            println!("{phi}: {force:e} {indentation:e}, {:?}", state.error);
+            assert!(force < state.error.force && indentation < state.error.indentation);
+        }
+    }
+}
+
+#[test]
+fn floor_shares_that_cannot_be_are_refused_with_the_reason() {
+    let why = |system: &System, method, shares: &[f64]| {
+        let critical = fakir::transition(system, method, &Run::default()).unwrap();
+        let refused = fakir::press_to_floor_shares(&critical, shares, &Run::default());
+        match refused {
+            Err(SolveError::NoFloorShare { why }) => why,
+            other => panic!("{other:?}"),
+        }
+    };
+    let spectral = Method::default();
+    let usual = system(0.01, 2e6, 0.0);
+    for share in [0.0, 1.0, -0.1, f64::NAN, f64::INFINITY] {
+        assert!(why(&usual, spectral, &[0.5, share]).contains("between"));
+    }
+    assert!(why(&without_floor(&usual), spectral, &[0.5]).contains("ignores"));
+    let punch = Method::Punch(PunchForm::Corrected);
+    assert!(why(&usual, punch, &[0.5]).contains("spectral"));
+    // Pillars so far apart that the lens reaches the floor before any of them.
+    let wide = system(0.0001, 2e6, 1.0 / 3f64.sqrt());
+    assert!(why(&wide, spectral, &[0.5]).contains("pillars are touched"));
+    let sticky = usual.clone().with_adhesion(Adhesion::new(1e-3)).unwrap();
+    assert!(why(&sticky, spectral, &[0.5]).contains("adhesion"));
 }

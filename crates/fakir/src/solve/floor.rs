@@ -643,16 +643,9 @@ pub(crate) struct FloorSearch {
     found: Vec<FloorPoint>,
     /// Where it may begin on a lattice, once that is known.
     on_lattice: Option<Starts>,
-    /// As [`LAST_DESCENT`], if larger.
-    last_descent: f64,
 }
 
 impl FloorSearch {
-    /// Has searches end with steps that lower the value by less than this, relatively, as it need not be known better.
-    pub(crate) fn end_below(&mut self, descent: f64) {
-        self.last_descent = descent;
-    }
-
     /// Has the next search look everywhere again.
     pub(crate) fn forget(&mut self) {
         self.found.clear();
@@ -700,11 +693,10 @@ impl FloorSearch {
             None => self.first_starts(floor, loaded, cancel),
         };
         let mut minima = Vec::with_capacity(starts.len());
-        let ending = (self.last_descent.max(LAST_DESCENT), cancel);
-        add_minima(floor, loaded, &starts, &mut minima, ending);
+        add_minima(floor, loaded, &starts, &mut minima, cancel);
         if before.is_none() {
             let images = floor.around.images_of_lowest(&minima);
-            add_minima(floor, loaded, &images, &mut minima, ending);
+            add_minima(floor, loaded, &images, &mut minima, cancel);
         }
         minima.sort_by(|a, b| a.indentation.total_cmp(&b.indentation));
         minima.dedup_by(|b, a| b.indentation - a.indentation <= ALIKE * a.indentation.abs());
@@ -727,10 +719,10 @@ fn add_minima(
     loaded: &impl FloorDisplacement,
     starts: &[Point],
     minima: &mut Vec<FloorPoint>,
-    ending: (f64, &CancelToken),
+    cancel: &CancelToken,
 ) {
     for start in starts {
-        let Some(minimum) = descend(floor, loaded, *start, ending) else {
+        let Some(minimum) = descend(floor, loaded, *start, cancel) else {
             continue;
         };
         let same = |other: &FloorPoint| distance(other.position, minimum.position) < 1e-3;
@@ -813,12 +805,12 @@ fn sag_jet(lens: &ShapedLens, position: Point) -> Option<FieldJet> {
     })
 }
 
-/// Newton's method with the Hessian made positive, halving steps that do not descend; the last one lowers the value by less than a part of it.
+/// Newton's method with the Hessian made positive, halving steps that do not descend.
 fn descend(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
     start: Point,
-    (last_descent, cancel): (f64, &CancelToken),
+    cancel: &CancelToken,
 ) -> Option<FloorPoint> {
     let mut position = start;
     let mut jet = indentation_of_contact(floor, loaded, position)?;
@@ -831,7 +823,7 @@ fn descend(
         // Half-way to the nearest edge at the most: beyond it lies a pillar.
         let longest = 0.5 * floor.around.clearance(position).max(1e-12);
         let descent = -0.5 * (step[0] * jet.gradient[0] + step[1] * jet.gradient[1]);
-        if length <= longest && descent <= last_descent * jet.value.abs() {
+        if length <= longest && descent <= LAST_DESCENT * jet.value.abs() {
             position = [position[0] + step[0], position[1] + step[1]];
             jet.value -= descent;
             break;

@@ -92,9 +92,6 @@ const SHARP_STEPS: usize = 6;
 /// equally low.
 const FLOOR_TOLERANCE: f64 = 1e-10;
 
-/// Of the tolerance of a step: where its lowest point of the floor may be wrong by less, relatively.
-const PART_OF_TOLERANCE: f64 = 1e-3;
-
 /// Newton steps before giving up. One to six are typical, up to eleven with the floor.
 const STEP_LIMIT: usize = 60;
 
@@ -327,7 +324,7 @@ impl<'a> Newton<'a> {
                 outcome.termination = failure;
                 return Ok(outcome);
             }
-            let Some((indentation, floor)) = self.close(target, tolerances.present) else {
+            let Some((indentation, floor)) = self.close(target) else {
                 // A response to three digits may make the floor recede from the lens where an
                 // exact one does not.
                 if tolerances.sharpen() {
@@ -369,7 +366,7 @@ impl<'a> Newton<'a> {
         for _ in 0..SHARP_STEPS {
             self.run.check_cancelled()?;
             let solved = self.respond(target, SHARP_TOLERANCE, SHARP_TOLERANCE)?;
-            let closed = self.close(target, SHARP_TOLERANCE);
+            let closed = self.close(target);
             let (Judgement::Good, Some((indentation, floor))) = (solved, closed) else {
                 return Ok(false);
             };
@@ -460,12 +457,10 @@ impl<'a> Newton<'a> {
         self.contact.solve(&mut places, source, tolerance)
     }
 
-    /// The indentation that meets the target with the present responses, which have this tolerance.
-    fn close(&mut self, target: Target, tolerance: f64) -> Option<(f64, Option<FloorPoint>)> {
+    /// The indentation that meets the target with the present responses.
+    fn close(&mut self, target: Target) -> Option<(f64, Option<FloorPoint>)> {
         let reaches = target == Target::Prescribed(Control::FloorContact);
-        self.floor.end_below(PART_OF_TOLERANCE * tolerance);
         let lowest = reaches.then(|| self.search_floor(true)).flatten();
-        self.floor.end_below(0.0);
         target.close(&self.contact, lowest)
     }
 
