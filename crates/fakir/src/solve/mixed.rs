@@ -154,16 +154,9 @@ pub(crate) fn past_transition(
 ) -> Result<ContactState, SolveError> {
     let transition = tops.newton.first_floor_contact(ROUGH)?;
     let transition = transition.unwrap_or(scene.height);
-    let mixed = solve_floor(scene, target.into(), accuracy, tops, None, run)?;
-    finish(
-        system,
-        scene,
-        target.into(),
-        accuracy,
-        mixed,
-        transition,
-        run,
-    )
+    let target = Target::from(target);
+    let mixed = solve_floor(scene, target, accuracy, tops, None, run)?;
+    finish(system, scene, target, accuracy, mixed, transition, run)
 }
 
 /// The state in which the floor bears a share of the force, from one on the tops alone that enters the floor. That is `reached` at that indentation.
@@ -209,16 +202,9 @@ pub(crate) fn floor_first(
     let contact = (lens * indentation.min(lens)).sqrt();
     let degrees = degrees(Accuracy::Default, scene);
     let start = untouched(scene, indentation, contact, degrees, run)?;
-    let mixed = solve_floor(scene, target.into(), accuracy, start, Some(radius), run)?;
-    finish(
-        system,
-        scene,
-        target.into(),
-        accuracy,
-        mixed,
-        scene.height,
-        run,
-    )
+    let target = Target::from(target);
+    let mixed = solve_floor(scene, target, accuracy, start, Some(radius), run)?;
+    finish(system, scene, target, accuracy, mixed, scene.height, run)
 }
 
 /// The state of a solution, with its error estimates; `transition` is about the indentation at which the floor was reached.
@@ -251,11 +237,15 @@ fn finish(
         // At a prescribed indentation: all of the error is in the force.
         let of_pillars = refined(&mut solution, held, run)?.force;
         if let Some((errors, floor)) = estimates(&solution, &levels, transition, of_pillars) {
+            of_floor = floor;
             error = match target {
                 Target::Prescribed(control) => unknowns_only(control, termination, errors),
                 Target::FloorShare { .. } => at_equal_share(&solution, errors[0], floor.share),
             };
-            of_floor = floor;
+            if let Target::FloorShare { .. } = target {
+                // The floor bears a part of the force that is known.
+                of_floor.share = error.force;
+            }
         }
     }
     let floor = floor_contact(scene, &solution, &levels, of_floor);
@@ -294,7 +284,7 @@ fn at_equal_share(solution: &Solution<'_>, of_force: f64, of_share: f64) -> Erro
     let (indentation, force) = (solution.outcome.indentation, contact.force());
     // Of the share `s` to its odds `s/(1 - s)`: relative changes of these are larger by `1/(1 - s)`.
     let of_odds = of_share / (1.0 - contact.floor_force() / force);
-    let moved = of_odds / slope_of_odds(contact);
+    let moved = of_odds / slope_of_odds(contact).abs();
     ErrorEstimate {
         force: of_force + contact.stiffness() * moved / force,
         indentation: moved / indentation,
