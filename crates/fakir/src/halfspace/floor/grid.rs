@@ -93,8 +93,8 @@ pub(crate) struct Mirrors {
     pub(crate) quadrant: Cells,
     /// The one in the quadrant of every cell.
     images: Vec<u32>,
-    /// The four cells that are images of each other, for every cell of the quadrant. The last one stands for all.
-    alike: Vec<[u32; 4]>,
+    /// The cell that stands for its images, for every cell of the quadrant.
+    own: Vec<u32>,
 }
 
 impl Mirrors {
@@ -105,9 +105,9 @@ impl Mirrors {
 
     /// The mean of images.
     fn fold(&self, of_cells: &[f64], of_quadrant: &mut [f64]) {
-        for (value, cells) in of_quadrant.iter_mut().zip(&self.alike) {
-            let [a, b, c, d] = cells.map(|cell| 0.25 * of_cells[cell as usize]);
-            *value = a + b + c + d;
+        of_quadrant.fill(0.0);
+        for (value, image) in of_cells.iter().zip(&self.images) {
+            of_quadrant[*image as usize] += 0.25 * value;
         }
     }
 
@@ -120,7 +120,7 @@ impl Mirrors {
 
     /// The mean of images, for all of them.
     pub(crate) fn average(&self, of_cells: &mut [f64]) {
-        let mut means = vec![0.0; self.alike.len()];
+        let mut means = vec![0.0; self.own.len()];
         self.fold(of_cells, &mut means);
         self.unfold(&means, of_cells);
     }
@@ -128,9 +128,9 @@ impl Mirrors {
     /// What the cells of the quadrant have, for all their images.
     pub(crate) fn mirror<T: Copy>(&self, of_cells: &mut [T]) {
         let own: Vec<T> = self
-            .alike
+            .own
             .iter()
-            .map(|[.., cell]| of_cells[*cell as usize])
+            .map(|cell| of_cells[*cell as usize])
             .collect();
         self.unfold(&own, of_cells);
     }
@@ -253,20 +253,17 @@ impl FloorGrid {
         for (place, index) in cells.indices().enumerate() {
             places[index] = place as u32;
         }
-        let mut alike = vec![[0; 4]; cells.len()];
-        let mut seen = vec![0_u8; cells.len()];
+        let mut own = vec![0; cells.len()];
         let positions = self.cells.positions().enumerate();
         let images = positions.map(|(cell, (column, row))| {
             let place = places[image(row, 1) * columns + image(column, 0)];
-            let seen = &mut seen[place as usize];
-            alike[place as usize][usize::from(*seen)] = cell as u32;
-            *seen += 1;
+            own[place as usize] = cell as u32;
             place
         });
         Some(Mirrors {
             axis,
             images: images.collect(),
-            alike,
+            own,
             quadrant: cells,
         })
     }
