@@ -44,9 +44,7 @@ pub fn press(
         Method::Love(mesh) => answers::press(system, control, PillarMethod::Love(mesh), run),
         Method::Homogenised => theory::homogenised::press(system, control, run),
     }
-    .and_then(within_table)
-    .map(with_layer_warnings)?
-    .checked()
+    .and_then(finished)
 }
 
 /// The contact under what is prescribed with its exact derivatives with respect to the quantities of the system, by the spectral method without
@@ -159,7 +157,6 @@ pub fn press_to_floor_shares(
         return refused("it takes a critical state that converged, in which pillars are touched");
     }
     let states = answers::press_to_floor_shares(contact, shares, accuracy, run)?;
-    let finished = |state| within_table(state).map(with_layer_warnings)?.checked();
     states.into_iter().map(finished).collect()
 }
 
@@ -223,6 +220,11 @@ fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError
         });
     }
     Ok(())
+}
+
+/// A state without adhesion as it is handed out.
+fn finished(state: ContactState) -> Result<ContactState, SolveError> {
+    within_table(state).map(with_layer_warnings)?.checked()
 }
 
 /// With what is to be said where bodies are layers.

@@ -126,16 +126,13 @@ pub(crate) fn press_to_floor_shares(
     let system = &critical.system;
     let scene = Scene::new(system);
     let reached = critical.indentation / scene.length;
-    let degrees = degrees(Accuracy::Default, &scene);
     let mut known = Vec::new();
     let mut states = Vec::with_capacity(shares.len());
     for share in shares.iter().copied() {
         let near = reached * (1.0 + start_of_share(share, &known));
         let near = Control::Indentation(near);
         let guess = homogenised_radius(system, &scene, near);
-        let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
-        let punch = solve_punch(&scene, near, guess, form, purpose, run)?;
-        let tops = solve_spectral(&scene, near, punch, degrees, run)?;
+        let tops = mixed::on_tops_alone(&scene, near, guess, run)?;
         let of_share = [share, reached];
         let (state, power) = mixed::at_floor_share(system, &scene, of_share, accuracy, tops, run)?;
         if state.converged() {
@@ -169,15 +166,13 @@ fn start_of_share(share: f64, known: &[KnownShare]) -> f64 {
         // On the lattices of the paper a third at about twice the critical indentation.
         return ((odds + std::f64::consts::LN_2) / FIRST_POWER).exp();
     };
-    let [way, bend] = match known {
+    let way = odds - log_of_odds(last.share);
+    let bend = match known {
         [.., before, _] => {
             let between = log_of_odds(last.share) - log_of_odds(before.share);
-            [
-                odds - log_of_odds(last.share),
-                (last.power - before.power) / between,
-            ]
+            (last.power - before.power) / between
         }
-        _ => [odds - log_of_odds(last.share), 0.0],
+        _ => 0.0,
     };
     let power = |part: f64| (last.power + part * way * bend).max(LEAST_POWER * last.power);
     // Simpson's rule along the way.

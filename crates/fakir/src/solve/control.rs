@@ -101,7 +101,7 @@ pub(crate) fn log_of_odds(part: f64) -> f64 {
 }
 
 /// What the floor bears, over the force.
-fn share_of<O: Coupling>(contact: &FrozenContact<'_, O>) -> f64 {
+pub(crate) fn share_of<O: Coupling>(contact: &FrozenContact<'_, O>) -> f64 {
     contact.floor_force() / contact.force()
 }
 

@@ -6,7 +6,7 @@
 //! two tell how large the error is.
 
 use super::assembled::{OfFloor, PillarMethod, assemble, refined};
-use super::control::{Target, slope_of_odds};
+use super::control::{Target, share_of, slope_of_odds};
 use super::estimate::unknowns_only;
 use super::floor_start::FloorPressures;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
@@ -127,17 +127,27 @@ const FAR_PAST: f64 = 1e-3;
 const ROUGH: f64 = 1e-3;
 const UNIT_TOLERANCE: f64 = 3e-3;
 
-/// The solution on the tops alone by the default accuracy, if the lens enters the floor by so much that another accuracy does not matter.
+/// The solution on the tops alone by the default accuracy.
+pub(crate) fn on_tops_alone<'a>(
+    scene: &Scene,
+    target: Control,
+    contact_radius: Option<f64>,
+    run: &'a Run<'a>,
+) -> Result<Solution<'a>, SolveError> {
+    let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
+    let punch = solve_punch(scene, target, contact_radius, form, purpose, run)?;
+    let degrees = degrees(Accuracy::Default, scene);
+    solve_spectral(scene, target, punch, degrees, run)
+}
+
+/// That solution, if the lens enters the floor by so much that another accuracy does not matter.
 pub(crate) fn far_past_transition<'a>(
     scene: &Scene,
     target: Control,
     contact_radius: Option<f64>,
     run: &'a Run<'a>,
 ) -> Result<Option<Solution<'a>>, SolveError> {
-    let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
-    let punch = solve_punch(scene, target, contact_radius, form, purpose, run)?;
-    let degrees = degrees(Accuracy::Default, scene);
-    let mut tops = solve_spectral(scene, target, punch, degrees, run)?;
+    let mut tops = on_tops_alone(scene, target, contact_radius, run)?;
     let lowest = tops.newton.lowest_gap();
     let depth = lowest.map_or(0.0, |point| tops.outcome.indentation - point.indentation);
     Ok((depth > FAR_PAST * scene.height).then_some(tops))
@@ -238,13 +248,13 @@ fn finish(
         let of_pillars = refined(&mut solution, held, run)?.force;
         if let Some((errors, floor)) = estimates(&solution, &levels, transition, of_pillars) {
             of_floor = floor;
-            error = match target {
-                Target::Prescribed(control) => unknowns_only(control, termination, errors),
-                Target::FloorShare { .. } => at_equal_share(&solution, errors[0], floor.share),
-            };
-            if let Target::FloorShare { .. } = target {
-                // The floor bears a part of the force that is known.
-                of_floor.share = error.force;
+            match target {
+                Target::Prescribed(control) => error = unknowns_only(control, termination, errors),
+                Target::FloorShare { .. } => {
+                    error = at_equal_share(&solution, errors[0], floor.share);
+                    // The floor bears a part of the force that is known.
+                    of_floor.share = error.force;
+                }
             }
         }
     }
@@ -283,7 +293,7 @@ fn at_equal_share(solution: &Solution<'_>, of_force: f64, of_share: f64) -> Erro
     let contact = &solution.newton.contact;
     let (indentation, force) = (solution.outcome.indentation, contact.force());
     // Of the share `s` to its odds `s/(1 - s)`: relative changes of these are larger by `1/(1 - s)`.
-    let of_odds = of_share / (1.0 - contact.floor_force() / force);
+    let of_odds = of_share / (1.0 - share_of(contact));
     let moved = of_odds / slope_of_odds(contact).abs();
     ErrorEstimate {
         force: of_force + contact.stiffness() * moved / force,
@@ -313,9 +323,8 @@ fn estimates(
     let of_cells = part_of * force.max(energy / past);
     let error = of_pillars * fine.force + of_cells;
     let share = |level: &Level| level.floor_force / level.force;
-    let unit: f64 = contact.floor_unit_coefficients().iter().sum();
     let [least, most] = FLOOR_PART;
-    let part = (contact.unit_cell() * unit / stiffness)
+    let part = (contact.floor_stiffness() / stiffness)
         .abs()
         .clamp(least, most);
     let changed = part_of * (share(fine) - share(coarse)).abs();

@@ -50,6 +50,9 @@ const FLOOR_DECREASE: f64 = 0.1;
 const FLOOR_FAST_DECREASE: f64 = 0.01;
 const FLOOR_FEW: usize = 100;
 
+/// The same without the floor.
+const DECREASE: f64 = 0.03;
+
 /// A floor share is met from this tolerance on: which of many cells bear pressure is known well enough then.
 const SHARE_TOLERANCE: f64 = 1e-4;
 
@@ -58,9 +61,6 @@ const SHARE_UNIT_TOLERANCE: f64 = 5e-3;
 
 /// Part of the relative change of the indentation below which the tolerance does not go after a step to a floor share.
 const PART_OF_CHANGE: f64 = 0.01;
-
-/// The same without the floor.
-const DECREASE: f64 = 0.03;
 
 /// On a coarse grid few places may change their state in the end: one in so many of those that bear pressure.
 const LEVEL_CHANGES: usize = 200;
