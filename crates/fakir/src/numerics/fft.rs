@@ -125,10 +125,20 @@ impl ComplexPlans {
     }
 }
 
-/// Smallest even number of the form 2^a 3^b 5^c not below `least`.
+/// Smallest even number not below `least` that is quick to transform: `2^a 3^b`, or five times that if 8 divides it.
+///
+/// Of others without larger factors most take 1.4 to 4 times as long per point (measured from 8 to 640 points, in single precision).
 pub(crate) fn smooth_size(least: usize) -> usize {
     let mut size = least.max(2);
-    while size % 2 == 1 || !is_product_of(&[2, 3, 5], size) {
+    let is_quick = |size: usize| {
+        let fives = if size.is_multiple_of(8) && size.is_multiple_of(5) {
+            5
+        } else {
+            1
+        };
+        size.is_multiple_of(2) && is_product_of(&[2, 3], size / fives)
+    };
+    while !is_quick(size) {
         size += 1;
     }
     size

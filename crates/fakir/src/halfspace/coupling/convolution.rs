@@ -1,7 +1,7 @@
 //! The coupling of many pillars of a lattice as a convolution, by fast Fourier transform.
 //!
-//! The window is padded with zeros to at least twice its size, so that nothing wraps around:
-//! the lattice is finite and stands free. One kernel for every pair of modes; as
+//! The window is padded with zeros so far that no two pairs of pillars fall on each other as it wraps around
+//! ([`Differences`]): the lattice is finite and stands free. One kernel for every pair of modes; as
 //! `B_ij(-D) = (-1)^(l+l') B_ij(D)`, its transform is real or imaginary, and as
 //! `B_ji(D) = (-1)^(l+l') B_ij(D)`, the upper triangle is enough.
 //!
@@ -14,15 +14,16 @@
 //! Products are exact or rough: in double precision, or in single, which takes about half the time. A kernel is kept as the sum of two numbers in
 //! single precision, of which rough products read the first alone.
 
+use super::differences::{Differences, square};
 use super::pair::PairCoupling;
 use super::window::Window;
 use crate::halfspace::disc::basis::Mode;
 use crate::numerics::convergence::larger;
-use crate::numerics::fft::{Real, RealPlans, smooth_size};
+use crate::numerics::fft::{Real, RealPlans};
 use crate::numerics::vector::widest;
 use crate::numerics::workers::Workers;
 use num_complex::{Complex, Complex64};
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// Bytes of a row of a tile: a cache line.
 const CACHE_LINE: usize = 64;
@@ -105,10 +106,8 @@ impl LatticeConvolution {
         let shape = window.shape();
         let first_column =
             |row: &Range<usize>| window.places().get(row.start).map_or(0, |place| place.1);
-        let padded = (
-            smooth_size((2 * shape.0 - 1).max(shape.0.next_multiple_of(CHUNK))),
-            smooth_size(2 * shape.1 - 1),
-        );
+        let differences = Differences::new(window);
+        let padded = differences.smallest_array(shape.0.next_multiple_of(CHUNK));
         let layout = Layout {
             modes: pair.modes().len(),
             shape,
@@ -122,7 +121,7 @@ impl LatticeConvolution {
         };
         let exact = Passes::<f64>::new(&layout);
         Self {
-            kernel: kernels(&layout, pair, &exact.transforms, workers),
+            kernel: kernels(&layout, &differences, pair, &exact.transforms, workers),
             tiles: vec![Complex64::default(); Passes::<f64>::room(&layout)],
             rough: Passes::new(&layout),
             exact,
@@ -187,15 +186,15 @@ impl LatticeConvolution {
 /// side are enough until the columns are transformed.
 fn kernels(
     layout: &Layout,
+    differences: &Differences,
     pair: &PairCoupling,
     transforms: &RealPlans,
     workers: Workers<'_>,
 ) -> Vec<f32> {
     let (_, columns) = layout.padded;
     let (entries, half) = (layout.entries, layout.half);
-    let reach = (layout.shape.0 as i64 - 1, layout.shape.1 as i64 - 1);
     let least = layout.least();
-    let radial = radial_parts(pair, reach.0.max(reach.1), workers);
+    let radial = radial_parts(pair, differences.square_of_largest(), workers);
     let mut kernel = vec![0.0; half * layout.kernel_column()];
     // Rows of the lattice and the columns that are kept of them take as much room as the kernels: of large lattices a part of the columns at a time.
     let of_column = size_of::<Complex64>() * layout.shape.0 * entries;
@@ -218,7 +217,7 @@ fn kernels(
             if workers.cancel.is_cancelled() {
                 return;
             }
-            work.fill_row(pair, &radial, row as i64, reach.1, columns);
+            work.fill_row(pair, &radial, (row, differences.columns(row)), columns);
             let RowWork {
                 grids,
                 spectrum,
@@ -271,9 +270,9 @@ fn fill_columns(
                 input.fill(Complex64::default());
                 for (row, values) in transformed.chunks_exact(of_rows).enumerate() {
                     let value = values[entry * at_a_time + column];
-                    input[row] = value;
+                    input[row] += value;
                     if row > 0 {
-                        input[rows - row] = sign * value.conj();
+                        input[rows - row] += sign * value.conj();
                     }
                 }
             }
@@ -591,18 +590,17 @@ struct RowWork {
 }
 
 impl RowWork {
-    /// The kernels between pillars that many rows and up to `reach` columns apart.
+    /// The kernels between pillars that many rows and columns apart.
     fn fill_row(
         &mut self,
         pair: &PairCoupling,
         radial: &[f64],
-        row: i64,
-        reach: i64,
+        (row, apart): (usize, RangeInclusive<i64>),
         columns: usize,
     ) {
         self.grids.fill(0.0);
-        let parts = pair.radial_count();
-        for column in -reach..=reach {
+        let (row, parts) = (row as i64, pair.radial_count());
+        for column in apart {
             if (row, column) == (0, 0) {
                 // What layers do to a pillar by itself has no direction.
                 if let Some(own) = pair.own_block() {
@@ -614,7 +612,7 @@ impl RowWork {
                 }
                 continue;
             }
-            let norm = ((row * row + row * column + column * column) as f64).sqrt();
+            let norm = (square(row, column) as f64).sqrt();
             let direction = [
                 0.5 * 3f64.sqrt() * (row + column) as f64 / norm,
                 0.5 * (row - column) as f64 / norm,
@@ -769,10 +767,11 @@ impl<R: Precision> Meeting<'_, R> {
     }
 }
 
-/// The parts of the coupling that depend on distances alone, for each distance in the lattice between
-/// pillars up to `most` rows and columns apart, by [`distance_number`].
-fn radial_parts(pair: &PairCoupling, most: i64, workers: Workers<'_>) -> Vec<f64> {
+/// The parts of the coupling that depend on distances alone, for each distance in the lattice up to one, by [`distance_number`]. Of that one the
+/// square is given, in pitches.
+fn radial_parts(pair: &PairCoupling, square_of_largest: i64, workers: Workers<'_>) -> Vec<f64> {
     let parts = pair.radial_count();
+    let most = (square_of_largest as f64).sqrt() as i64 + 1;
     let count = distance_number(most + 1, 0);
     let mut radial = vec![0.0; count * parts];
     // Numbers of distances by rows: `(i, j)` for all `0 <= j <= i`.
@@ -783,8 +782,10 @@ fn radial_parts(pair: &PairCoupling, most: i64, workers: Workers<'_>) -> Vec<f64
         }
         let i = row_of(number);
         let j = number as i64 - i * (i + 1) / 2;
-        let norm = ((i * i + i * j + j * j) as f64).sqrt();
-        pair.radial(norm * pair.pitch(), radial);
+        let square = square(i, j);
+        if square <= square_of_largest {
+            pair.radial((square as f64).sqrt() * pair.pitch(), radial);
+        }
     };
     workers.fill(&mut radial, parts, DISTANCES, || (), one);
     radial

@@ -117,15 +117,18 @@ pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize, layered: boo
 
 /// About how many bytes the solution of that many pillars of a hexagonal lattice takes.
 ///
-/// The lattice array is the rhombus around the window; twice as long and wide after padding.
+/// The lattice array is the rhombus around the window, and after padding `sqrt(3)` times as long and wide
+/// ([`Differences`](super::differences::Differences)).
 pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
     // A rhombus around a circle has 4/(pi sqrt3/2)... of its area, in lattice cells.
     let side = (pillars * 4.0 / (std::f64::consts::PI * 0.866)).sqrt() + 2.0;
     let modes = modes as f64;
     let pairs = 0.5 * modes * (modes + 1.0);
-    let kernels = 8.0 * pairs * (2.0 * side) * (side + 1.0);
-    let build = (16.0 * pairs * side * (side + 1.0)).min(TRANSFORMED as f64);
-    let spectrum = 16.0 * modes * side * (side + 1.0);
+    let padded = 3f64.sqrt() * side;
+    let half = 0.5 * padded + 1.0;
+    let kernels = 8.0 * pairs * padded * half;
+    let build = (16.0 * pairs * side * half).min(TRANSFORMED as f64);
+    let spectrum = 16.0 * modes * side * half;
     let vectors = 12.0 * 8.0 * modes * pillars;
     kernels + build + spectrum + vectors
 }

@@ -7,6 +7,7 @@
 pub(crate) mod convolution;
 pub(crate) mod copies;
 pub(crate) mod derivative;
+pub(crate) mod differences;
 pub(crate) mod direct;
 pub(crate) mod lattice;
 pub(crate) mod moving;

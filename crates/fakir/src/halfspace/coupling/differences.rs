@@ -1,0 +1,167 @@
+//! The lattice vectors from pillar to pillar of a window, and the smallest array in which they wrap around without any two falling on each other.
+//!
+//! A convolution with pillars in a window asks for the kernel at these vectors alone. As an array wraps around, its copies may reach into each other's
+//! corners, as long as no two of these vectors have one place. Of a disc of radius `R` they fill a disc of radius `2 R`. The copies of a rhombus of
+//! lattice cells lie on a hexagonal lattice as well, on which discs are packed most closely: one `4 R` long is enough, where one
+//! twice as long as the window would be `4 R 2/sqrt(3)`, with a third more places.
+
+use super::window::Window;
+use crate::numerics::fft::smooth_size;
+use std::ops::RangeInclusive;
+
+/// The vectors from pillar to pillar of a window.
+pub(crate) struct Differences {
+    /// Rows and columns of the window.
+    shape: (usize, usize),
+    /// For every number of rows between two pillars, from 0 on, the columns between these. Rows the other way have them with the other sign.
+    columns: Vec<RangeInclusive<i64>>,
+}
+
+/// No columns.
+const NONE: RangeInclusive<i64> = RangeInclusive::new(1, 0);
+
+impl Differences {
+    pub(crate) fn new(window: &Window) -> Self {
+        let column_of = |pillar: usize| window.places()[pillar].1 as i64;
+        // The first and last column of every row that holds any pillar.
+        let ends: Vec<(usize, [i64; 2])> = window
+            .rows()
+            .iter()
+            .enumerate()
+            .filter(|(_, pillars)| !pillars.is_empty())
+            .map(|(row, pillars)| (row, [pillars.start, pillars.end - 1].map(column_of)))
+            .collect();
+        let mut columns = vec![None; window.shape().0];
+        for (number, (row, [first, last])) in ends.iter().enumerate() {
+            for (other, [other_first, other_last]) in &ends[number..] {
+                let here = (other_first - last, other_last - first);
+                let (least, most) = columns[other - row].get_or_insert(here);
+                *least = here.0.min(*least);
+                *most = here.1.max(*most);
+            }
+        }
+        Self {
+            shape: window.shape(),
+            columns: columns
+                .into_iter()
+                .map(|ends| ends.map_or(NONE, |(least, most)| least..=most))
+                .collect(),
+        }
+    }
+
+    /// The columns between pillars that are so many rows apart, from 0 on.
+    pub(crate) fn columns(&self, rows: usize) -> RangeInclusive<i64> {
+        self.columns[rows].clone()
+    }
+
+    /// The square of the largest distance between pillars, in pitches.
+    pub(crate) fn square_of_largest(&self) -> i64 {
+        let rows = (0..).zip(&self.columns);
+        let rows = rows.filter(|(_, columns)| !columns.is_empty());
+        let ends = rows.flat_map(|(i, columns)| [(i, *columns.start()), (i, *columns.end())]);
+        ends.map(|(i, j)| square(i, j)).max().unwrap_or(0)
+    }
+
+    /// The smallest array, of at least so many rows, in which no two fall on each other. Lengths are quick to transform.
+    pub(crate) fn smallest_array(&self, least_rows: usize) -> (usize, usize) {
+        // Twice as long and wide, where nothing wraps around.
+        let whole = [self.shape.0, self.shape.1].map(|side| 2 * side - 1);
+        let mut smallest = (smooth_size(whole[0].max(least_rows)), smooth_size(whole[1]));
+        let mut rows = smooth_size(least_rows.max(self.shape.0));
+        while rows < smallest.0 {
+            let mut columns = smooth_size(self.shape.1);
+            while rows * columns < smallest.0 * smallest.1 {
+                if self.fit(rows, columns) {
+                    smallest = (rows, columns);
+                    break;
+                }
+                columns = smooth_size(columns + 1);
+            }
+            rows = smooth_size(rows + 1);
+        }
+        smallest
+    }
+
+    /// Whether no two fall on each other in an array that is not smaller than the window.
+    fn fit(&self, rows: usize, columns: usize) -> bool {
+        let columns = columns as i64;
+        let in_a_row = |apart: &RangeInclusive<i64>| apart.end() - apart.start() < columns;
+        // Rows that fall on each other are so many rows apart one way and the rest of the array the other way.
+        let of_two_rows = |row: usize| {
+            let [one, other] = [row, rows - row].map(|row| &self.columns[row]);
+            if one.is_empty() || other.is_empty() {
+                return true;
+            }
+            let (least, most) = (one.start() + other.start(), one.end() + other.end());
+            most.div_euclid(columns) * columns < least
+        };
+        let first = (rows + 1).saturating_sub(self.shape.0);
+        self.columns.iter().all(in_a_row) && (first..self.shape.0).all(of_two_rows)
+    }
+}
+
+/// The square of the distance of pillars so many rows and columns apart, in pitches.
+pub(crate) fn square(rows: i64, columns: i64) -> i64 {
+    rows * rows + rows * columns + columns * columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::HexagonalLattice;
+    use std::collections::HashMap;
+
+    /// Against all pairs of pillars, one by one.
+    #[test]
+    fn no_two_differences_have_one_place() {
+        for (radius, offset, angle) in [
+            (0.0, 0.0, 0.0),
+            (4.4, 0.0, 0.0),
+            (9.0, 0.3, 0.5),
+            (12.2, 1.0, 2.0),
+            (33.0, 0.8, 0.1),
+            (61.0, 0.0, 0.0),
+        ] {
+            let lattice = HexagonalLattice {
+                pitch: 3.7,
+                offset,
+                offset_angle: angle,
+            };
+            let window = Window::new(&lattice, radius);
+            let differences = Differences::new(&window);
+            let (rows, columns) = differences.smallest_array(8);
+            assert!(rows >= window.shape().0 && columns >= window.shape().1);
+            let mut place_of: HashMap<(i64, i64), (i64, i64)> = HashMap::new();
+            let places = || window.places().iter().map(|(i, j)| (*i as i64, *j as i64));
+            for (i, j) in places() {
+                for (u, v) in places() {
+                    let apart = (u - i, v - j);
+                    let (down, right) = if apart.0 < 0 {
+                        (-apart.0, -apart.1)
+                    } else {
+                        apart
+                    };
+                    assert!(differences.columns(down as usize).contains(&right));
+                    assert!(square(down, right) <= differences.square_of_largest());
+                    let place = (
+                        apart.0.rem_euclid(rows as i64),
+                        apart.1.rem_euclid(columns as i64),
+                    );
+                    assert_eq!(*place_of.entry(place).or_insert(apart), apart);
+                }
+            }
+        }
+    }
+
+    /// Expected: twice the diameter of a disc, in pitches, of which quick lengths are a few percent larger.
+    #[test]
+    fn arrays_around_discs_are_twice_their_diameter_long() {
+        for pitches in [11.5, 29.5, 59.0, 121.0] {
+            let window = Window::new(&HexagonalLattice::new(1.0), pitches);
+            let (rows, columns) = Differences::new(&window).smallest_array(8);
+            let least = 16.0 * pitches * pitches;
+            let places = (rows * columns) as f64;
+            assert!((1.0..1.18).contains(&(places / least)), "{rows} {columns}");
+        }
+    }
+}
