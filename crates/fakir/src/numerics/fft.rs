@@ -97,14 +97,14 @@ impl<R: Real> RealPlans<R> {
 
 /// Transforms of a complex array.
 #[derive(Clone)]
-pub(crate) struct ComplexPlans {
-    pub(crate) row: Arc<dyn Fft<f64>>,
-    pub(crate) row_back: Arc<dyn Fft<f64>>,
-    pub(crate) column: Arc<dyn Fft<f64>>,
-    pub(crate) column_back: Arc<dyn Fft<f64>>,
+pub(crate) struct ComplexPlans<R: Real = f64> {
+    pub(crate) row: Arc<dyn Fft<R>>,
+    pub(crate) row_back: Arc<dyn Fft<R>>,
+    pub(crate) column: Arc<dyn Fft<R>>,
+    pub(crate) column_back: Arc<dyn Fft<R>>,
 }
 
-impl ComplexPlans {
+impl<R: Real> ComplexPlans<R> {
     /// The plans for an array of so many rows and columns.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let mut planner = FftPlanner::new();

@@ -13,6 +13,7 @@ pub(crate) mod neighbours;
 pub(crate) mod pivoting;
 pub(crate) mod quadrature;
 pub mod roots;
+pub(crate) mod row_pair;
 pub(crate) mod special;
 pub(crate) mod vector;
 pub(crate) mod workers;

@@ -19,7 +19,8 @@ use super::pair::PairCoupling;
 use super::window::Window;
 use crate::halfspace::disc::basis::Mode;
 use crate::numerics::convergence::larger;
-use crate::numerics::fft::{Real, RealPlans};
+use crate::numerics::fft::{ComplexPlans, Real};
+use crate::numerics::row_pair::RowPair;
 use crate::numerics::vector::widest;
 use crate::numerics::workers::Workers;
 use num_complex::{Complex, Complex64};
@@ -188,7 +189,7 @@ fn kernels(
     layout: &Layout,
     differences: &Differences,
     pair: &PairCoupling,
-    transforms: &RealPlans,
+    transforms: &ComplexPlans,
     workers: Workers<'_>,
 ) -> Vec<f32> {
     let (_, columns) = layout.padded;
@@ -208,10 +209,12 @@ fn kernels(
         let kept = first..(first + at_a_time).min(half);
         let transformed = &mut transformed[..layout.shape.0 * entries * kept.len()];
         let work = || RowWork {
-            grids: vec![0.0; entries * columns],
+            pairs: (0..entries.div_ceil(2))
+                .map(|_| RowPair::new(columns))
+                .collect(),
             block: vec![0.0; entries],
-            spectrum: transforms.row.make_output_vec(),
-            scratch: transforms.row.make_scratch_vec(),
+            spare: vec![Complex64::default(); half],
+            scratch: vec![Complex64::default(); transforms.scratch_len()],
         };
         let of_row = |work: &mut RowWork, row: usize, output: &mut [Complex64]| {
             if workers.cancel.is_cancelled() {
@@ -219,15 +222,20 @@ fn kernels(
             }
             work.fill_row(pair, &radial, (row, differences.columns(row)), columns);
             let RowWork {
-                grids,
-                spectrum,
+                pairs,
+                spare,
                 scratch,
                 ..
             } = work;
-            let grids = grids.chunks_exact_mut(columns);
-            for (grid, output) in grids.zip(output.chunks_exact_mut(kept.len())) {
-                transforms.row_forward(grid, spectrum, scratch);
-                output.copy_from_slice(&spectrum[kept.clone()]);
+            for (pair, output) in pairs.iter_mut().zip(output.chunks_mut(2 * kept.len())) {
+                pair.forward(transforms.row.as_ref(), scratch);
+                let (one, other) = output.split_at_mut(kept.len());
+                let other = if other.is_empty() {
+                    &mut spare[..kept.len()]
+                } else {
+                    other
+                };
+                pair.twice_spectra(kept.start, [one, other]);
             }
         };
         workers.fill(transformed, entries * kept.len(), least, work, of_row);
@@ -240,7 +248,7 @@ fn kernels(
 fn fill_columns(
     layout: &Layout,
     transformed: &[Complex64],
-    transforms: &RealPlans,
+    transforms: &ComplexPlans,
     kernel: &mut [f32],
     workers: Workers<'_>,
 ) {
@@ -248,7 +256,8 @@ fn fill_columns(
     let entries = layout.entries;
     let of_rows = transformed.len() / layout.shape.0;
     let at_a_time = of_rows / entries;
-    let scale = 1.0 / (rows * columns) as f64;
+    // Rows are twice their transforms.
+    let scale = 0.5 / (rows * columns) as f64;
     let transform = &transforms.column;
     let modes = |a: usize| (a..layout.modes).map(move |b| [layout.odd[a], layout.odd[b]]);
     let odd: Vec<[bool; 2]> = (0..layout.modes).flat_map(modes).collect();
@@ -331,7 +340,7 @@ impl Precision for f32 {
 /// Transformed rows, and what becomes of them, lie in tiles: for every few columns, every [`CHUNK`] rows of the window, every mode, these rows of
 /// these columns.
 struct Passes<R: Real> {
-    transforms: RealPlans<R>,
+    transforms: ComplexPlans<R>,
 }
 
 impl<R: Precision> Passes<R> {
@@ -340,7 +349,7 @@ impl<R: Precision> Passes<R> {
 
     fn new(layout: &Layout) -> Self {
         Self {
-            transforms: RealPlans::new(layout.padded.0, layout.padded.1),
+            transforms: ComplexPlans::new(layout.padded.0, layout.padded.1),
         }
     }
 
@@ -371,16 +380,16 @@ impl<R: Precision> Passes<R> {
     }
 
     fn transforms_alone(&self, layout: &Layout) {
-        let RealPlans {
+        let ComplexPlans {
             row,
             row_back,
             column,
             column_back,
         } = &self.transforms;
-        let (mut real, mut complex) = (row.make_input_vec(), row.make_output_vec());
-        for _ in 0..layout.shape.0 * layout.modes {
-            let _ = row.process(&mut real, &mut complex);
-            let _ = row_back.process(&mut complex, &mut real);
+        let mut rows = vec![Complex::default(); layout.padded.1];
+        for _ in 0..layout.shape.0.div_ceil(2) * layout.modes {
+            row.process(&mut rows);
+            row_back.process(&mut rows);
         }
         let mut columns = vec![Complex::default(); layout.modes * layout.padded.0];
         for _ in 0..layout.half {
@@ -410,40 +419,55 @@ impl<R: Precision> Passes<R> {
                 block.push(tile);
             }
         }
-        let work = || RowRoom::new(transforms, Self::TILE_COLUMNS);
+        // What is read of a pair of rows is twice its transforms.
+        let factor = 0.5 * factor;
         workers.fill(
             &mut blocks,
             1,
             layout.least(),
-            work,
-            |room, number, block| {
+            || RowRoom::new(transforms),
+            |RowRoom { pair, scratch }, number, block| {
                 if workers.cancel.is_cancelled() {
                     return;
                 }
-                let RowRoom {
-                    values,
-                    spectrum,
-                    scratch,
-                } = room;
-                let ranges = layout.ranges.iter().zip(&layout.first_columns);
-                let ranges = ranges.skip(number * CHUNK).take(CHUNK);
-                for (row, (range, first)) in ranges.enumerate() {
-                    for mode in 0..modes {
-                        values.fill(R::default());
-                        let of_row = values[*first..].iter_mut();
-                        for (value, pillar) in of_row.zip(range.clone()) {
-                            *value = R::of(factor * coefficients[pillar * modes + mode]);
-                        }
-                        transforms.row_forward(values, &mut spectrum[..half], scratch);
-                        let line = (mode * CHUNK + row) * Self::TILE_COLUMNS;
-                        let pieces = spectrum.chunks_exact(Self::TILE_COLUMNS);
-                        for (tile, values) in block[0].iter_mut().zip(pieces) {
-                            tile[line..][..Self::TILE_COLUMNS].copy_from_slice(values);
+                let rows = number * CHUNK..layout.shape.0.min((number + 1) * CHUNK);
+                for (row, mode) in pairs_of_modes(rows, modes) {
+                    let values = pair.rows();
+                    values.fill(Complex::default());
+                    let coefficient =
+                        |pillar: usize| R::of(factor * coefficients[pillar * modes + mode]);
+                    for (value, pillar) in values[layout.first_columns[row]..]
+                        .iter_mut()
+                        .zip(layout.ranges[row].clone())
+                    {
+                        value.re = coefficient(pillar);
+                    }
+                    if let Some(pillars) = layout.ranges.get(row + 1) {
+                        let values = values[layout.first_columns[row + 1]..].iter_mut();
+                        for (value, pillar) in values.zip(pillars.clone()) {
+                            value.im = coefficient(pillar);
                         }
                     }
+                    pair.forward(transforms.row.as_ref(), scratch);
+                    let line = Self::line(row, mode);
+                    widest(
+                        #[inline(always)]
+                        || {
+                            for (strip, tile) in block[0].iter_mut().enumerate() {
+                                let lines = &mut tile[line..][..2 * Self::TILE_COLUMNS];
+                                let (one, other) = lines.split_at_mut(Self::TILE_COLUMNS);
+                                pair.twice_spectra(strip * Self::TILE_COLUMNS, [one, other]);
+                            }
+                        },
+                    );
                 }
             },
         );
+    }
+
+    /// Where the line of a row and a mode begins in its tile; that of the next row follows.
+    fn line(row: usize, mode: usize) -> usize {
+        (mode * CHUNK + row % CHUNK) * Self::TILE_COLUMNS
     }
 
     fn rows_back(
@@ -461,12 +485,11 @@ impl<R: Precision> Passes<R> {
             blocks.push(block);
             rest = after;
         }
-        let work = || RowRoom::new(&self.transforms, Self::TILE_COLUMNS);
         workers.fill(
             &mut blocks,
             1,
             layout.least(),
-            work,
+            || RowRoom::new(&self.transforms),
             |room, number, block| {
                 if !workers.cancel.is_cancelled() {
                     self.block_back((layout, tiles), number, (block[0], unit), room);
@@ -485,26 +508,32 @@ impl<R: Precision> Passes<R> {
     ) {
         let modes = layout.modes;
         let (tile, strip) = Self::lengths(layout);
-        let RowRoom {
-            values,
-            spectrum,
-            scratch,
-        } = room;
-        let first = number * CHUNK;
-        let ranges = &layout.ranges[first..layout.shape.0.min(first + CHUNK)];
-        let start = ranges[0].start;
-        let columns = &layout.first_columns[first..];
-        for (row, (range, first)) in ranges.iter().zip(columns).enumerate() {
-            for mode in 0..modes {
-                let line = number * tile + (mode * CHUNK + row) * Self::TILE_COLUMNS;
-                let strips = tiles.chunks_exact(strip);
-                for (values, strip) in spectrum.chunks_exact_mut(Self::TILE_COLUMNS).zip(strips) {
-                    values.copy_from_slice(&strip[line..][..Self::TILE_COLUMNS]);
-                }
-                let spectrum = &mut spectrum[..layout.half];
-                self.transforms.row_back(spectrum, values, scratch);
-                for (value, pillar) in values[*first..].iter().zip(range.clone()) {
-                    far[(pillar - start) * modes + mode] = unit * value.double();
+        let RowRoom { pair, scratch } = room;
+        let rows = number * CHUNK..layout.shape.0.min((number + 1) * CHUNK);
+        let start = layout.ranges[rows.start].start;
+        for (row, mode) in pairs_of_modes(rows, modes) {
+            let line = number * tile + Self::line(row, mode);
+            widest(
+                #[inline(always)]
+                || {
+                    for (place, strip) in tiles.chunks_exact(strip).enumerate() {
+                        let lines = &strip[line..][..2 * Self::TILE_COLUMNS];
+                        let (one, other) = lines.split_at(Self::TILE_COLUMNS);
+                        pair.set_spectra(place * Self::TILE_COLUMNS, [one, other]);
+                    }
+                },
+            );
+            pair.back(self.transforms.row_back.as_ref(), scratch);
+            let values = pair.rows();
+            let target = |pillar: usize| (pillar - start) * modes + mode;
+            let of_row = values[layout.first_columns[row]..].iter();
+            for (value, pillar) in of_row.zip(layout.ranges[row].clone()) {
+                far[target(pillar)] = unit * value.re.double();
+            }
+            if let Some(pillars) = layout.ranges.get(row + 1) {
+                let of_row = values[layout.first_columns[row + 1]..].iter();
+                for (value, pillar) in of_row.zip(pillars.clone()) {
+                    far[target(pillar)] = unit * value.im.double();
                 }
             }
         }
@@ -551,6 +580,8 @@ impl<R: Precision> Passes<R> {
                 let products = product.chunks_exact(padded);
                 for (values, product) in column.chunks_exact_mut(padded).zip(products) {
                     values[..rows].copy_from_slice(&product[..rows]);
+                    // The last row may have none to go back with.
+                    values[rows..rows.next_multiple_of(CHUNK)].fill(Complex::default());
                 }
             }
             Self::turn(strip, columns, lengths, |line, value| *line = *value);
@@ -582,10 +613,11 @@ impl<R: Precision> Passes<R> {
 }
 
 struct RowWork {
-    /// One row of every pair.
-    grids: Vec<f64>,
+    /// One row of every pair of modes, two by two.
+    pairs: Vec<RowPair<f64>>,
     block: Vec<f64>,
-    spectrum: Vec<Complex64>,
+    /// For the transform of no row.
+    spare: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 
@@ -598,7 +630,9 @@ impl RowWork {
         (row, apart): (usize, RangeInclusive<i64>),
         columns: usize,
     ) {
-        self.grids.fill(0.0);
+        for pair in &mut self.pairs {
+            pair.rows().fill(Complex64::default());
+        }
         let (row, parts) = (row as i64, pair.radial_count());
         for column in apart {
             if (row, column) == (0, 0) {
@@ -606,9 +640,9 @@ impl RowWork {
                 if let Some(own) = pair.own_block() {
                     let modes = pair.modes().len();
                     let upper = (0..modes).flat_map(|row| &own[row * modes + row..][..modes - row]);
-                    for (grid, value) in self.grids.chunks_exact_mut(columns).zip(upper) {
-                        grid[0] = *value;
-                    }
+                    self.block.clear();
+                    self.block.extend(upper);
+                    self.place_block(0);
                 }
                 continue;
             }
@@ -619,27 +653,36 @@ impl RowWork {
             ];
             let radial = &radial[distance_number(row, column) * parts..][..parts];
             pair.upper_block(radial, direction, &mut self.block);
-            let place = column.rem_euclid(columns as i64) as usize;
-            for (grid, value) in self.grids.chunks_exact_mut(columns).zip(&self.block) {
-                grid[place] = *value;
-            }
+            self.place_block(column.rem_euclid(columns as i64) as usize);
+        }
+    }
+
+    /// Puts the block to its place in all rows.
+    fn place_block(&mut self, place: usize) {
+        for (pair, values) in self.pairs.iter_mut().zip(self.block.chunks(2)) {
+            let value = &mut pair.rows()[place];
+            value.re = values[0];
+            value.im = values.get(1).copied().unwrap_or(0.0);
         }
     }
 }
 
-/// A row, and what it is transformed to, up to the end of the last tile.
+/// The first of every two rows, with every mode.
+fn pairs_of_modes(rows: Range<usize>, modes: usize) -> impl Iterator<Item = (usize, usize)> {
+    rows.step_by(2)
+        .flat_map(move |row| (0..modes).map(move |mode| (row, mode)))
+}
+
+/// Room for two rows.
 struct RowRoom<R> {
-    values: Vec<R>,
-    spectrum: Vec<Complex<R>>,
+    pair: RowPair<R>,
     scratch: Vec<Complex<R>>,
 }
 
 impl<R: Real> RowRoom<R> {
-    fn new(transforms: &RealPlans<R>, tile_columns: usize) -> Self {
-        let half = transforms.row.complex_len();
+    fn new(transforms: &ComplexPlans<R>) -> Self {
         Self {
-            values: transforms.row.make_input_vec(),
-            spectrum: vec![Complex::default(); half.next_multiple_of(tile_columns)],
+            pair: RowPair::new(transforms.row.len()),
             scratch: vec![Complex::default(); transforms.scratch_len()],
         }
     }
