@@ -6,6 +6,7 @@ use crate::halfspace::disc::basis::{
 use crate::halfspace::disc::covered::{CoverFinder, CoveredPart};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
+use crate::numerics::vector::{LANES, Lanes};
 use crate::problem::Point;
 use crate::problem::column::Column;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar};
@@ -236,6 +237,38 @@ impl Fields {
             (position[1] - disc.centre[1]) / disc.radius,
         ];
         disc.radius * self.displacement_of_unit(disc, at, values)
+    }
+
+    /// Whether all modes of a disc count at a position, and where that is in the disc.
+    #[inline(always)]
+    pub(super) fn is_close(disc: &Disc, position: Point) -> bool {
+        let [x, y] = [0, 1].map(|k| position[k] - disc.centre[k]);
+        x * x + y * y < (NEAR * disc.radius).powi(2)
+    }
+
+    /// What some discs add, to none of which the position [is close](Self::is_close); `values` is room for the modes by which pillars act on each
+    /// other.
+    #[inline(always)]
+    pub(super) fn displacement_by_some(
+        &self,
+        discs: &[Option<&Disc>; LANES],
+        position: Point,
+        values: &mut [Lanes],
+    ) -> f64 {
+        // What is at no disc bears nothing, and may be anywhere off it.
+        let lanes = |of_disc: &dyn Fn(&Disc) -> f64, of_none: f64| {
+            Lanes(discs.map(|disc| disc.map_or(of_none, of_disc)))
+        };
+        let radius = lanes(&|disc| disc.radius, 1.0);
+        let scale = radius.map(f64::recip);
+        let at = [0, 1].map(|k| lanes(&|disc| position[k] - disc.centre[k], NEAR) * scale);
+        self.exterior.lane_values(at, values);
+        let mut sum = Lanes::default();
+        for (mode, value) in values.iter().enumerate() {
+            let of_mode = |disc: &Disc| disc.coefficients.get(mode).copied().unwrap_or(0.0);
+            sum += lanes(&of_mode, 0.0) * *value;
+        }
+        (radius * sum).sum()
     }
 
     fn displacement_of_unit(&self, disc: &Disc, at: Point, values: &mut [f64]) -> f64 {

@@ -12,6 +12,7 @@ use super::error::SolveError;
 use super::fields::{Disc, Fields};
 use super::run::Run;
 use crate::numerics::fft::{ComplexPlans, smooth_size, transpose};
+use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::problem::pillar_field::PillarField;
 use crate::problem::{HexagonalLattice, Point};
 use rayon::prelude::*;
@@ -62,6 +63,12 @@ const NODES: usize = 10;
 /// Pillars this close to the middle of a cell, in pitches, are near: itself, and two rings.
 const NEAR: f64 = 2.1;
 
+/// Room for the modes of a disc, and for those by which pillars act on each other, of several.
+struct Room {
+    modes: Vec<f64>,
+    lanes: Vec<Lanes>,
+}
+
 /// Points between looks at whether to go on.
 const BATCH: usize = 1024;
 
@@ -98,7 +105,7 @@ impl Fields {
         FieldSamples::check_memory(points.len(), 0, run)?;
         let scaled: Vec<Point> = points.iter().map(|point| self.scaled(*point)).collect();
         let far = FarField::worthwhile(self, &scaled, run)?;
-        let one = |point: &Point, room: &mut [f64]| {
+        let one = |point: &Point, room: &mut Room| {
             let displacement = match &far {
                 Some(far) => far.displacement(self, *point, room),
                 None => self.scaled_displacement(*point),
@@ -110,7 +117,10 @@ impl Fields {
         };
         let batch = |points: &[Point]| -> Result<Vec<[f64; 2]>, SolveError> {
             run.check_cancelled()?;
-            let mut room = vec![0.0; self.compliance.len()];
+            let mut room = Room {
+                modes: vec![0.0; self.compliance.len()],
+                lanes: vec![Lanes::default(); self.exterior.count()],
+            };
             Ok(points.iter().map(|point| one(point, &mut room)).collect())
         };
         let values = in_batches(&scaled, batch, run)?;
@@ -283,8 +293,8 @@ impl FarField {
         Ok(Some(far))
     }
 
-    /// The displacement at a scaled position in one of the cells; with room for the modes of a disc.
-    fn displacement(&self, fields: &Fields, point: Point, room: &mut [f64]) -> f64 {
+    /// The displacement at a scaled position in one of the cells.
+    fn displacement(&self, fields: &Fields, point: Point, room: &mut Room) -> f64 {
         let (i, j) = self.lattice.nearest_pillar(point);
         let Some((row, column)) = self.cells.place((i, j)) else {
             return fields.scaled_displacement(point);
@@ -308,10 +318,11 @@ impl FarField {
             })
             .sum();
         let near = self.near.iter().map(|(di, dj)| (i + di, j + dj));
-        let near: f64 = near
-            .filter_map(|index| self.disc(fields, index))
-            .map(|disc| fields.displacement_by(disc, point, room))
-            .sum();
+        let near = near.filter_map(|index| self.disc(fields, index));
+        let near = widest(
+            #[inline(always)]
+            || displacement_by_near(fields, near, point, room),
+        );
         near + far + fields.displacement_by_floor(point)
     }
 
@@ -333,6 +344,35 @@ impl FarField {
         weights.iter_mut().for_each(|weight| *weight /= sum);
         weights
     }
+}
+
+/// What near discs add: [`LANES`] at a time of those that are not close.
+#[inline(always)]
+fn displacement_by_near<'f>(
+    fields: &Fields,
+    near: impl Iterator<Item = &'f Disc>,
+    point: Point,
+    room: &mut Room,
+) -> f64 {
+    let mut sum = 0.0;
+    let mut some = [None; LANES];
+    let mut count = 0;
+    for disc in near {
+        if Fields::is_close(disc, point) {
+            sum += fields.displacement_by(disc, point, &mut room.modes);
+            continue;
+        }
+        some[count] = Some(disc);
+        count += 1;
+        if count == LANES {
+            sum += fields.displacement_by_some(&some, point, &mut room.lanes);
+            (some, count) = ([None; LANES], 0);
+        }
+    }
+    if count > 0 {
+        sum += fields.displacement_by_some(&some, point, &mut room.lanes);
+    }
+    sum
 }
 
 /// Convolution over the lattice of the loads on pillars with what they do at a node of a cell.
