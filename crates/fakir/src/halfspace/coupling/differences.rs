@@ -62,7 +62,8 @@ impl Differences {
         ends.map(|(i, j)| square(i, j)).max().unwrap_or(0)
     }
 
-    /// The smallest array, of at least so many rows, in which no two fall on each other. Lengths are quick to transform.
+    /// A small array, of at least so many rows, in which no two fall on each other. Lengths are quick to transform. (For a few windows in a hundred
+    /// one of as many rows and fewer columns would do.)
     pub(crate) fn smallest_array(&self, least_rows: usize) -> (usize, usize) {
         // Twice as long and wide, where nothing wraps around.
         let whole = [self.shape.0, self.shape.1].map(|side| 2 * side - 1);
