@@ -239,7 +239,7 @@ impl Fields {
         disc.radius * self.displacement_of_unit(disc, at, values)
     }
 
-    /// Whether all modes of a disc count at a position, and where that is in the disc.
+    /// Whether all modes of a disc count at a position.
     #[inline(always)]
     pub(super) fn is_close(disc: &Disc, position: Point) -> bool {
         let [x, y] = [0, 1].map(|k| position[k] - disc.centre[k]);

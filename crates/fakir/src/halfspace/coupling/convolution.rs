@@ -227,15 +227,15 @@ fn kernels(
                 scratch,
                 ..
             } = work;
-            for (pair, output) in pairs.iter_mut().zip(output.chunks_mut(2 * kept.len())) {
-                pair.forward(transforms.row.as_ref(), scratch);
+            for (rows, output) in pairs.iter_mut().zip(output.chunks_mut(2 * kept.len())) {
+                rows.forward(transforms.row.as_ref(), scratch);
                 let (one, other) = output.split_at_mut(kept.len());
                 let other = if other.is_empty() {
                     &mut spare[..kept.len()]
                 } else {
                     other
                 };
-                pair.twice_spectra(kept.start, [one, other]);
+                rows.twice_spectra(kept.start, [one, other]);
             }
         };
         workers.fill(transformed, entries * kept.len(), least, work, of_row);
@@ -431,7 +431,7 @@ impl<R: Precision> Passes<R> {
                     return;
                 }
                 let rows = number * CHUNK..layout.shape.0.min((number + 1) * CHUNK);
-                for (row, mode) in pairs_of_modes(rows, modes) {
+                for (row, mode) in row_pairs(rows, modes) {
                     let values = pair.rows();
                     values.fill(Complex::default());
                     let coefficient =
@@ -511,7 +511,7 @@ impl<R: Precision> Passes<R> {
         let RowRoom { pair, scratch } = room;
         let rows = number * CHUNK..layout.shape.0.min((number + 1) * CHUNK);
         let start = layout.ranges[rows.start].start;
-        for (row, mode) in pairs_of_modes(rows, modes) {
+        for (row, mode) in row_pairs(rows, modes) {
             let line = number * tile + Self::line(row, mode);
             widest(
                 #[inline(always)]
@@ -630,8 +630,8 @@ impl RowWork {
         (row, apart): (usize, RangeInclusive<i64>),
         columns: usize,
     ) {
-        for pair in &mut self.pairs {
-            pair.rows().fill(Complex64::default());
+        for rows in &mut self.pairs {
+            rows.rows().fill(Complex64::default());
         }
         let (row, parts) = (row as i64, pair.radial_count());
         for column in apart {
@@ -659,16 +659,16 @@ impl RowWork {
 
     /// Puts the block to its place in all rows.
     fn place_block(&mut self, place: usize) {
-        for (pair, values) in self.pairs.iter_mut().zip(self.block.chunks(2)) {
-            let value = &mut pair.rows()[place];
+        for (rows, values) in self.pairs.iter_mut().zip(self.block.chunks(2)) {
+            let value = &mut rows.rows()[place];
             value.re = values[0];
             value.im = values.get(1).copied().unwrap_or(0.0);
         }
     }
 }
 
-/// The first of every two rows, with every mode.
-fn pairs_of_modes(rows: Range<usize>, modes: usize) -> impl Iterator<Item = (usize, usize)> {
+/// The first of every two rows, once for every mode.
+fn row_pairs(rows: Range<usize>, modes: usize) -> impl Iterator<Item = (usize, usize)> {
     rows.step_by(2)
         .flat_map(move |row| (0..modes).map(move |mode| (row, mode)))
 }
