@@ -131,11 +131,7 @@ impl<R: Real> ComplexPlans<R> {
 pub(crate) fn smooth_size(least: usize) -> usize {
     let mut size = least.max(2);
     let is_quick = |size: usize| {
-        let fives = if size.is_multiple_of(8) && size.is_multiple_of(5) {
-            5
-        } else {
-            1
-        };
+        let fives = if size.is_multiple_of(40) { 5 } else { 1 };
         size.is_multiple_of(2) && is_product_of(&[2, 3], size / fives)
     };
     while !is_quick(size) {

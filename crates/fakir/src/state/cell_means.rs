@@ -248,11 +248,8 @@ impl Block {
             .collect();
         let covered: Vec<bool> = places
             .iter()
-            .map(|([x, y], _)| {
-                let at = [
-                    (x - disc.centre[0]) / disc.radius,
-                    (y - disc.centre[1]) / disc.radius,
-                ];
+            .map(|(middle, _)| {
+                let at = disc.offset(*middle);
                 at[0].hypot(at[1]) < 1.0 && density.at(at) != 0.0
             })
             .collect();

@@ -113,10 +113,28 @@ impl Disc {
         self
     }
 
+    /// A scaled position from its centre, in its radii.
+    #[inline(always)]
+    pub(super) fn offset(&self, position: Point) -> Point {
+        [0, 1].map(|k| (position[k] - self.centre[k]) / self.radius)
+    }
+
+    /// Whether all its modes count at a scaled position.
+    #[inline(always)]
+    pub(super) fn is_close(&self, position: Point) -> bool {
+        is_close(self.offset(position))
+    }
+
     /// Force, in scaled units.
     pub(crate) fn force(&self) -> f64 {
         UNIT_FORCE * self.coefficients[0] * self.radius * self.radius
     }
+}
+
+/// Whether all modes of a disc count at an offset from its centre, in its radii.
+#[inline(always)]
+fn is_close([x, y]: Point) -> bool {
+    x * x + y * y < NEAR * NEAR
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -232,21 +250,10 @@ impl Fields {
 
     /// What one disc adds; `values` is room for its modes.
     pub(super) fn displacement_by(&self, disc: &Disc, position: Point, values: &mut [f64]) -> f64 {
-        let at = [
-            (position[0] - disc.centre[0]) / disc.radius,
-            (position[1] - disc.centre[1]) / disc.radius,
-        ];
-        disc.radius * self.displacement_of_unit(disc, at, values)
+        disc.radius * self.displacement_of_unit(disc, disc.offset(position), values)
     }
 
-    /// Whether all modes of a disc count at a position.
-    #[inline(always)]
-    pub(super) fn is_close(disc: &Disc, position: Point) -> bool {
-        let [x, y] = [0, 1].map(|k| position[k] - disc.centre[k]);
-        x * x + y * y < (NEAR * disc.radius).powi(2)
-    }
-
-    /// What some discs add, to none of which the position [is close](Self::is_close); `values` is room for the modes by which pillars act on each
+    /// What some discs add, to none of which the position [is close](Disc::is_close); `values` is room for the modes by which pillars act on each
     /// other.
     #[inline(always)]
     pub(super) fn displacement_by_some(
@@ -290,7 +297,7 @@ impl Fields {
             self.close_exterior.layer_values(count, at, values);
             return of_half_spaces + dot(&values[..count], &disc.coefficients[..count]);
         }
-        let exterior = if square < NEAR * NEAR {
+        let exterior = if is_close(at) {
             &self.close_exterior
         } else {
             &self.exterior
@@ -367,10 +374,7 @@ impl Fields {
             return 0.0;
         };
         let disc = &self.discs[k];
-        let point = [
-            (at[0] - disc.centre[0]) / disc.radius,
-            (at[1] - disc.centre[1]) / disc.radius,
-        ];
+        let point = disc.offset(at);
         let rho_squared = point[0] * point[0] + point[1] * point[1];
         if rho_squared > 1.0 {
             return 0.0;

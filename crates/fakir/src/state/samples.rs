@@ -358,7 +358,7 @@ fn displacement_by_near<'f>(
     let mut some = [None; LANES];
     let mut count = 0;
     for disc in near {
-        if Fields::is_close(disc, point) {
+        if disc.is_close(point) {
             sum += fields.displacement_by(disc, point, &mut room.modes);
             continue;
         }

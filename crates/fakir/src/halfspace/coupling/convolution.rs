@@ -84,6 +84,12 @@ impl Layout {
         }
     }
 
+    /// The column of the first pillar of a row, and its pillars: none beyond the last row.
+    fn row(&self, row: usize) -> (usize, Range<usize>) {
+        let pillars = self.ranges.get(row).cloned().unwrap_or_default();
+        (self.first_columns.get(row).copied().unwrap_or(0), pillars)
+    }
+
     /// Numbers of all kernels in a column: high parts, and as many low ones.
     fn kernel_column(&self) -> usize {
         2 * self.entries * CHUNK * self.padded.0.div_ceil(CHUNK)
@@ -108,7 +114,7 @@ impl LatticeConvolution {
         let first_column =
             |row: &Range<usize>| window.places().get(row.start).map_or(0, |place| place.1);
         let differences = Differences::new(window);
-        let padded = differences.smallest_array(shape.0.next_multiple_of(CHUNK));
+        let padded = differences.small_array(shape.0.next_multiple_of(CHUNK));
         let layout = Layout {
             modes: pair.modes().len(),
             shape,
@@ -436,17 +442,13 @@ impl<R: Precision> Passes<R> {
                     values.fill(Complex::default());
                     let coefficient =
                         |pillar: usize| R::of(factor * coefficients[pillar * modes + mode]);
-                    for (value, pillar) in values[layout.first_columns[row]..]
-                        .iter_mut()
-                        .zip(layout.ranges[row].clone())
-                    {
+                    let (first, pillars) = layout.row(row);
+                    for (value, pillar) in values[first..].iter_mut().zip(pillars) {
                         value.re = coefficient(pillar);
                     }
-                    if let Some(pillars) = layout.ranges.get(row + 1) {
-                        let values = values[layout.first_columns[row + 1]..].iter_mut();
-                        for (value, pillar) in values.zip(pillars.clone()) {
-                            value.im = coefficient(pillar);
-                        }
+                    let (first, pillars) = layout.row(row + 1);
+                    for (value, pillar) in values[first..].iter_mut().zip(pillars) {
+                        value.im = coefficient(pillar);
                     }
                     pair.forward(transforms.row.as_ref(), scratch);
                     let line = Self::line(row, mode);
@@ -526,15 +528,13 @@ impl<R: Precision> Passes<R> {
             pair.back(self.transforms.row_back.as_ref(), scratch);
             let values = pair.rows();
             let target = |pillar: usize| (pillar - start) * modes + mode;
-            let of_row = values[layout.first_columns[row]..].iter();
-            for (value, pillar) in of_row.zip(layout.ranges[row].clone()) {
+            let (first, pillars) = layout.row(row);
+            for (value, pillar) in values[first..].iter().zip(pillars) {
                 far[target(pillar)] = unit * value.re.double();
             }
-            if let Some(pillars) = layout.ranges.get(row + 1) {
-                let of_row = values[layout.first_columns[row + 1]..].iter();
-                for (value, pillar) in of_row.zip(pillars.clone()) {
-                    far[target(pillar)] = unit * value.im.double();
-                }
+            let (first, pillars) = layout.row(row + 1);
+            for (value, pillar) in values[first..].iter().zip(pillars) {
+                far[target(pillar)] = unit * value.im.double();
             }
         }
     }

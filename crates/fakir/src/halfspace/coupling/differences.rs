@@ -1,4 +1,4 @@
-//! The lattice vectors from pillar to pillar of a window, and the smallest array in which they wrap around without any two falling on each other.
+//! The lattice vectors from pillar to pillar of a window, and a small array in which they wrap around without any two falling on each other.
 //!
 //! A convolution with pillars in a window asks for the kernel at these vectors alone. As an array wraps around, its copies may reach into each other's
 //! corners, as long as no two of these vectors have one place. Of a disc of radius `R` they fill a disc of radius `2 R`. The copies of a rhombus of
@@ -64,7 +64,7 @@ impl Differences {
 
     /// A small array, of at least so many rows, in which no two fall on each other. Lengths are quick to transform. (For a few windows in a hundred
     /// one of as many rows and fewer columns would do.)
-    pub(crate) fn smallest_array(&self, least_rows: usize) -> (usize, usize) {
+    pub(crate) fn small_array(&self, least_rows: usize) -> (usize, usize) {
         // Twice as long and wide, where nothing wraps around.
         let whole = [self.shape.0, self.shape.1].map(|side| 2 * side - 1);
         let mut smallest = (smooth_size(whole[0].max(least_rows)), smooth_size(whole[1]));
@@ -130,7 +130,7 @@ mod tests {
             };
             let window = Window::new(&lattice, radius);
             let differences = Differences::new(&window);
-            let (rows, columns) = differences.smallest_array(8);
+            let (rows, columns) = differences.small_array(8);
             assert!(rows >= window.shape().0 && columns >= window.shape().1);
             let mut place_of: HashMap<(i64, i64), (i64, i64)> = HashMap::new();
             let places = || window.places().iter().map(|(i, j)| (*i as i64, *j as i64));
@@ -159,7 +159,7 @@ mod tests {
     fn arrays_around_discs_are_twice_their_diameter_long() {
         for pitches in [11.5, 29.5, 59.0, 121.0] {
             let window = Window::new(&HexagonalLattice::new(1.0), pitches);
-            let (rows, columns) = Differences::new(&window).smallest_array(8);
+            let (rows, columns) = Differences::new(&window).small_array(8);
             let least = 16.0 * pitches * pitches;
             let places = (rows * columns) as f64;
             assert!((1.0..1.18).contains(&(places / least)), "{rows} {columns}");
