@@ -4,6 +4,7 @@
 //! Nothing here knows of lenses or pillars.
 
 pub(crate) mod cholesky;
+pub(crate) mod column_transform;
 pub mod convergence;
 pub(crate) mod cosine;
 pub(crate) mod dual;
@@ -14,6 +15,7 @@ pub(crate) mod pivoting;
 pub(crate) mod quadrature;
 pub mod roots;
 pub(crate) mod row_pair;
+pub(crate) mod simd;
 pub(crate) mod special;
 pub(crate) mod vector;
 pub(crate) mod workers;

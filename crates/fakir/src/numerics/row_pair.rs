@@ -3,6 +3,7 @@
 //! Of rows with the transforms `A` and `B` the transform together is `Z = A + i B`, and as those of real numbers are `A_(N-k) = conj(A_k)`,
 //! `2 A_k = Z_k + conj(Z_(N-k))` and `2 i B_k = Z_k - conj(Z_(N-k))`. That takes less than half the time of transforms that are real by themselves.
 
+use super::column_transform::COLUMNS;
 use super::fft::Real;
 use num_complex::Complex;
 use rustfft::Fft;
@@ -10,13 +11,20 @@ use rustfft::Fft;
 pub(crate) struct RowPair<R> {
     /// The numbers, and in the end the first of their transform once more.
     values: Vec<Complex<R>>,
+    /// Their real parts, and their imaginary ones.
+    apart: [Vec<R>; 2],
+    /// Real and imaginary parts of the transform of one row, then of the other, at half of the frequencies.
+    spectra: [Vec<R>; 4],
 }
 
 impl<R: Real> RowPair<R> {
     /// Of so many numbers each.
     pub(crate) fn new(length: usize) -> Self {
+        let frequencies = (length / 2 + 1).next_multiple_of(COLUMNS);
         Self {
             values: vec![Complex::default(); length + 1],
+            apart: [(); 2].map(|()| vec![R::default(); length + 1]),
+            spectra: [(); 4].map(|()| vec![R::default(); frequencies]),
         }
     }
 
@@ -51,34 +59,76 @@ impl<R: Real> RowPair<R> {
         }
     }
 
-    /// Sets the transforms of both rows at the frequencies from one on, up to half the length.
+    /// Tells both transforms apart, for [`Self::twice_lines`].
     #[inline(always)]
-    pub(crate) fn set_spectra(&mut self, first: usize, [one, other]: [&[Complex<R>]; 2]) {
-        let length = self.length();
-        let half = length / 2 + 1;
-        let (low, high) = self.values.split_at_mut(half);
-        let count = one.len().min(half - first);
-        let (one, other) = (&one[..count], &other[..count]);
-        let ahead = &mut low[first..][..count];
-        for k in 0..count {
-            let (a, b) = (one[k], other[k]);
-            ahead[k] = Complex::new(a.re - b.im, a.im + b.re);
+    pub(crate) fn separate(&mut self) {
+        let [re, im] = &mut self.apart;
+        for ((re, im), value) in re.iter_mut().zip(im.iter_mut()).zip(&self.values) {
+            (*re, *im) = (value.re, value.im);
         }
-        // Transforms of real numbers are real at their ends; rounding must not say otherwise.
-        for end in [0, length / 2] {
-            if let Some(k) = end.checked_sub(first)
-                && k < count
-                && (end == 0 || length.is_multiple_of(2))
-            {
-                ahead[k] = Complex::new(one[k].re, other[k].re);
+        let [one, one_im, other, other_im] = &mut self.spectra;
+        let numbers = re.iter().zip(re.iter().rev());
+        for ((one, other_im), (a, b)) in one.iter_mut().zip(other_im).zip(numbers) {
+            (*one, *other_im) = (*a + *b, *b - *a);
+        }
+        let numbers = im.iter().zip(im.iter().rev());
+        for ((one_im, other), (a, b)) in one_im.iter_mut().zip(other).zip(numbers) {
+            (*one_im, *other) = (*a - *b, *a + *b);
+        }
+    }
+
+    /// Twice the transforms of both rows at as many frequencies as a line has columns, from one on: their real parts, then their imaginary ones.
+    #[inline(always)]
+    pub(crate) fn twice_lines(&self, first: usize, lines: [&mut [R]; 2]) {
+        for (line, parts) in lines.into_iter().zip(self.spectra.as_chunks::<2>().0) {
+            for (target, part) in line.chunks_exact_mut(COLUMNS).zip(parts) {
+                target.copy_from_slice(&part[first..][..COLUMNS]);
             }
         }
-        // That in the middle of an even length is its own image.
-        let images = count.min((length + 1 - half).saturating_sub(first));
-        let behind = &mut high[length + 1 - half - first - images..][..images];
-        for k in 0..images {
-            let (a, b) = (one[k], other[k]);
-            behind[images - 1 - k] = Complex::new(a.re + b.im, b.re - a.im);
+    }
+
+    /// Sets the transforms of both rows at as many frequencies, for [`Self::join`].
+    #[inline(always)]
+    pub(crate) fn set_lines(&mut self, first: usize, lines: [&[R]; 2]) {
+        for (line, parts) in lines.into_iter().zip(self.spectra.as_chunks_mut::<2>().0) {
+            for (source, part) in line.chunks_exact(COLUMNS).zip(parts) {
+                part[first..][..COLUMNS].copy_from_slice(source);
+            }
+        }
+    }
+
+    /// Makes one transform of both.
+    #[inline(always)]
+    pub(crate) fn join(&mut self) {
+        let length = self.length();
+        let [one, one_im, other, other_im] = &mut self.spectra;
+        // Transforms of real numbers are real at their ends; rounding must not say otherwise.
+        for im in [&mut *one_im, &mut *other_im] {
+            im[0] = R::default();
+            if length.is_multiple_of(2) {
+                im[length / 2] = R::default();
+            }
+        }
+        let [re, im] = &mut self.apart;
+        let half = length / 2 + 1;
+        // The images first, from the end: that in the middle of an even length is its own.
+        let images = length + 1 - half..length + 1;
+        let parts = one.iter().zip(other_im.iter());
+        for (re, (one, other_im)) in re[images.clone()].iter_mut().rev().zip(parts) {
+            *re = *one + *other_im;
+        }
+        let parts = one_im.iter().zip(other.iter());
+        for (im, (one_im, other)) in im[images].iter_mut().rev().zip(parts) {
+            *im = *other - *one_im;
+        }
+        for (re, (one, other_im)) in re[..half].iter_mut().zip(one.iter().zip(other_im)) {
+            *re = *one - *other_im;
+        }
+        for (im, (one_im, other)) in im[..half].iter_mut().zip(one_im.iter().zip(other)) {
+            *im = *one_im + *other;
+        }
+        for ((re, im), value) in re.iter().zip(im).zip(&mut self.values) {
+            *value = Complex::new(*re, *im);
         }
     }
 
@@ -91,12 +141,13 @@ impl<R: Real> RowPair<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::column_transform::LINE;
     use rustfft::FftPlanner;
 
-    /// Against the sums that define them, of even lengths and an odd one, some frequencies at a time; and there and back.
+    /// Against the sums that define them, of even lengths and an odd one, some frequencies at a time; lines against these; and there and back.
     #[test]
     fn both_rows_have_their_own_transforms() {
-        for length in [12, 15, 16, 18] {
+        for length in [12, 15, 16, 18, 40] {
             let mut planner = FftPlanner::<f64>::new();
             let (plan, plan_back) = (
                 planner.plan_fft_forward(length),
@@ -110,7 +161,6 @@ mod tests {
             }
             pair.forward(plan.as_ref(), &mut scratch);
             let half = length / 2 + 1;
-            let mut back = RowPair::new(length);
             for first in (0..half).step_by(3) {
                 let mut spectra = [[Complex::default(); 3]; 2];
                 let [one, other] = &mut spectra;
@@ -126,14 +176,29 @@ mod tests {
                         assert!((*found - 2.0 * sum).norm() < 1e-13 * length as f64);
                     }
                 }
-                // What is imaginary at the ends does not count.
-                for (k, frequency) in (first..half).take(3).enumerate() {
-                    if 2 * frequency % length == 0 {
-                        spectra.iter_mut().for_each(|row| row[k].im = 7.0);
+            }
+            let mut back = RowPair::new(length);
+            pair.separate();
+            for first in (0..half).step_by(COLUMNS) {
+                let mut spectra = [[Complex::default(); COLUMNS]; 2];
+                let [one, other] = &mut spectra;
+                pair.twice_spectra(first, [one, other]);
+                let mut lines = [[0.0; LINE]; 2];
+                let [one, other] = &mut lines;
+                pair.twice_lines(first, [one, other]);
+                for (line, spectrum) in lines.iter_mut().zip(&spectra) {
+                    let (re, im) = line.split_at_mut(COLUMNS);
+                    for (frequency, k) in (first..half).zip(0..COLUMNS) {
+                        assert_eq!(Complex::new(re[k], im[k]), spectrum[k]);
+                        // What is imaginary at the ends does not count.
+                        if 2 * frequency % length == 0 {
+                            im[k] = 7.0;
+                        }
                     }
                 }
-                back.set_spectra(first, [&spectra[0], &spectra[1]]);
+                back.set_lines(first, [&lines[0], &lines[1]]);
             }
+            back.join();
             back.back(plan_back.as_ref(), &mut scratch);
             for (k, value) in back.rows().iter().enumerate() {
                 let expected = Complex::new(row(0.0, k), row(1.0, k)) * (2 * length) as f64;

@@ -6,8 +6,8 @@
 //! `B_ji(D) = (-1)^(l+l') B_ij(D)`, the upper triangle is enough.
 //!
 //! A product makes three passes: rows of all modes are transformed (only those of the window
-//! hold anything); then, column by column, all modes are transformed, multiplied by the kernels
-//! and transformed back while they are in the cache; then the rows of the window back. Each pass is
+//! hold anything); then, a few columns at a time, all modes are transformed, multiplied by the kernels
+//! and transformed back while they are in the cache ([`ColumnTransform`]); then the rows of the window back. Each pass is
 //! shared between threads. Between them the transformed rows lie in tiles of a few rows and columns, so
 //! that rows and columns both are whole cache lines, and few pages.
 //!
@@ -18,19 +18,26 @@ use super::differences::{Differences, square};
 use super::pair::PairCoupling;
 use super::window::Window;
 use crate::halfspace::disc::basis::Mode;
+use crate::numerics::column_transform::{
+    COLUMNS, ColumnTransform, LINE, SideBySide, registers_of_line,
+};
 use crate::numerics::convergence::larger;
-use crate::numerics::fft::{ComplexPlans, Real};
+use crate::numerics::fft::Real;
 use crate::numerics::row_pair::RowPair;
+use crate::numerics::simd::{Aligned, InRegisters};
 use crate::numerics::vector::widest;
 use crate::numerics::workers::Workers;
 use num_complex::{Complex, Complex64};
+use pulp::{Arch, Simd, WithSimd};
+use rustfft::{Fft, FftPlanner};
 use std::ops::{Range, RangeInclusive};
+use std::sync::Arc;
 
-/// Bytes of a row of a tile: a cache line.
-const CACHE_LINE: usize = 64;
-
-/// Rows of a tile, and those that meet at a time, of which the last ones are joined by some before them.
+/// Rows of a tile.
 const CHUNK: usize = 8;
+
+/// Columns are transformed in blocks of rows that fit the cache: about so many lines.
+const LINES_AT_ONCE: usize = 384;
 
 /// Padded arrays of fewer points than this are not worth sharing between threads.
 const PARALLEL_POINTS: usize = 40_000;
@@ -44,11 +51,11 @@ const DISTANCES: usize = 200;
 /// Products of all pillars of a window.
 pub(crate) struct LatticeConvolution {
     layout: Layout,
-    /// Transformed kernels: for every column, the high parts of every [`CHUNK`] rows, every pair of modes, each of these rows, then the low parts of the
-    /// same. With modes of odd degree times the imaginary unit all are real. With the normalisation of the inverse.
-    kernel: Vec<f32>,
+    /// Transformed kernels: for every [`COLUMNS`] columns the high parts of every place of their transforms, every pair of modes, each of these columns,
+    /// then the low parts of the same. With modes of odd degree times the imaginary unit all are real. With the normalisation of the inverse.
+    kernel: Aligned<f32>,
     /// Room for the transformed rows of products, exact ones or rough.
-    tiles: Vec<Complex64>,
+    tiles: Aligned<f64>,
     exact: Passes<f64>,
     rough: Passes<f32>,
 }
@@ -90,21 +97,27 @@ impl Layout {
         (self.first_columns.get(row).copied().unwrap_or(0), pillars)
     }
 
-    /// Numbers of all kernels in a column: high parts, and as many low ones.
-    fn kernel_column(&self) -> usize {
-        2 * self.entries * CHUNK * self.padded.0.div_ceil(CHUNK)
+    /// Every few columns that are transformed together.
+    fn strips(&self) -> usize {
+        self.half.div_ceil(COLUMNS)
+    }
+
+    /// Numbers of all kernels in a strip: high parts, and as many low ones.
+    fn kernel_strip(&self) -> usize {
+        2 * self.entries * COLUMNS * self.padded.0
+    }
+
+    /// Numbers in a tile, and in all tiles of a strip.
+    fn tile_lengths(&self) -> (usize, usize) {
+        let tile = self.modes * CHUNK * LINE;
+        (tile, tile * self.shape.0.div_ceil(CHUNK))
     }
 }
 
-/// Numbers of the pairs of so many modes, of all with all: pairs are in the order of the first, then of the second, each once.
-fn pairs(modes: usize) -> Vec<usize> {
-    let of = |a: usize, b: usize| {
-        let [a, b] = [a.min(b), a.max(b)];
-        a * (2 * modes - a - 1) / 2 + b
-    };
-    (0..modes)
-        .flat_map(|b| (0..modes).map(move |a| of(a, b)))
-        .collect()
+/// The number of a pair of modes: pairs are in the order of the first, then of the second, each once.
+const fn pair(modes: usize, a: usize, b: usize) -> usize {
+    let (a, b) = if a < b { (a, b) } else { (b, a) };
+    a * (2 * modes - a - 1) / 2 + b
 }
 
 impl LatticeConvolution {
@@ -115,21 +128,24 @@ impl LatticeConvolution {
             |row: &Range<usize>| window.places().get(row.start).map_or(0, |place| place.1);
         let differences = Differences::new(window);
         let padded = differences.small_array(shape.0.next_multiple_of(CHUNK));
+        let modes = pair.modes().len();
         let layout = Layout {
-            modes: pair.modes().len(),
+            modes,
             shape,
             padded,
             half: padded.1 / 2 + 1,
             ranges: window.rows().to_vec(),
             first_columns: window.rows().iter().map(first_column).collect(),
             odd: pair.modes().iter().map(Mode::is_odd).collect(),
-            pairs: pairs(pair.modes().len()),
+            pairs: (0..modes * modes)
+                .map(|k| self::pair(modes, k / modes, k % modes))
+                .collect(),
             entries: pair.entry_count(),
         };
         let exact = Passes::<f64>::new(&layout);
         Self {
-            kernel: kernels(&layout, &differences, pair, &exact.transforms, workers),
-            tiles: vec![Complex64::default(); Passes::<f64>::room(&layout)],
+            kernel: kernels(&layout, &differences, pair, &exact, workers),
+            tiles: Aligned::new(layout.strips() * layout.tile_lengths().1),
             rough: Passes::new(&layout),
             exact,
             layout,
@@ -155,7 +171,7 @@ impl LatticeConvolution {
             .fold(0.0, |most, c| larger(most, c.abs()));
         let unit = if largest.is_normal() { largest } else { 1.0 };
         let tiles = bytemuck::cast_slice_mut(&mut self.tiles);
-        let tiles = &mut tiles[..Passes::<f32>::room(&self.layout)];
+        let tiles = &mut tiles[..self.layout.strips() * self.layout.tile_lengths().1];
         let parts = (&self.layout, &self.kernel[..], tiles);
         self.rough.apply(parts, coefficients, far, unit, workers);
     }
@@ -171,10 +187,11 @@ impl LatticeConvolution {
         let multiplied = 4.0 * modes * modes * half * long;
         let operations = rows_there_and_back + columns_there_and_back + multiplied;
         // Tiles are written, read and written again, and read.
+        let numbers = layout.strips() * layout.tile_lengths().1;
         let bytes = if rough {
-            2 * self.kernel.len() + 4 * 8 * Passes::<f32>::room(layout)
+            2 * self.kernel.len() + 4 * 4 * numbers
         } else {
-            4 * self.kernel.len() + 4 * 16 * Passes::<f64>::room(layout)
+            4 * self.kernel.len() + 4 * 8 * numbers
         };
         [operations, bytes as f64]
     }
@@ -195,22 +212,21 @@ fn kernels(
     layout: &Layout,
     differences: &Differences,
     pair: &PairCoupling,
-    transforms: &ComplexPlans,
+    exact: &Passes<f64>,
     workers: Workers<'_>,
-) -> Vec<f32> {
+) -> Aligned<f32> {
     let (_, columns) = layout.padded;
     let (entries, half) = (layout.entries, layout.half);
     let least = layout.least();
     let radial = radial_parts(pair, differences.square_of_largest(), workers);
-    let mut kernel = vec![0.0; half * layout.kernel_column()];
+    let mut kernel = Aligned::new(layout.strips() * layout.kernel_strip());
     // Rows of the lattice and the columns that are kept of them take as much room as the kernels: of large lattices a part of the columns at a time.
-    let of_column = size_of::<Complex64>() * layout.shape.0 * entries;
-    let at_a_time = (TRANSFORMED / of_column).clamp(1, half);
-    let mut transformed = vec![Complex64::default(); layout.shape.0 * entries * at_a_time];
-    for (number, kernel) in kernel
-        .chunks_mut(at_a_time * layout.kernel_column())
-        .enumerate()
-    {
+    let of_strip = size_of::<Complex64>() * layout.shape.0 * entries * COLUMNS;
+    let at_a_time = COLUMNS * (TRANSFORMED / of_strip).clamp(1, layout.strips());
+    let of_columns = at_a_time / COLUMNS * layout.kernel_strip();
+    let mut transformed =
+        vec![Complex64::default(); layout.shape.0 * entries * at_a_time.min(half)];
+    for (number, kernel) in kernel.chunks_mut(of_columns).enumerate() {
         let first = number * at_a_time;
         let kept = first..(first + at_a_time).min(half);
         let transformed = &mut transformed[..layout.shape.0 * entries * kept.len()];
@@ -220,7 +236,7 @@ fn kernels(
                 .collect(),
             block: vec![0.0; entries],
             spare: vec![Complex64::default(); half],
-            scratch: vec![Complex64::default(); transforms.scratch_len()],
+            scratch: vec![Complex64::default(); exact.row.get_inplace_scratch_len()],
         };
         let of_row = |work: &mut RowWork, row: usize, output: &mut [Complex64]| {
             if workers.cancel.is_cancelled() {
@@ -234,7 +250,7 @@ fn kernels(
                 ..
             } = work;
             for (rows, output) in pairs.iter_mut().zip(output.chunks_mut(2 * kept.len())) {
-                rows.forward(transforms.row.as_ref(), scratch);
+                rows.forward(exact.row.as_ref(), scratch);
                 let (one, other) = output.split_at_mut(kept.len());
                 let other = if other.is_empty() {
                     &mut spare[..kept.len()]
@@ -245,16 +261,17 @@ fn kernels(
             }
         };
         workers.fill(transformed, entries * kept.len(), least, work, of_row);
-        fill_columns(layout, transformed, transforms, kernel, workers);
+        let frequencies = exact.columns.frequencies();
+        fill_strips(layout, transformed, &frequencies, kernel, workers);
     }
     kernel
 }
 
-/// The kernels of some columns from the rows of these.
-fn fill_columns(
+/// The kernels of some strips from the rows of these. The frequency at every place of transforms is given.
+fn fill_strips(
     layout: &Layout,
     transformed: &[Complex64],
-    transforms: &ComplexPlans,
+    frequencies: &[usize],
     kernel: &mut [f32],
     workers: Workers<'_>,
 ) {
@@ -264,45 +281,48 @@ fn fill_columns(
     let at_a_time = of_rows / entries;
     // Rows are twice their transforms.
     let scale = 0.5 / (rows * columns) as f64;
-    let transform = &transforms.column;
+    let transform = FftPlanner::new().plan_fft_forward(rows);
     let modes = |a: usize| (a..layout.modes).map(move |b| [layout.odd[a], layout.odd[b]]);
     let odd: Vec<[bool; 2]> = (0..layout.modes).flat_map(modes).collect();
     let work = || {
         let scratch = vec![Complex64::default(); transform.get_inplace_scratch_len()];
-        (vec![Complex64::default(); entries * rows], scratch)
+        (vec![Complex64::default(); COLUMNS * rows], scratch)
     };
-    workers.fill(
-        kernel,
-        layout.kernel_column(),
-        layout.least(),
-        work,
-        |(input, scratch), column, kernel| {
-            if workers.cancel.is_cancelled() {
-                return;
-            }
-            for (entry, (input, [a, b])) in input.chunks_exact_mut(rows).zip(&odd).enumerate() {
-                let sign = if a == b { 1.0 } else { -1.0 };
-                input.fill(Complex64::default());
-                for (row, values) in transformed.chunks_exact(of_rows).enumerate() {
-                    let value = values[entry * at_a_time + column];
-                    input[row] += value;
+    let one = |(strip, scratch): &mut (Vec<Complex64>, Vec<Complex64>),
+               number: usize,
+               kernel: &mut [f32]| {
+        if workers.cancel.is_cancelled() {
+            return;
+        }
+        let first = number * COLUMNS;
+        let kept = first..at_a_time.min(first + COLUMNS);
+        let (high, low) = kernel.split_at_mut(kernel.len() / 2);
+        for (entry, [a, b]) in odd.iter().enumerate() {
+            let sign = if a == b { 1.0 } else { -1.0 };
+            for (values, column) in strip.chunks_exact_mut(rows).zip(kept.clone()) {
+                values.fill(Complex64::default());
+                for (row, spectra) in transformed.chunks_exact(of_rows).enumerate() {
+                    let value = spectra[entry * at_a_time + column];
+                    values[row] += value;
                     if row > 0 {
-                        input[rows - row] += sign * value.conj();
+                        values[rows - row] += sign * value.conj();
                     }
                 }
+                transform.process_with_scratch(values, scratch);
             }
-            transform.process_with_scratch(input, scratch);
-            let (high, low) = kernel.split_at_mut(kernel.len() / 2);
-            let chunks = high
-                .chunks_exact_mut(CHUNK)
-                .zip(low.chunks_exact_mut(CHUNK));
-            for (number, (high, low)) in chunks.enumerate() {
-                let (chunk, entry) = (number / entries, number % entries);
-                let values = &input[entry * rows + first_of_chunk(chunk, rows)..][..CHUNK];
-                for ((high, low), value) in high.iter_mut().zip(low).zip(values) {
+            let places = high
+                .chunks_exact_mut(entries * COLUMNS)
+                .zip(low.chunks_exact_mut(entries * COLUMNS))
+                .zip(frequencies);
+            for ((high, low), frequency) in places {
+                let high = &mut high[entry * COLUMNS..][..kept.len()];
+                let low = &mut low[entry * COLUMNS..][..kept.len()];
+                let values = strip.chunks_exact(rows);
+                for ((high, low), values) in high.iter_mut().zip(low).zip(values) {
                     // The one of the two modes that is odd is times the imaginary unit.
+                    let value = values[*frequency];
                     let value = scale
-                        * match odd[entry] {
+                        * match [a, b] {
                             [false, true] => value.im,
                             [true, false] => -value.im,
                             [false, false] | [true, true] => value.re,
@@ -311,70 +331,58 @@ fn fill_columns(
                     *low = (value - f64::from(*high)) as f32;
                 }
             }
-        },
-    );
-}
-
-/// The first of the rows of a chunk, of so many.
-#[inline(always)]
-fn first_of_chunk(chunk: usize, rows: usize) -> usize {
-    (chunk * CHUNK).min(rows - CHUNK)
+        }
+    };
+    workers.fill(kernel, layout.kernel_strip(), layout.least(), work, one);
 }
 
 /// Numbers in which products are made.
-trait Precision: Real {
-    /// What a sum of two is of kernels.
-    fn sum(high: f32, low: f32) -> Self;
+trait Precision: InRegisters + bytemuck::Pod {
+    /// Kernels of high and low parts; `room` is for those that have to be made of both.
+    fn kernels<'a>(high: &'a [f32], low: &[f32], room: &'a mut [Self]) -> &'a [Self];
 }
 
 impl Precision for f64 {
     #[inline(always)]
-    fn sum(high: f32, low: f32) -> Self {
-        Self::from(high) + Self::from(low)
+    fn kernels<'a>(high: &'a [f32], low: &[f32], room: &'a mut [Self]) -> &'a [Self] {
+        for (kernel, (high, low)) in room.iter_mut().zip(high.iter().zip(low)) {
+            *kernel = Self::from(*high) + Self::from(*low);
+        }
+        room
     }
 }
 
 impl Precision for f32 {
     #[inline(always)]
-    fn sum(high: f32, _: f32) -> Self {
+    fn kernels<'a>(high: &'a [f32], _: &[f32], _: &'a mut [Self]) -> &'a [Self] {
         high
     }
 }
 
 /// The passes of a product, in a precision.
 ///
-/// Transformed rows, and what becomes of them, lie in tiles: for every few columns, every [`CHUNK`] rows of the window, every mode, these rows of
-/// these columns.
-struct Passes<R: Real> {
-    transforms: ComplexPlans<R>,
+/// Transformed rows, and what becomes of them, lie in tiles: for every [`COLUMNS`] columns, every row of the window, the lines of all modes. Those
+/// of [`CHUNK`] rows are a tile.
+struct Passes<R: Precision> {
+    row: Arc<dyn Fft<R>>,
+    row_back: Arc<dyn Fft<R>>,
+    columns: ColumnTransform<R>,
 }
 
 impl<R: Precision> Passes<R> {
-    /// Columns of a tile.
-    const TILE_COLUMNS: usize = CACHE_LINE / size_of::<Complex<R>>();
-
     fn new(layout: &Layout) -> Self {
+        let mut planner = FftPlanner::new();
         Self {
-            transforms: ComplexPlans::new(layout.padded.0, layout.padded.1),
+            row: planner.plan_fft_forward(layout.padded.1),
+            row_back: planner.plan_fft_inverse(layout.padded.1),
+            columns: ColumnTransform::new(layout.padded.0, LINES_AT_ONCE / layout.modes),
         }
-    }
-
-    /// Numbers in all tiles.
-    fn room(layout: &Layout) -> usize {
-        let (_, strip) = Self::lengths(layout);
-        layout.half.div_ceil(Self::TILE_COLUMNS) * strip
-    }
-
-    /// Length of a tile, and of all tiles of a few columns.
-    fn lengths(layout: &Layout) -> (usize, usize) {
-        let tile = layout.modes * CHUNK * Self::TILE_COLUMNS;
-        (tile, tile * layout.shape.0.div_ceil(CHUNK))
     }
 
     /// The product, of coefficients in that unit.
     fn apply(
         &self,
-        (layout, kernel, tiles): (&Layout, &[f32], &mut [Complex<R>]),
+        (layout, kernel, tiles): (&Layout, &[f32], &mut [R]),
         coefficients: &[f64],
         far: &mut [f64],
         unit: f64,
@@ -386,39 +394,40 @@ impl<R: Precision> Passes<R> {
     }
 
     fn transforms_alone(&self, layout: &Layout) {
-        let ComplexPlans {
-            row,
-            row_back,
-            column,
-            column_back,
-        } = &self.transforms;
         let mut rows = vec![Complex::default(); layout.padded.1];
         for _ in 0..layout.shape.0.div_ceil(2) * layout.modes {
-            row.process(&mut rows);
-            row_back.process(&mut rows);
+            self.row.process(&mut rows);
+            self.row_back.process(&mut rows);
         }
-        let mut columns = vec![Complex::default(); layout.modes * layout.padded.0];
-        for _ in 0..layout.half {
-            column.process(&mut columns);
-            column_back.process(&mut columns);
+        let (_, strip) = layout.tile_lengths();
+        let mut strip = Aligned::new(strip);
+        let mut work = ColumnWork::new(layout);
+        for number in 0..layout.strips() {
+            Arch::new().dispatch(Strip {
+                layout,
+                transform: &self.columns,
+                number,
+                values: &mut strip,
+                kernels: None,
+                work: &mut work,
+            });
         }
     }
 
     fn rows_forward(
         &self,
-        (layout, tiles): (&Layout, &mut [Complex<R>]),
+        (layout, tiles): (&Layout, &mut [R]),
         coefficients: &[f64],
         factor: f64,
         workers: Workers<'_>,
     ) {
-        let Layout { modes, half, .. } = *layout;
-        let (tile, strip) = Self::lengths(layout);
-        let transforms = &self.transforms;
+        let modes = layout.modes;
+        let (tile, strip) = layout.tile_lengths();
         // The tiles of every few rows.
-        let mut blocks: Vec<Vec<&mut [Complex<R>]>> = layout
+        let mut blocks: Vec<Vec<&mut [R]>> = layout
             .ranges
             .chunks(CHUNK)
-            .map(|_| Vec::with_capacity(half.div_ceil(Self::TILE_COLUMNS)))
+            .map(|_| Vec::with_capacity(layout.strips()))
             .collect();
         for strip in tiles.chunks_exact_mut(strip) {
             for (block, tile) in blocks.iter_mut().zip(strip.chunks_exact_mut(tile)) {
@@ -431,7 +440,7 @@ impl<R: Precision> Passes<R> {
             &mut blocks,
             1,
             layout.least(),
-            || RowRoom::new(transforms),
+            || RowRoom::new(self.row.as_ref()),
             |RowRoom { pair, scratch }, number, block| {
                 if workers.cancel.is_cancelled() {
                     return;
@@ -450,15 +459,16 @@ impl<R: Precision> Passes<R> {
                     for (value, pillar) in values[first..].iter_mut().zip(pillars) {
                         value.im = coefficient(pillar);
                     }
-                    pair.forward(transforms.row.as_ref(), scratch);
-                    let line = Self::line(row, mode);
+                    pair.forward(self.row.as_ref(), scratch);
+                    let [one, other] = Self::lines(layout, row, mode);
                     widest(
                         #[inline(always)]
                         || {
+                            pair.separate();
                             for (strip, tile) in block[0].iter_mut().enumerate() {
-                                let lines = &mut tile[line..][..2 * Self::TILE_COLUMNS];
-                                let (one, other) = lines.split_at_mut(Self::TILE_COLUMNS);
-                                pair.twice_spectra(strip * Self::TILE_COLUMNS, [one, other]);
+                                let (tile, after) = tile.split_at_mut(other);
+                                let lines = [&mut tile[one..][..LINE], &mut after[..LINE]];
+                                pair.twice_lines(strip * COLUMNS, lines);
                             }
                         },
                     );
@@ -467,14 +477,15 @@ impl<R: Precision> Passes<R> {
         );
     }
 
-    /// Where the line of a row and a mode begins in its tile; that of the next row follows.
-    fn line(row: usize, mode: usize) -> usize {
-        (mode * CHUNK + row % CHUNK) * Self::TILE_COLUMNS
+    /// Where the lines of a row and the next one begin in their tile, of a mode.
+    fn lines(layout: &Layout, row: usize, mode: usize) -> [usize; 2] {
+        let of = |row: usize| (row % CHUNK * layout.modes + mode) * LINE;
+        [of(row), of(row + 1)]
     }
 
     fn rows_back(
         &self,
-        (layout, tiles): (&Layout, &[Complex<R>]),
+        (layout, tiles): (&Layout, &[R]),
         far: &mut [f64],
         unit: f64,
         workers: Workers<'_>,
@@ -491,7 +502,7 @@ impl<R: Precision> Passes<R> {
             &mut blocks,
             1,
             layout.least(),
-            || RowRoom::new(&self.transforms),
+            || RowRoom::new(self.row_back.as_ref()),
             |room, number, block| {
                 if !workers.cancel.is_cancelled() {
                     self.block_back((layout, tiles), number, (block[0], unit), room);
@@ -503,29 +514,29 @@ impl<R: Precision> Passes<R> {
     /// Transforms the rows of a block back; `far` are the loads on the pillars in them.
     fn block_back(
         &self,
-        (layout, tiles): (&Layout, &[Complex<R>]),
+        (layout, tiles): (&Layout, &[R]),
         number: usize,
         (far, unit): (&mut [f64], f64),
         room: &mut RowRoom<R>,
     ) {
         let modes = layout.modes;
-        let (tile, strip) = Self::lengths(layout);
+        let (tile, strip) = layout.tile_lengths();
         let RowRoom { pair, scratch } = room;
         let rows = number * CHUNK..layout.shape.0.min((number + 1) * CHUNK);
         let start = layout.ranges[rows.start].start;
         for (row, mode) in row_pairs(rows, modes) {
-            let line = number * tile + Self::line(row, mode);
+            let [one, other] = Self::lines(layout, row, mode).map(|line| number * tile + line);
             widest(
                 #[inline(always)]
                 || {
                     for (place, strip) in tiles.chunks_exact(strip).enumerate() {
-                        let lines = &strip[line..][..2 * Self::TILE_COLUMNS];
-                        let (one, other) = lines.split_at(Self::TILE_COLUMNS);
-                        pair.set_spectra(place * Self::TILE_COLUMNS, [one, other]);
+                        let lines = [one, other].map(|line| &strip[line..][..LINE]);
+                        pair.set_lines(place * COLUMNS, lines);
                     }
+                    pair.join();
                 },
             );
-            pair.back(self.transforms.row_back.as_ref(), scratch);
+            pair.back(self.row_back.as_ref(), scratch);
             let values = pair.rows();
             let target = |pillar: usize| (pillar - start) * modes + mode;
             let (first, pillars) = layout.row(row);
@@ -539,74 +550,255 @@ impl<R: Precision> Passes<R> {
         }
     }
 
-    fn columns(
+    fn columns(&self, (layout, tiles): (&Layout, &mut [R]), kernels: &[f32], workers: Workers<'_>) {
+        let (_, strip) = layout.tile_lengths();
+        let one = |work: &mut ColumnWork<R>, number: usize, values: &mut [R]| {
+            if !workers.cancel.is_cancelled() {
+                let of_strip = layout.kernel_strip();
+                Arch::new().dispatch(Strip {
+                    layout,
+                    transform: &self.columns,
+                    number,
+                    values,
+                    kernels: Some(&kernels[number * of_strip..][..of_strip]),
+                    work,
+                });
+            }
+        };
+        workers.fill(
+            tiles,
+            strip,
+            layout.least(),
+            || ColumnWork::new(layout),
+            one,
+        );
+    }
+}
+
+/// Room for a strip.
+struct ColumnWork<R> {
+    /// All rows, the lines of all modes in each.
+    rows: Aligned<R>,
+    /// Kernels of one row.
+    kernels: Aligned<R>,
+    /// Products of one row.
+    products: Aligned<R>,
+}
+
+impl<R: Precision> ColumnWork<R> {
+    fn new(layout: &Layout) -> Self {
+        Self {
+            rows: Aligned::new(layout.modes * layout.padded.0 * LINE),
+            kernels: Aligned::new(layout.entries * COLUMNS),
+            products: Aligned::new(layout.modes * LINE),
+        }
+    }
+}
+
+/// The columns of a strip: transformed, multiplied by kernels, if there are any, and transformed back.
+struct Strip<'a, R: Precision> {
+    layout: &'a Layout,
+    transform: &'a ColumnTransform<R>,
+    number: usize,
+    /// Its tiles.
+    values: &'a mut [R],
+    kernels: Option<&'a [f32]>,
+    work: &'a mut ColumnWork<R>,
+}
+
+impl<R: Precision> WithSimd for Strip<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            layout,
+            transform,
+            number,
+            values,
+            kernels,
+            work,
+        } = self;
+        let width = registers_of_line::<R, S>(simd);
+        let columns = COLUMNS.min(layout.half - number * COLUMNS);
+        let used = (columns * width).div_ceil(LINE);
+        let lines = layout.modes;
+        let modes = SideBySide { lines, used };
+        let of_row = lines * width;
+        let values = &mut R::registers_mut(simd, values)[..layout.shape.0 * of_row];
+        let all = R::registers_mut(simd, &mut work.rows);
+        transform.enter(simd, values, all, modes);
+        let of_block = transform.inner_length() * of_row;
+        let of_kernels = layout.entries * COLUMNS;
+        for (number, block) in all.chunks_exact_mut(of_block).enumerate() {
+            transform.forward(simd, block, modes);
+            if let Some(kernels) = kernels {
+                let (high, low) = kernels.split_at(kernels.len() / 2);
+                let first = number * transform.inner_length() * of_kernels;
+                let high = high[first..].chunks_exact(of_kernels);
+                let low = low[first..].chunks_exact(of_kernels);
+                for (row, (high, low)) in block.chunks_exact_mut(of_row).zip(high.zip(low)) {
+                    let meeting = Meeting::<R, S> {
+                        layout,
+                        kernels: R::registers(simd, R::kernels(high, low, &mut work.kernels)),
+                    };
+                    let products = R::registers_mut(simd, &mut work.products);
+                    meeting.multiply(simd, row, products, used);
+                }
+            }
+            transform.back(simd, block, modes);
+        }
+        transform.leave(simd, all, values, modes);
+    }
+}
+
+/// The lines of all modes in a row, and their kernels.
+struct Meeting<'a, R: Precision, S: Simd> {
+    layout: &'a Layout,
+    kernels: &'a [R::Register<S>],
+}
+
+/// Modes of the second degree, with which nearly all products are made.
+const SIX: usize = 6;
+
+/// The pairs of these.
+const PAIRS_OF_SIX: [[usize; SIX]; SIX] = {
+    let mut pairs = [[0; SIX]; SIX];
+    let mut k = 0;
+    while k < SIX * SIX {
+        pairs[k / SIX][k % SIX] = pair(SIX, k / SIX, k % SIX);
+        k += 1;
+    }
+    pairs
+};
+
+impl<R: Precision, S: Simd> Meeting<'_, R, S> {
+    /// `row = K row`
+    #[inline(always)]
+    fn multiply(
         &self,
-        (layout, tiles): (&Layout, &mut [Complex<R>]),
-        kernels: &[f32],
-        workers: Workers<'_>,
+        simd: S,
+        row: &mut [R::Register<S>],
+        products: &mut [R::Register<S>],
+        used: usize,
     ) {
-        let (modes, rows, padded) = (layout.modes, layout.shape.0, layout.padded.0);
-        let (tile, strip) = Self::lengths(layout);
-        let transforms = &self.transforms;
-        let scratch_len = transforms.scratch_len();
-        let of_column = layout.kernel_column();
-        let work = || ColumnWork {
-            columns: vec![Complex::default(); Self::TILE_COLUMNS * modes * padded],
-            product: vec![Complex::default(); modes * padded],
-            scratch: vec![Complex::default(); scratch_len],
-        };
-        let one = |work: &mut ColumnWork<R>, number: usize, strip: &mut [Complex<R>]| {
-            if workers.cancel.is_cancelled() {
-                return;
-            }
-            let ColumnWork {
-                columns,
-                product,
-                scratch,
-            } = work;
-            let lengths = [tile, modes * padded, padded];
-            Self::turn(strip, columns, lengths, |line, value| *value = *line);
-            let kernels =
-                kernels[number * Self::TILE_COLUMNS * of_column..].chunks_exact(of_column);
-            for (column, kernel) in columns.chunks_exact_mut(modes * padded).zip(kernels) {
-                for values in column.chunks_exact_mut(padded) {
-                    values[rows..].fill(Complex::default());
-                }
-                transforms.column.process_with_scratch(column, scratch);
-                multiply(kernel, layout, column, product);
-                transforms
-                    .column_back
-                    .process_with_scratch(product, scratch);
-                let products = product.chunks_exact(padded);
-                for (values, product) in column.chunks_exact_mut(padded).zip(products) {
-                    values[..rows].copy_from_slice(&product[..rows]);
-                    // The last row may have none to go back with.
-                    values[rows..rows.next_multiple_of(CHUNK)].fill(Complex::default());
+        let width = registers_of_line::<R, S>(simd);
+        for k in 0..used.min(width / 2) {
+            if self.layout.modes == SIX {
+                self.three_of_six::<0>(simd, (row, k), products);
+                self.three_of_six::<3>(simd, (row, k), products);
+            } else {
+                // As many modes at a time as there are registers for.
+                let mut first = 0;
+                while first < self.layout.modes {
+                    first += match self.layout.modes - first {
+                        3.. => self.some::<3>(simd, (row, k, first), products),
+                        _ => self.some::<1>(simd, (row, k, first), products),
+                    };
                 }
             }
-            Self::turn(strip, columns, lengths, |line, value| *line = *value);
-        };
-        workers.fill(tiles, strip, layout.least(), work, one);
+            for (target, product) in row
+                .chunks_exact_mut(width)
+                .zip(products.chunks_exact(width))
+            {
+                target[k] = product[0];
+                target[k + width / 2] = product[1];
+            }
+        }
     }
 
-    /// Goes through lines of tiles and columns together. Lengths of a tile, of all modes in a column, and of one.
+    /// The products of three of six modes from one on, in one register. All places are known as this is compiled.
     #[inline(always)]
-    fn turn(
-        strip: &mut [Complex<R>],
-        columns: &mut [Complex<R>],
-        [tile, column, mode]: [usize; 3],
-        each: impl Fn(&mut Complex<R>, &mut Complex<R>),
+    fn three_of_six<const FIRST: usize>(
+        &self,
+        simd: S,
+        (row, k): (&[R::Register<S>], usize),
+        products: &mut [R::Register<S>],
     ) {
-        for (number, tile) in strip.chunks_exact_mut(tile).enumerate() {
-            let of_modes = tile.chunks_exact_mut(CHUNK * Self::TILE_COLUMNS);
-            for (place, lines) in of_modes.enumerate() {
-                for k in 0..Self::TILE_COLUMNS {
-                    let first = k * column + place * mode + number * CHUNK;
-                    let rows = &mut columns[first..][..CHUNK];
-                    for row in 0..CHUNK {
-                        each(&mut lines[row * Self::TILE_COLUMNS + k], &mut rows[row]);
-                    }
+        let width = registers_of_line::<R, S>(simd);
+        let row = &row[..SIX * width];
+        let kernels = &self.kernels[..SIX * (SIX + 1) / 2 * (width / 2)];
+        let zero = R::splat(simd, R::default());
+        let mut sums = [[zero; 2]; 3];
+        macro_rules! add {
+            ($b:literal) => {
+                let [re, im] = self.turned(simd, (row, k), $b);
+                for a in 0..3 {
+                    let kernel = kernels[PAIRS_OF_SIX[FIRST + a][$b] * (width / 2) + k];
+                    sums[a][0] = R::times_plus(simd, kernel, re, sums[a][0]);
+                    sums[a][1] = R::times_plus(simd, kernel, im, sums[a][1]);
                 }
+            };
+        }
+        add!(0);
+        add!(1);
+        add!(2);
+        add!(3);
+        add!(4);
+        add!(5);
+        self.put(simd, FIRST, &sums, products);
+    }
+
+    /// The products of `M` modes from one on, in one register. Returns how many these are.
+    #[inline(always)]
+    fn some<const M: usize>(
+        &self,
+        simd: S,
+        (row, k, first): (&[R::Register<S>], usize, usize),
+        products: &mut [R::Register<S>],
+    ) -> usize {
+        let modes = self.layout.modes;
+        let width = registers_of_line::<R, S>(simd);
+        let zero = R::splat(simd, R::default());
+        let mut sums = [[zero; 2]; M];
+        for b in 0..modes {
+            let [re, im] = self.turned(simd, (row, k), b);
+            let pairs = &self.layout.pairs[b * modes + first..][..M];
+            for a in 0..M {
+                let kernel = self.kernels[pairs[a] * (width / 2) + k];
+                sums[a][0] = R::times_plus(simd, kernel, re, sums[a][0]);
+                sums[a][1] = R::times_plus(simd, kernel, im, sums[a][1]);
+            }
+        }
+        self.put(simd, first, &sums, products);
+        M
+    }
+
+    /// Real and imaginary parts of a mode; one that is odd is times the imaginary unit.
+    #[inline(always)]
+    fn turned(
+        &self,
+        simd: S,
+        (row, k): (&[R::Register<S>], usize),
+        mode: usize,
+    ) -> [R::Register<S>; 2] {
+        let width = registers_of_line::<R, S>(simd);
+        let (re, im) = (row[mode * width + k], row[mode * width + width / 2 + k]);
+        if self.layout.odd[mode] {
+            [R::negative(simd, im), re]
+        } else {
+            [re, im]
+        }
+    }
+
+    /// Puts the products of some modes to the beginning of their lines; those of odd ones are turned back.
+    #[inline(always)]
+    fn put(
+        &self,
+        simd: S,
+        first: usize,
+        sums: &[[R::Register<S>; 2]],
+        products: &mut [R::Register<S>],
+    ) {
+        let width = registers_of_line::<R, S>(simd);
+        for (a, [re, im]) in sums.iter().enumerate() {
+            let product = &mut products[(first + a) * width..][..2];
+            if self.layout.odd[first + a] {
+                product[0] = *im;
+                product[1] = R::negative(simd, *re);
+            } else {
+                product[0] = *re;
+                product[1] = *im;
             }
         }
     }
@@ -680,132 +872,10 @@ struct RowRoom<R> {
 }
 
 impl<R: Real> RowRoom<R> {
-    fn new(transforms: &ComplexPlans<R>) -> Self {
+    fn new(transform: &dyn Fft<R>) -> Self {
         Self {
-            pair: RowPair::new(transforms.row.len()),
-            scratch: vec![Complex::default(); transforms.scratch_len()],
-        }
-    }
-}
-
-struct ColumnWork<R> {
-    /// A few columns of all modes, one after the other.
-    columns: Vec<Complex<R>>,
-    product: Vec<Complex<R>>,
-    scratch: Vec<Complex<R>>,
-}
-
-/// `output = K input` for one column of all modes.
-fn multiply<R: Precision>(
-    kernel: &[f32],
-    layout: &Layout,
-    input: &[Complex<R>],
-    output: &mut [Complex<R>],
-) {
-    widest(
-        #[inline(always)]
-        || {
-            let (high, low) = kernel.split_at(kernel.len() / 2);
-            let kernel = (high.as_chunks().0, low.as_chunks().0);
-            let mut first = 0;
-            // As many modes at a time as there are registers for.
-            while first < layout.modes {
-                let meeting = Meeting {
-                    kernel,
-                    layout,
-                    input,
-                    first,
-                };
-                first += match layout.modes - first {
-                    6.. => meeting.multiply::<6>(output),
-                    3.. => meeting.multiply::<3>(output),
-                    _ => meeting.multiply::<1>(output),
-                };
-            }
-        },
-    );
-}
-
-/// High and low parts of kernels in chunks of rows.
-type Chunks<'a> = (&'a [[f32; CHUNK]], &'a [[f32; CHUNK]]);
-
-/// All modes of a column, and the first of those whose product is made.
-struct Meeting<'a, R> {
-    kernel: Chunks<'a>,
-    layout: &'a Layout,
-    input: &'a [Complex<R>],
-    first: usize,
-}
-
-impl<R: Precision> Meeting<'_, R> {
-    /// The product of `M` modes. Returns how many these are.
-    #[inline(always)]
-    fn multiply<const M: usize>(&self, output: &mut [Complex<R>]) -> usize {
-        // As many rows at a time as are in a register.
-        if size_of::<R>() == size_of::<f32>() {
-            self.in_chunks::<M, 8>(output);
-        } else {
-            self.in_chunks::<M, 4>(output);
-        }
-        M
-    }
-
-    #[inline(always)]
-    fn in_chunks<const M: usize, const N: usize>(&self, output: &mut [Complex<R>]) {
-        let (high, low) = self.kernel;
-        let entries = self.layout.entries;
-        let kernels = high.chunks_exact(entries).zip(low.chunks_exact(entries));
-        for (chunk, kernel) in kernels.enumerate() {
-            let first = first_of_chunk(chunk, self.layout.padded.0);
-            for part in (0..CHUNK).step_by(N) {
-                self.rows::<M, N>(kernel, part, first + part, output);
-            }
-        }
-    }
-
-    /// The product of `M` modes in `N` rows, whose sums stay in registers.
-    #[inline(always)]
-    fn rows<const M: usize, const N: usize>(
-        &self,
-        (high, low): Chunks<'_>,
-        part: usize,
-        row: usize,
-        output: &mut [Complex<R>],
-    ) {
-        let (modes, padded) = (self.layout.modes, self.layout.padded.0);
-        let mut real = [[R::default(); N]; M];
-        let mut imaginary = [[R::default(); N]; M];
-        for (b, odd) in self.layout.odd.iter().enumerate() {
-            let source = &self.input[b * padded + row..][..N];
-            let (mut re, mut im) = ([R::default(); N], [R::default(); N]);
-            for i in 0..N {
-                (re[i], im[i]) = (source[i].re, source[i].im);
-            }
-            if *odd {
-                for i in 0..N {
-                    (re[i], im[i]) = (-im[i], re[i]);
-                }
-            }
-            let pairs = &self.layout.pairs[b * modes + self.first..][..M];
-            for k in 0..M {
-                let (high, low) = (&high[pairs[k]][part..][..N], &low[pairs[k]][part..][..N]);
-                for i in 0..N {
-                    let kernel = R::sum(high[i], low[i]);
-                    real[k][i] = real[k][i] + kernel * re[i];
-                    imaginary[k][i] = imaginary[k][i] + kernel * im[i];
-                }
-            }
-        }
-        for k in 0..M {
-            let a = self.first + k;
-            let target = &mut output[a * padded + row..][..N];
-            for i in 0..N {
-                target[i] = if self.layout.odd[a] {
-                    Complex::new(imaginary[k][i], -real[k][i])
-                } else {
-                    Complex::new(real[k][i], imaginary[k][i])
-                };
-            }
+            pair: RowPair::new(transform.len()),
+            scratch: vec![Complex::default(); transform.get_inplace_scratch_len()],
         }
     }
 }

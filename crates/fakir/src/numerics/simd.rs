@@ -1,0 +1,150 @@
+//! Arithmetic on as many numbers at a time as a register of the processor holds, in either precision.
+//!
+//! Multiplications and additions are one operation where the processor has it, as in the transforms of the library: last digits depend on the processor.
+
+use super::fft::Real;
+use pulp::Simd;
+use std::ops::{Deref, DerefMut, Range};
+
+/// Numbers with which registers are filled.
+pub(crate) trait InRegisters: Real {
+    /// As many of them as a register holds.
+    type Register<S: Simd>: Copy;
+
+    /// The numbers by registers, as far as they fill one.
+    fn registers<S: Simd>(simd: S, values: &[Self]) -> &[Self::Register<S>];
+
+    fn registers_mut<S: Simd>(simd: S, values: &mut [Self]) -> &mut [Self::Register<S>];
+
+    fn splat<S: Simd>(simd: S, value: Self) -> Self::Register<S>;
+
+    fn plus<S: Simd>(simd: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
+
+    fn minus<S: Simd>(simd: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
+
+    fn times<S: Simd>(simd: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
+
+    fn negative<S: Simd>(simd: S, a: Self::Register<S>) -> Self::Register<S>;
+
+    /// `a b + c`
+    fn times_plus<S: Simd>(
+        simd: S,
+        a: Self::Register<S>,
+        b: Self::Register<S>,
+        c: Self::Register<S>,
+    ) -> Self::Register<S>;
+}
+
+macro_rules! in_registers {
+    ($number:ty, $register:ident, $as:ident, $as_mut:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $neg:ident, $mul_add:ident) => {
+        impl InRegisters for $number {
+            type Register<S: Simd> = S::$register;
+
+            #[inline(always)]
+            fn registers<S: Simd>(_: S, values: &[Self]) -> &[S::$register] {
+                S::$as(values).0
+            }
+
+            #[inline(always)]
+            fn registers_mut<S: Simd>(_: S, values: &mut [Self]) -> &mut [S::$register] {
+                S::$as_mut(values).0
+            }
+
+            #[inline(always)]
+            fn splat<S: Simd>(simd: S, value: Self) -> S::$register {
+                simd.$splat(value)
+            }
+
+            #[inline(always)]
+            fn plus<S: Simd>(simd: S, a: S::$register, b: S::$register) -> S::$register {
+                simd.$add(a, b)
+            }
+
+            #[inline(always)]
+            fn minus<S: Simd>(simd: S, a: S::$register, b: S::$register) -> S::$register {
+                simd.$sub(a, b)
+            }
+
+            #[inline(always)]
+            fn times<S: Simd>(simd: S, a: S::$register, b: S::$register) -> S::$register {
+                simd.$mul(a, b)
+            }
+
+            #[inline(always)]
+            fn negative<S: Simd>(simd: S, a: S::$register) -> S::$register {
+                simd.$neg(a)
+            }
+
+            #[inline(always)]
+            fn times_plus<S: Simd>(
+                simd: S,
+                a: S::$register,
+                b: S::$register,
+                c: S::$register,
+            ) -> S::$register {
+                simd.$mul_add(a, b, c)
+            }
+        }
+    };
+}
+
+in_registers!(
+    f64,
+    f64s,
+    as_simd_f64s,
+    as_mut_simd_f64s,
+    splat_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    neg_f64s,
+    mul_add_e_f64s
+);
+in_registers!(
+    f32,
+    f32s,
+    as_simd_f32s,
+    as_mut_simd_f32s,
+    splat_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    neg_f32s,
+    mul_add_e_f32s
+);
+
+/// Bytes of a cache line.
+const CACHE_LINE: usize = 64;
+
+/// Numbers that begin with a cache line: registers that reach across two of them take twice as long to fill.
+pub(crate) struct Aligned<T> {
+    values: Vec<T>,
+    range: Range<usize>,
+}
+
+impl<T: Copy + Default> Aligned<T> {
+    pub(crate) fn new(count: usize) -> Self {
+        let values = vec![T::default(); count + CACHE_LINE / size_of::<T>()];
+        // Where that cannot be told, anything will do.
+        let first = values.as_ptr().align_offset(CACHE_LINE);
+        let first = first.min(values.len() - count);
+        Self {
+            values,
+            range: first..first + count,
+        }
+    }
+}
+
+impl<T> Deref for Aligned<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        &self.values[self.range.clone()]
+    }
+}
+
+impl<T> DerefMut for Aligned<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.values[self.range.clone()]
+    }
+}
