@@ -75,6 +75,11 @@ class Explorer:
         stage = self.page.evaluate("() => document.getElementById('cycle-stage')?.textContent")
         return f"the page is at {self.page.url}, busy: {self.page.evaluate('() => document.body.dataset.busy')}, stage: {stage!r}"
 
+    def press(self, key):
+        """Presses a key. What changes within one frame is drawn together, at its end: the next reading is of that."""
+        self.page.keyboard.press(key)
+        self.page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => drawn()))")
+
     def text(self, name):
         return self.page.evaluate(f"() => document.getElementById('{name}').textContent")
 

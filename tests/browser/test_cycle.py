@@ -69,13 +69,13 @@ def test_the_slider_goes_down_and_up_the_computed_path(explore, expected):
     assert states > 80
     # The keyboard goes from one state to the next, without any other question.
     page.page.focus("#load")
-    page.page.keyboard.press("Home")
+    page.press("Home")
     assert page.text("load-words") == "first contact"
     forces, words = [], []
     for _ in range(states):
         forces.append(force(page))
         words.append(page.text("load-words"))
-        page.page.keyboard.press("ArrowRight")
+        page.press("ArrowRight")
     assert asked(page, "/api/cycle") == 1
     turn = words.index("critical state")
     assert forces[turn] == pytest.approx(expected["critical_force_N"], rel=1e-3)
@@ -178,7 +178,7 @@ def test_pulled_and_partial_pillars_are_on_the_map(explore):
     assert page.page.is_visible("#pull-key")
     assert page.text("pull-most").startswith("−")
     page.page.focus("#load")
-    page.page.keyboard.press("Home")
+    page.press("Home")
     loaded = page.page.evaluate(PICTURE)
     page.page.click("#to-pull-off")
     assert page.page.evaluate(PICTURE) != loaded

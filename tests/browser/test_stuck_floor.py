@@ -87,14 +87,14 @@ def test_the_slider_goes_through_the_jump_and_the_loss(explore, expected):
     assert force(page) == pytest.approx(expected["critical_force_N"], rel=1e-3)
     assert "floor" not in page.text("load-numbers")
     page.page.focus("#load")
-    page.page.keyboard.press("ArrowRight")
+    page.press("ArrowRight")
     assert page.text("load-words") == "after the jump onto the floor"
     assert "6 holes filled" in page.text("load-numbers")
     forces = []
     while "floor" in page.text("load-numbers"):
         assert len(forces) < 200
         forces.append(force(page))
-        page.page.keyboard.press("ArrowRight")
+        page.press("ArrowRight")
     floor = expected["floor"]
     # The states on both sides of the loss are among those that are kept.
     assert forces[-1] == pytest.approx(floor["last"]["force_N"], rel=1e-3)
@@ -166,7 +166,7 @@ def test_what_was_called_off_is_asked_again_and_another_slider_takes_its_place(e
     until_solving(page)
     assert page.page.is_visible("#call-off") and not page.page.is_visible("#ask-again")
     page.page.focus("#adhesion-work-slider")
-    page.page.keyboard.press("Home")
+    page.press("Home")
     page.rest()
     # Without adhesion nothing sticks, the floor neither.
     assert page.text("load-words") == "critical state"
