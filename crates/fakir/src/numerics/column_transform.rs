@@ -90,16 +90,11 @@ impl<R: InRegisters> ColumnTransform<R> {
             target.copy_from_slice(source);
             return;
         };
-        let from = Cell::from_mut(&mut *source).as_slice_of_cells();
+        let from = Cell::from_mut(source).as_slice_of_cells();
         let to = Cell::from_mut(&mut *target).as_slice_of_cells();
-        match first.radix {
-            2 => first.block::<S, 2, false, false>(simd, from, to, side_by_side),
-            3 => first.block::<S, 3, false, false>(simd, from, to, side_by_side),
-            4 => first.block::<S, 4, false, false>(simd, from, to, side_by_side),
-            _ => first.block::<S, 5, false, false>(simd, from, to, side_by_side),
-        }
+        first.run::<S, false, false>(simd, from, to, side_by_side);
         for stage in rest {
-            stage.run::<S, false>(simd, target, side_by_side);
+            stage.in_place::<S, false>(simd, target, side_by_side);
         }
     }
 
@@ -112,7 +107,7 @@ impl<R: InRegisters> ColumnTransform<R> {
         side_by_side: SideBySide,
     ) {
         for stage in &self.stages[self.inner..] {
-            stage.run::<S, false>(simd, block, side_by_side);
+            stage.in_place::<S, false>(simd, block, side_by_side);
         }
     }
 
@@ -125,7 +120,7 @@ impl<R: InRegisters> ColumnTransform<R> {
         side_by_side: SideBySide,
     ) {
         for stage in self.stages[self.inner..].iter().rev() {
-            stage.run::<S, true>(simd, block, side_by_side);
+            stage.in_place::<S, true>(simd, block, side_by_side);
         }
     }
 
@@ -143,16 +138,11 @@ impl<R: InRegisters> ColumnTransform<R> {
             return;
         };
         for stage in rest.iter().rev() {
-            stage.run::<S, true>(simd, source, side_by_side);
+            stage.in_place::<S, true>(simd, source, side_by_side);
         }
-        let from = Cell::from_mut(&mut *source).as_slice_of_cells();
-        let to = Cell::from_mut(&mut *target).as_slice_of_cells();
-        match first.radix {
-            2 => first.block::<S, 2, true, false>(simd, from, to, side_by_side),
-            3 => first.block::<S, 3, true, false>(simd, from, to, side_by_side),
-            4 => first.block::<S, 4, true, false>(simd, from, to, side_by_side),
-            _ => first.block::<S, 5, true, false>(simd, from, to, side_by_side),
-        }
+        let from = Cell::from_mut(source).as_slice_of_cells();
+        let to = Cell::from_mut(target).as_slice_of_cells();
+        first.run::<S, true, false>(simd, from, to, side_by_side);
     }
 }
 
@@ -311,31 +301,49 @@ impl<R: InRegisters> Stage<R> {
     }
 
     #[inline(always)]
-    fn run<S: Simd, const BACK: bool>(
+    fn in_place<S: Simd, const BACK: bool>(
         &self,
         simd: S,
         rows: &mut [R::Register<S>],
         side_by_side: SideBySide,
     ) {
+        let rows = Cell::from_mut(rows).as_slice_of_cells();
+        self.run::<S, BACK, true>(simd, rows, rows, side_by_side);
+    }
+
+    /// From one place to another, or to the same: all blocks if they are whole, or one that need not be.
+    #[inline(always)]
+    fn run<S: Simd, const BACK: bool, const WHOLE: bool>(
+        &self,
+        simd: S,
+        source: &[Cell<R::Register<S>>],
+        target: &[Cell<R::Register<S>>],
+        side_by_side: SideBySide,
+    ) {
         match self.radix {
-            2 => self.blocks::<S, 2, BACK>(simd, rows, side_by_side),
-            3 => self.blocks::<S, 3, BACK>(simd, rows, side_by_side),
-            4 => self.blocks::<S, 4, BACK>(simd, rows, side_by_side),
-            _ => self.blocks::<S, 5, BACK>(simd, rows, side_by_side),
+            2 => self.blocks::<S, 2, BACK, WHOLE>(simd, source, target, side_by_side),
+            3 => self.blocks::<S, 3, BACK, WHOLE>(simd, source, target, side_by_side),
+            4 => self.blocks::<S, 4, BACK, WHOLE>(simd, source, target, side_by_side),
+            _ => self.blocks::<S, 5, BACK, WHOLE>(simd, source, target, side_by_side),
         }
     }
 
     #[inline(always)]
-    fn blocks<S: Simd, const RADIX: usize, const BACK: bool>(
+    fn blocks<S: Simd, const RADIX: usize, const BACK: bool, const WHOLE: bool>(
         &self,
         simd: S,
-        rows: &mut [R::Register<S>],
+        source: &[Cell<R::Register<S>>],
+        target: &[Cell<R::Register<S>>],
         side_by_side: SideBySide,
     ) {
+        if !WHOLE {
+            self.block::<S, RADIX, BACK, WHOLE>(simd, source, target, side_by_side);
+            return;
+        }
         let of_block = self.span * side_by_side.lines * registers_of_line::<R, S>(simd);
-        for block in rows.chunks_exact_mut(of_block) {
-            let block = Cell::from_mut(block).as_slice_of_cells();
-            self.block::<S, RADIX, BACK, true>(simd, block, block, side_by_side);
+        let blocks = source.chunks_exact(of_block);
+        for (source, target) in blocks.zip(target.chunks_exact(of_block)) {
+            self.block::<S, RADIX, BACK, WHOLE>(simd, source, target, side_by_side);
         }
     }
 

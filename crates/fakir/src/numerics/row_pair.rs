@@ -5,6 +5,7 @@
 
 use super::column_transform::COLUMNS;
 use super::fft::Real;
+use super::vector::widest;
 use num_complex::Complex;
 use rustfft::Fft;
 
@@ -39,29 +40,19 @@ impl<R: Real> RowPair<R> {
         &mut self.values[..length]
     }
 
-    /// Transforms them.
+    /// Transforms them, and tells their transforms apart.
     pub(crate) fn forward(&mut self, plan: &dyn Fft<R>, scratch: &mut [Complex<R>]) {
         plan.process_with_scratch(self.rows(), scratch);
         let length = self.length();
         self.values[length] = self.values[0];
+        widest(
+            #[inline(always)]
+            || self.separate(),
+        );
     }
 
-    /// Twice the transforms of both rows at the frequencies from one on.
     #[inline(always)]
-    pub(crate) fn twice_spectra(&self, first: usize, [one, other]: [&mut [Complex<R>]; 2]) {
-        let count = one.len();
-        let ahead = &self.values[first..][..count];
-        let behind = &self.values[self.values.len() - first - count..][..count];
-        for k in 0..count {
-            let (a, b) = (ahead[k], behind[count - 1 - k]);
-            one[k] = Complex::new(a.re + b.re, a.im - b.im);
-            other[k] = Complex::new(a.im + b.im, b.re - a.re);
-        }
-    }
-
-    /// Tells both transforms apart, for [`Self::twice_lines`].
-    #[inline(always)]
-    pub(crate) fn separate(&mut self) {
+    fn separate(&mut self) {
         let [re, im] = &mut self.apart;
         for ((re, im), value) in re.iter_mut().zip(im.iter_mut()).zip(&self.values) {
             (*re, *im) = (value.re, value.im);
@@ -77,6 +68,17 @@ impl<R: Real> RowPair<R> {
         }
     }
 
+    /// Twice the transforms of both rows at the frequencies from one on.
+    #[inline(always)]
+    pub(crate) fn twice_spectra(&self, first: usize, spectra: [&mut [Complex<R>]; 2]) {
+        for (spectrum, [re, im]) in spectra.into_iter().zip(self.spectra.as_chunks().0) {
+            let parts = re[first..].iter().zip(&im[first..]);
+            for (value, (re, im)) in spectrum.iter_mut().zip(parts) {
+                *value = Complex::new(*re, *im);
+            }
+        }
+    }
+
     /// Twice the transforms of both rows at as many frequencies as a line has columns, from one on: their real parts, then their imaginary ones.
     #[inline(always)]
     pub(crate) fn twice_lines(&self, first: usize, lines: [&mut [R]; 2]) {
@@ -87,7 +89,7 @@ impl<R: Real> RowPair<R> {
         }
     }
 
-    /// Sets the transforms of both rows at as many frequencies, for [`Self::join`].
+    /// Sets the transforms of both rows at as many frequencies, up to half the length.
     #[inline(always)]
     pub(crate) fn set_lines(&mut self, first: usize, lines: [&[R]; 2]) {
         for (line, parts) in lines.into_iter().zip(self.spectra.as_chunks_mut::<2>().0) {
@@ -99,7 +101,7 @@ impl<R: Real> RowPair<R> {
 
     /// Makes one transform of both.
     #[inline(always)]
-    pub(crate) fn join(&mut self) {
+    fn join(&mut self) {
         let length = self.length();
         let [one, one_im, other, other_im] = &mut self.spectra;
         // Transforms of real numbers are real at their ends; rounding must not say otherwise.
@@ -134,6 +136,10 @@ impl<R: Real> RowPair<R> {
 
     /// Transforms them back, without normalisation.
     pub(crate) fn back(&mut self, plan: &dyn Fft<R>, scratch: &mut [Complex<R>]) {
+        widest(
+            #[inline(always)]
+            || self.join(),
+        );
         plan.process_with_scratch(self.rows(), scratch);
     }
 }
@@ -178,7 +184,6 @@ mod tests {
                 }
             }
             let mut back = RowPair::new(length);
-            pair.separate();
             for first in (0..half).step_by(COLUMNS) {
                 let mut spectra = [[Complex::default(); COLUMNS]; 2];
                 let [one, other] = &mut spectra;
@@ -198,7 +203,6 @@ mod tests {
                 }
                 back.set_lines(first, [&lines[0], &lines[1]]);
             }
-            back.join();
             back.back(plan_back.as_ref(), &mut scratch);
             for (k, value) in back.rows().iter().enumerate() {
                 let expected = Complex::new(row(0.0, k), row(1.0, k)) * (2 * length) as f64;

@@ -112,6 +112,11 @@ impl Layout {
         let tile = self.modes * CHUNK * LINE;
         (tile, tile * self.shape.0.div_ceil(CHUNK))
     }
+
+    /// Numbers in all tiles.
+    fn tile_room(&self) -> usize {
+        self.strips() * self.tile_lengths().1
+    }
 }
 
 /// The number of a pair of modes: pairs are in the order of the first, then of the second, each once.
@@ -145,7 +150,7 @@ impl LatticeConvolution {
         let exact = Passes::<f64>::new(&layout);
         Self {
             kernel: kernels(&layout, &differences, pair, &exact, workers),
-            tiles: Aligned::new(layout.strips() * layout.tile_lengths().1),
+            tiles: Aligned::new(layout.tile_room()),
             rough: Passes::new(&layout),
             exact,
             layout,
@@ -171,7 +176,7 @@ impl LatticeConvolution {
             .fold(0.0, |most, c| larger(most, c.abs()));
         let unit = if largest.is_normal() { largest } else { 1.0 };
         let tiles = bytemuck::cast_slice_mut(&mut self.tiles);
-        let tiles = &mut tiles[..self.layout.strips() * self.layout.tile_lengths().1];
+        let tiles = &mut tiles[..self.layout.tile_room()];
         let parts = (&self.layout, &self.kernel[..], tiles);
         self.rough.apply(parts, coefficients, far, unit, workers);
     }
@@ -187,7 +192,7 @@ impl LatticeConvolution {
         let multiplied = 4.0 * modes * modes * half * long;
         let operations = rows_there_and_back + columns_there_and_back + multiplied;
         // Tiles are written, read and written again, and read.
-        let numbers = layout.strips() * layout.tile_lengths().1;
+        let numbers = layout.tile_room();
         let bytes = if rough {
             2 * self.kernel.len() + 4 * 4 * numbers
         } else {
@@ -464,7 +469,6 @@ impl<R: Precision> Passes<R> {
                     widest(
                         #[inline(always)]
                         || {
-                            pair.separate();
                             for (strip, tile) in block[0].iter_mut().enumerate() {
                                 let (tile, after) = tile.split_at_mut(other);
                                 let lines = [&mut tile[one..][..LINE], &mut after[..LINE]];
@@ -533,7 +537,6 @@ impl<R: Precision> Passes<R> {
                         let lines = [one, other].map(|line| &strip[line..][..LINE]);
                         pair.set_lines(place * COLUMNS, lines);
                     }
-                    pair.join();
                 },
             );
             pair.back(self.row_back.as_ref(), scratch);
