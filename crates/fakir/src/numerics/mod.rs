@@ -8,6 +8,7 @@ pub(crate) mod column_transform;
 pub mod convergence;
 pub(crate) mod cosine;
 pub(crate) mod dual;
+pub(crate) mod elimination;
 pub(crate) mod elliptic;
 pub(crate) mod fft;
 pub(crate) mod neighbours;

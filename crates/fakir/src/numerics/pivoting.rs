@@ -5,9 +5,9 @@
 //! violate a sign change sides all at once, and, where that does not lower their number, one at a
 //! time by Murty's rule, which is finite (J. J. Júdice, F. M. Pires, Comput. Oper. Res. 21, 587 (1994)).
 
-use super::cholesky::{factorise, solve_lower, solve_lower_lanes, solve_upper};
 use super::convergence::largest;
-use super::vector::{LANES, Lanes, widest};
+use super::elimination::{BLOCK, Elimination};
+use super::vector::{LANES, widest};
 
 /// `q` may be this far below zero, relative to the largest `|q0|`: rounding, not a violation.
 const TOLERANCE: f64 = 1e-11;
@@ -36,23 +36,21 @@ pub(crate) struct PivotSolver {
     multiplier: Vec<f64>,
     /// The active indices.
     indices: Vec<usize>,
-    /// Cholesky factor of `G` on them.
-    factor: Vec<f64>,
+    /// `G` on them.
+    factor: Elimination,
     right: Vec<f64>,
-    /// Room for right sides, four by four.
-    lanes: Vec<Lanes>,
 }
 
 impl PivotSolver {
-    pub(crate) fn new(count: usize) -> Self {
+    /// For so many unknowns, and projections on at most so many columns.
+    pub(crate) fn new(count: usize, columns: usize) -> Self {
         Self {
             constant: vec![0.0; count],
             slack: vec![0.0; count],
             multiplier: vec![0.0; count],
             indices: Vec::with_capacity(count),
-            factor: vec![0.0; count * count],
-            right: vec![0.0; count],
-            lanes: Vec::new(),
+            factor: Elimination::new(count, columns),
+            right: Vec::with_capacity(count.next_multiple_of(BLOCK)),
         }
     }
 
@@ -130,84 +128,38 @@ impl PivotSolver {
         product: &mut [f64],
         value: impl Fn(usize, usize) -> f64,
     ) {
-        let (size, groups) = (self.indices.len(), columns.div_ceil(LANES));
-        let factor = &self.factor[..size * size];
-        // Columns four by four, one group after the other.
-        self.lanes.clear();
-        for group in 0..groups {
-            let at = |k: &usize| {
-                Lanes(std::array::from_fn(|lane| {
-                    let column = LANES * group + lane;
-                    if column < columns {
-                        value(*k, column)
-                    } else {
-                        0.0
-                    }
-                }))
-            };
-            self.lanes.extend(self.indices.iter().map(at));
-            solve_lower_lanes(factor, size, &mut self.lanes[group * size..]);
-        }
-        let lanes = |group: usize| &self.lanes[group * size..(group + 1) * size];
-        widest(
-            #[inline(always)]
-            || {
-                for (i, row) in product.chunks_exact_mut(columns).enumerate() {
-                    let own = lanes(i / LANES);
-                    for (group, slots) in row.chunks_mut(LANES).enumerate() {
-                        let mut sums = Lanes::default();
-                        for (own, other) in own.iter().zip(lanes(group)) {
-                            sums += Lanes::splat(own.0[i % LANES]) * *other;
-                        }
-                        for (slot, sum) in slots.iter_mut().zip(sums.0) {
-                            *slot = sum;
-                        }
-                    }
-                }
-            },
-        );
+        let indices = &self.indices;
+        let at = |number: usize, column: usize| {
+            let index = indices.get(number);
+            index.map_or(0.0, |index| value(*index, column))
+        };
+        self.factor.projected_inverse(columns, product, at);
     }
 
     /// With `q` zero at the active indices: their multipliers, and `q` elsewhere.
     pub(crate) fn solve_active(&mut self, matrix: &[f64], active: &[bool]) -> bool {
-        if !self.factorise(matrix, active) {
+        let count = self.constant.len();
+        self.indices.clear();
+        self.indices.extend((0..count).filter(|&k| active[k]));
+        if !self.factor.factorise(matrix, count, &self.indices) {
             return false;
         }
         let size = self.indices.len();
-        let right = &mut self.right[..size];
-        for (slot, &k) in right.iter_mut().zip(&self.indices) {
-            *slot = -self.constant[k];
-        }
-        solve_lower(&self.factor[..size * size], size, right);
-        solve_upper(&self.factor[..size * size], size, right);
+        self.right.clear();
+        self.right
+            .extend(self.indices.iter().map(|&k| -self.constant[k]));
+        self.right.resize(size.next_multiple_of(BLOCK), 0.0);
+        self.factor.solve(&mut self.right);
         self.multiplier.fill(0.0);
-        for (&s, &k) in right.iter().zip(&self.indices) {
+        for (&s, &k) in self.right.iter().zip(&self.indices) {
             self.multiplier[k] = s;
         }
         self.slack.copy_from_slice(&self.constant);
-        add_rows(&mut self.slack, matrix, &self.indices, right);
+        add_rows(&mut self.slack, matrix, &self.indices, &self.right[..size]);
         for &k in &self.indices {
             self.slack[k] = 0.0;
         }
         true
-    }
-
-    fn factorise(&mut self, matrix: &[f64], active: &[bool]) -> bool {
-        let count = self.constant.len();
-        self.indices.clear();
-        self.indices.extend((0..count).filter(|&k| active[k]));
-        let size = self.indices.len();
-        for (column, &k) in self.indices.iter().enumerate() {
-            let row = &matrix[k * count..(k + 1) * count];
-            // The lower triangle.
-            for (slot, &l) in self.factor[column * size + column..(column + 1) * size]
-                .iter_mut()
-                .zip(&self.indices[column..])
-            {
-                *slot = row[l];
-            }
-        }
-        factorise(&mut self.factor[..size * size], size)
     }
 }
 

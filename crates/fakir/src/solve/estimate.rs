@@ -268,7 +268,7 @@ fn node_changes(
             let load = &load[..load.len().min(top.count())];
             let body = newton.tops.sites.body(pillar);
             let top = top.on_column(body.column);
-            let mut active = solver.first_guess(&top, load);
+            let mut active = Vec::new();
             solver.solve(&top, load, &mut active);
             solver.coefficients(&top, load, refined);
             refined.iter_mut().for_each(|moment| *moment *= body.radius);

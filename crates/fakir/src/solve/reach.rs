@@ -195,7 +195,7 @@ impl Finer {
         let load = newton.full_load(pillar);
         let body = newton.tops.sites.body(pillar);
         let top = self.top.on_column(body.column);
-        let mut active = self.solver.first_guess(&top, &load);
+        let mut active = Vec::new();
         if !self.solver.solve(&top, &load, &mut active).converged {
             return None;
         }

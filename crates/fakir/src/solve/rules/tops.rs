@@ -314,10 +314,8 @@ impl Tops {
         solver: &mut LocalSolver,
     ) -> (Cow<'_, PillarTop>, Vec<bool>) {
         let top = self.top_of(pillar);
-        let mut active = match self.partial.get(self.partial_of[pillar] as usize) {
-            Some(partial) => partial.active.clone(),
-            None => solver.first_guess(&top, load),
-        };
+        let partial = self.partial.get(self.partial_of[pillar] as usize);
+        let mut active = partial.map_or_else(Vec::new, |partial| partial.active.clone());
         solver.solve(&top, load, &mut active);
         (top, active)
     }
@@ -485,7 +483,7 @@ impl Tops {
         let top = self.top_of(pillar);
         let mut active = match guess {
             Some(partial) if partial.pillar == pillar => partial.active.clone(),
-            _ => solver.first_guess(&top, &load),
+            _ => Vec::new(),
         };
         let pivoting = solver.solve(&top, &load, &mut active);
         let mut coefficients = vec![0.0; modes];

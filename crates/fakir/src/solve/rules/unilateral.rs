@@ -16,7 +16,7 @@ use crate::halfspace::disc::basis::{
 use crate::halfspace::disc::nodes::{Resolution, bos_array};
 use crate::numerics::convergence::{larger, largest, smaller, within};
 use crate::numerics::pivoting::{PivotSolver, Pivoting};
-use crate::numerics::vector::symmetric_products;
+use crate::numerics::vector::{symmetric_products, widest};
 use crate::problem::column::Column;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
@@ -47,7 +47,7 @@ pub(crate) struct PillarTop {
     compliance: Vec<f64>,
     /// `V`, one row of `count` values per node.
     values: Vec<f64>,
-    /// `V Lam^-1`, likewise.
+    /// `V Lam^-1`, the values at all nodes mode by mode.
     pressures: Vec<f64>,
     /// `G`, symmetric.
     response: Vec<f64>,
@@ -112,6 +112,8 @@ impl PillarTop {
             .flat_map(|row| row.iter().zip(&compliance).map(|(y, lambda)| y / lambda))
             .collect();
         let response = symmetric_products(&pressures, &values, count);
+        let by_mode = (0..count).flat_map(|mode| pressures.iter().skip(mode).step_by(count));
+        let pressures = by_mode.copied().collect();
         let lead = mode_count(lead);
         let largest = |mode: usize| {
             let at_nodes = values.chunks_exact(count).map(|row| row[mode].abs());
@@ -177,13 +179,13 @@ impl PillarTop {
     /// Multiplies the answer of a mode.
     fn scale_mode(&mut self, mode: usize, ratio: f64) {
         self.compliance[mode] /= ratio;
-        let changes: Vec<f64> = self
-            .pressures
-            .chunks_exact_mut(self.count)
-            .map(|pressures| {
-                let before = pressures[mode];
-                pressures[mode] = before * ratio;
-                pressures[mode] - before
+        let pressures = &mut self.pressures[mode * self.count..(mode + 1) * self.count];
+        let changes: Vec<f64> = pressures
+            .iter_mut()
+            .map(|pressure| {
+                let before = *pressure;
+                *pressure = before * ratio;
+                *pressure - before
             })
             .collect();
         let rows = self.response.chunks_exact_mut(self.count);
@@ -194,9 +196,24 @@ impl PillarTop {
         }
     }
 
-    /// Row of a matrix of nodes and modes, or nodes and nodes.
-    fn row<'m>(&self, matrix: &'m [f64], node: usize) -> &'m [f64] {
-        &matrix[node * self.count..(node + 1) * self.count]
+    /// Values of the modes at a node.
+    fn values(&self, node: usize) -> &[f64] {
+        &self.values[node * self.count..(node + 1) * self.count]
+    }
+
+    /// The pressure without the condition at all nodes, `V Lam^-1 b`.
+    fn pressures(&self, load: &[f64], pressures: &mut [f64]) {
+        widest(
+            #[inline(always)]
+            || {
+                pressures.fill(0.0);
+                for (b, of_mode) in load.iter().zip(self.pressures.chunks_exact(self.count)) {
+                    for (pressure, of_mode) in pressures.iter_mut().zip(of_mode) {
+                        *pressure += b * of_mode;
+                    }
+                }
+            },
+        );
     }
 
     /// The status on some column where the mean load outweighs all that differs over the top, whatever its sign.
@@ -233,9 +250,10 @@ impl PillarTop {
         let mut smallest = f64::INFINITY;
         let mut largest = 0.0_f64;
         for node in 0..self.count {
-            let sum = |row: &[f64]| -> f64 { row.iter().zip(load).map(|(y, b)| y * b).sum() };
-            let wanted = sum(self.row(&self.values, node));
-            let pressure = sum(self.row(&self.pressures, node));
+            let wanted = self.values(node).iter().zip(load);
+            let wanted = wanted.map(|(y, b)| y * b).sum();
+            let of_modes = self.pressures.iter().skip(node).step_by(self.count);
+            let pressure: f64 = of_modes.zip(load).map(|(p, b)| p * b).sum();
             touched |= !within(wanted, 0.0);
             smallest = smaller(smallest, pressure);
             largest = larger(largest, pressure.abs());
@@ -253,7 +271,7 @@ impl PillarTop {
 impl LocalSolver {
     pub(crate) fn new(top: &PillarTop) -> Self {
         Self {
-            pivot: PivotSolver::new(top.count),
+            pivot: PivotSolver::new(top.count, top.lead),
             rim: None,
             cells: None,
             column: None,
@@ -269,20 +287,12 @@ impl LocalSolver {
         let rim = self
             .rim
             .get_or_insert_with(|| Rim::new(degree_with(load.len())));
-        rim.sliver(load, active.len() != top.count)
-    }
-
-    /// Nodes that would be in tension without the condition, or under little pressure: a first guess of the active ones.
-    pub(crate) fn first_guess(&mut self, top: &PillarTop, load: &[f64]) -> Vec<bool> {
-        self.prepare(top, load);
-        let pressures = &self.pivot.constant;
-        let low = LOW_PRESSURE * largest(pressures.iter().copied());
-        pressures.iter().map(|q| *q < low).collect()
+        rim.sliver(load, !active.is_empty() && active.len() != top.count)
     }
 
     /// Finds the pressure under `load` (leading modes suffice; the rest counts as zero).
     ///
-    /// `active` marks the nodes without pressure: the first guess on entry, the solution on
+    /// `active` marks the nodes without pressure: a first guess on entry, or nothing, the solution on
     /// return; or, of a sliver, the cells with pressure.
     pub(crate) fn solve(
         &mut self,
@@ -301,24 +311,20 @@ impl LocalSolver {
             return cells.solve(&sliver, load, active);
         }
         self.on_cells = false;
+        top.pressures(load, &mut self.pivot.constant);
         if active.len() != top.count {
-            *active = self.first_guess(top, load);
+            // Nodes that would be in tension without the condition, or under little pressure.
+            let pressures = &self.pivot.constant;
+            let low = LOW_PRESSURE * largest(pressures.iter().copied());
+            active.clear();
+            active.extend(pressures.iter().map(|q| *q < low));
         }
-        self.prepare(top, load);
         self.pivot.solve(&top.response, active)
     }
 
     /// The cells of the sliver that was solved last, if it was one.
     pub(crate) fn cells(&self) -> Option<&RimSolver> {
         self.cells.as_deref().filter(|_| self.on_cells)
-    }
-
-    /// `q0 = V Lam^-1 b`.
-    fn prepare(&mut self, top: &PillarTop, load: &[f64]) {
-        for (node, q) in self.pivot.constant.iter_mut().enumerate() {
-            let pressures = top.row(&top.pressures, node).iter();
-            *q = pressures.zip(load).map(|(y, b)| y * b).sum();
-        }
     }
 
     /// Coefficients of the solution, `Lam^-1 (b + V' s)`: as many as `coefficients` holds.
@@ -330,7 +336,7 @@ impl LocalSolver {
         coefficients.fill(0.0);
         coefficients[..load.len().min(count)].copy_from_slice(&load[..load.len().min(count)]);
         for (node, s) in self.pivot.multipliers() {
-            for (c, value) in coefficients.iter_mut().zip(top.row(&top.values, node)) {
+            for (c, value) in coefficients.iter_mut().zip(top.values(node)) {
                 *c += value * s;
             }
         }
@@ -352,7 +358,7 @@ impl LocalSolver {
         {
             return cells.respond_held(load, active, coefficients);
         }
-        self.prepare(top, load);
+        top.pressures(load, &mut self.pivot.constant);
         self.pivot.solve_active(&top.response, active);
         self.coefficients(top, load, coefficients);
     }
@@ -377,7 +383,7 @@ impl LocalSolver {
         let lead = top.lead;
         self.pivot
             .projected_inverse(lead, derivative, |node, mode| {
-                top.row(&top.pressures, node)[mode]
+                top.pressures[mode * top.count + node]
             });
         for (index, value) in derivative.iter_mut().enumerate() {
             let (row, column) = (index / lead, index % lead);
@@ -471,7 +477,7 @@ mod tests {
             assert!(pivoting.converged);
             let top = PillarTop::new(Resolution::of_nodes(degree), 2, 0.0);
             let pressure: Vec<f64> = (0..top.count())
-                .map(|node| dot(top.row(&top.values, node), &coefficients))
+                .map(|node| dot(top.values(node), &coefficients))
                 .collect();
             for (q, active) in pressure.iter().zip(&active) {
                 assert!(*q > -1e-9, "tension {q}");
