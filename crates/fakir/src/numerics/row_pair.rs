@@ -79,23 +79,19 @@ impl<R: Real> RowPair<R> {
         }
     }
 
-    /// Twice the transforms of both rows at as many frequencies as a line has columns, from one on: their real parts, then their imaginary ones.
+    /// Twice the transforms of both rows at as many frequencies as a line has columns, from one on, line after line: real parts, then imaginary ones.
     #[inline(always)]
-    pub(crate) fn twice_lines(&self, first: usize, lines: [&mut [R]; 2]) {
-        for (line, parts) in lines.into_iter().zip(self.spectra.as_chunks::<2>().0) {
-            for (target, part) in line.chunks_exact_mut(COLUMNS).zip(parts) {
-                target.copy_from_slice(&part[first..][..COLUMNS]);
-            }
+    pub(crate) fn twice_lines(&self, first: usize, lines: &mut [R]) {
+        for (target, part) in lines.chunks_exact_mut(COLUMNS).zip(&self.spectra) {
+            target.copy_from_slice(&part[first..][..COLUMNS]);
         }
     }
 
     /// Sets the transforms of both rows at as many frequencies, up to half the length.
     #[inline(always)]
-    pub(crate) fn set_lines(&mut self, first: usize, lines: [&[R]; 2]) {
-        for (line, parts) in lines.into_iter().zip(self.spectra.as_chunks_mut::<2>().0) {
-            for (source, part) in line.chunks_exact(COLUMNS).zip(parts) {
-                part[first..][..COLUMNS].copy_from_slice(source);
-            }
+    pub(crate) fn set_lines(&mut self, first: usize, lines: &[R]) {
+        for (source, part) in lines.chunks_exact(COLUMNS).zip(&mut self.spectra) {
+            part[first..][..COLUMNS].copy_from_slice(source);
         }
     }
 
@@ -188,10 +184,9 @@ mod tests {
                 let mut spectra = [[Complex::default(); COLUMNS]; 2];
                 let [one, other] = &mut spectra;
                 pair.twice_spectra(first, [one, other]);
-                let mut lines = [[0.0; LINE]; 2];
-                let [one, other] = &mut lines;
-                pair.twice_lines(first, [one, other]);
-                for (line, spectrum) in lines.iter_mut().zip(&spectra) {
+                let mut lines = [0.0; 2 * LINE];
+                pair.twice_lines(first, &mut lines);
+                for (line, spectrum) in lines.chunks_exact_mut(LINE).zip(&spectra) {
                     let (re, im) = line.split_at_mut(COLUMNS);
                     for (frequency, k) in (first..half).zip(0..COLUMNS) {
                         assert_eq!(Complex::new(re[k], im[k]), spectrum[k]);
@@ -201,7 +196,7 @@ mod tests {
                         }
                     }
                 }
-                back.set_lines(first, [&lines[0], &lines[1]]);
+                back.set_lines(first, &lines);
             }
             back.back(plan_back.as_ref(), &mut scratch);
             for (k, value) in back.rows().iter().enumerate() {

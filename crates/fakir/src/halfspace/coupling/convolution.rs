@@ -113,6 +113,78 @@ impl Layout {
         (tile, tile * self.shape.0.div_ceil(CHUNK))
     }
 
+    /// Of the lines of a tile, every row's modes one after the other, every second one.
+    fn line_pairs(&self, tile: usize) -> impl Iterator<Item = usize> {
+        let rows = CHUNK.min(self.shape.0 - tile * CHUNK);
+        (0..rows * self.modes).step_by(2)
+    }
+
+    /// The row and the mode of a line of a tile.
+    fn row_and_mode(&self, tile: usize, line: usize) -> (usize, usize) {
+        (tile * CHUNK + line / self.modes, line % self.modes)
+    }
+
+    /// Sets the values along a line, real parts, and the next one, imaginary parts, from the numbers of pillars and modes.
+    #[inline(always)]
+    fn read<R: Precision>(
+        &self,
+        values: &mut [Complex<R>],
+        tile: usize,
+        line: usize,
+        number: impl Fn(usize) -> R,
+    ) {
+        let [(row, mode), (next_row, next_mode)] =
+            [line, line + 1].map(|line| self.row_and_mode(tile, line));
+        let (first, pillars) = self.row(row);
+        values[..first].fill(Complex::default());
+        values[first + pillars.len()..].fill(Complex::default());
+        let values_of_row = values[first..].iter_mut().zip(pillars);
+        if next_row == row {
+            for (value, pillar) in values_of_row {
+                let place = pillar * self.modes + mode;
+                *value = Complex::new(number(place), number(place + 1));
+            }
+        } else {
+            for (value, pillar) in values_of_row {
+                *value = Complex::from(number(pillar * self.modes + mode));
+            }
+            let (first, pillars) = self.row(next_row);
+            for (value, pillar) in values[first..].iter_mut().zip(pillars) {
+                value.im = number(pillar * self.modes + next_mode);
+            }
+        }
+    }
+
+    /// Hands out what [`read`](Self::read) sets.
+    #[inline(always)]
+    fn write<R: Precision>(
+        &self,
+        values: &[Complex<R>],
+        tile: usize,
+        line: usize,
+        mut to: impl FnMut(usize, R),
+    ) {
+        let [(row, mode), (next_row, next_mode)] =
+            [line, line + 1].map(|line| self.row_and_mode(tile, line));
+        let (first, pillars) = self.row(row);
+        let values_of_row = values[first..].iter().zip(pillars);
+        if next_row == row {
+            for (value, pillar) in values_of_row {
+                let place = pillar * self.modes + mode;
+                to(place, value.re);
+                to(place + 1, value.im);
+            }
+        } else {
+            for (value, pillar) in values_of_row {
+                to(pillar * self.modes + mode, value.re);
+            }
+            let (first, pillars) = self.row(next_row);
+            for (value, pillar) in values[first..].iter().zip(pillars) {
+                to(pillar * self.modes + next_mode, value.im);
+            }
+        }
+    }
+
     /// Numbers in all tiles.
     fn tile_room(&self) -> usize {
         self.strips() * self.tile_lengths().1
@@ -426,7 +498,6 @@ impl<R: Precision> Passes<R> {
         factor: f64,
         workers: Workers<'_>,
     ) {
-        let modes = layout.modes;
         let (tile, strip) = layout.tile_lengths();
         // The tiles of every few rows.
         let mut blocks: Vec<Vec<&mut [R]>> = layout
@@ -450,28 +521,16 @@ impl<R: Precision> Passes<R> {
                 if workers.cancel.is_cancelled() {
                     return;
                 }
-                let rows = number * CHUNK..layout.shape.0.min((number + 1) * CHUNK);
-                for (row, mode) in row_pairs(rows, modes) {
-                    let values = pair.rows();
-                    values.fill(Complex::default());
-                    let coefficient =
-                        |pillar: usize| R::of(factor * coefficients[pillar * modes + mode]);
-                    let (first, pillars) = layout.row(row);
-                    for (value, pillar) in values[first..].iter_mut().zip(pillars) {
-                        value.re = coefficient(pillar);
-                    }
-                    let (first, pillars) = layout.row(row + 1);
-                    for (value, pillar) in values[first..].iter_mut().zip(pillars) {
-                        value.im = coefficient(pillar);
-                    }
+                for line in layout.line_pairs(number) {
+                    layout.read(pair.rows(), number, line, |place| {
+                        R::of(factor * coefficients[place])
+                    });
                     pair.forward(self.row.as_ref(), scratch);
-                    let [one, other] = Self::lines(layout, row, mode);
                     widest(
                         #[inline(always)]
                         || {
                             for (strip, tile) in block[0].iter_mut().enumerate() {
-                                let (tile, after) = tile.split_at_mut(other);
-                                let lines = [&mut tile[one..][..LINE], &mut after[..LINE]];
+                                let lines = &mut tile[line * LINE..][..2 * LINE];
                                 pair.twice_lines(strip * COLUMNS, lines);
                             }
                         },
@@ -479,12 +538,6 @@ impl<R: Precision> Passes<R> {
                 }
             },
         );
-    }
-
-    /// Where the lines of a row and the next one begin in their tile, of a mode.
-    fn lines(layout: &Layout, row: usize, mode: usize) -> [usize; 2] {
-        let of = |row: usize| (row % CHUNK * layout.modes + mode) * LINE;
-        [of(row), of(row + 1)]
     }
 
     fn rows_back(
@@ -526,30 +579,21 @@ impl<R: Precision> Passes<R> {
         let modes = layout.modes;
         let (tile, strip) = layout.tile_lengths();
         let RowRoom { pair, scratch } = room;
-        let rows = number * CHUNK..layout.shape.0.min((number + 1) * CHUNK);
-        let start = layout.ranges[rows.start].start;
-        for (row, mode) in row_pairs(rows, modes) {
-            let [one, other] = Self::lines(layout, row, mode).map(|line| number * tile + line);
+        let start = layout.ranges[number * CHUNK].start * modes;
+        for line in layout.line_pairs(number) {
             widest(
                 #[inline(always)]
                 || {
                     for (place, strip) in tiles.chunks_exact(strip).enumerate() {
-                        let lines = [one, other].map(|line| &strip[line..][..LINE]);
+                        let lines = &strip[number * tile + line * LINE..][..2 * LINE];
                         pair.set_lines(place * COLUMNS, lines);
                     }
                 },
             );
             pair.back(self.row_back.as_ref(), scratch);
-            let values = pair.rows();
-            let target = |pillar: usize| (pillar - start) * modes + mode;
-            let (first, pillars) = layout.row(row);
-            for (value, pillar) in values[first..].iter().zip(pillars) {
-                far[target(pillar)] = unit * value.re.double();
-            }
-            let (first, pillars) = layout.row(row + 1);
-            for (value, pillar) in values[first..].iter().zip(pillars) {
-                far[target(pillar)] = unit * value.im.double();
-            }
+            layout.write(pair.rows(), number, line, |place, value| {
+                far[place - start] = unit * value.double();
+            });
         }
     }
 
@@ -862,11 +906,6 @@ impl RowWork {
     }
 }
 
-/// The first of every two rows, once for every mode.
-fn row_pairs(rows: Range<usize>, modes: usize) -> impl Iterator<Item = (usize, usize)> {
-    rows.step_by(2)
-        .flat_map(move |row| (0..modes).map(move |mode| (row, mode)))
-}
 
 /// Room for two rows.
 struct RowRoom<R> {
