@@ -906,7 +906,6 @@ impl RowWork {
     }
 }
 
-
 /// Room for two rows.
 struct RowRoom<R> {
     pair: RowPair<R>,
