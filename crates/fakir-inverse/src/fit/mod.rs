@@ -1172,7 +1172,9 @@ impl<'a> Search<'a> {
         for group in [&others[..]].into_iter().chain(alone) {
             left.extend(self.scores(group, linear, freedom)?);
         }
-        left.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        // Parameters that do the same differ by rounding, and stay in the order of the keys.
+        let suspicion = |left: &LeftOut| (1e6 * left.p_value.ln()).round();
+        left.sort_by(|a, b| suspicion(a).total_cmp(&suspicion(b)));
         Ok(left)
     }
 
