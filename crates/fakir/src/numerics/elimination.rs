@@ -147,7 +147,8 @@ impl WithSimd for Factorisation<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        for block in 0..self.corners.len() {
+        let blocks = self.corners.len();
+        for block in 0..blocks {
             let (done, mut behind) = self.rows.split_at_mut(start(block + 1));
             let (before, corner) = self.corners.split_at_mut(block);
             let own = &mut done[start(block)..];
@@ -160,19 +161,9 @@ impl WithSimd for Factorisation<'_> {
                 return false;
             };
             corner[0] = found;
-            // Two blocks of rows at a time, as there are registers for.
-            let mut length = (block + 2) * SQUARE;
-            while !behind.is_empty() {
-                let (one, rest) = behind.split_at_mut(length);
-                if rest.is_empty() {
-                    eliminate(simd, ratios, &found, [one]);
-                    break;
-                }
-                let (other, rest) = rest.split_at_mut(length + SQUARE);
-                eliminate(simd, ratios, &found, [one, other]);
-                behind = rest;
-                length += 2 * SQUARE;
-            }
+            let rows_behind = (block + 1..blocks)
+                .map_while(|row| behind.split_off_mut(..start(row + 1) - start(row)));
+            eliminate_all(simd, ratios, &found, rows_behind);
         }
         true
     }
@@ -187,6 +178,22 @@ fn divide(row: &mut [f64], corners: &[Corner]) {
             for value in column {
                 *value *= inverse;
             }
+        }
+    }
+}
+
+/// [`eliminate`] of blocks of rows two by two, as there are registers for, and of the last one alone if their number is odd.
+#[inline(always)]
+fn eliminate_all<'a, S: Simd>(
+    simd: S,
+    ratios: &[f64],
+    corner: &Corner,
+    mut rows: impl Iterator<Item = &'a mut [f64]>,
+) {
+    while let Some(one) = rows.next() {
+        match rows.next() {
+            Some(other) => eliminate(simd, ratios, corner, [one, other]),
+            None => eliminate(simd, ratios, corner, [one]),
         }
     }
 }
@@ -353,20 +360,10 @@ impl WithSimd for Projection<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let length = self.corners.len() * SQUARE;
-        let mut pairs = self.below.chunks_exact_mut((2 * length).max(1));
-        for pair in &mut pairs {
-            let (one, other) = pair.split_at_mut(length);
-            for (block, corner) in self.corners.iter().enumerate() {
-                let ratios = &self.rows[start(block)..][..block * SQUARE];
-                eliminate(simd, ratios, corner, [&mut *one, &mut *other]);
-            }
-        }
-        let last = pairs.into_remainder();
-        if !last.is_empty() {
-            for (block, corner) in self.corners.iter().enumerate() {
-                let ratios = &self.rows[start(block)..][..block * SQUARE];
-                eliminate(simd, ratios, corner, [&mut *last]);
-            }
+        for (block, corner) in self.corners.iter().enumerate() {
+            let ratios = &self.rows[start(block)..][..block * SQUARE];
+            let rows = self.below.chunks_exact_mut(length);
+            eliminate_all(simd, ratios, corner, rows);
         }
         let parts = BLOCK / S::F64_LANES;
         let rows = || self.below.chunks_exact(length.max(1));
