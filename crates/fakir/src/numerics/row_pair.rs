@@ -8,136 +8,136 @@ use super::fft::Real;
 use super::vector::widest;
 use num_complex::Complex;
 use rustfft::Fft;
+use std::array::from_fn;
+
+/// The last column of a line.
+const LAST: usize = COLUMNS - 1;
 
 pub(crate) struct RowPair<R> {
-    /// The numbers, and in the end the first of their transform once more.
     values: Vec<Complex<R>>,
-    /// Their real parts, and their imaginary ones.
-    apart: [Vec<R>; 2],
-    /// Real and imaginary parts of the transform of one row, then of the other, at half of the frequencies.
-    spectra: [Vec<R>; 4],
+    /// Real parts of their transform, and imaginary ones. Before them is room for a line, behind them is the first once more and room for another
+    /// line, as there may be fewer frequencies than a line has columns.
+    parts: [Vec<R>; 2],
 }
 
 impl<R: Real> RowPair<R> {
     /// Of so many numbers each.
     pub(crate) fn new(length: usize) -> Self {
-        let frequencies = (length / 2 + 1).next_multiple_of(COLUMNS);
         Self {
-            values: vec![Complex::default(); length + 1],
-            apart: [(); 2].map(|()| vec![R::default(); length + 1]),
-            spectra: [(); 4].map(|()| vec![R::default(); frequencies]),
+            values: vec![Complex::default(); length],
+            parts: [(); 2].map(|()| vec![R::default(); length + 1 + 2 * COLUMNS]),
         }
-    }
-
-    fn length(&self) -> usize {
-        self.values.len() - 1
     }
 
     /// Both rows, as real and imaginary parts.
-    #[inline(always)]
     pub(crate) fn rows(&mut self) -> &mut [Complex<R>] {
-        let length = self.length();
-        &mut self.values[..length]
+        &mut self.values
     }
 
-    /// Transforms them, and tells their transforms apart.
+    /// Transforms them.
     pub(crate) fn forward(&mut self, plan: &dyn Fft<R>, scratch: &mut [Complex<R>]) {
-        plan.process_with_scratch(self.rows(), scratch);
-        let length = self.length();
-        self.values[length] = self.values[0];
+        plan.process_with_scratch(&mut self.values, scratch);
+        let (values, [re, im]) = (&self.values, &mut self.parts);
         widest(
             #[inline(always)]
-            || self.separate(),
+            || {
+                let parts = re[COLUMNS..].iter_mut().zip(&mut im[COLUMNS..]);
+                for ((re, im), value) in parts.zip(values) {
+                    (*re, *im) = (value.re, value.im);
+                }
+            },
         );
+        for part in &mut self.parts {
+            part[COLUMNS + self.values.len()] = part[COLUMNS];
+        }
     }
 
+    /// Where a frequency is among the parts, and where minus that is.
     #[inline(always)]
-    fn separate(&mut self) {
-        let [re, im] = &mut self.apart;
-        for ((re, im), value) in re.iter_mut().zip(im.iter_mut()).zip(&self.values) {
-            (*re, *im) = (value.re, value.im);
-        }
-        let [one, one_im, other, other_im] = &mut self.spectra;
-        let numbers = re.iter().zip(re.iter().rev());
-        for ((one, other_im), (a, b)) in one.iter_mut().zip(other_im).zip(numbers) {
-            (*one, *other_im) = (*a + *b, *b - *a);
-        }
-        let numbers = im.iter().zip(im.iter().rev());
-        for ((one_im, other), (a, b)) in one_im.iter_mut().zip(other).zip(numbers) {
-            (*one_im, *other) = (*a - *b, *a + *b);
-        }
+    fn places(&self, frequency: usize) -> [usize; 2] {
+        [COLUMNS + frequency, COLUMNS + self.values.len() - frequency]
     }
 
     /// Twice the transforms of both rows at the frequencies from one on.
-    #[inline(always)]
-    pub(crate) fn twice_spectra(&self, first: usize, spectra: [&mut [Complex<R>]; 2]) {
-        for (spectrum, [re, im]) in spectra.into_iter().zip(self.spectra.as_chunks().0) {
-            let parts = re[first..].iter().zip(&im[first..]);
-            for (value, (re, im)) in spectrum.iter_mut().zip(parts) {
-                *value = Complex::new(*re, *im);
-            }
+    pub(crate) fn twice_spectra(&self, first: usize, [one, other]: [&mut [Complex<R>]; 2]) {
+        let [re, im] = &self.parts;
+        for ((one, other), frequency) in one.iter_mut().zip(other).zip(first..) {
+            let [own, image] = self.places(frequency);
+            *one = Complex::new(re[own] + re[image], im[own] - im[image]);
+            *other = Complex::new(im[own] + im[image], re[image] - re[own]);
         }
     }
 
     /// Twice the transforms of both rows at as many frequencies as a line has columns, from one on, line after line: real parts, then imaginary ones.
     #[inline(always)]
     pub(crate) fn twice_lines(&self, first: usize, lines: &mut [R]) {
-        for (target, part) in lines.chunks_exact_mut(COLUMNS).zip(&self.spectra) {
-            target.copy_from_slice(&part[first..][..COLUMNS]);
+        let [own, image] = self.places(first);
+        let [re, im] = self.parts.each_ref();
+        let (re, image_re) = (&re[own..][..COLUMNS], &re[image - LAST..][..COLUMNS]);
+        let (im, image_im) = (&im[own..][..COLUMNS], &im[image - LAST..][..COLUMNS]);
+        let lines = &mut lines[..4 * COLUMNS];
+        for k in 0..COLUMNS {
+            lines[k] = re[k] + image_re[LAST - k];
+            lines[COLUMNS + k] = im[k] - image_im[LAST - k];
+            lines[2 * COLUMNS + k] = im[k] + image_im[LAST - k];
+            lines[3 * COLUMNS + k] = image_re[LAST - k] - re[k];
         }
     }
 
-    /// Sets the transforms of both rows at as many frequencies, up to half the length.
+    /// Sets the transforms of both rows at as many frequencies, up to half the length. Those at zero and at half the length are real but for rounding, as
+    /// the rows are.
     #[inline(always)]
     pub(crate) fn set_lines(&mut self, first: usize, lines: &[R]) {
-        for (source, part) in lines.chunks_exact(COLUMNS).zip(&mut self.spectra) {
-            part[first..][..COLUMNS].copy_from_slice(source);
+        let (length, places) = (self.values.len(), self.places(first));
+        let mut four = [[R::default(); COLUMNS]; 4];
+        for (line, values) in four.iter_mut().zip(lines.as_chunks().0) {
+            *line = *values;
         }
-    }
-
-    /// Makes one transform of both.
-    #[inline(always)]
-    fn join(&mut self) {
-        let length = self.length();
-        let [one, one_im, other, other_im] = &mut self.spectra;
-        // Transforms of real numbers are real at their ends; rounding must not say otherwise.
-        for im in [&mut *one_im, &mut *other_im] {
-            im[0] = R::default();
-            if length.is_multiple_of(2) {
-                im[length / 2] = R::default();
+        let [one, one_im, other, other_im] = four;
+        let own: [[R; COLUMNS]; 2] = [
+            from_fn(|k| one[k] - other_im[k]),
+            from_fn(|k| one_im[k] + other[k]),
+        ];
+        let mut images: [[R; COLUMNS]; 2] = [
+            from_fn(|k| one[k] + other_im[k]),
+            from_fn(|k| other[k] - one_im[k]),
+        ];
+        for (part, values) in self.parts.iter_mut().zip(own.iter().zip(&mut images)) {
+            values.1.reverse();
+            // Beyond half the length there are the images of what is before it.
+            match length / 2 + 1 - first {
+                COLUMNS.. => put(part, places, values, COLUMNS),
+                few => put(part, places, values, few),
             }
-        }
-        let [re, im] = &mut self.apart;
-        let half = length / 2 + 1;
-        // The images first, from the end: that in the middle of an even length is its own.
-        let images = length + 1 - half..length + 1;
-        let parts = one.iter().zip(other_im.iter());
-        for (re, (one, other_im)) in re[images.clone()].iter_mut().rev().zip(parts) {
-            *re = *one + *other_im;
-        }
-        let parts = one_im.iter().zip(other.iter());
-        for (im, (one_im, other)) in im[images].iter_mut().rev().zip(parts) {
-            *im = *other - *one_im;
-        }
-        for (re, (one, other_im)) in re[..half].iter_mut().zip(one.iter().zip(other_im)) {
-            *re = *one - *other_im;
-        }
-        for (im, (one_im, other)) in im[..half].iter_mut().zip(one_im.iter().zip(other)) {
-            *im = *one_im + *other;
-        }
-        for ((re, im), value) in re.iter().zip(im).zip(&mut self.values) {
-            *value = Complex::new(*re, *im);
         }
     }
 
     /// Transforms them back, without normalisation.
     pub(crate) fn back(&mut self, plan: &dyn Fft<R>, scratch: &mut [Complex<R>]) {
+        let (values, [re, im]) = (&mut self.values, &self.parts);
         widest(
             #[inline(always)]
-            || self.join(),
+            || {
+                let parts = re[COLUMNS..].iter().zip(&im[COLUMNS..]);
+                for (value, (re, im)) in values.iter_mut().zip(parts) {
+                    *value = Complex::new(*re, *im);
+                }
+            },
         );
-        plan.process_with_scratch(self.rows(), scratch);
+        plan.process_with_scratch(&mut self.values, scratch);
     }
+}
+
+/// Puts the first few columns of a line to their places, and their images, which are turned around.
+#[inline(always)]
+fn put<R: Copy>(
+    part: &mut [R],
+    [own, image]: [usize; 2],
+    (values, images): (&[R; COLUMNS], &mut [R; COLUMNS]),
+    columns: usize,
+) {
+    part[own..][..columns].copy_from_slice(&values[..columns]);
+    part[image + 1 - columns..=image].copy_from_slice(&images[COLUMNS - columns..]);
 }
 
 #[cfg(test)]
@@ -146,10 +146,10 @@ mod tests {
     use crate::numerics::column_transform::LINE;
     use rustfft::FftPlanner;
 
-    /// Against the sums that define them, of even lengths and an odd one, some frequencies at a time; lines against these; and there and back.
+    /// Against the sums that define them, of even lengths and odd ones, some shorter than a line, some frequencies at a time; lines against these; and there and back.
     #[test]
     fn both_rows_have_their_own_transforms() {
-        for length in [12, 15, 16, 18, 40] {
+        for length in [1, 2, 5, 12, 15, 16, 18, 40] {
             let mut planner = FftPlanner::<f64>::new();
             let (plan, plan_back) = (
                 planner.plan_fft_forward(length),
@@ -186,14 +186,10 @@ mod tests {
                 pair.twice_spectra(first, [one, other]);
                 let mut lines = [0.0; 2 * LINE];
                 pair.twice_lines(first, &mut lines);
-                for (line, spectrum) in lines.chunks_exact_mut(LINE).zip(&spectra) {
-                    let (re, im) = line.split_at_mut(COLUMNS);
-                    for (frequency, k) in (first..half).zip(0..COLUMNS) {
+                for (line, spectrum) in lines.chunks_exact(LINE).zip(&spectra) {
+                    let (re, im) = line.split_at(COLUMNS);
+                    for k in 0..COLUMNS.min(half - first) {
                         assert_eq!(Complex::new(re[k], im[k]), spectrum[k]);
-                        // What is imaginary at the ends does not count.
-                        if 2 * frequency % length == 0 {
-                            im[k] = 7.0;
-                        }
                     }
                 }
                 back.set_lines(first, &lines);
