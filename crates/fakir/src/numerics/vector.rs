@@ -3,6 +3,7 @@
 //! Results do not depend on the processor: sums are taken in the same order everywhere, and products
 //! are rounded before they are added.
 
+use super::convergence::{self, larger};
 use super::workers::Workers;
 use pulp::Arch;
 use std::ops::{Add, AddAssign, Mul, Sub};
@@ -228,6 +229,23 @@ fn four_dots(a: &[f64], rows: &[f64]) -> [f64; LANES] {
     dots
 }
 
+/// The largest absolute value, NaN if one of them is, 0 if there are none.
+pub(crate) fn largest(a: &[f64]) -> f64 {
+    widest(
+        #[inline(always)]
+        || {
+            let (chunks, rest) = a.as_chunks::<{ 4 * LANES }>();
+            let mut most = [0.0; 4 * LANES];
+            for chunk in chunks {
+                for (most, value) in most.iter_mut().zip(chunk) {
+                    *most = larger(*most, value.abs());
+                }
+            }
+            convergence::largest(most.iter().chain(rest).copied())
+        },
+    )
+}
+
 /// `a -= b`
 pub(crate) fn subtract(a: &mut [f64], b: &[f64]) {
     widest(
@@ -273,6 +291,22 @@ mod tests {
                     let product = products[k * count + l];
                     assert_eq!(product.to_bits(), expected.to_bits(), "{k} {l}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_is_found_wherever_it_is() {
+        for length in [0usize, 1, 15, 16, 17, 50] {
+            let numbers: Vec<f64> = (0..length).map(|k| (k as f64).sin()).collect();
+            let expected = numbers.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            assert_eq!(largest(&numbers).to_bits(), expected.to_bits());
+            for place in 0..length {
+                let mut numbers = numbers.clone();
+                numbers[place] = -7.0;
+                assert_eq!(largest(&numbers).to_bits(), 7f64.to_bits());
+                numbers[place] = f64::NAN;
+                assert!(largest(&numbers).is_nan(), "{length} {place}");
             }
         }
     }

@@ -21,11 +21,10 @@ use crate::halfspace::disc::basis::Mode;
 use crate::numerics::column_transform::{
     COLUMNS, ColumnTransform, LINE, SideBySide, registers_of_line,
 };
-use crate::numerics::convergence::larger;
 use crate::numerics::fft::Real;
 use crate::numerics::row_pair::RowPair;
 use crate::numerics::simd::{Aligned, InRegisters};
-use crate::numerics::vector::widest;
+use crate::numerics::vector::{largest, widest};
 use crate::numerics::workers::Workers;
 use num_complex::{Complex, Complex64};
 use pulp::{Arch, Simd, WithSimd};
@@ -91,12 +90,6 @@ impl Layout {
         }
     }
 
-    /// The column of the first pillar of a row, and its pillars: none beyond the last row.
-    fn row(&self, row: usize) -> (usize, Range<usize>) {
-        let pillars = self.ranges.get(row).cloned().unwrap_or_default();
-        (self.first_columns.get(row).copied().unwrap_or(0), pillars)
-    }
-
     /// Every few columns that are transformed together.
     fn strips(&self) -> usize {
         self.half.div_ceil(COLUMNS)
@@ -119,68 +112,79 @@ impl Layout {
         (0..rows * self.modes).step_by(2)
     }
 
-    /// The row and the mode of a line of a tile.
-    fn row_and_mode(&self, tile: usize, line: usize) -> (usize, usize) {
-        (tile * CHUNK + line / self.modes, line % self.modes)
+    /// The places of a tile's pillars among all numbers.
+    fn numbers_of_tile(&self, tile: usize) -> Range<usize> {
+        let rows = &self.ranges[tile * CHUNK..];
+        let rows = &rows[..rows.len().min(CHUNK)];
+        rows[0].start * self.modes..rows[rows.len() - 1].end * self.modes
     }
 
-    /// Sets the values along a line, real parts, and the next one, imaginary parts, from the numbers of pillars and modes.
-    #[inline(always)]
+    /// Of a line and the next one: the column of the first pillar, the places of the row among the numbers of the tile, and the mode.
+    fn two_lines(&self, tile: usize, line: usize) -> [(usize, Range<usize>, usize); 2] {
+        let start = self.ranges[tile * CHUNK].start;
+        [line, line + 1].map(|line| {
+            let (row, mode) = (tile * CHUNK + line / self.modes, line % self.modes);
+            // Beyond the last row there is nothing.
+            let pillars = self.ranges.get(row).cloned().unwrap_or(start..start);
+            let first = self.first_columns.get(row).copied().unwrap_or(0);
+            let numbers = (pillars.start - start) * self.modes..(pillars.end - start) * self.modes;
+            (first, numbers, mode)
+        })
+    }
+
+    /// Sets the values along a line, real parts, and the next one, imaginary parts, from the numbers of a tile.
     fn read<R: Precision>(
         &self,
         values: &mut [Complex<R>],
-        tile: usize,
-        line: usize,
-        number: impl Fn(usize) -> R,
+        (tile, line): (usize, usize),
+        numbers: &[f64],
+        factor: f64,
     ) {
-        let [(row, mode), (next_row, next_mode)] =
-            [line, line + 1].map(|line| self.row_and_mode(tile, line));
-        let (first, pillars) = self.row(row);
+        let of = |number: f64| R::of(factor * number);
+        let [(first, row, mode), (next_first, next_row, next_mode)] = self.two_lines(tile, line);
         values[..first].fill(Complex::default());
-        values[first + pillars.len()..].fill(Complex::default());
-        let values_of_row = values[first..].iter_mut().zip(pillars);
+        values[first + row.len() / self.modes..].fill(Complex::default());
+        let pillars = numbers[row.clone()].chunks_exact(self.modes);
+        let row_values = values[first..].iter_mut().zip(pillars);
         if next_row == row {
-            for (value, pillar) in values_of_row {
-                let place = pillar * self.modes + mode;
-                *value = Complex::new(number(place), number(place + 1));
+            for (value, pillar) in row_values {
+                *value = Complex::new(of(pillar[mode]), of(pillar[next_mode]));
             }
         } else {
-            for (value, pillar) in values_of_row {
-                *value = Complex::from(number(pillar * self.modes + mode));
+            for (value, pillar) in row_values {
+                *value = Complex::from(of(pillar[mode]));
             }
-            let (first, pillars) = self.row(next_row);
-            for (value, pillar) in values[first..].iter_mut().zip(pillars) {
-                value.im = number(pillar * self.modes + next_mode);
+            let pillars = numbers[next_row].chunks_exact(self.modes);
+            for (value, pillar) in values[next_first..].iter_mut().zip(pillars) {
+                value.im = of(pillar[next_mode]);
             }
         }
     }
 
-    /// Hands out what [`read`](Self::read) sets.
-    #[inline(always)]
+    /// Sets the numbers that [`read`](Self::read) reads.
     fn write<R: Precision>(
         &self,
         values: &[Complex<R>],
-        tile: usize,
-        line: usize,
-        mut to: impl FnMut(usize, R),
+        (tile, line): (usize, usize),
+        numbers: &mut [f64],
+        factor: f64,
     ) {
-        let [(row, mode), (next_row, next_mode)] =
-            [line, line + 1].map(|line| self.row_and_mode(tile, line));
-        let (first, pillars) = self.row(row);
-        let values_of_row = values[first..].iter().zip(pillars);
+        let of = |value: R| factor * value.double();
+        let [(first, row, mode), (next_first, next_row, next_mode)] = self.two_lines(tile, line);
+        let pillars = numbers[row.clone()].chunks_exact_mut(self.modes);
+        let row_values = values[first..].iter().zip(pillars);
         if next_row == row {
-            for (value, pillar) in values_of_row {
-                let place = pillar * self.modes + mode;
-                to(place, value.re);
-                to(place + 1, value.im);
+            for (value, pillar) in row_values {
+                pillar[mode] = of(value.re);
+                pillar[next_mode] = of(value.im);
             }
         } else {
-            for (value, pillar) in values_of_row {
-                to(pillar * self.modes + mode, value.re);
+            for (value, pillar) in row_values {
+                pillar[mode] = of(value.re);
             }
-            let (first, pillars) = self.row(next_row);
-            for (value, pillar) in values[first..].iter().zip(pillars) {
-                to(pillar * self.modes + next_mode, value.im);
+            let pillars = numbers[next_row].chunks_exact_mut(self.modes);
+            for (value, pillar) in values[next_first..].iter().zip(pillars) {
+                pillar[next_mode] = of(value.im);
             }
         }
     }
@@ -243,9 +247,7 @@ impl LatticeConvolution {
         workers: Workers<'_>,
     ) {
         // Single precision knows no small numbers: the largest is made one.
-        let largest = coefficients
-            .iter()
-            .fold(0.0, |most, c| larger(most, c.abs()));
+        let largest = largest(coefficients);
         let unit = if largest.is_normal() { largest } else { 1.0 };
         let tiles = bytemuck::cast_slice_mut(&mut self.tiles);
         let tiles = &mut tiles[..self.layout.tile_room()];
@@ -521,10 +523,9 @@ impl<R: Precision> Passes<R> {
                 if workers.cancel.is_cancelled() {
                     return;
                 }
+                let coefficients = &coefficients[layout.numbers_of_tile(number)];
                 for line in layout.line_pairs(number) {
-                    layout.read(pair.rows(), number, line, |place| {
-                        R::of(factor * coefficients[place])
-                    });
+                    layout.read(pair.rows(), (number, line), coefficients, factor);
                     pair.forward(self.row.as_ref(), scratch);
                     widest(
                         #[inline(always)]
@@ -549,9 +550,8 @@ impl<R: Precision> Passes<R> {
     ) {
         let mut blocks = Vec::with_capacity(layout.ranges.len().div_ceil(CHUNK));
         let mut rest = far;
-        for ranges in layout.ranges.chunks(CHUNK) {
-            let pillars: usize = ranges.iter().map(ExactSizeIterator::len).sum();
-            let (block, after) = rest.split_at_mut(pillars * layout.modes);
+        for tile in 0..layout.ranges.len().div_ceil(CHUNK) {
+            let (block, after) = rest.split_at_mut(layout.numbers_of_tile(tile).len());
             blocks.push(block);
             rest = after;
         }
@@ -576,10 +576,8 @@ impl<R: Precision> Passes<R> {
         (far, unit): (&mut [f64], f64),
         room: &mut RowRoom<R>,
     ) {
-        let modes = layout.modes;
         let (tile, strip) = layout.tile_lengths();
         let RowRoom { pair, scratch } = room;
-        let start = layout.ranges[number * CHUNK].start * modes;
         for line in layout.line_pairs(number) {
             widest(
                 #[inline(always)]
@@ -591,9 +589,7 @@ impl<R: Precision> Passes<R> {
                 },
             );
             pair.back(self.row_back.as_ref(), scratch);
-            layout.write(pair.rows(), number, line, |place, value| {
-                far[place - start] = unit * value.double();
-            });
+            layout.write(pair.rows(), (number, line), far, unit);
         }
     }
 
