@@ -147,9 +147,8 @@ impl WithSimd for Factorisation<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let blocks = self.corners.len();
-        for block in 0..blocks {
-            let (done, mut behind) = self.rows.split_at_mut(start(block + 1));
+        for block in 0..self.corners.len() {
+            let (done, behind) = self.rows.split_at_mut(start(block + 1));
             let (before, corner) = self.corners.split_at_mut(block);
             let own = &mut done[start(block)..];
             let undivided = &mut self.undivided[..own.len()];
@@ -161,9 +160,8 @@ impl WithSimd for Factorisation<'_> {
                 return false;
             };
             corner[0] = found;
-            let rows_behind = (block + 1..blocks)
-                .map_while(|row| behind.split_off_mut(..start(row + 1) - start(row)));
-            eliminate_all(simd, ratios, &found, rows_behind);
+            let length = (block + 2) * SQUARE;
+            eliminate_all(simd, ratios, &found, behind, [length, SQUARE]);
         }
         true
     }
@@ -182,19 +180,26 @@ fn divide(row: &mut [f64], corners: &[Corner]) {
     }
 }
 
-/// [`eliminate`] of blocks of rows two by two, as there are registers for, and of the last one alone if their number is odd.
+/// [`eliminate`] of all blocks of rows that lie one after the other, of which the first is so long, and each longer than the one before by so much.
 #[inline(always)]
-fn eliminate_all<'a, S: Simd>(
+fn eliminate_all<S: Simd>(
     simd: S,
     ratios: &[f64],
     corner: &Corner,
-    mut rows: impl Iterator<Item = &'a mut [f64]>,
+    mut rows: &mut [f64],
+    [mut length, more]: [usize; 2],
 ) {
-    while let Some(one) = rows.next() {
-        match rows.next() {
-            Some(other) => eliminate(simd, ratios, corner, [one, other]),
-            None => eliminate(simd, ratios, corner, [one]),
+    // Two at a time, as there are registers for.
+    while !rows.is_empty() {
+        let (one, rest) = rows.split_at_mut(length);
+        if rest.is_empty() {
+            eliminate(simd, ratios, corner, [one]);
+            return;
         }
+        let (other, rest) = rest.split_at_mut(length + more);
+        eliminate(simd, ratios, corner, [one, other]);
+        rows = rest;
+        length += 2 * more;
     }
 }
 
@@ -362,8 +367,7 @@ impl WithSimd for Projection<'_> {
         let length = self.corners.len() * SQUARE;
         for (block, corner) in self.corners.iter().enumerate() {
             let ratios = &self.rows[start(block)..][..block * SQUARE];
-            let rows = self.below.chunks_exact_mut(length);
-            eliminate_all(simd, ratios, corner, rows);
+            eliminate_all(simd, ratios, corner, self.below, [length, 0]);
         }
         let parts = BLOCK / S::F64_LANES;
         let rows = || self.below.chunks_exact(length.max(1));
