@@ -1,4 +1,4 @@
-"""Times of the convolution and of one-pillar problems beside what operations and bytes allow at the least."""
+"""Times of the convolution, of products with the floor and of one-pillar problems beside what operations and bytes allow at the least."""
 
 import subprocess
 
@@ -15,7 +15,8 @@ The floor is the longer of two times: all operations at the rate of multiplicati
 in double precision and twice that in single,
 and all bytes, every array once, at the rate of a copy of arrays of that size. A transform of length n counts 5 n log2 n
 operations, one of real numbers half of that. *Transforms alone*: those of the product, of numbers that stay in the cache, without
-anything else; they are the library's.
+anything else; they are the library's. *Floor and tops*: the product of a patch past the transition at a surface fraction of 0.1 with
+the tops beside it; by a quadrant of its cells where all is its own mirror image.
 
 {table}
 """

@@ -1,4 +1,4 @@
-//! Times of the convolution and of one-pillar problems beside what operations and bytes allow at the
+//! Times of the convolution, of products with the floor and of one-pillar problems beside what operations and bytes allow at the
 //! least on this machine, one thread: `cargo run --release -p fakir --example limits`.
 //!
 //! The floor is the longer of two times: all operations at the rate of multiplications and additions in

@@ -5,11 +5,14 @@ use crate::halfspace::coupling::convolution::LatticeConvolution;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::pair::PairCoupling;
+use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::elements::{FreeSpaceConvolution, Operator};
+use crate::halfspace::floor::coupling::FloorCoupling;
+use crate::halfspace::floor::grid::{Division, FloorGrid};
 use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
 use crate::problem::scaled::Scene;
@@ -177,13 +180,81 @@ pub struct Limit {
     pub transforms: Option<f64>,
 }
 
-/// The convolution of about `pillars` pillars, and the unilateral problem of one, on one thread.
+/// The convolution of about `pillars` pillars, of floors between pillars, and the unilateral problem of one, on one thread.
 #[must_use]
 pub fn limits(pillars: &[f64]) -> Vec<Limit> {
     let products = pillars.iter().flat_map(|&count| product_limits(count));
-    let mut limits: Vec<Limit> = products.collect();
+    let floors = [0.0, 0.3].into_iter().flat_map(floor_limits);
+    let mut limits: Vec<Limit> = products.chain(floors).collect();
     limits.push(one_pillar_limit());
     limits
+}
+
+/// Of products with a floor and the tops beside it, in double precision and in single: a patch past the transition at a surface fraction of 0.1, the lens axis so many
+/// pitches from a pillar. On a pillar all is its own mirror image.
+fn floor_limits(offset: f64) -> Vec<Limit> {
+    const PITCH: f64 = 6.02;
+    const FLOOR: f64 = 57.0;
+    const FINENESS: usize = 10;
+    let lattice = HexagonalLattice {
+        offset,
+        ..HexagonalLattice::new(PITCH)
+    };
+    let field = PillarField::Hexagonal {
+        lattice,
+        column: 0.0.into(),
+    };
+    let grid = FloorGrid::new(&field, Division::new(&field, FINENESS), FLOOR);
+    let Some(grid) = grid.map(|grid| match field.mirrored_at() {
+        Some(axis) => grid.with_mirrors(axis),
+        None => grid,
+    }) else {
+        return Vec::new();
+    };
+    let (run, reach) = (Run::default(), FLOOR + 2.0 * PITCH);
+    let sites = Sites::within(&field, reach);
+    let modes = mode_count(DEGREE);
+    let pillars = (&sites, reach);
+    let mut floor = FloorCoupling::new(
+        &grid,
+        pillars,
+        [modes, DEGREE],
+        &[],
+        None,
+        run.workers(),
+        None,
+    );
+    let c = coefficients(sites.len() * modes + grid.len());
+    let (of_tops, of_floor) = c.split_at(sites.len() * modes);
+    let (mut far_tops, mut far_floor) = (vec![0.0; of_tops.len()], vec![0.0; of_floor.len()]);
+    let mut limit = |rough: bool| {
+        let [operations, bytes] = floor.least_work(rough)?;
+        let seconds = least_time(|| {
+            let (c, far) = ([of_tops, of_floor], [&mut far_tops[..], &mut far_floor[..]]);
+            if rough {
+                floor.apply_roughly(c, far);
+            } else {
+                floor.apply(c, far);
+            }
+        });
+        let (kind, cells) = (["whole", "a quadrant"], grid.len());
+        let kind = kind[usize::from(field.mirrored_at().is_some())];
+        let name = if rough {
+            format!("the same in single precision, {cells} cells")
+        } else {
+            format!("floor and tops, {kind}, {cells} cells")
+        };
+        Some(Limit {
+            name,
+            operations,
+            at_once: if rough { 2.0 } else { 1.0 },
+            bytes: bytes + 16.0 * c.len() as f64,
+            working_set: bytes,
+            seconds,
+            transforms: None,
+        })
+    };
+    [false, true].into_iter().filter_map(&mut limit).collect()
 }
 
 /// Of products in double precision and in single, those inside a solution.

@@ -299,6 +299,11 @@ impl<'p, T: Transform> Convolution<'p, T> {
         &self.transform
     }
 
+    /// How many rows hold cells.
+    pub(crate) fn held_rows(&self) -> usize {
+        self.rows.len()
+    }
+
     pub(super) fn pool(&self) -> Option<&'p ThreadPool> {
         self.pool
     }

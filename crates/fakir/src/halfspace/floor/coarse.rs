@@ -15,6 +15,9 @@ pub(super) trait BesidePillars {
 
     /// Adds up what the floor does to pillars.
     fn gather(&self, coarse: &mut Coarse);
+
+    /// Numbers of all kernels.
+    fn kernel_count(&self) -> usize;
 }
 
 /// Transforms over the coarse grid, with room.
@@ -32,6 +35,11 @@ pub(super) struct Coarse {
 }
 
 impl Coarse {
+    /// Columns and rows.
+    pub(super) fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+
     pub(super) fn new(shape: [usize; 2], modes: usize) -> Self {
         let [columns, rows] = shape;
         let plans = RealPlans::new(rows, columns);

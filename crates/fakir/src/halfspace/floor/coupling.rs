@@ -308,8 +308,22 @@ impl<'a> FloorCoupling<'a> {
         cells * (pillars.listed * mode_count(degree)) as f64
     }
 
+    /// Operations of a product with pillars on the grid at the least, and the bytes it moves, counted as [those of a lattice](LatticeConvolution::least_work).
+    pub(crate) fn least_work(&self, rough: bool) -> Option<[f64; 2]> {
+        let Pillars::OnGrid { coarse, .. } = &self.pillars else {
+            return None;
+        };
+        let coarse = coarse.shape();
+        Some(match &self.products {
+            Products::Whole { exact, .. } if !rough => least_work(exact, coarse),
+            Products::Whole { rough, .. } => least_work(rough, coarse),
+            Products::Mirrored { exact, .. } if !rough => least_work(exact, coarse),
+            Products::Mirrored { rough, .. } => least_work(rough, coarse),
+        })
+    }
+
     /// Adds to the loads on pillar tops, and sets those on floor cells.
-    fn apply(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
+    pub(crate) fn apply(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
         let floor = (&mut self.folding, &mut self.pillars, self.modes);
         match &mut self.products {
             Products::Whole { exact, .. } => apply(exact, floor, coefficients, far),
@@ -318,7 +332,7 @@ impl<'a> FloorCoupling<'a> {
     }
 
     /// The same in single precision.
-    fn apply_roughly(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
+    pub(crate) fn apply_roughly(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
         let floor = (&mut self.folding, &mut self.pillars, self.modes);
         match &mut self.products {
             Products::Whole { rough, .. } => apply(rough, floor, coefficients, far),
@@ -346,6 +360,34 @@ impl<'a> Products<'a> {
             }
         }
     }
+}
+
+fn least_work<T: Transform + BesidePillars>(
+    convolution: &Convolution<'_, T>,
+    coarse: [usize; 2],
+) -> [f64; 2] {
+    let transform = convolution.transform();
+    let [length, rows] = transform.shape().map(|n| n as f64);
+    let [held, columns, modes] = [
+        convolution.held_rows(),
+        transform.column_count(),
+        transform.odd().len(),
+    ]
+    .map(|n| n as f64);
+    let [coarse_columns, coarse_rows] = coarse.map(|n| n as f64);
+    let coarse_points = coarse_columns * coarse_rows;
+    let transforms = 2.0 * held * 2.5 * length * length.log2()
+        + 2.0 * columns * 5.0 * rows * rows.log2()
+        + 2.0 * modes * 2.5 * coarse_points * coarse_points.log2();
+    // Complex numbers of the floor times its kernel; every mode of the pillars times its own, and the floor for every mode.
+    let multiplied = (2.0 + 8.0 * modes) * columns * rows;
+    // Transformed rows are written, read and written again, and read; what the floor does to pillars is written and read.
+    let numbers = 8.0 * columns * held
+        + 4.0 * modes * columns * coarse_rows
+        + 4.0 * modes * coarse_points
+        + transform.kernel_count() as f64;
+    let bytes = size_of::<T::Real>() as f64 * numbers;
+    [transforms + multiplied, bytes]
 }
 
 fn apply<T: Transform + BesidePillars>(
@@ -602,10 +644,12 @@ mod tests {
                 pool: None,
                 cancel: &cancel,
             };
+            let mut work = Vec::new();
             let mut products = [&whole, &quadrant].map(|grid| {
                 let pillars = (&sites, 1e9);
                 let mut floor =
                     FloorCoupling::new(grid, pillars, [modes, 2], &[], None, workers, None);
+                work.push([false, true].map(|rough| floor.least_work(rough).unwrap()));
                 [false, false, true].map(|roughly| {
                     let mut far = vec![0.0; coefficients.len()];
                     let (far_tops, far_floor) = far.split_at_mut(tops);
@@ -618,6 +662,18 @@ mod tests {
                     far
                 })
             });
+            // A quarter of the numbers but for the coarse grid, which is transformed whole; and half of the bytes in single precision.
+            for ([operations, bytes], [all_operations, all_bytes]) in work[1].iter().zip(&work[0]) {
+                let share = operations / all_operations;
+                assert!((0.2..0.5).contains(&share), "{field:?}: {share}");
+                assert!(bytes < all_bytes, "{field:?}");
+            }
+            for [exact, rough] in &work {
+                assert!(
+                    (rough[0] / exact[0] - 1.0).abs() + (2.0 * rough[1] / exact[1] - 1.0).abs()
+                        < 1e-12
+                );
+            }
             let [expected, found] = &mut products;
             let scale = expected[0].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             for (found, tolerance) in found.iter().zip([1e-12, 1e-12, 1e-5]) {

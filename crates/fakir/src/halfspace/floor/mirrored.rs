@@ -289,6 +289,10 @@ impl<R: Real> BesidePillars for Mirrored<R> {
         coarse.write_real(mode, self.odd[mode], &mut spectra);
     }
 
+    fn kernel_count(&self) -> usize {
+        self.kernel.len()
+    }
+
     fn gather(&self, coarse: &mut Coarse) {
         let columns = |complex: usize| self.plans.columns_of(complex);
         coarse.gather_real(columns, &self.parities, &self.folded);

@@ -59,6 +59,10 @@ impl<R: Real> BesidePillars for Together<R> {
         coarse.write(mode, &mut spectra);
     }
 
+    fn kernel_count(&self) -> usize {
+        self.kernel.len()
+    }
+
     fn gather(&self, coarse: &mut Coarse) {
         coarse.gather(self.shape[0], &self.folded);
     }
