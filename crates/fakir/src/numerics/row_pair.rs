@@ -84,17 +84,43 @@ impl<R: Real> RowPair<R> {
         }
     }
 
-    /// Sets the transforms of both rows at as many frequencies, up to half the length. Those at zero and at half the length are real but for rounding, as
-    /// the rows are.
+    /// Sets the transforms of both rows at as many frequencies, up to half the length.
     #[inline(always)]
     pub(crate) fn set_lines(&mut self, first: usize, lines: &[R]) {
-        let (length, places) = (self.values.len(), self.places(first));
         let mut four = [[R::default(); COLUMNS]; 4];
         for (line, values) in four.iter_mut().zip(lines.as_chunks().0) {
             *line = *values;
         }
-        let [one, one_im, other, other_im] = four;
-        let own: [[R; COLUMNS]; 2] = [
+        let left = self.values.len() / 2 + 1 - first;
+        if first > 0 && left > COLUMNS {
+            self.put(first, four, COLUMNS);
+        } else {
+            // Beyond half the length there are the images of what is before it.
+            self.put_ends(first, four, left.min(COLUMNS));
+        }
+    }
+
+    /// The same of the first line and of the last, of which there are so many columns.
+    #[cold]
+    fn put_ends(&mut self, first: usize, mut four: [[R; COLUMNS]; 4], columns: usize) {
+        // Transforms of real numbers are real at their ends; rounding must not say otherwise.
+        let is_end = |k: &usize| (2 * (first + k)).is_multiple_of(self.values.len());
+        for k in (0..columns).filter(is_end) {
+            (four[1][k], four[3][k]) = Default::default();
+        }
+        self.put(first, four, columns);
+    }
+
+    /// Puts the first few columns of both lines, each real parts and imaginary ones, to their places, and what they say of their images, which are turned around.
+    #[inline(always)]
+    fn put(
+        &mut self,
+        first: usize,
+        [one, one_im, other, other_im]: [[R; COLUMNS]; 4],
+        columns: usize,
+    ) {
+        let [own, image] = self.places(first);
+        let values: [[R; COLUMNS]; 2] = [
             from_fn(|k| one[k] - other_im[k]),
             from_fn(|k| one_im[k] + other[k]),
         ];
@@ -102,13 +128,10 @@ impl<R: Real> RowPair<R> {
             from_fn(|k| one[k] + other_im[k]),
             from_fn(|k| other[k] - one_im[k]),
         ];
-        for (part, values) in self.parts.iter_mut().zip(own.iter().zip(&mut images)) {
-            values.1.reverse();
-            // Beyond half the length there are the images of what is before it.
-            match length / 2 + 1 - first {
-                COLUMNS.. => put(part, places, values, COLUMNS),
-                few => put(part, places, values, few),
-            }
+        for (part, (values, images)) in self.parts.iter_mut().zip(values.iter().zip(&mut images)) {
+            images.reverse();
+            part[own..][..columns].copy_from_slice(&values[..columns]);
+            part[image + 1 - columns..=image].copy_from_slice(&images[COLUMNS - columns..]);
         }
     }
 
@@ -126,18 +149,6 @@ impl<R: Real> RowPair<R> {
         );
         plan.process_with_scratch(&mut self.values, scratch);
     }
-}
-
-/// Puts the first few columns of a line to their places, and their images, which are turned around.
-#[inline(always)]
-fn put<R: Copy>(
-    part: &mut [R],
-    [own, image]: [usize; 2],
-    (values, images): (&[R; COLUMNS], &mut [R; COLUMNS]),
-    columns: usize,
-) {
-    part[own..][..columns].copy_from_slice(&values[..columns]);
-    part[image + 1 - columns..=image].copy_from_slice(&images[COLUMNS - columns..]);
 }
 
 #[cfg(test)]
@@ -186,10 +197,14 @@ mod tests {
                 pair.twice_spectra(first, [one, other]);
                 let mut lines = [0.0; 2 * LINE];
                 pair.twice_lines(first, &mut lines);
-                for (line, spectrum) in lines.chunks_exact(LINE).zip(&spectra) {
-                    let (re, im) = line.split_at(COLUMNS);
-                    for k in 0..COLUMNS.min(half - first) {
+                for (line, spectrum) in lines.chunks_exact_mut(LINE).zip(&spectra) {
+                    let (re, im) = line.split_at_mut(COLUMNS);
+                    for (frequency, k) in (first..half).zip(0..COLUMNS) {
                         assert_eq!(Complex::new(re[k], im[k]), spectrum[k]);
+                        // What is imaginary at the ends does not count.
+                        if 2 * frequency % length == 0 {
+                            im[k] = 7.0;
+                        }
                     }
                 }
                 back.set_lines(first, &lines);
