@@ -227,8 +227,14 @@ fn floor_limits(offset: f64) -> Vec<Limit> {
     let c = coefficients(sites.len() * modes + grid.len());
     let (of_tops, of_floor) = c.split_at(sites.len() * modes);
     let (mut far_tops, mut far_floor) = (vec![0.0; of_tops.len()], vec![0.0; of_floor.len()]);
-    let mut limit = |rough: bool| {
-        let [operations, bytes] = floor.least_work(rough)?;
+    let name = if grid.mirrors.is_some() {
+        "floor and tops, a quadrant"
+    } else {
+        "floor and tops, whole"
+    };
+    let size = format!("{} cells", grid.len());
+    let limit = |rough: bool| {
+        let work = floor.least_work(rough)?;
         let seconds = least_time(|| {
             let (c, far) = ([of_tops, of_floor], [&mut far_tops[..], &mut far_floor[..]]);
             if rough {
@@ -237,24 +243,33 @@ fn floor_limits(offset: f64) -> Vec<Limit> {
                 floor.apply(c, far);
             }
         });
-        let (kind, cells) = (["whole", "a quadrant"], grid.len());
-        let kind = kind[usize::from(field.mirrored_at().is_some())];
-        let name = if rough {
-            format!("the same in single precision, {cells} cells")
-        } else {
-            format!("floor and tops, {kind}, {cells} cells")
-        };
-        Some(Limit {
-            name,
-            operations,
-            at_once: if rough { 2.0 } else { 1.0 },
-            bytes: bytes + 16.0 * c.len() as f64,
-            working_set: bytes,
-            seconds,
-            transforms: None,
-        })
+        Some(product_limit([name, &size], rough, work, c.len(), seconds))
     };
-    [false, true].into_iter().filter_map(&mut limit).collect()
+    [false, true].into_iter().filter_map(limit).collect()
+}
+
+/// Of a product in double precision or in single, with so many numbers in double precision that it reads, and as many that it writes, besides its work.
+fn product_limit(
+    [name, size]: [&str; 2],
+    rough: bool,
+    [operations, bytes]: [f64; 2],
+    numbers: usize,
+    seconds: f64,
+) -> Limit {
+    let name = if rough {
+        "the same in single precision"
+    } else {
+        name
+    };
+    Limit {
+        name: format!("{name}, {size}"),
+        operations,
+        at_once: if rough { 2.0 } else { 1.0 },
+        bytes: bytes + 16.0 * numbers as f64,
+        working_set: bytes,
+        seconds,
+        transforms: None,
+    }
 }
 
 /// Of products in double precision and in single, those inside a solution.
@@ -266,6 +281,7 @@ fn product_limits(pillars: f64) -> [Limit; 2] {
     let mut coupling = LatticeConvolution::new(&window, &pair, run.workers());
     let c = coefficients(window.len() * mode_count(DEGREE));
     let mut far = vec![0.0; c.len()];
+    let size = format!("{} pillars", window.len());
     [false, true].map(|rough| {
         let seconds = least_time(|| {
             if rough {
@@ -274,20 +290,10 @@ fn product_limits(pillars: f64) -> [Limit; 2] {
                 coupling.apply(&c, &mut far, run.workers());
             }
         });
-        let [operations, bytes] = coupling.least_work(rough);
-        let name = if rough {
-            "the same in single precision"
-        } else {
-            "convolution"
-        };
+        let work = coupling.least_work(rough);
         Limit {
-            name: format!("{name}, {} pillars", window.len()),
-            operations,
-            at_once: if rough { 2.0 } else { 1.0 },
-            bytes: bytes + 16.0 * c.len() as f64,
-            working_set: bytes,
-            seconds,
             transforms: Some(least_time(|| coupling.transforms_alone(rough))),
+            ..product_limit(["convolution", &size], rough, work, c.len(), seconds)
         }
     })
 }
