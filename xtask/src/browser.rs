@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-const TESTS: &str = "tests/browser";
+pub(crate) const TESTS: &str = "tests/browser";
 const PAGE: &str = "crates/fakir-explore/page";
 
 /// Names of Chromium, and of browsers that will do.
@@ -22,7 +22,7 @@ const NAMES: [&str; 4] = [
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     page_is_built()?;
     let chromium = chromium()?;
-    let (python, program) = python::prepare(cargo, TESTS, "browser")?;
+    let (python, program) = python::prepare(cargo, TESTS)?;
     let mut tests = python::pytest(&python, TESTS);
     tests.env("FAKIR", program).env("CHROMIUM", chromium);
     // The manual is looked at if it was built, as it is where every check is run.

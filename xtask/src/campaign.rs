@@ -2,6 +2,7 @@
 //! `campaign` of the crate `fakir`.
 
 use crate::python::run;
+use crate::tests;
 use std::ffi::OsStr;
 use std::process::Command;
 
@@ -11,7 +12,7 @@ const SYSTEMS: &str = "300";
 /// The short campaign of the checks, by the program that the tests have built.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
-    run(Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]))?;
+    tests::build(cargo)?;
     let campaign = executable.with_file_name("examples").join("campaign");
     run(Command::new(campaign).args(["--systems", SYSTEMS, "--seed", "1"]))
 }

@@ -4,10 +4,10 @@
 //! clock would not tell. Counts are comparable for one compiler and one kind of processor only;
 //! elsewhere the check says so and compares nothing.
 
-use crate::package;
+use crate::{package, tests};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The committed counts: a line with the compiler, then `name,instructions`.
@@ -140,18 +140,10 @@ fn vectors() -> &'static str {
 }
 
 fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
-    let valgrind = package::program(&["valgrind"], "valgrind").map_err(|why| {
-        format!("valgrind counts instructions, and is not installed{why}: install the package")
-    })?;
+    let valgrind = valgrind()?;
     let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
     // What the other tests are run on.
-    crate::python::run(Command::new(cargo).args([
-        "test",
-        "--workspace",
-        "--locked",
-        "--no-run",
-        "--quiet",
-    ]))?;
+    tests::build(cargo)?;
     let program = executable.with_file_name("fakir");
     let kernels = executable.with_file_name("examples").join("kernels");
     let mut counts = Vec::new();
@@ -169,6 +161,12 @@ fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
         ));
     }
     Ok(counts)
+}
+
+pub(crate) fn valgrind() -> Result<PathBuf, String> {
+    package::program(&["valgrind"], "valgrind").map_err(|why| {
+        format!("valgrind counts instructions, and is not installed{why}: install the package")
+    })
 }
 
 fn instructions(valgrind: &Path, program: &Path, arguments: &[&str]) -> Result<u64, String> {

@@ -9,37 +9,27 @@ mod package;
 mod python;
 mod release;
 mod structure;
+mod tests;
 
 use std::ffi::{OsStr, OsString};
 use std::process::{Command, ExitCode};
 
-/// One check: what it is called, and the arguments to cargo.
-const CHECKS: &[(&str, &[&str])] = &[
-    ("formatting", &["fmt", "--all", "--", "--check"]),
-    (
-        "lints",
-        &[
-            "clippy",
-            "--workspace",
-            "--all-targets",
-            "--locked",
-            "--",
-            "-D",
-            "warnings",
-        ],
-    ),
-    ("tests", &["test", "--workspace", "--locked"]),
-    (
-        "documentation",
-        &["doc", "--workspace", "--no-deps", "--locked"],
-    ),
-];
+/// One check: what it is called, what it runs, and how.
+type Check = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
 
-/// A check that is no command of cargo: its name, what it runs, and how.
-type Other = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
-
-/// Come last: they use the program that the tests were run on.
-const OTHERS: [Other; 6] = [
+/// All of them, in this order. Those after the tests use the program that these were run on.
+const CHECKS: [Check; 10] = [
+    ("formatting", "cargo fmt", |cargo| {
+        run_cargo(cargo, &["fmt", "--all", "--", "--check"])
+    }),
+    ("lints", "cargo clippy", |cargo| {
+        let arguments = "clippy --workspace --all-targets --locked -- -D warnings";
+        run_cargo(cargo, &arguments.split(' ').collect::<Vec<_>>())
+    }),
+    ("tests", "cargo test", tests::check),
+    ("documentation", "cargo doc", |cargo| {
+        run_cargo(cargo, &["doc", "--workspace", "--no-deps", "--locked"])
+    }),
     (
         "structure",
         "arrows between files point downward",
@@ -54,10 +44,7 @@ const OTHERS: [Other; 6] = [
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let names = || {
-        let checks = CHECKS.iter().map(|(name, _)| *name);
-        checks.chain(OTHERS.map(|(name, ..)| name))
-    };
+    let names = || CHECKS.iter().map(|(name, ..)| *name);
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["record", "instructions"] => run_one(&cargo(), "instructions", instructions::record),
         ["campaign", ref options @ ..] => {
@@ -66,7 +53,11 @@ fn main() -> ExitCode {
         ["book"] => run_one(&cargo(), "book", book::check),
         ["book", "--update"] => run_one(&cargo(), "book", book::update),
         ["package"] => run_one(&cargo(), "package", release::check),
-        ["test"] => run_checks(|_| true),
+        ["test"] => {
+            // What later checks need of elsewhere is fetched while tests are compiled.
+            std::thread::spawn(fetch);
+            run_checks(|_| true)
+        }
         ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
         _ => {
             let names = names().collect::<Vec<_>>().join(", ");
@@ -86,32 +77,30 @@ fn main() -> ExitCode {
 
 fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
     let cargo = cargo();
-    for (name, arguments) in CHECKS.iter().filter(|(name, _)| wanted(name)) {
-        println!("== {name}: cargo {}", arguments.join(" "));
-        let status = Command::new(&cargo)
-            .args(*arguments)
-            .env("RUSTDOCFLAGS", "-D warnings")
-            .status();
-        match status {
-            Ok(status) if status.success() => {}
-            Ok(status) => {
-                eprintln!("== {name} failed ({status})");
-                return ExitCode::FAILURE;
-            }
-            Err(error) => {
-                eprintln!("== {name}: cargo could not be started: {error}");
-                return ExitCode::FAILURE;
-            }
-        }
-    }
-    for (name, words, check) in OTHERS.iter().filter(|(name, ..)| wanted(name)) {
+    for (name, words, check) in CHECKS.iter().filter(|(name, ..)| wanted(name)) {
         println!("== {name}: {words}");
-        if run_one(&cargo, name, *check) != ExitCode::SUCCESS {
+        if run_one(&cargo, name, check) != ExitCode::SUCCESS {
             return ExitCode::FAILURE;
         }
     }
     println!("== checks passed");
     ExitCode::SUCCESS
+}
+
+/// What cannot be had is not told here: the check that needs it does so.
+fn fetch() {
+    let _ = instructions::valgrind();
+    let _ = browser::chromium();
+    let _ = python::environment(python::TESTS);
+    let _ = python::environment(browser::TESTS);
+}
+
+fn run_cargo(cargo: &OsStr, arguments: &[&str]) -> Result<(), String> {
+    python::run(
+        Command::new(cargo)
+            .args(arguments)
+            .env("RUSTDOCFLAGS", "-D warnings"),
+    )
 }
 
 fn cargo() -> OsString {

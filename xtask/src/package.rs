@@ -3,10 +3,15 @@
 use crate::python::run;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
+
+/// One is installed at a time: what a check needs may be on its way already.
+static INSTALLING: Mutex<()> = Mutex::new(());
 
 /// The first of the programs that is on the path; if there is none, the package of Debian is installed by
 /// apt-get, which takes a machine where that is allowed.
 pub(crate) fn program(names: &[&str], package: &str) -> Result<PathBuf, String> {
+    let _one = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(found) = on_path(names) {
         return Ok(found);
     }

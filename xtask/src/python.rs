@@ -3,11 +3,16 @@
 //! What the tests need goes into an environment of its own below the target folder, made anew when
 //! it changes.
 
+use crate::tests;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Mutex, PoisonError};
 
-const TESTS: &str = "tests/python";
+/// One environment is made at a time: what a check needs may be on its way already.
+static INSTALLING: Mutex<()> = Mutex::new(());
+
+pub(crate) const TESTS: &str = "tests/python";
 
 /// The Python package, of which a wheel is built.
 const PACKAGE: &str = "python";
@@ -26,7 +31,7 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
 
 /// The Python of an environment with the package installed from its wheel, the program, and the wheel.
 pub(crate) fn package(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), String> {
-    let (python, program) = prepare(cargo, TESTS, "python")?;
+    let (python, program) = prepare(cargo, TESTS)?;
     let wheel = wheel(&python, &target_folder()?)?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--no-deps"])
@@ -35,17 +40,12 @@ pub(crate) fn package(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), Stri
     Ok((python, program, wheel))
 }
 
-/// The Python of the tests in a folder, in an environment of this name, and the program, up to date.
-pub(crate) fn prepare(
-    cargo: &OsStr,
-    tests: &str,
-    name: &str,
-) -> Result<(PathBuf, PathBuf), String> {
-    let target = target_folder()?;
-    let python = environment(&target.join(name), tests)?;
-    run(Command::new(cargo).args(["test", "--workspace", "--locked", "--no-run", "--quiet"]))?;
+/// The Python of the tests in a folder, and the program, up to date.
+pub(crate) fn prepare(cargo: &OsStr, tests: &str) -> Result<(PathBuf, PathBuf), String> {
+    let python = environment(tests)?;
+    tests::build(cargo)?;
     let program = format!("debug/fakir{}", std::env::consts::EXE_SUFFIX);
-    Ok((python, target.join(program)))
+    Ok((python, target_folder()?.join(program)))
 }
 
 /// The target folder, which this program is in.
@@ -73,7 +73,7 @@ fn wheel(python: &Path, target: &Path) -> Result<PathBuf, String> {
     }
     run(Command::new(python)
         .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
-        .args(["--locked", "--interpreter"])
+        .args(["--locked", "--features", "as-tested", "--interpreter"])
         .arg(python)
         .arg("--out")
         .arg(&folder)
@@ -86,8 +86,10 @@ fn wheel(python: &Path, target: &Path) -> Result<PathBuf, String> {
     Ok(wheel.map_err(unreadable)?.path())
 }
 
-/// The Python of an environment in `folder`, with the packages that the tests need.
-pub(crate) fn environment(folder: &Path, tests: &str) -> Result<PathBuf, String> {
+/// The Python of an environment with the packages that the tests in a folder need: it has the name of that folder.
+pub(crate) fn environment(tests: &str) -> Result<PathBuf, String> {
+    let _one = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = target_folder()?.join(Path::new(tests).file_name().unwrap_or_default());
     let system = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let version = version(&system)?;
     let list = Path::new(tests).join("requirements.txt");
@@ -105,7 +107,7 @@ pub(crate) fn environment(folder: &Path, tests: &str) -> Result<PathBuf, String>
     }
     run(Command::new(&system)
         .args(["-m", "venv", "--clear"])
-        .arg(folder))?;
+        .arg(&folder))?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--no-deps"])
         .args(["--disable-pip-version-check", "--requirement"])

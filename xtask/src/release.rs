@@ -58,7 +58,7 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     try_explorer(&program, &tried)?;
     clock.tell("the command and the explorer tried");
 
-    let environment = python::environment(&target.join("python"), "tests/python")?;
+    let environment = python::environment(python::TESTS)?;
     let wheel = pack_python(&environment, &target, &folder)?;
     clock.tell("the wheel built from the source distribution");
     try_wheel(&wheel, &folder, &tried)?;
