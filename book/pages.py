@@ -16,6 +16,7 @@ Other blocks are not run. Times are not compared. With --update the pages are re
 """
 
 import ast
+import concurrent.futures
 import contextlib
 import difflib
 import io
@@ -224,32 +225,39 @@ def pictures(text, page, folder, output):
     return PICTURE.sub(taken, text)
 
 
+def run_page(path, page, output, update):
+    """Runs a page, lays it out and writes it; gives what is wrong with it."""
+    folder = output.parent / f"{output.name}-run" / page.with_suffix("")
+    prepare(folder)
+    run = Page(path, folder.resolve(), update)
+    before = run.text
+    shown = run.run()
+    (output / page).parent.mkdir(parents=True, exist_ok=True)
+    if update and run.text != before:
+        path.write_text(run.text, encoding="utf-8")
+        print(f"{path}: rewritten", flush=True)
+    try:
+        shown = pictures(shown, page, folder, output)
+    except Different as problem:
+        run.problems.append(str(problem))
+    (output / page).write_text(shown, encoding="utf-8")
+    return run.problems
+
+
 def main(arguments):
     update = "--update" in arguments
     only = arguments[arguments.index("--only") + 1] if "--only" in arguments else ""
     pages, output = Path(arguments[0]), Path(arguments[1])
-    problems = []
     sources = [(path, path.relative_to(pages)) for path in sorted(pages.rglob("*.md"))]
     sources += [(path, Path("theory") / path.name) for path in sorted(THEORY.glob("*.md"))]
     sources.append((README, Path("README.md")))
-    for path, page in sources:
-        if only and only not in str(page):
-            continue
-        folder = output.parent / f"{output.name}-run" / page.with_suffix("")
-        prepare(folder)
-        run = Page(path, folder.resolve(), update)
-        before = run.text
-        shown = run.run()
-        (output / page).parent.mkdir(parents=True, exist_ok=True)
-        problems += run.problems
-        if update and run.text != before:
-            path.write_text(run.text, encoding="utf-8")
-            print(f"{path}: rewritten")
-        try:
-            shown = pictures(shown, page, folder, output)
-        except Different as problem:
-            problems.append(str(problem))
-        (output / page).write_text(shown, encoding="utf-8")
+    wanted = [source for source in sources if only in str(source[1])]
+    problems = []
+    # As many at a time as there are processors.
+    with concurrent.futures.ProcessPoolExecutor() as processes:
+        running = [processes.submit(run_page, *source, output, update) for source in wanted]
+        for page in running:
+            problems += page.result()
     for problem in problems:
         print(problem, file=sys.stderr)
     return 1 if problems else 0
