@@ -24,7 +24,9 @@ const OLDEST: (u32, u32) = (3, 11);
 /// package, built as a wheel and installed as users do.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let (python, program, wheel) = package(cargo)?;
+    // As many files of tests at a time as there are processors.
     run(pytest(&python, TESTS)
+        .args(["--numprocesses", "auto", "--dist", "loadfile"])
         .env("FAKIR", program)
         .env("FAKIR_WHEEL", wheel))
 }
