@@ -256,8 +256,8 @@ def main(arguments):
     # As many at a time as there are processors.
     with concurrent.futures.ProcessPoolExecutor() as processes:
         running = [processes.submit(run_page, *source, output, update) for source in wanted]
-        for page in running:
-            problems += page.result()
+        for run in running:
+            problems += run.result()
     for problem in problems:
         print(problem, file=sys.stderr)
     return 1 if problems else 0

@@ -1,8 +1,8 @@
 //! Random systems over all that is allowed, and whether every estimate covers its error: the example
 //! `campaign` of the crate `fakir`.
 
+use crate::build_tests;
 use crate::python::run;
-use crate::tests;
 use std::ffi::OsStr;
 use std::process::Command;
 
@@ -12,7 +12,7 @@ const SYSTEMS: &str = "300";
 /// The short campaign of the checks, by the program that the tests have built.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
-    tests::build(cargo)?;
+    build_tests(cargo)?;
     let campaign = executable.with_file_name("examples").join("campaign");
     run(Command::new(campaign).args(["--systems", SYSTEMS, "--seed", "1"]))
 }

@@ -4,7 +4,7 @@
 //! clock would not tell. Counts are comparable for one compiler and one kind of processor only;
 //! elsewhere the check says so and compares nothing.
 
-use crate::{package, tests};
+use crate::{build_tests, package};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -143,7 +143,7 @@ fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
     let valgrind = valgrind()?;
     let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
     // What the other tests are run on.
-    tests::build(cargo)?;
+    build_tests(cargo)?;
     let program = executable.with_file_name("fakir");
     let kernels = executable.with_file_name("examples").join("kernels");
     let mut counts = Vec::new();

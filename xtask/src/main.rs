@@ -9,7 +9,6 @@ mod package;
 mod python;
 mod release;
 mod structure;
-mod tests;
 
 use std::ffi::{OsStr, OsString};
 use std::process::{Command, ExitCode};
@@ -20,15 +19,19 @@ type Check = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
 /// All of them, in this order. Those after the tests use the program that these were run on.
 const CHECKS: [Check; 10] = [
     ("formatting", "cargo fmt", |cargo| {
-        run_cargo(cargo, &["fmt", "--all", "--", "--check"])
+        run_cargo(cargo, "fmt --all -- --check")
     }),
     ("lints", "cargo clippy", |cargo| {
-        let arguments = "clippy --workspace --all-targets --locked -- -D warnings";
-        run_cargo(cargo, &arguments.split(' ').collect::<Vec<_>>())
+        run_cargo(
+            cargo,
+            "clippy --workspace --all-targets --locked -- -D warnings",
+        )
     }),
-    ("tests", "cargo test", tests::check),
+    ("tests", "cargo test", |cargo| {
+        run_cargo(cargo, "test --workspace --locked")
+    }),
     ("documentation", "cargo doc", |cargo| {
-        run_cargo(cargo, &["doc", "--workspace", "--no-deps", "--locked"])
+        run_cargo(cargo, "doc --workspace --no-deps --locked")
     }),
     (
         "structure",
@@ -95,10 +98,16 @@ fn fetch() {
     let _ = python::environment(browser::TESTS);
 }
 
-fn run_cargo(cargo: &OsStr, arguments: &[&str]) -> Result<(), String> {
+/// All tests and the program, up to date.
+fn build_tests(cargo: &OsStr) -> Result<(), String> {
+    run_cargo(cargo, "test --workspace --locked --no-run --quiet")
+}
+
+/// Runs cargo with arguments, which have no blanks in them.
+fn run_cargo(cargo: &OsStr, arguments: &str) -> Result<(), String> {
     python::run(
         Command::new(cargo)
-            .args(arguments)
+            .args(arguments.split(' '))
             .env("RUSTDOCFLAGS", "-D warnings"),
     )
 }

@@ -3,15 +3,18 @@
 use crate::python::run;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// One is installed at a time: what a check needs may be on its way already.
-static INSTALLING: Mutex<()> = Mutex::new(());
+/// To be held while something is installed: what a check needs may be on its way already.
+pub(crate) fn installing() -> MutexGuard<'static, ()> {
+    static INSTALLING: Mutex<()> = Mutex::new(());
+    INSTALLING.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// The first of the programs that is on the path; if there is none, the package of Debian is installed by
 /// apt-get, which takes a machine where that is allowed.
 pub(crate) fn program(names: &[&str], package: &str) -> Result<PathBuf, String> {
-    let _one = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
+    let _one = installing();
     if let Some(found) = on_path(names) {
         return Ok(found);
     }

@@ -3,14 +3,10 @@
 //! What the tests need goes into an environment of its own below the target folder, made anew when
 //! it changes.
 
-use crate::tests;
+use crate::{build_tests, package};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::{Mutex, PoisonError};
-
-/// One environment is made at a time: what a check needs may be on its way already.
-static INSTALLING: Mutex<()> = Mutex::new(());
 
 pub(crate) const TESTS: &str = "tests/python";
 
@@ -45,7 +41,7 @@ pub(crate) fn package(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), Stri
 /// The Python of the tests in a folder, and the program, up to date.
 pub(crate) fn prepare(cargo: &OsStr, tests: &str) -> Result<(PathBuf, PathBuf), String> {
     let python = environment(tests)?;
-    tests::build(cargo)?;
+    build_tests(cargo)?;
     let program = format!("debug/fakir{}", std::env::consts::EXE_SUFFIX);
     Ok((python, target_folder()?.join(program)))
 }
@@ -90,7 +86,7 @@ fn wheel(python: &Path, target: &Path) -> Result<PathBuf, String> {
 
 /// The Python of an environment with the packages that the tests in a folder need: it has the name of that folder.
 pub(crate) fn environment(tests: &str) -> Result<PathBuf, String> {
-    let _one = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
+    let _one = package::installing();
     let folder = target_folder()?.join(Path::new(tests).file_name().unwrap_or_default());
     let system = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let version = version(&system)?;
