@@ -143,6 +143,7 @@ def test_the_chart_has_both_branches_and_what_happens_on_them(explore, expected)
     assert page.page.is_visible("#loading-legend .unloading")
 
 
+@pytest.mark.smoke
 def test_the_numbers_are_those_of_the_command_line(explore, expected):
     page = explore(sticky(0.03, 0.01))
     numbers = {

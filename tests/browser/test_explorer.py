@@ -10,6 +10,7 @@ import pytest
 from conftest import exploring
 
 
+@pytest.mark.smoke
 def test_starts_with_the_case_of_fakir_init(explore):
     # The numbers are those of the README: spectral method, checked against Love elements.
     page = explore()
@@ -31,6 +32,7 @@ def test_starts_with_the_case_of_a_file(explore, tmp_path):
         assert page.page.locator(".field.derived #texture-surface_fraction").count() == 1
 
 
+@pytest.mark.smoke
 def test_presets_are_the_substrates_of_the_paper(explore):
     page = explore("#" + "&".join(paper(0.001)))
     forces = {}
@@ -113,6 +115,7 @@ def test_rectangular_and_oblique_lattices(explore, tmp_path):
     assert not page.page.locator("#texture-pitch_y").is_visible()
 
 
+@pytest.mark.smoke
 def test_sliders_change_the_result(explore):
     page = explore("#" + "&".join(paper(0.02)))
     before = page.results()
@@ -151,6 +154,7 @@ def test_strained_limits_of_a_film_are_marked(explore):
     assert "strained" in page.page.locator("#limits").get_attribute("class")
 
 
+@pytest.mark.smoke
 def test_the_controls_are_those_of_the_key_table(explore):
     """Labels, symbols, help, units, ranges and words are those that the program says."""
     page = explore("#" + "&".join(paper(0.01)))
@@ -197,6 +201,7 @@ def test_the_controls_are_those_of_the_key_table(explore):
     assert "cells_per_diameter = 8 " in page.text("case-file")
 
 
+@pytest.mark.smoke
 def test_the_load_goes_from_first_touch_past_the_critical_state(explore):
     page = explore("#" + "&".join(paper(0.03)))
     critical = page.results()
@@ -257,6 +262,7 @@ def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
     assert page.page.evaluate("() => window.longest") < 2000
 
 
+@pytest.mark.smoke
 def test_an_error_is_at_its_field_and_the_picture_stays(explore):
     page = explore("#" + "&".join(paper(0.02)))
     before = page.results()
@@ -312,6 +318,7 @@ def test_a_link_restores_the_state(explore, browser):
     assert again.text("exaggeration-words") == page.text("exaggeration-words")
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize(
     "name, start",
     [
@@ -342,6 +349,7 @@ def test_exports_are_saved(explore, tmp_path, name, start):
         assert f"{1e6 * force:.4f}".startswith(page.results()[0][:5])
 
 
+@pytest.mark.smoke
 def test_the_command_gives_the_same_result(explore, tmp_path):
     page = explore("#" + "&".join(paper(0.01)))
     page.enter("texture.pillar.diameter", "7 um")
@@ -378,6 +386,7 @@ def test_everything_is_reached_by_keyboard(explore):
     assert unlabelled == []
 
 
+@pytest.mark.smoke
 def test_results_are_announced(explore):
     page = explore("#" + "&".join(paper(0.01)))
     page.until("document.getElementById('announcement').textContent.includes('Critical force')")

@@ -70,6 +70,7 @@ def test_the_load_slider_goes_on_into_mixed_contact(explore, tmp_path):
     assert not page.page.is_visible("#floor-numbers")
 
 
+@pytest.mark.smoke
 def test_the_floor_in_contact_is_on_the_map_and_in_the_section(explore):
     page = explore(mixed(0.03, 1.8))
     assert page.page.is_visible("#floor-key")

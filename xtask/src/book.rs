@@ -1,6 +1,6 @@
 //! The manual: its pages run, its formulas converted, and laid out as a book in `target/book`.
 
-use crate::browser;
+use crate::{browser, run_cargo};
 use crate::python::{self, run};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -23,9 +23,6 @@ pub(crate) fn update(cargo: &OsStr) -> Result<(), String> {
 }
 
 fn make(cargo: &OsStr, update: bool) -> Result<(), String> {
-    run(Command::new(cargo)
-        .args(["fmt", "--check", "--manifest-path"])
-        .arg(format!("{BOOK}/Cargo.toml")))?;
     let target = python::target_folder()?;
     let manual = manual(cargo, &target)?;
     let mut theory = Command::new(&manual);
@@ -67,16 +64,11 @@ fn make(cargo: &OsStr, update: bool) -> Result<(), String> {
     Ok(())
 }
 
-/// The program that lays out the book, built apart from everything else.
+/// The program that lays out the book.
 fn manual(cargo: &OsStr, target: &Path) -> Result<PathBuf, String> {
-    let folder = target.join("manual");
-    run(Command::new(cargo)
-        .args(["build", "--quiet", "--locked", "--manifest-path"])
-        .arg(format!("{BOOK}/Cargo.toml"))
-        .arg("--target-dir")
-        .arg(&folder))?;
-    let name = format!("debug/fakir-manual{}", std::env::consts::EXE_SUFFIX);
-    Ok(folder.join(name))
+    run_cargo(cargo, "build --release --locked --package fakir-manual")?;
+    let name = format!("release/fakir-manual{}", std::env::consts::EXE_SUFFIX);
+    Ok(target.join(name))
 }
 
 /// Where programs are looked for, the folders of these first.

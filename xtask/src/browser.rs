@@ -1,7 +1,7 @@
 //! The explorer in a real browser: `tests/browser`; and whether the page that is part of the program is
 //! what its source builds to.
 
-use crate::package;
+use crate::{package, passed};
 use crate::python::{self, run};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -18,19 +18,29 @@ const NAMES: [&str; 4] = [
     "google-chrome-stable",
 ];
 
-/// Tests of the page, by the program that was built for the other tests.
-pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+/// The first tier: whether the page opens, answers, and follows its main controls.
+pub(crate) fn quick(cargo: &OsStr) -> Result<(), String> {
+    check(cargo, "page", "smoke")
+}
+
+/// The second tier: the other tests, and whether the page is what its source builds to.
+pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
     page_is_built()?;
+    check(cargo, "browser", "not smoke")
+}
+
+fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     let chromium = chromium()?;
     let (python, program) = python::prepare(cargo, TESTS)?;
-    let mut tests = python::pytest(&python, TESTS);
+    let inputs = python::inputs(&[], &[&program]);
+    let mut tests = python::pytest(&python, TESTS, marked);
     tests.env("FAKIR", program).env("CHROMIUM", chromium);
     // The manual is looked at if it was built, as it is where every check is run.
     let book = python::target_folder()?.join("book");
     if book.join("index.html").is_file() {
         tests.env("BOOK", book);
     }
-    run(&mut tests)
+    passed::unless_passed(name, inputs, || run(&mut tests))
 }
 
 /// The browser: that named in CHROMIUM, one that is installed, or else Debian's, installed now.

@@ -1,7 +1,6 @@
 //! Random systems over all that is allowed, and whether every estimate covers its error: the example
 //! `campaign` of the crate `fakir`.
 
-use crate::build_tests;
 use crate::python::run;
 use std::ffi::OsStr;
 use std::process::Command;
@@ -9,12 +8,9 @@ use std::process::Command;
 /// Systems of the check, always the same; `cargo xtask campaign` draws others.
 const SYSTEMS: &str = "300";
 
-/// The short campaign of the checks, by the program that the tests have built.
+/// The short campaign of the checks.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
-    let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
-    build_tests(cargo)?;
-    let campaign = executable.with_file_name("examples").join("campaign");
-    run(Command::new(campaign).args(["--systems", SYSTEMS, "--seed", "1"]))
+    long(cargo, &["--systems", SYSTEMS, "--seed", "1"])
 }
 
 /// A campaign with the given options.

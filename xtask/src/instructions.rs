@@ -4,7 +4,8 @@
 //! clock would not tell. Counts are comparable for one compiler and one kind of processor only;
 //! elsewhere the check says so and compares nothing.
 
-use crate::{build_tests, package};
+use crate::{package, run_cargo};
+use crate::python::target_folder;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -141,11 +142,15 @@ fn vectors() -> &'static str {
 
 fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
     let valgrind = valgrind()?;
-    let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
-    // What the other tests are run on.
-    build_tests(cargo)?;
-    let program = executable.with_file_name("fakir");
-    let kernels = executable.with_file_name("examples").join("kernels");
+    // The programs that users run.
+    run_cargo(cargo, "build --release --locked --package fakir-cli")?;
+    run_cargo(
+        cargo,
+        "build --release --locked --package fakir --example kernels",
+    )?;
+    let release = target_folder()?.join("release");
+    let program = release.join("fakir");
+    let kernels = release.join("examples/kernels");
     let mut counts = Vec::new();
     for kernel in KERNELS {
         counts.push((

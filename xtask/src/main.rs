@@ -1,53 +1,98 @@
-//! `cargo xtask test`: every check, as continuous integration runs it; `cargo xtask campaign`: as many random
-//! systems as there is time for; `cargo xtask book`: the manual; `cargo xtask package`: what is published, tried.
+//! Checks of the repository, in two tiers, and what is made beside them.
+//!
+//! `cargo xtask test` runs the first tier: all that is needed to trust a clone. `cargo xtask test all` adds the second.
+//! `cargo xtask` alone lists every command.
 
 mod book;
 mod browser;
 mod campaign;
 mod instructions;
 mod package;
+mod passed;
 mod python;
 mod release;
 mod structure;
+mod tests;
 
 use std::ffi::{OsStr, OsString};
 use std::process::{Command, ExitCode};
 
-/// One check: what it is called, what it runs, and how.
-type Check = (&'static str, &'static str, fn(&OsStr) -> Result<(), String>);
+/// When a check is run.
+#[derive(Clone, Copy, PartialEq)]
+enum Tier {
+    /// By `cargo xtask test`: minutes on two cores.
+    First,
+    /// By `cargo xtask test all` besides.
+    Second,
+}
 
-/// All of them, in this order. Those after the tests use the program that these were run on.
-const CHECKS: [Check; 10] = [
-    ("formatting", "cargo fmt", |cargo| {
+struct Check {
+    name: &'static str,
+    /// What it runs.
+    summary: &'static str,
+    tier: Tier,
+    run: fn(&OsStr) -> Result<(), String>,
+}
+
+const fn first(
+    name: &'static str,
+    summary: &'static str,
+    run: fn(&OsStr) -> Result<(), String>,
+) -> Check {
+    let tier = Tier::First;
+    Check {
+        name,
+        summary,
+        tier,
+        run,
+    }
+}
+
+const fn second(
+    name: &'static str,
+    summary: &'static str,
+    run: fn(&OsStr) -> Result<(), String>,
+) -> Check {
+    let tier = Tier::Second;
+    Check {
+        name,
+        summary,
+        tier,
+        run,
+    }
+}
+
+/// All checks in the order in which they run: each builds upon what those before it have built.
+const CHECKS: [Check; 14] = [
+    first("formatting", "cargo fmt", |cargo| {
         run_cargo(cargo, "fmt --all -- --check")
     }),
-    ("lints", "cargo clippy", |cargo| {
+    first("structure", "dependencies between files", structure::check),
+    first("tests", "tests of all crates", tests::quick),
+    first("python", "the Python package and saved files", python::quick),
+    first("page", "the explorer in a browser, in short", browser::quick),
+    second("slow-tests", "tests that are marked slow", tests::slow),
+    second("slow-python", "slow tests of the package", python::slow),
+    second("instructions", "counts of instructions", instructions::check),
+    second("campaign", "random systems", campaign::check),
+    second("lints", "cargo clippy", |cargo| {
         run_cargo(
             cargo,
-            "clippy --workspace --all-targets --locked -- -D warnings",
+            "clippy --release --workspace --all-targets --locked -- -D warnings",
         )
     }),
-    ("tests", "cargo test", |cargo| {
-        run_cargo(cargo, "test --workspace --locked")
+    second("documentation", "cargo doc and its examples", |cargo| {
+        run_cargo(cargo, "doc --release --workspace --no-deps --locked")?;
+        run_cargo(cargo, "test --release --workspace --doc --locked")
     }),
-    ("documentation", "cargo doc", |cargo| {
-        run_cargo(cargo, "doc --workspace --no-deps --locked")
-    }),
-    (
-        "structure",
-        "arrows between files point downward",
-        structure::check,
-    ),
-    ("campaign", "random systems", campaign::check),
-    ("instructions", "counts of valgrind", instructions::check),
-    ("python", "pytest tests/python", python::check),
-    ("book", "the manual, every block of it run", book::check),
-    ("browser", "pytest tests/browser", browser::check),
+    second("book", "every block of the manual", book::check),
+    second("browser", "the whole page in a browser", browser::slow),
+    second("package", "what is published, installed and used", release::check),
 ];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let names = || CHECKS.iter().map(|(name, ..)| *name);
+    let named = |name: &str| CHECKS.iter().any(|check| check.name == name);
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["record", "instructions"] => run_one(&cargo(), "instructions", instructions::record),
         ["campaign", ref options @ ..] => {
@@ -56,54 +101,68 @@ fn main() -> ExitCode {
         ["book"] => run_one(&cargo(), "book", book::check),
         ["book", "--update"] => run_one(&cargo(), "book", book::update),
         ["package"] => run_one(&cargo(), "package", release::check),
-        ["test"] => {
-            // What later checks need of elsewhere is fetched while tests are compiled.
-            std::thread::spawn(fetch);
-            run_checks(|_| true)
-        }
-        ["test", only] if names().any(|name| name == only) => run_checks(|name| name == only),
+        ["test"] => run_checks(|check| check.tier == Tier::First),
+        ["test", "all"] => run_checks(|_| true),
+        ["test", "rest"] => run_checks(|check| check.tier == Tier::Second),
+        ["test", "times"] => run_one(&cargo(), "times", tests::times),
+        ["test", only] if named(only) => run_checks(|check| check.name == only),
         _ => {
-            let names = names().collect::<Vec<_>>().join(", ");
+            let names = |tier| {
+                let names: Vec<&str> = CHECKS
+                    .iter()
+                    .filter(|check| check.tier == tier)
+                    .map(|check| check.name)
+                    .collect();
+                names.join(", ")
+            };
             eprintln!(
-                "usage: cargo xtask test [CHECK]          every check, or one of: {names}\n       \
-                 cargo xtask book [--update]        the manual, in target/book; pages rewritten to say\n       \
+                "usage: cargo xtask test                   the first tier of checks: {}\n       \
+                 cargo xtask test all               both tiers; the second: {}\n       \
+                 cargo xtask test rest              the second tier alone\n       \
+                 cargo xtask test CHECK             one check by its name\n       \
+                 cargo xtask test times             every test with its processor time, slowest first\n       \
+                 cargo xtask book [--update]        the manual, in target/book; --update rewrites the pages to\n       \
                                                     what their commands print\n       \
-                 cargo xtask package                what is published: packaged, built, installed and tried\n       \
-                 cargo xtask record instructions    the counts to compare with from now on\n       \
+                 cargo xtask package                packages, builds, installs and tries what is published\n       \
+                 cargo xtask record instructions    replaces the recorded counts of instructions\n       \
                  cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \
-                                                    random systems: do estimates cover their errors?"
+                                                    random systems: do error estimates cover the errors?",
+                names(Tier::First),
+                names(Tier::Second)
             );
             ExitCode::from(2)
         }
     }
 }
 
-fn run_checks(wanted: impl Fn(&str) -> bool) -> ExitCode {
+fn run_checks(wanted: impl Fn(&Check) -> bool) -> ExitCode {
     let cargo = cargo();
-    for (name, words, check) in CHECKS.iter().filter(|(name, ..)| wanted(name)) {
-        println!("== {name}: {words}");
-        if run_one(&cargo, name, check) != ExitCode::SUCCESS {
+    let checks: Vec<&Check> = CHECKS.iter().filter(|check| wanted(check)).collect();
+    if checks.len() > 1 {
+        // Downloads take place while tests are compiled.
+        std::thread::spawn(fetch);
+    }
+    for check in checks {
+        let start = std::time::Instant::now();
+        println!("== {}: {}", check.name, check.summary);
+        if run_one(&cargo, check.name, check.run) != ExitCode::SUCCESS {
             return ExitCode::FAILURE;
         }
+        println!("== {} passed ({:.0} s)", check.name, start.elapsed().as_secs_f64());
     }
     println!("== checks passed");
     ExitCode::SUCCESS
 }
 
-/// What cannot be had is not told here: the check that needs it does so.
+/// Installs what later checks need. Failures are reported by the check that needs it.
 fn fetch() {
-    let _ = instructions::valgrind();
-    let _ = browser::chromium();
     let _ = python::environment(python::TESTS);
     let _ = python::environment(browser::TESTS);
+    let _ = browser::chromium();
+    let _ = instructions::valgrind();
 }
 
-/// All tests and the program, up to date.
-fn build_tests(cargo: &OsStr) -> Result<(), String> {
-    run_cargo(cargo, "test --workspace --locked --no-run --quiet")
-}
-
-/// Runs cargo with arguments, which have no blanks in them.
+/// Runs cargo with arguments, none of which contains a blank.
 fn run_cargo(cargo: &OsStr, arguments: &str) -> Result<(), String> {
     python::run(
         Command::new(cargo)

@@ -3,7 +3,7 @@
 //! What the tests need goes into an environment of its own below the target folder, made anew when
 //! it changes.
 
-use crate::{build_tests, package};
+use crate::{package, passed, tests};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -16,15 +16,38 @@ const PACKAGE: &str = "python";
 /// The oldest Python that the packages run on.
 const OLDEST: (u32, u32) = (3, 11);
 
-/// Tests of the files that are saved, by the program that was built for the other tests, and of the
-/// package, built as a wheel and installed as users do.
-pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
+/// The first tier: tests of saved files and of the package, built as a wheel and installed as users do.
+pub(crate) fn quick(cargo: &OsStr) -> Result<(), String> {
+    check(cargo, "python", "not slow")
+}
+
+/// The second tier: tests that are marked slow.
+pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
+    check(cargo, "slow-python", "slow")
+}
+
+fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     let (python, program, wheel) = package(cargo)?;
-    // As many files of tests at a time as there are processors.
-    run(pytest(&python, TESTS)
-        .args(["--numprocesses", "auto", "--dist", "loadfile"])
-        .env("FAKIR", program)
-        .env("FAKIR_WHEEL", wheel))
+    let module = target_folder()?.join("release").join(format!(
+        "{}_fakir{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    ));
+    let inputs = inputs(&[], &[&program, &module]);
+    passed::unless_passed(name, inputs, || {
+        // As many files of tests at a time as there are processors.
+        run(pytest(&python, TESTS, marked)
+            .args(["--numprocesses", "auto", "--dist", "loadfile"])
+            .env("FAKIR", program)
+            .env("FAKIR_WHEEL", wheel))
+    })
+}
+
+/// A number for what tests in Python depend on: programs, and all files that are not Rust source.
+pub(crate) fn inputs(words: &[&str], programs: &[&Path]) -> Option<u64> {
+    let data = passed::data_files().ok()?;
+    let files = programs.iter().copied().chain(data.iter().map(PathBuf::as_path));
+    passed::fingerprint(words, files).ok()
 }
 
 /// The Python of an environment with the package installed from its wheel, the program, and the wheel.
@@ -40,10 +63,7 @@ pub(crate) fn package(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), Stri
 
 /// The Python of the tests in a folder, and the program, up to date.
 pub(crate) fn prepare(cargo: &OsStr, tests: &str) -> Result<(PathBuf, PathBuf), String> {
-    let python = environment(tests)?;
-    build_tests(cargo)?;
-    let program = format!("debug/fakir{}", std::env::consts::EXE_SUFFIX);
-    Ok((python, target_folder()?.join(program)))
+    Ok((environment(tests)?, tests::built_command(cargo)?))
 }
 
 /// The target folder, which this program is in.
@@ -53,16 +73,17 @@ pub(crate) fn target_folder() -> Result<PathBuf, String> {
     target.ok_or_else(|| "the target folder is not known".to_owned())
 }
 
-pub(crate) fn pytest(python: &Path, tests: &str) -> Command {
+/// The tests of a folder that carry a mark, or do not.
+pub(crate) fn pytest(python: &Path, tests: &str, marked: &str) -> Command {
     let mut command = Command::new(python);
     command
         .args(["-m", "pytest", "--quiet", "--durations=10", "-p"])
-        .args(["no:cacheprovider", tests])
+        .args(["no:cacheprovider", "-m", marked, tests])
         .env("PYTHONDONTWRITEBYTECODE", "1");
     command
 }
 
-/// Builds the package with the settings of the tests, so that crates compiled for them serve again.
+/// Builds the package in the profile of the tests and of the command, so that crates compiled for them are used again.
 fn wheel(python: &Path, target: &Path) -> Result<PathBuf, String> {
     let folder = target.join("wheel");
     if folder.exists() {
@@ -70,14 +91,13 @@ fn wheel(python: &Path, target: &Path) -> Result<PathBuf, String> {
             .map_err(|error| format!("cannot remove {}: {error}", folder.display()))?;
     }
     run(Command::new(python)
-        .args(["-m", "maturin", "build", "--quiet", "--profile", "dev"])
-        .args(["--locked", "--features", "as-tested", "--interpreter"])
+        .args(["-m", "maturin", "build", "--quiet", "--release"])
+        .args(["--locked", "--interpreter"])
         .arg(python)
         .arg("--out")
         .arg(&folder)
         .current_dir(PACKAGE)
-        .env("CARGO_TARGET_DIR", target)
-        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "3"))?;
+        .env("CARGO_TARGET_DIR", target))?;
     let unreadable = |error| format!("cannot read {}: {error}", folder.display());
     let mut entries = std::fs::read_dir(&folder).map_err(unreadable)?;
     let wheel = entries.next().ok_or("maturin made no wheel")?;

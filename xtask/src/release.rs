@@ -25,6 +25,14 @@ const OF_CARGO: [&str; 4] = [
     ".cargo_vcs_info.json",
 ];
 
+/// Options of cargo: the solvers are compiled quickly, as they have one small problem to solve.
+const QUICKLY: [&str; 4] = [
+    "--config",
+    "profile.release.package.fakir.opt-level=1",
+    "--config",
+    "profile.release.package.fakir.codegen-units=4",
+];
+
 /// What every crate and the Python package must have.
 const LICENCES: [&str; 2] = ["LICENSE-APACHE", "LICENSE-MIT"];
 
@@ -41,7 +49,7 @@ print(critical)";
 /// Packages everything, looks through it, builds from it, installs it, and tries it.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let target = python::target_folder()?;
-    let folder = target.join("release");
+    let folder = target.join("published");
     if folder.exists() {
         fs::remove_dir_all(&folder).map_err(|error| at(&folder, &error))?;
     }
@@ -151,7 +159,7 @@ fn install_command(
     // With the settings of this workspace, so that what is compiled for it serves again.
     let own =
         fs::read_to_string("Cargo.toml").map_err(|error| at(Path::new("Cargo.toml"), &error))?;
-    let profiles = own.find("[profile.dev]").map_or("", |start| &own[start..]);
+    let profiles = own.find("[profile.release]").map_or("", |start| &own[start..]);
     let manifest = format!(
         "[workspace]\nresolver = \"3\"\nmembers = [{members}]\n\n[patch.crates-io]\n{patches}\n{profiles}"
     );
@@ -167,7 +175,8 @@ fn install_command(
     let program = program.ok_or("fakir-cli was not packaged")?;
     let root = folder.join("installed");
     run(Command::new(cargo)
-        .args(["install", "--debug", "--locked", "--quiet", "--path"])
+        .args(QUICKLY)
+        .args(["install", "--locked", "--quiet", "--path"])
         .arg(&program.folder)
         .arg("--root")
         .arg(&root)
@@ -268,8 +277,7 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
             .arg("--out")
             .arg(&packed)
             .current_dir(place)
-            .env("CARGO_TARGET_DIR", target)
-            .env("CARGO_PROFILE_DEV_OPT_LEVEL", "1"))
+            .env("CARGO_TARGET_DIR", target))
     };
     maturin(&["sdist"], Path::new("python"))?;
     let source = only(&packed, "gz")?;
@@ -285,15 +293,9 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
     let stem = source.file_name().unwrap_or_default().to_string_lossy();
     let unpacked = folder.join(stem.trim_end_matches(".tar.gz"));
     let interpreter = python.to_string_lossy();
-    let build = [
-        "build",
-        "--quiet",
-        "--profile",
-        "dev",
-        "--locked",
-        "--interpreter",
-    ];
-    maturin(&[&build[..], &[&interpreter]].concat(), &unpacked)?;
+    let build = ["build", "--quiet", "--release", "--locked"];
+    let with = ["--interpreter", &interpreter];
+    maturin(&[&build[..], &QUICKLY, &with].concat(), &unpacked)?;
     let wheel = only(&packed, "whl")?;
     let script = "import sys, zipfile; print('\\n'.join(zipfile.ZipFile(sys.argv[1]).namelist()))";
     let held = said(Command::new(python).args(["-c", script]).arg(&wheel))?;

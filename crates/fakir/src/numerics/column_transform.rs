@@ -418,9 +418,9 @@ impl<R: InRegisters> Stage<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fakir_fft::Transformable;
+    use num_complex::Complex64;
     use pulp::{Arch, WithSimd};
-    use rustfft::FftPlanner;
-    use rustfft::num_complex::Complex64;
 
     /// Lines of a row.
     const SIDE_BY_SIDE: usize = 2;
@@ -477,9 +477,7 @@ mod tests {
             };
             let mut expected: Vec<Complex64> = before.chunks_exact(of_row).map(complex).collect();
             expected.resize(length, Complex64::default());
-            FftPlanner::new()
-                .plan_fft_forward(length)
-                .process(&mut expected);
+            f64::forward(length).process(&mut expected);
             for (row, frequency) in spectrum.chunks_exact(of_row).zip(&frequencies) {
                 let error = (complex(row) - expected[*frequency]).norm();
                 assert!(error < precision * length as f64, "{length}: {error}");

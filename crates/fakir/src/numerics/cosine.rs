@@ -13,7 +13,7 @@
 
 use super::fft::{Real, RealPlans};
 use super::vector::widest;
-use rustfft::num_complex::{Complex, Complex64};
+use num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
 
 /// Transforms of an array of rows and columns, to two real columns in every complex one.

@@ -1,12 +1,11 @@
 //! Plans of fast Fourier transforms in two dimensions, and the lengths that are quick to transform.
 
-use realfft::{ComplexToReal, FftNum, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::{Complex, Complex64};
-use rustfft::{Fft, FftPlanner};
+use fakir_fft::{ComplexToReal, Fft, RealToComplex, Transformable};
+use num_complex::{Complex, Complex64};
 use std::sync::Arc;
 
 /// Numbers that are transformed: in double precision, or in single, which takes half the time.
-pub(crate) trait Real: FftNum + Default {
+pub(crate) trait Real: Transformable + Default {
     /// The nearest to a number.
     fn of(value: f64) -> Self;
 
@@ -49,13 +48,11 @@ pub(crate) struct RealPlans<R = f64> {
 impl<R: Real> RealPlans<R> {
     /// The plans for an array of so many rows and columns.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
         Self {
-            row: real.plan_fft_forward(columns),
-            row_back: real.plan_fft_inverse(columns),
-            column: complex.plan_fft_forward(rows),
-            column_back: complex.plan_fft_inverse(rows),
+            row: R::real_forward(columns),
+            row_back: R::real_inverse(columns),
+            column: R::forward(rows),
+            column_back: R::inverse(rows),
         }
     }
 
@@ -107,12 +104,11 @@ pub(crate) struct ComplexPlans<R: Real = f64> {
 impl<R: Real> ComplexPlans<R> {
     /// The plans for an array of so many rows and columns.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
-        let mut planner = FftPlanner::new();
         Self {
-            row: planner.plan_fft_forward(columns),
-            row_back: planner.plan_fft_inverse(columns),
-            column: planner.plan_fft_forward(rows),
-            column_back: planner.plan_fft_inverse(rows),
+            row: R::forward(columns),
+            row_back: R::inverse(columns),
+            column: R::forward(rows),
+            column_back: R::inverse(rows),
         }
     }
 

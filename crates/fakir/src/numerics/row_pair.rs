@@ -6,8 +6,8 @@
 use super::column_transform::COLUMNS;
 use super::fft::Real;
 use super::vector::widest;
+use fakir_fft::Fft;
 use num_complex::Complex;
-use rustfft::Fft;
 use std::array::from_fn;
 
 /// The last column of a line.
@@ -155,17 +155,13 @@ impl<R: Real> RowPair<R> {
 mod tests {
     use super::*;
     use crate::numerics::column_transform::LINE;
-    use rustfft::FftPlanner;
+    use fakir_fft::Transformable;
 
     /// Against the sums that define them, of even lengths and odd ones, some shorter than a line, some frequencies at a time; lines against these; and there and back.
     #[test]
     fn both_rows_have_their_own_transforms() {
         for length in [1, 2, 5, 12, 15, 16, 18, 40] {
-            let mut planner = FftPlanner::<f64>::new();
-            let (plan, plan_back) = (
-                planner.plan_fft_forward(length),
-                planner.plan_fft_inverse(length),
-            );
+            let (plan, plan_back) = (f64::forward(length), f64::inverse(length));
             let mut scratch = vec![Complex::default(); 2 * length];
             let row = |which: f64, k: usize| (1.3 + which) * ((2.0 + which) * k as f64).sin();
             let mut pair = RowPair::new(length);

@@ -15,8 +15,8 @@ use crate::numerics::fft::{ComplexPlans, smooth_size, transpose};
 use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::problem::pillar_field::PillarField;
 use crate::problem::{HexagonalLattice, Point};
+use num_complex::Complex64;
 use rayon::prelude::*;
-use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 use std::ops::Range;
 

@@ -26,9 +26,9 @@ use crate::numerics::row_pair::RowPair;
 use crate::numerics::simd::{Aligned, InRegisters};
 use crate::numerics::vector::{largest, widest};
 use crate::numerics::workers::Workers;
+use fakir_fft::{Fft, Transformable};
 use num_complex::{Complex, Complex64};
 use pulp::{Arch, Simd, WithSimd};
-use rustfft::{Fft, FftPlanner};
 use std::ops::{Range, RangeInclusive};
 use std::sync::Arc;
 
@@ -360,7 +360,7 @@ fn fill_strips(
     let at_a_time = of_rows / entries;
     // Rows are twice their transforms.
     let scale = 0.5 / (rows * columns) as f64;
-    let transform = FftPlanner::new().plan_fft_forward(rows);
+    let transform = f64::forward(rows);
     let modes = |a: usize| (a..layout.modes).map(move |b| [layout.odd[a], layout.odd[b]]);
     let odd: Vec<[bool; 2]> = (0..layout.modes).flat_map(modes).collect();
     let work = || {
@@ -450,10 +450,9 @@ struct Passes<R: Precision> {
 
 impl<R: Precision> Passes<R> {
     fn new(layout: &Layout) -> Self {
-        let mut planner = FftPlanner::new();
         Self {
-            row: planner.plan_fft_forward(layout.padded.1),
-            row_back: planner.plan_fft_inverse(layout.padded.1),
+            row: R::forward(layout.padded.1),
+            row_back: R::inverse(layout.padded.1),
             columns: ColumnTransform::new(layout.padded.0, LINES_AT_ONCE / layout.modes),
         }
     }

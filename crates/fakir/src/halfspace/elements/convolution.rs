@@ -9,9 +9,9 @@
 use super::operator::check_lengths;
 use crate::numerics::fft::Real;
 use crate::problem::{Cells, Segment};
+use num_complex::{Complex, Complex64};
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use rustfft::num_complex::{Complex, Complex64};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 

@@ -21,10 +21,10 @@ use super::potential::CellPotential;
 use crate::numerics::fft::{Real, quick_length};
 use crate::problem::Cells;
 use crate::problem::layer::WeightedLayer;
+use fakir_fft::Fft;
+use num_complex::{Complex, Complex64};
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use rustfft::num_complex::{Complex, Complex64};
-use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -177,14 +177,14 @@ struct Axis<R = f64> {
 }
 
 impl<R: Real> Axis<R> {
-    fn new(length: usize, planner: &mut FftPlanner<R>) -> Self {
+    fn new(length: usize) -> Self {
         let twist = |j: usize| {
             let (sin, cos) = (-PI * j as f64 / (2 * length) as f64).sin_cos();
             Complex::new(R::of(cos), R::of(sin))
         };
         Self {
-            forward: planner.plan_fft_forward(length),
-            back: planner.plan_fft_inverse(length),
+            forward: R::forward(length),
+            back: R::inverse(length),
             twist: (0..length).map(twist).collect(),
         }
     }
@@ -256,8 +256,7 @@ impl FreeSpace {
         kernel: impl Fn([usize; 2]) -> f64 + Sync,
         pool: Option<&ThreadPool>,
     ) -> Self {
-        let mut planner = FftPlanner::new();
-        let [x, y] = shape.map(|count| Axis::new(quick_length(count), &mut planner));
+        let [x, y] = shape.map(|count| Axis::new(quick_length(count)));
         let scale = factor / (2 * x.len() * y.len()) as f64;
         let rows = kernel_rows(shape, kernel, &x, pool);
         let kernel = kernel_columns(&rows, &x, &y, scale, pool);
@@ -270,8 +269,7 @@ impl FreeSpace {
     }
 
     fn in_single_precision(&self) -> FreeSpace<f32> {
-        let mut planner = FftPlanner::new();
-        let [x, y] = [&self.x, &self.y].map(|axis| Axis::new(axis.len(), &mut planner));
+        let [x, y] = [&self.x, &self.y].map(|axis| Axis::new(axis.len()));
         FreeSpace {
             shape: self.shape,
             x,

@@ -10,9 +10,9 @@ use super::potential::CellPotential;
 use crate::numerics::fft::{ComplexPlans, RealPlans, smooth_size, transpose};
 use crate::problem::layer::WeightedLayer;
 use crate::problem::{Cells, Point};
+use num_complex::Complex64;
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Work below which threads are not worth waking, complex values of all spectra.

@@ -9,8 +9,8 @@ use crate::numerics::cosine::CosinePlans;
 use crate::numerics::fft::{Real, RealPlans, quick_length};
 use crate::problem::Cells;
 use crate::problem::layer::WeightedLayer;
+use num_complex::Complex;
 use rayon::ThreadPool;
-use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use crate::halfspace::elements::convolution::BLOCK_WIDTH;
 use crate::numerics::fft::{Real, RealPlans};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::sync::{Mutex, PoisonError};
 
 /// Transforms of the floor that meet those of pillars on the coarse grid.

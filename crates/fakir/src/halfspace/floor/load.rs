@@ -19,7 +19,7 @@ use crate::numerics::quadrature::gauss_legendre;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::point::turned;
 use crate::problem::{Cells, Grid, Point};
-use rustfft::num_complex::Complex64;
+use num_complex::Complex64;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 

@@ -1,7 +1,7 @@
 //! Sums over the rows of a column of transforms, as vectors of real and imaginary parts.
 
 use crate::numerics::fft::Real;
-use rustfft::num_complex::Complex;
+use num_complex::Complex;
 
 /// The phase of a column times those of rows, in parts.
 #[inline(always)]

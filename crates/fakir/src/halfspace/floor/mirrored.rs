@@ -15,7 +15,7 @@ use crate::halfspace::elements::convolution::{
 use crate::numerics::cosine::CosinePlans;
 use crate::numerics::fft::Real;
 use crate::numerics::vector::{LANES, widest};
-use rustfft::num_complex::Complex;
+use num_complex::Complex;
 use std::sync::{Mutex, PoisonError, RwLock};
 
 /// Rows are held in such numbers.

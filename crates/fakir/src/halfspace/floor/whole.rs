@@ -12,7 +12,7 @@ use crate::numerics::fft::{Real, RealPlans};
 use crate::numerics::vector::{LANES, widest};
 use crate::numerics::workers::Workers;
 use crate::problem::layer::WeightedLayer;
-use rustfft::num_complex::{Complex, Complex64};
+use num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
 use std::sync::{Mutex, PoisonError, RwLock};
 

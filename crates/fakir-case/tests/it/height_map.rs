@@ -1,0 +1,391 @@
+//! Height maps from files: what NumPy wrote, files made here after the format's definition
+//! (numpy.lib.format), and files that are wrong.
+
+use fakir::problem::HeightMap;
+use fakir_case::height_map::{HeightMapError, MapScale, MapSize, read_height_map};
+use std::io::{Cursor, Write};
+use std::path::{Path, PathBuf};
+
+/// More than any of these files takes, bytes.
+const MEMORY: usize = 100_000_000;
+
+const SCALE: MapScale = MapScale {
+    size: MapSize::Pixel([2.0e-6, 1.0e-6]),
+    height_unit: 1.0e-9,
+};
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/height_maps")
+        .join(name)
+}
+
+/// What the fixtures hold: three rows of four columns, `10 row + column` nm.
+fn check(map: &HeightMap) {
+    let grid = map.grid();
+    assert_eq!((grid.columns(), grid.rows()), (4, 3));
+    assert!((grid.cell()[0] - 2.0e-6).abs() < 1e-20 && (grid.cell()[1] - 1.0e-6).abs() < 1e-20);
+    // Centred on the lens axis.
+    let [x, y] = grid.centre(0, 0);
+    assert!((x + 3.0e-6).abs() < 1e-18 && (y + 1.0e-6).abs() < 1e-18);
+    for (cell, height) in map.heights().iter().enumerate() {
+        let expected = (10 * (cell / 4) + cell % 4) as f64 * 1.0e-9;
+        assert!((height - expected).abs() < 1e-20, "{cell}: {height}");
+    }
+}
+
+fn read(path: &Path) -> Result<HeightMap, HeightMapError> {
+    read_height_map(path, None, &SCALE, MEMORY)
+}
+
+fn expect(path: &Path) {
+    match read(path) {
+        Ok(map) => check(&map),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// A file of this content and name, read; what is wrong with it.
+fn failure(name: &str, content: &[u8]) -> HeightMapError {
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    let path = folder.path().join(name);
+    std::fs::write(&path, content).expect("a file for the test");
+    let error = read(&path).expect_err("the file is wrong");
+    assert!(error.to_string().contains(name), "{error}");
+    error
+}
+
+/// A `.npy` file: magic string, version, length of the header, header, data.
+fn npy(version: u8, kind: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
+    let order = if fortran { "True" } else { "False" };
+    let mut header = format!("{{'descr': '{kind}', 'fortran_order': {order}, 'shape': {shape}, }}");
+    let prefix = if version == 1 { 10 } else { 12 };
+    while !(prefix + header.len() + 1).is_multiple_of(64) {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY".to_vec();
+    bytes.extend([version, 0]);
+    let length = header.len() as u32;
+    let width = if version == 1 { 2 } else { 4 };
+    bytes.extend(&length.to_le_bytes()[..width]);
+    bytes.extend(header.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+/// The values of the fixtures, in the order they are stored in.
+fn values(fortran: bool) -> Vec<i32> {
+    (0..12)
+        .map(|place| {
+            let (row, column) = if fortran {
+                (place % 3, place / 3)
+            } else {
+                (place / 4, place % 4)
+            };
+            10 * row + column
+        })
+        .collect()
+}
+
+#[test]
+fn files_that_numpy_wrote() {
+    expect(&fixture("fortran.npy"));
+    expect(&fixture("single.npz"));
+    expect(&fixture("savetxt.txt"));
+    let named = read_height_map(&fixture("several.npz"), Some("heights"), &SCALE, MEMORY);
+    check(&named.expect("the archive has heights"));
+}
+
+#[test]
+fn every_version_type_and_order() {
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    let path = folder.path().join("map.npy");
+    for version in [1, 2, 3] {
+        for fortran in [false, true] {
+            let values = values(fortran);
+            let kinds: [(&str, Vec<u8>); 8] = [
+                (
+                    "<f8",
+                    values
+                        .iter()
+                        .flat_map(|v| f64::from(*v).to_le_bytes())
+                        .collect(),
+                ),
+                (
+                    ">f8",
+                    values
+                        .iter()
+                        .flat_map(|v| f64::from(*v).to_be_bytes())
+                        .collect(),
+                ),
+                (
+                    "<f4",
+                    values
+                        .iter()
+                        .flat_map(|v| (*v as f32).to_le_bytes())
+                        .collect(),
+                ),
+                ("|u1", values.iter().map(|v| *v as u8).collect()),
+                ("|i1", values.iter().map(|v| *v as u8).collect()),
+                (
+                    ">u2",
+                    values
+                        .iter()
+                        .flat_map(|v| (*v as u16).to_be_bytes())
+                        .collect(),
+                ),
+                ("<i4", values.iter().flat_map(|v| v.to_le_bytes()).collect()),
+                (
+                    "<i8",
+                    values
+                        .iter()
+                        .flat_map(|v| i64::from(*v).to_le_bytes())
+                        .collect(),
+                ),
+            ];
+            for (kind, data) in kinds {
+                let bytes = npy(version, kind, fortran, "(3, 4)", &data);
+                std::fs::write(&path, bytes).expect("a file for the test");
+                expect(&path);
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_of_numbers() {
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    let path = folder.path().join("map.asc");
+    for text in [
+        "0 1 2 3\n10 11 12 13\n20 21 22 23\n",
+        "# heights\r\n0, 1, 2, 3\r\n\r\n10,11,12,13 # second\r\n20;21;22;2.3e1",
+        // The first row of an ESRI ASCII grid is the one of largest y.
+        "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n\
+         20 21 22 23\n10 11 12 13\n0 1 2 3\n",
+    ] {
+        std::fs::write(&path, text).expect("a file for the test");
+        expect(&path);
+    }
+}
+
+#[test]
+fn size_and_unit_are_the_callers() {
+    let scale = MapScale {
+        size: MapSize::Extent([8.0e-6, 3.0e-6]),
+        height_unit: -1.0e-9,
+    };
+    let map = read_height_map(&fixture("fortran.npy"), None, &scale, MEMORY).expect("a height map");
+    assert!((map.grid().cell()[0] - 2.0e-6).abs() < 1e-20);
+    assert!((map.lowest() + 23.0e-9).abs() < 1e-20 && map.highest().abs() < 1e-20);
+    for height_unit in [0.0, f64::NAN] {
+        let scale = MapScale {
+            height_unit,
+            ..SCALE
+        };
+        let error = read_height_map(&fixture("fortran.npy"), None, &scale, MEMORY);
+        assert!(matches!(error, Err(HeightMapError::HeightUnit(_))));
+    }
+    let scale = MapScale {
+        size: MapSize::Pixel([1.0e-6, -1.0]),
+        ..SCALE
+    };
+    let error = read_height_map(&fixture("fortran.npy"), None, &scale, MEMORY);
+    assert!(matches!(error, Err(HeightMapError::Grid(_))));
+}
+
+#[test]
+fn archives_say_what_they_have() {
+    let several = fixture("several.npz");
+    let error = read(&several).expect_err("two arrays").to_string();
+    assert!(
+        error.contains("the arrays \"heights\", \"mask\""),
+        "{error}"
+    );
+    let error =
+        read_height_map(&several, Some("height"), &SCALE, MEMORY).expect_err("no such array");
+    let HeightMapError::NoSuchArray { available, .. } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(*available, ["heights", "mask"]);
+    let error = read_height_map(&several, Some("mask"), &SCALE, MEMORY).expect_err("booleans");
+    assert!(matches!(error, HeightMapError::ElementType { .. }));
+    assert!(error.to_string().contains("array \"mask\""), "{error}");
+    assert!(matches!(
+        failure("map.npz", b"PK"),
+        HeightMapError::NotNumpy { .. }
+    ));
+}
+
+#[test]
+fn wrong_arrays_are_named() {
+    let doubles = |count: usize| vec![0; 8 * count];
+    let error = failure("line.npy", &npy(1, "<f8", false, "(12,)", &doubles(12)));
+    assert!(matches!(error, HeightMapError::Dimensions { shape, .. } if shape == [12]));
+    let error = failure("short.npy", &npy(1, "<f8", false, "(3, 4)", &doubles(11)));
+    assert!(
+        error
+            .to_string()
+            .contains("96 bytes of data expected, 88 found"),
+        "{error}"
+    );
+    let huge = "(4294967296, 4294967295)";
+    let error = failure("huge.npy", &npy(1, "<f8", false, huge, &doubles(1)));
+    assert!(matches!(error, HeightMapError::NotNumpy { .. }));
+    let error = failure("none.npy", &npy(1, "<f8", false, "(0, 4)", &[]));
+    assert!(matches!(error, HeightMapError::Empty { .. }));
+    let error = failure(
+        "complex.npy",
+        &npy(1, "<c16", false, "(3, 4)", &doubles(24)),
+    );
+    assert!(
+        matches!(error, HeightMapError::ElementType { .. }),
+        "{error}"
+    );
+    assert!(matches!(
+        failure("text.npy", b"1 2 3"),
+        HeightMapError::NotNumpy { .. }
+    ));
+    let mut data = doubles(12);
+    data[8 * 6..8 * 7].copy_from_slice(&f64::NAN.to_le_bytes());
+    let error = failure("nan.npy", &npy(1, "<f8", false, "(3, 4)", &data)).to_string();
+    assert!(
+        error.contains("column 2, row 1") && error.contains("NaN"),
+        "{error}"
+    );
+}
+
+#[test]
+fn wrong_texts_are_named() {
+    let error = failure("ragged.txt", b"1 2 3\n\n4 5\n");
+    let HeightMapError::RaggedRow {
+        line,
+        found,
+        expected,
+        ..
+    } = error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!((line, found, expected), (3, 2, 3));
+    let error = failure("word.txt", b"1 2 3\n4 five 6\n").to_string();
+    assert!(error.contains("line 2, column 2: \"five\""), "{error}");
+    assert!(matches!(
+        failure("empty.txt", b"# nothing\n"),
+        HeightMapError::Empty { .. }
+    ));
+    let header = "ncols 2\nnrows 2\ncellsize 1\nnodata_value -9999\n";
+    let error = failure("hole.asc", format!("{header}1 2\n-9999 3\n").as_bytes());
+    assert!(matches!(
+        error,
+        HeightMapError::NoData {
+            line: 6,
+            column: 1,
+            ..
+        }
+    ));
+    let error = failure("size.asc", format!("{header}1 2\n3 4\n5 6\n").as_bytes());
+    assert!(matches!(
+        error,
+        HeightMapError::HeaderSize {
+            rows: 2,
+            found_rows: 3,
+            ..
+        }
+    ));
+    let missing = fixture("missing.npy");
+    assert!(matches!(read(&missing), Err(HeightMapError::Read { .. })));
+}
+
+/// An archive of one array of zeros: the header says `shape`, and `doubles` follow, of which almost
+/// nothing is left when they are packed.
+fn packed_zeros(shape: &str, doubles: usize) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default()
+        .compression_method(zip::CompressionMethod::Deflated);
+    archive.start_file("heights.npy", options).unwrap();
+    archive
+        .write_all(&npy(1, "<f8", false, shape, &[]))
+        .unwrap();
+    let zeros = vec![0; 1 << 20];
+    for _ in 0..(8 * doubles).div_ceil(zeros.len()) {
+        archive.write_all(&zeros).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+/// Most memory that this process ever had in use, bytes, where it can be known.
+fn most_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    Some(1024 * line.split_whitespace().nth(1)?.parse::<u64>().ok()?)
+}
+
+/// An archive of 0.5 MB that would be 512 MB: refused by what its header says; and one whose header
+/// says little is read no further than that, and refused too.
+#[test]
+fn what_does_not_fit_the_memory_is_refused_before_it_is_unpacked() {
+    let before = most_memory();
+    let error = failure("map.npz", &packed_zeros("(8192, 8192)", 1 << 26));
+    let HeightMapError::TooLarge {
+        points,
+        bytes,
+        limit,
+        ..
+    } = &error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!((points.as_str(), *limit), ("8192 by 8192 points", MEMORY));
+    assert!((bytes - 64.0 * 8192.0 * 8192.0).abs() < 1.0);
+    let error = failure("map.npz", &packed_zeros("(3, 4)", 1 << 26)).to_string();
+    assert!(
+        error.contains("it goes on after its last element"),
+        "{error}"
+    );
+    // Other tests run beside this one, and none of them needs a tenth of what is packed.
+    if let (Some(before), Some(after)) = (before, most_memory()) {
+        assert!(after < before + 100_000_000, "{before} {after}");
+    }
+    let error = failure("map.npy", &npy(1, "<f4", true, "(100000, 1000)", &[0; 64]));
+    assert!(matches!(error, HeightMapError::TooLarge { .. }), "{error}");
+    let mut header = npy(2, "<f8", false, "(3, 4)", &[]);
+    header[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
+    let error = failure("header.npy", &header).to_string();
+    assert!(error.contains("its header is longer"), "{error}");
+    // Two bytes a height, 64 in memory.
+    let error = failure("map.txt", &b"1 2 3 4 5 6 7 8\n".repeat(250_000));
+    let HeightMapError::TooLarge { points, .. } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(points, "1562504 points or more");
+}
+
+/// Archives have a checksum of every array.
+#[test]
+fn a_byte_changed_in_an_archive_is_noticed() {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options =
+        zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    let data: Vec<u8> = values(false).iter().flat_map(|v| v.to_le_bytes()).collect();
+    let array = npy(1, "<i4", false, "(3, 4)", &data);
+    archive.start_file("heights.npy", options).unwrap();
+    archive.write_all(&array).unwrap();
+    let mut bytes = archive.finish().unwrap().into_inner();
+    let start = bytes
+        .windows(array.len())
+        .position(|window| window == array);
+    bytes[start.unwrap() + array.len() - 3] ^= 1;
+    let error = failure("map.npz", &bytes);
+    assert!(matches!(error, HeightMapError::NotNumpy { .. }), "{error}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_without_end_is_read_no_further_than_a_line() {
+    let error = read(Path::new("/dev/zero")).expect_err("it has no end");
+    assert!(
+        matches!(error, HeightMapError::LongLine { line: 1, .. }),
+        "{error}"
+    );
+}

@@ -1,0 +1,12 @@
+//! Tests of the crate `fakir-case` through its public interface: one program, so that it is linked once.
+
+#![allow(clippy::unwrap_used)]
+
+mod cases;
+mod height_map;
+mod keys;
+mod lenses;
+mod malformed;
+mod rounded;
+mod studies;
+mod surfaces;

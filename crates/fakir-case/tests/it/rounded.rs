@@ -1,0 +1,177 @@
+//! Cases with rounded pillar tops.
+
+use fakir::problem::{Accuracy, Indenter};
+use fakir_case::{CaseFile, RoundedCase};
+
+const PLATE: &str = r#"
+[lens]
+shape = "plate"
+young_modulus = "70 GPa"
+poisson_ratio = 0.22
+
+[substrate]
+young_modulus = "1.5 MPa"
+poisson_ratio = 0.5
+"#;
+
+const SITES: &str = r#"
+[texture]
+lattice = "square"
+pitch = "1.5 mm"
+columns = 3
+top_radius = "526 um"
+
+[texture.pillar]
+height = "200 um"
+"#;
+
+fn file(text: &str) -> CaseFile {
+    CaseFile::parse("case.toml", text).unwrap()
+}
+
+fn rounded(text: &str) -> RoundedCase {
+    file(text).rounded_case().unwrap()
+}
+
+fn refused(text: &str) -> String {
+    let error = file(text).rounded_case().unwrap_err();
+    error.one_line()
+}
+
+#[test]
+fn a_lattice_of_asperities_under_a_plate() {
+    let case = rounded(&format!("{PLATE}{SITES}"));
+    assert_eq!(case.accuracy, Accuracy::Default);
+    assert!(matches!(case.field.indenter(), Indenter::Flat(Some(_))));
+    let caps = case.field.caps();
+    assert_eq!(caps.len(), 9);
+    for cap in caps {
+        assert!(cap.rim_radius.is_none() && cap.column_compliance.abs() < f64::MIN_POSITIVE);
+        assert!((cap.top_radius - 526e-6).abs() < 1e-18 && cap.raised.abs() < 1e-18);
+    }
+    let farthest = caps
+        .iter()
+        .map(|cap| cap.apex[0].hypot(cap.apex[1]))
+        .fold(0.0, f64::max);
+    assert!((farthest / (1.5e-3 * 2f64.sqrt()) - 1.0).abs() < 1e-14);
+    let again = rounded(&case.to_toml());
+    assert_eq!(again, case);
+}
+
+/// Pillars with a diameter have a rim, and give way as columns: 4 h/(pi E d^2).
+#[test]
+fn pillars_with_a_diameter_have_a_rim_and_a_column() {
+    let with_rim = format!("{PLATE}{SITES}diameter = \"400 um\"\n");
+    let cap = rounded(&with_rim).field.caps()[0];
+    assert_eq!(cap.rim_radius.map(f64::to_bits), Some(200e-6f64.to_bits()));
+    let column = 4.0 * 200e-6 / (std::f64::consts::PI * 1.5e6 * 400e-6f64.powi(2));
+    assert!((cap.column_compliance / column - 1.0).abs() < 1e-14);
+    // A higher pillar gives way by more.
+    let heights = vec![50e-6; 9];
+    let raised = rounded(&with_rim).with_heights(&heights).unwrap();
+    let cap = raised.field.caps()[0];
+    assert!((cap.column_compliance / column - 1.25).abs() < 1e-12);
+    let stiff = rounded(&format!("{with_rim}compliance = \"none\"\n"));
+    assert!(stiff.field.caps()[0].column_compliance.abs() < f64::MIN_POSITIVE);
+}
+
+#[test]
+fn heights_in_a_table_are_read_again_to_the_bit() {
+    let folder = std::env::temp_dir().join(format!("fakir-rounded-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let case = rounded(&format!("{PLATE}{SITES}"));
+    let heights: Vec<f64> = (0..9).map(|k| -1e-5 * f64::from(k).sqrt()).collect();
+    let made = case.with_heights(&heights).unwrap();
+    std::fs::write(folder.join("pillars.csv"), made.pillar_table()).unwrap();
+    let path = folder.join("case.toml");
+    std::fs::write(&path, made.to_toml_with_table("pillars.csv")).unwrap();
+    let again = CaseFile::read(&path).unwrap().rounded_case().unwrap();
+    for (one, other) in made.field.caps().iter().zip(again.field.caps()) {
+        assert!((one.raised - other.raised).abs() < 1e-19);
+        assert_eq!(one.apex.map(f64::to_bits), other.apex.map(f64::to_bits));
+    }
+    // An overlap is told with the lines of the table.
+    let table = "x_m,y_m,height_m,diameter_m\n0,0,1e-4,4e-4\n1e-4,0,1e-4,4e-4\n";
+    std::fs::write(folder.join("pillars.csv"), table).unwrap();
+    let told = CaseFile::read(&path).unwrap().rounded_case().unwrap_err();
+    assert!(
+        told.one_line()
+            .contains("line 3: this pillar overlaps with that of line 2")
+    );
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn what_rounded_tops_do_not_have_is_refused() {
+    let with = |more: &str| refused(&format!("{PLATE}{SITES}{more}"));
+    let set = |setting: &str| {
+        let mut file = file(&format!("{PLATE}{SITES}"));
+        file.set(setting).unwrap();
+        file.rounded_case().unwrap_err().one_line()
+    };
+    for (told, words) in [
+        (
+            with("[adhesion]\nwork = \"50 mJ/m2\"\n"),
+            "rounded pillar tops do not stick",
+        ),
+        (
+            with("[method]\nname = \"punch\"\n"),
+            "has flat pillar tops only",
+        ),
+        (
+            with("compliance = \"column\"\n"),
+            "texture.pillar.diameter: this key is missing",
+        ),
+        (with("compliance = \"elastic\"\n"), "under flat tops only"),
+        (
+            set("texture.top_radius=-1um"),
+            "texture.top_radius: cannot be",
+        ),
+        (
+            set("texture.columns=9999"),
+            "too many pillars with rounded tops",
+        ),
+        (
+            set("texture.surface_fraction=0.1"),
+            "texture.pillar.diameter: this key is missing",
+        ),
+        (
+            set("lens.radius=1mm"),
+            "with lens.shape = \"plate\" there is no such key",
+        ),
+        (
+            refused(&format!("{PLATE}{}", SITES.replace("columns = 3\n", ""))),
+            "texture.columns: this key is missing",
+        ),
+        (
+            refused(&format!(
+                "{PLATE}{}",
+                SITES.replace("height = \"200 um\"\n", "")
+            )),
+            "texture.pillar.height: this key is missing",
+        ),
+    ] {
+        assert!(told.contains(words), "{told}");
+    }
+}
+
+/// All that computes flat tops goes through `case`.
+#[test]
+fn flat_tops_are_not_computed_in_their_place() {
+    let told = |text: &str| file(text).case().unwrap_err().one_line();
+    let both = told(&format!("{PLATE}{SITES}diameter = \"400 um\"\n"));
+    assert!(
+        both.contains("texture.top_radius: this is computed for flat pillar tops only"),
+        "{both}"
+    );
+    assert!(both.contains("fakir press"), "{both}");
+    let surface = format!("{PLATE}[surface]\nheight_map = \"map.npy\"\ncell_size = \"1 um\"\n");
+    let surface = file(&surface)
+        .surface_case(1_000_000)
+        .unwrap_err()
+        .one_line();
+    assert!(
+        surface.contains("surface.indenter = \"plate\""),
+        "{surface}"
+    );
+}

@@ -1,0 +1,639 @@
+//! How the program behaves: exit status, files, signals, pipes.
+
+use crate::common::{Bench, Outcome, example};
+use std::io::Write;
+use std::process::Stdio;
+
+fn intermediate() -> String {
+    example("paper-intermediate.toml")
+}
+
+#[test]
+fn init_writes_a_case_that_works_and_overwrites_nothing() {
+    let bench = Bench::new();
+    let outcome = bench.run(&["init"]);
+    assert_eq!(outcome.status, Some(0));
+    assert_eq!(outcome.stdout, "");
+    assert!(outcome.stderr.contains("fakir transition case.toml"));
+    let written = bench.read("case.toml");
+    assert_eq!(bench.result(&["init", "-"]), written);
+    bench.result(&["theory", "case.toml"]);
+
+    bench.write("case.toml", "mine");
+    let outcome = bench.run(&["init", "case.toml"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(outcome.stderr.contains("--force"));
+    assert_eq!(bench.read("case.toml"), "mine");
+    assert_eq!(bench.run(&["init", "--force"]).status, Some(0));
+    assert_eq!(bench.read("case.toml"), written);
+    assert_eq!(bench.files("."), ["case.toml"]);
+}
+
+#[test]
+fn init_prints_a_reference_of_all_keys() {
+    let bench = Bench::new();
+    let reference = bench.result(&["init", "--keys"]);
+    assert_eq!(reference, fakir_case::reference());
+    assert!(reference.contains("\n## [surface.pillar]\n"));
+    assert!(bench.files(".").is_empty());
+    for arguments in [
+        ["init", "--keys", "case.toml"],
+        ["init", "--keys", "--force"],
+    ] {
+        assert_eq!(bench.run(&arguments).status, Some(2));
+    }
+}
+
+#[test]
+fn bad_input_is_status_2_with_an_explanation_and_no_files() {
+    let bench = Bench::new();
+    let case = intermediate();
+    bench.write("broken.toml", "[lens]\nradius = 2200 um\n");
+    let surface = example("square-pillars.toml");
+    bench.write("file", "");
+    let attempts: [(&[&str], &str); 18] = [
+        (&["transition", "broken.toml"], "broken.toml:2:10"),
+        (&["transition", "missing.toml"], "cannot read missing.toml"),
+        (
+            &["transition", &case, "--set", "texture.pich=1um"],
+            "did you mean texture.pitch?",
+        ),
+        (
+            &["transition", &case, "--set", "lens.radius=2MPa"],
+            "--set:1:13",
+        ),
+        (&["transition", &case, "--threads", "many"], "invalid value"),
+        (&["transition", &case, "--memory-limit", "8"], "such as 8GB"),
+        (&["transition", &case, "--output", "file"], "file"),
+        (&["transition", &case, "--field-points", "1"], "2 to 2048"),
+        (
+            &["transition", &surface, "--field-points", "9"],
+            "on its own cells",
+        ),
+        (&["transition"], "<CASE>"),
+        (&["press", &case], "--indentation"),
+        (
+            &["press", &case, "--force", "1uN", "--indentation", "1um"],
+            "cannot be used with",
+        ),
+        (
+            &["press", &case, "--force", "1um"],
+            "um is a unit of length, not of force",
+        ),
+        (&["press", &case, "--force", "-1uN"], "force cannot be"),
+        (
+            &["press", &case, "--indentation", "nan"],
+            "indentation cannot be",
+        ),
+        (&["approach", &case, "--step", "0um"], "--step must be"),
+        (&["approach", &case, "--step", "1nm"], "states"),
+        (&["approach", &case, "--past-transition"], "--until"),
+    ];
+    for (arguments, explanation) in attempts {
+        let arguments = match arguments.contains(&"--output") {
+            true => arguments.to_vec(),
+            false => [arguments, &["--output", "results"]].concat(),
+        };
+        let outcome = bench.run(&arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
+        assert_eq!(outcome.stdout, "", "{arguments:?}");
+        assert!(
+            outcome.stderr.contains(explanation),
+            "{arguments:?}: {}",
+            outcome.stderr
+        );
+    }
+    assert_eq!(bench.files("."), ["broken.toml", "file"]);
+}
+
+#[test]
+fn what_the_physics_refuses_is_status_3() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let attempts: [(&[&str], &str); 3] = [
+        (&["press", &case, "--force", "10N"], "half the lens radius"),
+        (&["transition", &case, "--memory-limit", "100kB"], "memory"),
+        (
+            &[
+                "transition",
+                &case,
+                "--set",
+                "method.name=homogenised",
+                "--set",
+                "texture.surface_fraction=0.9",
+            ],
+            "homogenised lattice needs a surface fraction below",
+        ),
+    ];
+    for (arguments, explanation) in attempts {
+        let outcome = bench.run(&[arguments, &["--output", "results"]].concat());
+        assert_eq!(outcome.status, Some(3), "{arguments:?}: {}", outcome.stderr);
+        assert_eq!(outcome.stdout, "");
+        assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
+    }
+    assert!(bench.files(".").is_empty());
+}
+
+/// 2048 points squared take 537 MB, 128 bytes each; it is known before anything is computed.
+#[test]
+fn fields_count_against_the_memory_limit() {
+    let bench = Bench::new();
+    let run = |points: &str| {
+        let limit = ["--memory-limit", "100MB", "--output", "results"];
+        let fields = ["transition", &intermediate(), "--field-points", points];
+        bench.run(&[&fields[..], &limit[..]].concat())
+    };
+    let outcome = run("2048");
+    assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains(
+            "fields at 4194304 points take 536.9 MB of memory; the limit is 100.0 MB: raise the limit, \
+             or ask for at most 781250 points, such as 883 by 883"
+        ),
+        "{}",
+        outcome.stderr
+    );
+    assert!(bench.files(".").is_empty());
+    assert_eq!(run("883").status, Some(0));
+}
+
+#[test]
+fn more_threads_than_processors_are_warned_of() {
+    let bench = Bench::new();
+    let processors = std::thread::available_parallelism().unwrap();
+    let told = format!(
+        "warning: 9999 threads are more than there are processors: {processors} are used\n"
+    );
+    bench.write(
+        "study.toml",
+        &format!(
+            "[study]\ncase = \"{}\"\n[axes]\npitch = [40e-6]\n",
+            intermediate()
+        ),
+    );
+    for arguments in [
+        &["transition", &intermediate()][..],
+        &["sweep", "study.toml"],
+    ] {
+        let outcome = bench.run(&[arguments, &["--threads", "9999"]].concat());
+        assert_eq!(
+            (outcome.status, &outcome.stderr),
+            (Some(0), &told),
+            "{arguments:?}"
+        );
+    }
+    bench.result(&[
+        "transition",
+        &intermediate(),
+        "--threads",
+        "9999",
+        "--quiet",
+    ]);
+}
+
+/// A device without end in the place of every file that is read.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_has_no_end_is_not_read_for_ever() {
+    let bench = Bench::new();
+    let endless = "/dev/zero";
+    bench.write(
+        "study.toml",
+        &format!("[study]\ncase = \"{endless}\"\n[axes]\npitch = [40e-6]\n"),
+    );
+    let case = intermediate();
+    let attempts: [(&[&str], &str); 6] = [
+        (&["transition", endless], "it has more than 4 MB"),
+        (&["sweep", endless], "it has more than 16 MB"),
+        (&["cite", endless], "it has more than 4 MB"),
+        (
+            &["fit", endless, "--case", &case, "--free", "contact_point"],
+            "it has more than 16 MB",
+        ),
+        (
+            &["reproduce", "paper", "--output", "x", "--measured", endless],
+            "it has more than 16 MB",
+        ),
+        (&["sweep", "study.toml"], "there is no file /dev/zero"),
+    ];
+    for (arguments, explanation) in attempts {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
+    }
+    let endless = std::fs::File::open(endless).unwrap();
+    let outcome = bench
+        .command(&["transition", "-"])
+        .stdin(endless)
+        .output()
+        .unwrap();
+    let outcome = Outcome::of(&outcome);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("standard input: it has more than 4 MB"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+/// A verdict needs two solutions with digits: where the cells are too few for one, it cannot be told.
+#[test]
+fn verify_can_say_that_it_cannot_tell() {
+    let bench = Bench::new();
+    bench.write("case.toml", include_str!("coarse_mesh.toml"));
+    let outcome = bench.run(&["verify", "case.toml"]);
+    assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
+    let told = &outcome.stdout;
+    assert!(told.contains("IT CANNOT BE TOLD"), "{told}");
+    assert!(
+        told.contains("the error estimates leave no digit"),
+        "{told}"
+    );
+    assert!(!told.contains("DISAGREE"), "{told}");
+    let outcome = bench.run(&["verify", "case.toml", "--json"]);
+    let answer: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(answer["agree"], false);
+    assert_eq!(answer["verdict"], "cannot tell");
+    assert!(answer["doubt"].as_str().unwrap().contains("leave no digit"));
+    let sure = bench.json(&["verify", "case.toml", "--cells", "64"]);
+    assert_eq!(sure["agree"], true);
+    assert_eq!(sure["verdict"], "agree");
+    assert!(sure["doubt"].is_null());
+}
+
+/// Loads far too small for a contact are refused with the smallest that is not; what is answered has
+/// no gaps in it, and no zero with a sign.
+#[test]
+fn loads_too_small_for_a_contact_are_refused() {
+    let bench = Bench::new();
+    let case = intermediate();
+    for (load, smallest) in [
+        ("--force=1e-100", "at least 1.20e-35 N"), // E* = 4/3 MPa, times (3 um)^2, times 1e-30
+        ("--indentation=1e-90", "at least 3.00e-26 m"), // 3 um times 1e-20
+    ] {
+        for method in ["spectral", "punch", "love", "homogenised"] {
+            let method = format!("method.name={method}");
+            let outcome = bench.run(&["press", &case, load, "--set", &method]);
+            assert_eq!(outcome.status, Some(2), "{}", outcome.stdout);
+            assert!(outcome.stderr.contains(smallest), "{}", outcome.stderr);
+        }
+    }
+    for load in [
+        "--force=1.3e-35",
+        "--force=-0.0",
+        "--indentation=1e-25",
+        "--indentation=0",
+    ] {
+        for offset in ["texture.offset=0", "texture.offset=0.3"] {
+            let arguments = ["press", &case, load, "--set", offset, "--json", "--quiet"];
+            let outcome = bench.run(&arguments);
+            assert!(!outcome.stdout.is_empty(), "{}", outcome.stderr);
+            // The floor, which is not touched, and some thresholds are all that there is not.
+            let numbers = outcome.stdout.replace("\"floor\": null", "");
+            let numbers = numbers.replace("\"threshold\": null", "");
+            for odd in ["null", "-0.0"] {
+                assert!(!numbers.contains(odd), "{load}: {numbers}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_cited_is_status_2() {
+    let bench = Bench::new();
+    bench.write("provenance.json", "{}");
+    let attempts: [(&[&str], &str); 4] = [
+        (&["cite", "missing"], "cannot read missing"),
+        (&["cite", "."], "missing field"),
+        (&["cite", "/"], "no results of fakir"),
+        (&["cite", ".", "--method", "love"], "cannot be used with"),
+    ];
+    for (arguments, explanation) in attempts {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
+    }
+}
+
+/// Two cases after each other in the same folder: refused, and with --overwrite nothing of the first
+/// remains beside the second.
+#[test]
+fn results_are_replaced_whole_or_not_at_all() {
+    let bench = Bench::new();
+    let save = |command: &str, more: &[&str]| {
+        let arguments = [command, &intermediate(), "--output", "results", "--quiet"];
+        bench.run(&[&arguments, more].concat())
+    };
+    let small = ["--set", "texture.surface_fraction=0.01"];
+    assert_eq!(save("transition", &small).status, Some(0));
+    let before = bench.files("results");
+    assert!(before.contains(&"pillars.csv".to_owned()));
+    let summary = bench.read("results/summary.json");
+    for (command, more) in [
+        ("transition", &[][..]),
+        ("press", &["--force", "1uN"]),
+        ("approach", &[]),
+        ("verify", &[]),
+        ("theory", &[]),
+        ("compare", &[]),
+        ("design", &["--samples", "2"]),
+    ] {
+        let outcome = save(command, more);
+        assert_eq!(outcome.status, Some(2), "{command}: {}", outcome.stderr);
+        let told = "the folder results is not empty: choose another, or --overwrite";
+        assert!(
+            outcome.stderr.contains(told),
+            "{command}: {}",
+            outcome.stderr
+        );
+        assert_eq!(outcome.stdout, "");
+    }
+    assert_eq!(bench.files("results"), before);
+    assert_eq!(bench.read("results/summary.json"), summary);
+    // No figures, and no pillars.
+    let outcome = save("theory", &["--overwrite"]);
+    assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+    let after = bench.files("results");
+    assert!(
+        !after.iter().any(|name| name.contains("pillar")),
+        "{after:?}"
+    );
+    assert!(after.contains(&"lattice_sums.csv".to_owned()), "{after:?}");
+    assert_eq!(bench.files("."), ["results"]);
+    // A sweep takes the place of other results too, and the other way round.
+    let study = format!(
+        "[study]\ncase = \"{}\"\n[axes]\npitch = [40e-6]\n",
+        intermediate()
+    );
+    bench.write("study.toml", &study);
+    let sweep = ["sweep", "study.toml", "--output", "results", "--overwrite"];
+    bench.result(&sweep);
+    let swept = [
+        "journal.jsonl",
+        "provenance.json",
+        "study.toml",
+        "table.csv",
+        "table.parquet",
+    ];
+    assert_eq!(bench.files("results"), swept);
+    assert_eq!(save("transition", &["--overwrite"]).status, Some(0));
+    assert!(!bench.path("results/journal.jsonl").exists());
+    // One's own notes are not lost, nor is a folder that has nothing to do with it.
+    bench.write("results/notes.txt", "mine");
+    let before = bench.files("results");
+    for outcome in [save("theory", &["--overwrite"]), bench.run(&sweep)] {
+        assert_eq!(outcome.status, Some(2), "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains("notes.txt is not among the files"),
+            "{}",
+            outcome.stderr
+        );
+    }
+    assert_eq!(bench.files("results"), before);
+    std::fs::create_dir(bench.path("home")).unwrap();
+    bench.write("home/letter.txt", "mine");
+    let outcome = bench.run(&["theory", &intermediate(), "--output", "home", "--overwrite"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("is no folder of results"),
+        "{}",
+        outcome.stderr
+    );
+    assert_eq!(bench.read("home/letter.txt"), "mine");
+}
+
+#[test]
+fn a_case_can_come_from_standard_input() {
+    let bench = Bench::new();
+    let mut child = bench
+        .command(&["theory", "-", "--json"])
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let case = std::fs::read(intermediate()).unwrap();
+    child.stdin.take().unwrap().write_all(&case).unwrap();
+    let outcome = Outcome::of(&child.wait_with_output().unwrap());
+    assert_eq!(outcome.status, Some(0));
+    assert_eq!(
+        outcome.stdout,
+        bench.result(&["theory", &intermediate(), "--json"])
+    );
+}
+
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let bench = Bench::new();
+    let mut child = bench
+        .command(&["theory", "-"])
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Nobody reads any more before there is anything to print.
+    drop(child.stdout.take());
+    let case = std::fs::read(intermediate()).unwrap();
+    child.stdin.take().unwrap().write_all(&case).unwrap();
+    let outcome = Outcome::of(&child.wait_with_output().unwrap());
+    assert_eq!(outcome.status, Some(0));
+    assert_eq!(outcome.stderr, "");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_with_130_and_saves_nothing() {
+    let bench = Bench::new();
+    // Longer than a test may take by far.
+    let arguments = [
+        "transition",
+        "-",
+        "--set",
+        "texture.surface_fraction=0.29",
+        "--set",
+        "method.accuracy=accurate",
+        "--output",
+        "results",
+    ];
+    let mut child = bench
+        .command(&arguments)
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A case that does not fit into a pipe: once it is written, the program is up and reading,
+    // with its handler in place.
+    let mut case = std::fs::read(intermediate()).unwrap();
+    case.extend("# padding\n".repeat(100_000).bytes());
+    child.stdin.take().unwrap().write_all(&case).unwrap();
+    let killed = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    let outcome = Outcome::of(&child.wait_with_output().unwrap());
+    assert_eq!(outcome.status, Some(130), "{}", outcome.stderr);
+    assert_eq!(outcome.stderr, "interrupted: no result\n");
+    assert_eq!(outcome.stdout, "");
+    assert!(bench.files(".").is_empty());
+}
+
+#[test]
+fn help_has_an_example_for_every_command() {
+    let bench = Bench::new();
+    assert!(bench.result(&["--version"]).starts_with("fakir "));
+    assert!(bench.result(&["--help"]).contains("Exit status:"));
+    for command in [
+        "init",
+        "transition",
+        "press",
+        "approach",
+        "verify",
+        "theory",
+        "compare",
+        "cite",
+    ] {
+        let help = bench.result(&[command, "--help"]);
+        assert!(
+            help.contains(&format!("Example: fakir {command} ")),
+            "{help}"
+        );
+        assert!(
+            help.lines().all(|line| line.chars().count() <= 100),
+            "{help}"
+        );
+    }
+}
+
+#[test]
+#[cfg(feature = "explore")]
+fn the_explorer_says_what_keeps_it_from_starting() {
+    let bench = Bench::new();
+    let busy = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let port = busy.local_addr().unwrap().port().to_string();
+    let outcome = bench.run(&["explore", "--no-browser", "--port", &port]);
+    assert_eq!(outcome.status, Some(2));
+    let told = outcome.stderr;
+    assert!(
+        told.starts_with(&format!("error: port {port} is in use: port ")),
+        "{told}"
+    );
+    assert!(told.contains(" is free, give --port "), "{told}");
+    let outcome = bench.run(&["explore", "--no-browser", "--set", "lens.raduis=1m"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("did you mean lens.radius?"),
+        "{}",
+        outcome.stderr
+    );
+    let repelled = ["explore", "--no-browser", "--set", "adhesion.work=-1mJ/m2"];
+    let outcome = bench.run(&repelled);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("adhesion.work"),
+        "{}",
+        outcome.stderr
+    );
+    bench.write("pillars.csv", "x_m,y_m\n0,0\n3e-5,0\n");
+    let listed = ["texture.lattice=listed", "texture.pillars=pillars.csv"];
+    let mut arguments = vec!["explore", "--no-browser"];
+    arguments.extend(listed.iter().flat_map(|setting| ["--set", setting]));
+    let outcome = bench.run(&arguments);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("texture.lattice: the page shows pillars on lattices"),
+        "{}",
+        outcome.stderr
+    );
+    let outcome = bench.run(&["explore", "--no-browser", "--set", "lens.shape=paraboloid"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("lens.shape: the page shows a spherical lens"),
+        "{}",
+        outcome.stderr
+    );
+    let outcome = bench.run(&["explore", "missing.toml"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("cannot read missing.toml"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+/// A substrate a thousand times softer than the lens: its columns are 4 % too soft, and strained by more than their modulus is good for.
+#[test]
+fn strained_models_fail_where_that_is_asked_for() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let soft = ["--set", "substrate.young_modulus=2kPa", "--quiet"];
+    let ask = |more: &[&str]| bench.run(&[&["transition", &case], &soft[..], more].concat());
+    let lenient = ask(&[]);
+    assert_eq!(lenient.status, Some(0), "{}", lenient.stderr);
+    let line = lenient
+        .stdout
+        .lines()
+        .find(|l| l.starts_with("limits of the model"));
+    assert!(line.unwrap().ends_with("strained:"), "{}", lenient.stdout);
+    assert!(lenient.stdout.contains("error of the columns"));
+    let strict = ask(&["--strict"]);
+    assert_eq!(strict.status, Some(1));
+    assert!(strict.stderr.contains("error: the model is strained: "));
+    assert!(
+        strict
+            .stderr
+            .contains("where the model is doubtful from 0.01 on")
+    );
+    assert!(strict.stdout.starts_with("Critical state"));
+    // Where nothing is strained it makes no difference, and elastic pillars tell what they are known to.
+    let elastic = ["--set", "texture.pillar.compliance=elastic", "--force=5uN"];
+    let light = [&["press", &case, "--strict"], &elastic[..]].concat();
+    let light = bench.run(&light);
+    assert_eq!(light.status, Some(0), "{}", light.stderr);
+    assert!(
+        light.stdout.contains("limits of the model")
+            && light.stdout.contains("error of the pillars")
+    );
+    let surface = example("square-pillars.toml");
+    let refused = bench.run(&["press", &surface, "--force=1uN", "--strict"]);
+    assert_eq!(refused.status, Some(2));
+    assert!(refused.stderr.contains("--strict is for flat pillars"));
+}
+
+#[test]
+fn elastic_pillars_are_refused_at_their_key() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let elastic = "texture.pillar.compliance=elastic";
+    for (set, words) in [
+        (
+            "texture.pillar.height=31um",
+            "texture.pillar.compliance: cannot be \"elastic\"",
+        ),
+        (
+            "substrate.poisson_ratio=0.2",
+            "substrate.poisson_ratio: cannot be 0.2",
+        ),
+        ("adhesion.work=50mJ/m2", "adhesion.work: cannot be 50 mJ/m2"),
+    ] {
+        let refused = bench.run(&["transition", &case, "--set", elastic, "--set", set]);
+        assert_eq!(refused.status, Some(2), "{set}");
+        assert!(refused.stderr.contains(words), "{set}: {}", refused.stderr);
+    }
+    let surface = example("square-pillars.toml");
+    let refused = bench.run(&[
+        "press",
+        &surface,
+        "--force=1uN",
+        "--set",
+        "surface.pillar.compliance=elastic",
+    ]);
+    assert_eq!(refused.status, Some(2));
+    assert!(
+        refused.stderr.contains("surface.pillar.compliance: "),
+        "{}",
+        refused.stderr
+    );
+}

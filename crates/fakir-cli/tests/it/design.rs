@@ -1,0 +1,372 @@
+//! `fakir design` and `fakir reproduce` as a user meets them.
+
+use crate::common::{Bench, example};
+
+/// Designs each free quantity for the force of a case, then computes the force of the case that was
+/// saved.
+#[test]
+fn what_is_designed_has_the_wanted_force() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let held = ["--set", "texture.pitch=30um"];
+    for (free, key, from) in [
+        ("pitch", "texture.pitch", "40um"),
+        ("texture.pillar.height", "texture.pillar.height", "1um"),
+        ("diameter", "texture.pillar.diameter", "4um"),
+        ("radius", "lens.radius", "1mm"),
+        ("lens.young_modulus", "lens.young_modulus", "1MPa"),
+        ("substrate.young_modulus", "substrate.young_modulus", "9MPa"),
+    ] {
+        let start = format!("{key}={from}");
+        let mut arguments = vec!["design", &case, "--free", free, "--critical-force", "500uN"];
+        arguments.extend(held);
+        arguments.extend(["--set", &start, "--output", "found", "--overwrite"]);
+        let answer = bench.json(&arguments);
+        assert_eq!(answer["design"]["status"], "found");
+        let again = bench.json(&["transition", "found/case.toml"]);
+        let force = again["critical_force_N"].as_f64().unwrap_or(0.0);
+        assert!((force / 500e-6 - 1.0).abs() < 1e-6, "{free}: {force:e}");
+    }
+}
+
+/// A tolerance of 3 % is one of 0.066 um on a height of 2.2 um; the seed and the number of samples are
+/// those that the help tells.
+#[test]
+fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let drawn = |tolerance: &str, more: &[&str]| {
+        let thin = "texture.surface_fraction=0.05 %";
+        let arguments = ["design", &case, "--set", thin, "--tolerance", tolerance];
+        bench.json(&[&arguments[..], more].concat())["spread"].clone()
+    };
+    let relative = drawn("texture.pillar.height=3 %", &["--samples", "6"]);
+    let absolute = drawn(
+        "texture.pillar.height=0.066um",
+        &["--samples", "6", "--seed", "1"],
+    );
+    assert_eq!(relative, absolute);
+    let help = bench.result(&["design", "--help"]);
+    let all = drawn("texture.pillar.height=3%", &[]);
+    let told = format!("; {} if there are any", all["samples"]);
+    let help: Vec<_> = help.split_whitespace().collect();
+    assert!(help.join(" ").contains(&told), "{told}");
+}
+
+/// A key may be named without its tables where only one has that last name.
+#[test]
+fn last_names_are_enough_where_one_key_has_them() {
+    use fakir_inverse::design::free_key;
+    use fakir_inverse::fit::Parameter;
+    assert_eq!(
+        free_key("surface_fraction"),
+        free_key("texture.surface_fraction")
+    );
+    assert!(free_key("young_modulus").is_err_and(|told| told.contains("lens.young_modulus")));
+    assert_eq!(Parameter::named("pitch"), Parameter::named("texture.pitch"));
+    assert!(Parameter::named("pitch").is_some() && Parameter::named("young_modulus").is_none());
+}
+
+#[test]
+fn what_cannot_be_had_is_status_3_with_the_nearest() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let small = "lens.radius=300um";
+    let arguments = ["design", &case, "--set", small, "--free", "pitch"];
+    let outcome = bench.run(&[&arguments[..], &["--critical-force", "1nN"]].concat());
+    assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
+    assert!(
+        outcome.stdout.starts_with("No texture.pitch gives"),
+        "{}",
+        outcome.stdout
+    );
+}
+
+/// Designs a pitch for a floor share, then presses the case that was saved.
+#[test]
+fn what_is_designed_has_the_wanted_floor_share() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let question = [
+        "design",
+        &case,
+        "--free",
+        "pitch",
+        "--floor-share",
+        "20%",
+        "--at-force",
+        "1mN",
+    ];
+    let answer = bench.json(&[&question[..], &["--output", "found"]].concat());
+    let design = &answer["design"];
+    assert_eq!(design["status"], "found");
+    assert_eq!(
+        design["wanted"],
+        serde_json::json!({"floor_share": 0.2, "force_N": 1e-3})
+    );
+    assert!(design.get("critical_state").is_none());
+    let again = bench.json(&["press", "found/case.toml", "--force", "1mN"]);
+    assert_eq!(design["state"]["floor"], again["floor"]);
+    let share = again["floor"]["share"].as_f64().unwrap_or(0.0);
+    let error = again["floor"]["relative_error_estimate"]["share"].as_f64();
+    assert!((share / 0.2 - 1.0).abs() <= error.unwrap_or(0.0), "{share}");
+    let text = bench.result(&question);
+    assert!(
+        text.contains("gives a floor share of 0.2 in the contact under a force of 1 mN"),
+        "{text}"
+    );
+    assert!(
+        text.contains("% of the floor share for 1 % of texture.pitch"),
+        "{text}"
+    );
+}
+
+/// Designs a pitch for a pull-off force, then pulls the lens off the case that was saved.
+#[test]
+fn what_is_designed_has_the_wanted_pull_off_force() {
+    let bench = Bench::new();
+    let case = example("adhesive.toml");
+    let question = ["design", &case, "--free", "pitch", "--pull-off", "40uN"];
+    let answer = bench.json(&[&question[..], &["--output", "found"]].concat());
+    let design = &answer["design"];
+    assert_eq!(design["status"], "found");
+    assert_eq!(
+        design["wanted"],
+        serde_json::json!({"pull_off_force_N": 4e-5})
+    );
+    let again = bench.json(&["approach", "found/case.toml", "--retract"]);
+    assert_eq!(
+        design["cycle"]["pull_off_force_N"],
+        again["pull_off_force_N"]
+    );
+    let force = again["pull_off_force_N"].as_f64().unwrap_or(0.0);
+    let error = &again["relative_error_estimate"]["pull_off_force"]["numerical"];
+    assert!(
+        (-force / 4e-5 - 1.0).abs() <= error.as_f64().unwrap_or(0.0),
+        "{force}"
+    );
+    let outcome = bench.run(&[
+        "design",
+        &example("paper-intermediate.toml"),
+        "--free",
+        "pitch",
+        "--pull-off",
+        "40uN",
+    ]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("give adhesion.work"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+#[test]
+fn what_makes_no_sense_is_status_2() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let share = ["design", &case, "--free", "pitch"];
+    for (arguments, told) in [
+        (&["design", &case][..], "nothing to do"),
+        (&["design", &case, "--free", "pitch"], "required"),
+        (&["design", &case, "--critical-force", "1mN"], "required"),
+        (
+            &[
+                "design",
+                &case,
+                "--free",
+                "offset",
+                "--critical-force",
+                "1mN",
+            ],
+            "give one of lens.radius",
+        ),
+        (
+            &["design", &case, "--free", "pitch", "--critical-force=-1mN"],
+            "must be greater than 0",
+        ),
+        (
+            &[&share[..], &["--floor-share", "20%"]].concat(),
+            "--at-force",
+        ),
+        (
+            &[&share[..], &["--at-force", "1mN"]].concat(),
+            "--floor-share",
+        ),
+        (
+            &[
+                &share[..],
+                &[
+                    "--floor-share",
+                    "20%",
+                    "--at-force",
+                    "1mN",
+                    "--at-indentation",
+                    "8um",
+                ],
+            ]
+            .concat(),
+            "cannot be used with",
+        ),
+        (
+            &[&share[..], &["--floor-share", "20", "--at-force", "1mN"]].concat(),
+            "less than 1 (100 %)",
+        ),
+        (
+            &[&share[..], &["--floor-share", "20%", "--at-force", "0"]].concat(),
+            "greater than 0",
+        ),
+        (
+            &[
+                &share[..],
+                &[
+                    "--floor-share",
+                    "20%",
+                    "--at-force",
+                    "1mN",
+                    "--set",
+                    "method.name=punch",
+                ],
+            ]
+            .concat(),
+            "needs method.name = \"spectral\"",
+        ),
+        (
+            &["design", &case, "--tolerance", "texture.pillar.height=0%"],
+            "must be a number greater than 0",
+        ),
+        (
+            &["design", &case, "--tolerance", "texture.hight=1%"],
+            "no key",
+        ),
+        (&["design", &case, "--samples", "1"], "at least 2 samples"),
+        (&["reproduce", "paper"], "--output"),
+        (
+            &["reproduce", "paper", "--output", "x", "--points", "2"],
+            "from 5 to 1000",
+        ),
+        (
+            &[
+                "reproduce",
+                "paper",
+                "--output",
+                "x",
+                "--measured",
+                "none.csv",
+            ],
+            "none.csv: cannot read",
+        ),
+        (
+            &["reproduce", "paper", "--output", "x", "--quick"],
+            "--quick is for fakir reproduce adhesion",
+        ),
+        (
+            &["reproduce", "adhesion", "--output", "x", "--dense"],
+            "--dense is for fakir reproduce paper",
+        ),
+    ] {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}");
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    }
+}
+
+/// A sample of the spread is a case like any other.
+#[test]
+fn a_spread_is_saved_with_its_samples() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let thin = "texture.surface_fraction=0.005";
+    let arguments = [
+        "design",
+        &case,
+        "--set",
+        thin,
+        "--samples",
+        "20",
+        "--output",
+        "spread",
+    ];
+    let tolerance = ["--tolerance", "texture.pillar.height=0.05um"];
+    let answer = bench.json(&[&arguments[..], &tolerance].concat());
+    assert_eq!(answer["spread"]["samples"], 20);
+    let samples = bench.read("spread/samples.csv");
+    assert_eq!(samples.lines().count(), 21);
+    let row: Vec<&str> = samples
+        .lines()
+        .nth(7)
+        .unwrap_or_default()
+        .split(',')
+        .collect();
+    let again = bench.json(&[
+        "transition",
+        &case,
+        "--set",
+        thin,
+        "--set",
+        &format!("texture.pillar.height={}", row[1]),
+        "--set",
+        &format!("texture.offset={}", row[2]),
+        "--set",
+        &format!("texture.offset_angle={}", row[3]),
+    ]);
+    let force: f64 = row[4].parse().unwrap_or(0.0);
+    assert_eq!(again["critical_force_N"].as_f64(), Some(force));
+    assert!(bench.read("spread/spread.svg").starts_with("<svg"));
+}
+
+#[test]
+fn a_folder_with_something_in_it_is_left_alone() {
+    let bench = Bench::new();
+    bench.write("notes.txt", "mine");
+    let outcome = bench.run(&["reproduce", "paper", "--output", "."]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("is not empty"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+/// A film that comes in several thicknesses: they move the critical indentation, by the difference of two cases, and can be sought.
+#[test]
+fn thicknesses_scatter_and_are_sought() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let film = ["--set", "texture.surface_fraction=1 %", "--set"];
+    let of = |thickness: &str| {
+        let set = format!("substrate.thickness={thickness}");
+        let answer = bench.json(&[&["transition", &case][..], &film, &[&set]].concat());
+        answer["critical_indentation_m"].as_f64().unwrap()
+    };
+    let slope = of("0.21 mm") - of("0.19 mm");
+    let question = [
+        "substrate.thickness=0.2 mm",
+        "--tolerance",
+        "substrate.thickness=5%",
+    ];
+    let more = ["--samples", "30", "--keep-offset"];
+    let spread = bench.json(&[&["design", &case][..], &film, &question, &more].concat());
+    let deviation = &spread["spread"]["critical_indentation_m"]["standard_deviation"];
+    // Of 30 samples within 40 %, which is three standard errors.
+    let ratio = deviation.as_f64().unwrap() / (0.5 * slope);
+    assert!((ratio - 1.0).abs() < 0.4, "{ratio}");
+    let wanted = bench.json(
+        &[
+            &["transition", &case][..],
+            &film,
+            &["substrate.thickness=0.1 mm"],
+        ]
+        .concat(),
+    );
+    let force = format!("{:e}N", wanted["critical_force_N"].as_f64().unwrap());
+    let question = [
+        "substrate.thickness=0.3 mm",
+        "--free",
+        "substrate.thickness",
+    ];
+    let more = ["--critical-force", &force];
+    let found = bench.json(&[&["design", &case][..], &film, &question, &more].concat());
+    let value = found["design"]["value_m"].as_f64().unwrap();
+    assert!((value / 1e-4 - 1.0).abs() < 1e-5, "{value}");
+}

@@ -1,0 +1,229 @@
+//! `fakir fit`, as a user runs it.
+
+use crate::common::{Bench, example, keys};
+use serde_json::Value;
+
+/// The example of the manual, by a fast method: the values are those of the spectral method to a
+/// standard error.
+fn arguments<'a>(data: &'a str, case: &'a str) -> Vec<&'a str> {
+    vec![
+        "fit",
+        data,
+        "--case",
+        case,
+        "--free",
+        "substrate.young_modulus,contact_point,machine_compliance",
+        "--set",
+        "method.name=punch",
+        "--quiet",
+    ]
+}
+
+#[test]
+fn the_example_gives_its_truth() {
+    let bench = Bench::new();
+    let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));
+    let mut arguments = arguments(&data, &case);
+    arguments.extend(["--output", "results"]);
+    let result = bench.json(&arguments);
+    for (estimate, suffix, truth) in [
+        (&result["parameters"][0], "_Pa", 1.4e6),
+        (&result["parameters"][1], "_m", 3e-6),
+        (&result["parameters"][2], "_m_per_N", 2e-3),
+    ] {
+        let ends = &estimate[format!("confidence_interval_95{suffix}")];
+        let [low, high] = [0, 1].map(|end| ends[end].as_f64().unwrap());
+        assert!(low < truth && truth < high, "{estimate}");
+    }
+    assert_eq!(
+        bench.files("results"),
+        [
+            "case.toml",
+            "fit.png",
+            "fit.svg",
+            "fitted.csv",
+            "provenance.json",
+            "summary.json"
+        ]
+    );
+    let saved: Value = serde_json::from_str(&bench.read("results/summary.json")).unwrap();
+    assert_eq!(keys(&saved), keys(&result));
+    assert_eq!(bench.read("results/fitted.csv").lines().count(), 37);
+    let fitted = (result["parameters"][0]["value_Pa"].as_f64().unwrap() / 1e6).to_string();
+    let case = bench.read("results/case.toml");
+    let line = format!("young_modulus = \"{}", &fitted[..10]);
+    assert!(case.contains(&line), "{line}: {case}");
+}
+
+#[test]
+fn bad_input_ends_with_status_2() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    bench.write("data.csv", "displacement_m,force_N\n1e-6,2 uN\n");
+    let outcome = bench.run(&arguments("data.csv", &case));
+    assert_eq!(outcome.status, Some(2));
+    assert_eq!(
+        outcome.stderr,
+        "error: data.csv:2: force_N: \"2 uN\" is no number: give one like 1.2e-5, without unit\n"
+    );
+    let outcome = bench.run(&arguments("missing.csv", &case));
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .starts_with("error: missing.csv: cannot read: ")
+    );
+    let outcome = bench.run(&["fit", "data.csv", "--case", &case, "--free", "lens.mass"]);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome
+            .stderr
+            .contains("give one of substrate.young_modulus")
+    );
+}
+
+/// The example with both branches: a case, and what is free.
+#[test]
+fn the_example_of_a_retraction_gives_its_truth() {
+    let bench = Bench::new();
+    let (data, case) = (
+        example("fit/retraction.csv"),
+        example("fit/retraction.toml"),
+    );
+    let free = "adhesion.work,substrate.young_modulus,contact_point,force_offset";
+    let arguments = ["fit", &data, "--case", &case, "--free", free, "--quiet"];
+    let result = bench.json(&[&arguments[..], &["--output", "results"]].concat());
+    // As crates/fakir-inverse/examples/synthetic_retraction.rs has them.
+    let truths = [
+        ("_J_per_m2", 0.035),
+        ("_Pa", 1.4e6),
+        ("_m", 3e-6),
+        ("_N", 2e-6),
+    ];
+    for (number, (suffix, truth)) in truths.into_iter().enumerate() {
+        let ends = &result["parameters"][number][format!("confidence_interval_95{suffix}")];
+        let [low, high] = [0, 1].map(|end| ends[end].as_f64().unwrap());
+        assert!(low < truth && truth < high, "{ends}: {truth}");
+    }
+    let pull_off = &result["pull_off"];
+    assert!(pull_off["measured_force_N"].as_f64().unwrap() < 0.0);
+    assert_eq!(pull_off["relative_error_of_model"], 0.05);
+    let table = bench.read("results/fitted.csv");
+    assert!(table.starts_with("line,branch,displacement_m,"), "{table}");
+    assert!(table.contains(",unloading,") && table.contains(",loading,"));
+    let figure = bench.read("results/fit.svg");
+    assert!(figure.contains("unloading"));
+    let provenance = bench.read("results/provenance.json");
+    assert!(provenance.contains("Kendall"), "{provenance}");
+}
+
+/// Examples in the styles of instruments, read without options: truths as crates/fakir-inverse/examples/synthetic_instruments.rs has them.
+#[test]
+fn examples_of_instruments_give_their_truths() {
+    const COMPLIANCE: [&str; 2] = ["--machine-compliance", "0.002"];
+    type Truths<'a> = &'a [(&'a str, f64)];
+    let cases: [(&str, &str, &[&str], Truths); 3] = [
+        (
+            "nanoindenter.txt",
+            "substrate.young_modulus,contact_point,displacement_drift",
+            &COMPLIANCE,
+            &[("_Pa", 1.4e6), ("_m", 500e-9), ("_m", 60e-9)],
+        ),
+        (
+            "tester.csv",
+            "substrate.young_modulus,contact_point,machine_compliance,force_offset",
+            &[],
+            &[
+                ("_Pa", 1.4e6),
+                ("_m", 12e-6),
+                ("_m_per_N", 2e-3),
+                ("_N", 5e-6),
+            ],
+        ),
+        (
+            "microscope.csv",
+            "substrate.young_modulus",
+            &["--set", "texture.surface_fraction=0.05"],
+            &[("_Pa", 1.4e6)],
+        ),
+    ];
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    for (name, free, more, truths) in cases {
+        let data = example(&format!("fit/{name}"));
+        let arguments = ["fit", &data, "--case", &case, "--free", free, "--quiet"];
+        let result = bench.json(&[&arguments[..], more].concat());
+        for (estimate, (suffix, truth)) in
+            result["parameters"].as_array().unwrap().iter().zip(truths)
+        {
+            let ends = &estimate[format!("confidence_interval_95{suffix}")];
+            let [low, high] = [0, 1].map(|end| ends[end].as_f64().unwrap());
+            assert!(low < *truth && *truth < high, "{name}: {estimate}");
+        }
+        assert_eq!(
+            result["describes_data"], true,
+            "{name}: {}",
+            result["tests"]
+        );
+    }
+}
+
+#[test]
+fn a_machine_that_is_left_out_of_the_example_is_named() {
+    let bench = Bench::new();
+    let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));
+    let free = "substrate.young_modulus,contact_point";
+    let outcome = bench.run(&[
+        "fit", &data, "--case", &case, "--free", free, "--output", "results",
+    ]);
+    assert_eq!(outcome.status, Some(0));
+    let warning = "warning: the fit does not describe the data";
+    assert!(outcome.stderr.contains(warning), "{}", outcome.stderr);
+    assert!(
+        outcome
+            .stderr
+            .contains("it would take machine_compliance (p = "),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome
+            .stdout
+            .contains("force: column 2 \"force_N\", in N\n")
+    );
+    let summary: Value = serde_json::from_str(&bench.read("results/summary.json")).unwrap();
+    assert_eq!(summary["describes_data"], false);
+    let most = &summary["tests"]["left_out"][0];
+    assert_eq!(most["name"], "machine_compliance");
+    assert_eq!(summary["columns"][1]["quantity"], "force");
+    assert!(
+        bench
+            .read("results/fit.svg")
+            .contains("does not describe the data")
+    );
+}
+
+#[test]
+fn columns_are_named_on_the_command_line() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    let text = std::fs::read_to_string(example("fit/loading.csv")).unwrap();
+    let text = text.replace("displacement_m,force_N", "Channel 1,Channel 2");
+    bench.write("data.csv", &text);
+    let named = [
+        "--column",
+        "displacement=Channel 1 [m]",
+        "--column",
+        "force=#2 [N]",
+    ];
+    let by_hand = bench.json(&[&arguments("data.csv", &case)[..], &named].concat());
+    let plain = example("fit/loading.csv");
+    let plain = bench.json(&arguments(&plain, &case));
+    assert_eq!(by_hand["parameters"], plain["parameters"]);
+    let outcome = bench.run(&arguments("data.csv", &case));
+    assert_eq!(outcome.status, Some(2));
+    let outcome =
+        bench.run(&[&arguments("data.csv", &case)[..], &["--column", "mass=#1"]].concat());
+    assert_eq!(outcome.status, Some(2));
+    assert!(outcome.stderr.contains("\"mass\" is no quantity"));
+}

@@ -1,0 +1,436 @@
+//! Rounded pillar tops as a user meets them: `fakir press` and `fakir design --free heights`.
+
+use crate::common::{Bench, assert_close};
+
+/// Twenty-five asperities of rubber under a glass plate, of a reduced modulus of 2 MPa.
+const CASE: &str = r#"
+[lens]
+shape = "plate"
+young_modulus = "70 GPa"
+poisson_ratio = 0.22
+
+[substrate]
+young_modulus = "1.5 MPa"
+poisson_ratio = 0.5
+
+[texture]
+lattice = "square"
+pitch = "1.5 mm"
+columns = 5
+top_radius = "526 um"
+
+[texture.pillar]
+height = "200 um"
+"#;
+
+/// `E*` of the case, Pa.
+fn modulus() -> f64 {
+    (0.75 / 1.5e6 + (1.0 - 0.22f64.powi(2)) / 70e9).recip()
+}
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench
+}
+
+/// A curve of the area (in um^2 times the reduced modulus over a force) at forces over the reduced modulus in um^2.
+fn curve(bench: &Bench, area: impl Fn(f64) -> f64) {
+    let rows = [2.4e4, 3.4e4, 4.4e4, 5.4e4]
+        .map(|force: f64| format!("{},{}\n", 1e-9 * force * modulus(), area(force)));
+    bench.write(
+        "curve.csv",
+        &format!("force_mN,area_um2\n{}", rows.concat()),
+    );
+}
+
+/// Quietly, as contacts get as wide as is told in a warning.
+const DESIGN: [&str; 7] = [
+    "design",
+    "case.toml",
+    "--quiet",
+    "--free",
+    "heights",
+    "--target",
+    "curve.csv",
+];
+
+/// Designs, then presses the case that was saved: it has the wanted areas.
+#[track_caller]
+fn designed_and_pressed_again(bench: &Bench, area: impl Fn(f64) -> f64) {
+    curve(bench, &area);
+    let answer = bench.json(&[&DESIGN[..], &["--output", "found"]].concat());
+    let design = &answer["design"];
+    assert_eq!(design["status"], "found", "{}", design["statement"]);
+    assert_eq!(design["pillars"], 25);
+    for (row, force) in [2.4e4, 5.4e4].into_iter().enumerate() {
+        let newton = format!("{:e}", 1e-12 * force * modulus());
+        let again = bench.json(&["press", "found/case.toml", "--quiet", "--force", &newton]);
+        assert_close(&again["contact_area_m2"], 1e-12 * area(force), 2e-5);
+        let value = &design["curve"][3 * row]["area_m2"];
+        assert_close(
+            &again["contact_area_m2"],
+            value.as_f64().unwrap_or(0.0),
+            1e-9,
+        );
+    }
+}
+
+#[test]
+fn a_linear_interface() {
+    let bench = bench();
+    designed_and_pressed_again(&bench, |force| 10.0 * force);
+    assert_eq!(
+        bench.files("found"),
+        [
+            "case.toml",
+            "contact-map.png",
+            "contact-map.svg",
+            "curve.csv",
+            "design.png",
+            "design.svg",
+            "heights.npy",
+            "heights.png",
+            "pillars.csv",
+            "provenance.json",
+            "summary.json",
+            "surface.stl",
+        ]
+    );
+    let pillars = bench.read("found/pillars.csv");
+    assert!(pillars.starts_with("x_m,y_m,height_m\n"), "{pillars}");
+    assert_eq!(pillars.lines().count(), 26);
+}
+
+#[test]
+fn a_bilinear_interface() {
+    designed_and_pressed_again(&bench(), |force| {
+        8.0 * force + 3.0 * (force - 3.9e4).max(0.0)
+    });
+}
+
+/// Pillars with a diameter give way as columns, by their own heights.
+#[test]
+fn force_of_the_indentation_with_columns() {
+    let bench = bench();
+    bench.write(
+        "curve.csv",
+        "indentation_um,force_mN\n20,12\n40,42\n60,90\n",
+    );
+    let columns = ["--set", "texture.pillar.diameter=1mm", "--output", "found"];
+    let answer = bench.json(&[&DESIGN[..], &columns].concat());
+    assert_eq!(
+        answer["design"]["status"], "found",
+        "{}",
+        answer["design"]["statement"]
+    );
+    let again = bench.json(&[
+        "press",
+        "found/case.toml",
+        "--quiet",
+        "--indentation",
+        "40um",
+    ]);
+    assert_close(&again["force_N"], 42e-3, 2e-5);
+}
+
+/// The scatter by the derivatives is that of pillars with heights that are off.
+#[test]
+fn the_scatter_by_errors_of_heights() {
+    let bench = bench();
+    curve(&bench, |force| 10.0 * force);
+    let more = ["--height-error", "20nm", "--output", "found"];
+    let answer = bench.json(&[&DESIGN[..], &more].concat());
+    let row = &answer["design"]["curve"][2];
+    let told = row["scatter"].as_f64().unwrap_or(0.0);
+    let wanted = row["wanted_area_m2"].as_f64().unwrap_or(0.0);
+    let force = format!("{:e}", row["force_N"].as_f64().unwrap_or(0.0));
+    let pillars = bench.read("found/pillars.csv");
+    let case = bench.read("found/case.toml");
+    // Every pillar higher by 20 nm in turn: the sum of squares of what that does.
+    let mut squares = 0.0;
+    for number in 1..=25 {
+        let moved: Vec<String> = pillars
+            .lines()
+            .enumerate()
+            .map(|(line, text)| match text.rsplit_once(',') {
+                Some((place, height)) if line == number => {
+                    let height: f64 = height.parse().unwrap_or(0.0);
+                    format!("{place},{:?}\n", height + 20e-9)
+                }
+                _ => format!("{text}\n"),
+            })
+            .collect();
+        bench.write("pillars.csv", &moved.concat());
+        bench.write("moved.toml", &case);
+        let area =
+            bench.json(&["press", "moved.toml", "--quiet", "--force", &force])["contact_area_m2"]
+                .as_f64();
+        squares += (area.unwrap_or(0.0) / wanted - 1.0).powi(2);
+    }
+    assert!(
+        (squares.sqrt() / told - 1.0).abs() < 0.01,
+        "{told:e} {:e}",
+        squares.sqrt()
+    );
+    let text = bench.result(&[&DESIGN[..], &["--height-error", "20nm"]].concat());
+    assert!(
+        text.contains("scatter (%)") && text.contains("error of heights"),
+        "{text}"
+    );
+}
+
+#[test]
+fn what_no_heights_have_is_status_3_with_the_nearest() {
+    let bench = bench();
+    bench.write("curve.csv", "force_mN,area_um2\n48,200000\n60,9e5\n");
+    let outcome = bench.run(&DESIGN);
+    assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains("curve.csv:3: an area of 9e-7 m^2"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome.stderr.contains("where all bear the same"),
+        "{}",
+        outcome.stderr
+    );
+    // Within what single loads allow, but not together: the search says how near it came.
+    bench.write(
+        "curve.csv",
+        "indentation_um,force_mN\n10,40\n45,800\n80,2560\n",
+    );
+    let outcome = bench.run(&DESIGN);
+    assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
+    assert!(
+        outcome
+            .stdout
+            .contains("out of reach of these caps: the nearest found"),
+        "{}",
+        outcome.stdout
+    );
+}
+
+#[test]
+fn what_makes_no_sense_is_status_2() {
+    let bench = bench();
+    curve(&bench, |force| 10.0 * force);
+    bench.write("falls.csv", "force_mN,area_um2\n30,200000\n40,190000\n");
+    bench.write("word.csv", "force_mN,area_um2\n30,wide\n");
+    let design = ["design", "case.toml"];
+    let set = ["--set", "texture.pillar.height=10um"];
+    for (arguments, told) in [
+        (
+            &["--free", "heights", "--target", "falls.csv"][..],
+            "falls.csv:3: the wanted area does not rise",
+        ),
+        (
+            &["--free", "heights", "--target", "word.csv"],
+            "word.csv:2: area_um2: \"wide\" is no number",
+        ),
+        (
+            &["--free", "heights", "--target", "none.csv"],
+            "none.csv: cannot read",
+        ),
+        (&["--free", "heights"], "required"),
+        (
+            &["--free", "heights", "--critical-force", "1mN"],
+            "--free heights goes with --target",
+        ),
+        (
+            &["--free", "pitch", "--target", "curve.csv"],
+            "--target is the curve of --free heights",
+        ),
+        (&["--target", "curve.csv"], "required"),
+        (
+            &[
+                "--free",
+                "heights",
+                "--target",
+                "curve.csv",
+                "--samples",
+                "3",
+            ],
+            "cannot be used with",
+        ),
+        (
+            &[
+                "--free",
+                "heights",
+                "--target",
+                "curve.csv",
+                "--height-error",
+                "0",
+            ],
+            "greater than 0",
+        ),
+        (
+            &["--free", "pitch", "--critical-force", "1mN"],
+            "this is computed for flat pillar tops only",
+        ),
+        (
+            &[&["--free", "heights", "--target", "curve.csv"][..], &set].concat(),
+            "below the floor: give texture.pillar.height",
+        ),
+    ] {
+        let outcome = bench.run(&[&design[..], arguments].concat());
+        assert_eq!(outcome.status, Some(2), "{arguments:?} {}", outcome.stderr);
+        let flowing = outcome
+            .stderr
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        assert!(flowing.contains(told), "{}", outcome.stderr);
+    }
+}
+
+/// A single cap under a plate is Hertz's contact: F = 4/3 E* sqrt(R) zeta^(3/2), A = pi R zeta.
+#[test]
+fn one_rounded_top_is_a_contact_of_hertz() {
+    let bench = bench();
+    let press = ["press", "case.toml", "--set", "texture.columns=1"];
+    let answer = bench.json(&[&press[..], &["--indentation", "2um"]].concat());
+    let force = 4.0 / 3.0 * modulus() * 526e-6f64.sqrt() * 2e-6f64.powf(1.5);
+    assert_close(&answer["force_N"], force, 1e-9);
+    let area = std::f64::consts::PI * 526e-6 * 2e-6;
+    assert_close(&answer["contact_area_m2"], area, 1e-9);
+    assert_eq!(answer["tops"], "rounded");
+    assert_eq!(answer["floor_out_of_reach"], true);
+    assert!(answer["contact_radius_m"].is_null());
+    let newton = format!("{force:e}");
+    let answer = bench.json(&[&press[..], &["--force", &newton, "--output", "pressed"]].concat());
+    assert_close(&answer["indentation_m"], 2e-6, 1e-9);
+    assert_eq!(
+        bench.files("pressed"),
+        [
+            "case.toml",
+            "contact-map.png",
+            "contact-map.svg",
+            "pillars.csv",
+            "provenance.json",
+            "summary.json"
+        ]
+    );
+    let table = bench.read("pressed/pillars.csv");
+    assert!(table.starts_with(
+        "x_m,y_m,height_m,status,centre_x_m,centre_y_m,contact_radius_m,force_N,gap_m\n"
+    ));
+    let text = bench.result(&[&press[..], &["--indentation", "2um"]].concat());
+    assert!(
+        text.contains("left out: adhesion; the floor is out of reach"),
+        "{text}"
+    );
+}
+
+/// Under a lens the contact is that of a sphere on a sphere: curvatures add.
+#[test]
+fn a_lens_on_a_rounded_top() {
+    let bench = bench();
+    let press = [
+        "press",
+        "case.toml",
+        "--set",
+        "lens.shape=sphere",
+        "--set",
+        "lens.radius=5mm",
+        "--set",
+        "texture.columns=1",
+        "--indentation",
+        "2um",
+    ];
+    let answer = bench.json(&press);
+    let radius = (1.0f64 / 526e-6 + 1.0 / 5e-3).recip();
+    let force = 4.0 / 3.0 * modulus() * radius.sqrt() * 2e-6f64.powf(1.5);
+    // The lens is the exact sphere, not its paraboloid.
+    assert_close(&answer["force_N"], force, 1e-4);
+    assert!(answer["contact_radius_m"].as_f64().is_some());
+}
+
+#[test]
+fn the_floor_and_wide_contacts_are_said() {
+    let bench = bench();
+    let press = [
+        "press",
+        "case.toml",
+        "--set",
+        "texture.columns=1",
+        "--indentation",
+        "60um",
+    ];
+    let outcome = bench.run(&[&press[..], &["--set", "texture.pillar.height=50um"]].concat());
+    assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains("the floor may be reached"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome
+            .stderr
+            .contains("of the radius of curvature of its top"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(
+        outcome
+            .stdout
+            .contains("what the floor bears if it is reached"),
+        "{}",
+        outcome.stdout
+    );
+}
+
+/// Nothing computes flat tops in the place of rounded ones.
+#[test]
+fn every_other_command_refuses_rounded_tops() {
+    let bench = bench();
+    bench.write("data.csv", "indentation_m,force_N\n1e-6,1e-6\n2e-6,3e-6\n");
+    bench.write(
+        "study.toml",
+        &format!("[axes]\n\"texture.pitch\" = [1e-3, 2e-3]\n{CASE}"),
+    );
+    for arguments in [
+        &["transition", "case.toml"][..],
+        &["approach", "case.toml"],
+        &["approach", "case.toml", "--retract"],
+        &["verify", "case.toml"],
+        &["theory", "case.toml"],
+        &["compare", "case.toml"],
+        &["design", "case.toml", "--samples", "3"],
+        &[
+            "fit",
+            "data.csv",
+            "--case",
+            "case.toml",
+            "--free",
+            "substrate.young_modulus",
+        ],
+    ] {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?} {}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains("flat pillar tops only"),
+            "{arguments:?} {}",
+            outcome.stderr
+        );
+    }
+    let sweep = bench.run(&["sweep", "study.toml"]);
+    assert_ne!(sweep.status, Some(0), "{} {}", sweep.stdout, sweep.stderr);
+    for (option, told) in [
+        (&["--gradient"][..], "--gradient is for flat pillar tops"),
+        (
+            &["--attraction-range", "5nm"],
+            "rounded ones (texture.top_radius) do not",
+        ),
+        (
+            &["--output", "x", "--field-points", "9"],
+            "--field-points is for flat tops",
+        ),
+    ] {
+        let press = ["press", "case.toml", "--force", "1mN"];
+        let outcome = bench.run(&[&press[..], option].concat());
+        assert_eq!(outcome.status, Some(2), "{option:?}");
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    }
+}

@@ -1,0 +1,16 @@
+//! Tests of the crate `fakir-cli` through its public interface: one program, so that it is linked once.
+
+#![allow(clippy::unwrap_used)]
+
+mod adhesion;
+mod behaviour;
+mod common;
+mod design;
+mod fits;
+mod heights;
+mod installed;
+mod recorded;
+mod results;
+mod surfaces;
+mod sweeps;
+mod texture_only;

@@ -1,0 +1,8 @@
+//! Tests of the crate `fakir-explore` through its public interface: one program, so that it is linked once.
+
+#![allow(clippy::unwrap_used)]
+
+mod cycle;
+mod odd_requests;
+mod running;
+mod server;

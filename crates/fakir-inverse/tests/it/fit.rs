@@ -1,0 +1,822 @@
+//! Fits of synthetic data whose truth is known.
+
+use fakir::problem::Control;
+use fakir::state::{Branch, Run, Termination};
+use fakir_case::{Case, CaseFile, Key};
+use fakir_inverse::fit::{
+    Column, Fit, FitError, FitOptions, LeftOut, Measurements, NamedColumn, Parameter, fit,
+};
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, Normal};
+
+const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);
+const SPECTRAL: &str = "method.name=spectral";
+const LENS: Parameter = Parameter::Key(Key::LensYoungModulus);
+
+/// What the instrument of the synthetic data has.
+const CONTACT_POINT: f64 = 3e-6;
+const COMPLIANCE: f64 = 2e-3;
+
+/// The paper's intermediate substrate at a surface fraction of 0.01: 13 pillars are touched at the
+/// transition. By the homogenised lattice, which is fast, unless overridden.
+fn case_file(overrides: &[&str]) -> CaseFile {
+    let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+    file.set("texture.surface_fraction=0.01").unwrap();
+    file.set("method.name=homogenised").unwrap();
+    for argument in overrides {
+        file.set(argument).unwrap();
+    }
+    file
+}
+
+/// Displacement, force and contact radius at some indentations, without noise.
+fn loading(file: &CaseFile, indentations: &[f64]) -> [Vec<f64>; 3] {
+    let case = file.case().unwrap();
+    let mut columns = [const { Vec::new() }; 3];
+    for zeta in indentations {
+        let (force, radius) = if *zeta > 0.0 {
+            let load = Control::Indentation(*zeta);
+            let state = fakir::press(&case.system, load, case.method, &Run::default()).unwrap();
+            (state.force, state.contact_radius)
+        } else {
+            (0.0, 0.0)
+        };
+        let reading = zeta + CONTACT_POINT + COMPLIANCE * force;
+        for (column, value) in columns.iter_mut().zip([reading, force, radius]) {
+            column.push(value);
+        }
+    }
+    columns
+}
+
+fn indentations(count: usize) -> Vec<f64> {
+    (0..count)
+        .map(|k| 2.6e-6 * (k as f64 / (count - 1) as f64) - 0.3e-6)
+        .collect()
+}
+
+fn run_fit(file: &CaseFile, data: &Measurements, free: &[Parameter]) -> Fit {
+    fit(file, data, free, &FitOptions::default(), &Run::default()).unwrap()
+}
+
+fn close(value: f64, truth: f64, tolerance: f64) -> bool {
+    (value / truth - 1.0).abs() < tolerance
+}
+
+#[test]
+fn exact_data_give_the_truth() {
+    let truth = case_file(&["substrate.young_modulus=1.3MPa", SPECTRAL]);
+    let [displacement, force, _] = loading(&truth, &indentations(12));
+    let data = Measurements::new(&[(Column::Displacement, displacement), (Column::Force, force)]);
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::MachineCompliance,
+    ];
+    let fitted = run_fit(&case_file(&[SPECTRAL]), &data.unwrap(), &free);
+    assert_eq!(fitted.termination, Termination::Converged);
+    let truths = [1.3e6, CONTACT_POINT, COMPLIANCE];
+    for (estimate, truth) in fitted.estimates.iter().zip(truths) {
+        assert!(close(estimate.value, truth, 1e-6), "{estimate:?}");
+        assert!(estimate.interval.is_some());
+    }
+    assert!(fitted.undetermined.is_empty());
+    let case = fitted.file.case().unwrap();
+    assert!(close(case.system.substrate().young_modulus, 1.3e6, 1e-6));
+}
+
+#[test]
+fn far_starting_values_do() {
+    let truth = case_file(&["substrate.young_modulus=1.3MPa", "lens.radius=2mm"]);
+    let [displacement, force, _] = loading(&truth, &indentations(12));
+    let data = Measurements::new(&[(Column::Displacement, displacement), (Column::Force, force)]);
+    let data = data.unwrap();
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::Key(Key::LensRadius),
+    ];
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    for start in ["20MPa", "0.3MPa"] {
+        let file = case_file(&[&format!("substrate.young_modulus={start}")]);
+        let fitted = fit(&file, &data, &free, &options, &Run::default()).unwrap();
+        assert_eq!(fitted.termination, Termination::Converged, "{start}");
+        let truths = [1.3e6, CONTACT_POINT, 2e-3];
+        for (estimate, truth) in fitted.estimates.iter().zip(truths) {
+            assert!(close(estimate.value, truth, 1e-6), "{start}: {estimate:?}");
+        }
+    }
+}
+
+#[test]
+fn contact_radius_under_a_force_gives_the_modulus() {
+    // Within its error: the radius is known to a part of the pitch.
+    let truth = case_file(&[
+        "substrate.young_modulus=1.3MPa",
+        "texture.surface_fraction=0.05",
+        SPECTRAL,
+    ]);
+    let depths: Vec<f64> = (1..=20).map(|k| 0.35e-6 * f64::from(k)).collect();
+    let [_, force, radius] = loading(&truth, &depths);
+    let columns = [(Column::Force, force), (Column::ContactRadius, radius)];
+    let data = Measurements::new(&columns).unwrap();
+    let fitted = run_fit(
+        &case_file(&["texture.surface_fraction=0.05", SPECTRAL]),
+        &data,
+        &[SUBSTRATE],
+    );
+    assert_eq!(fitted.termination, Termination::Converged);
+    let [low, high] = fitted.estimates[0].interval.unwrap();
+    assert!(low < 1.3e6 && 1.3e6 < high, "{:?}", fitted.estimates);
+    assert!(high / low < 1.5, "{low} to {high}");
+}
+
+#[test]
+fn moduli_that_force_cannot_tell_apart() {
+    // Without columns the moduli count only by the compliance of both together.
+    let file = case_file(&["texture.pillar.compliance=none", "lens.young_modulus=3MPa"]);
+    let [displacement, force, _] = loading(&file, &indentations(12));
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns)
+        .unwrap()
+        .with_force_error(0.2e-6);
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    let free = [LENS, SUBSTRATE, Parameter::ContactPoint];
+    let fitted = fit(&file, &data, &free, &options, &Run::default()).unwrap();
+    assert_eq!(fitted.undetermined.len(), 1);
+    assert_eq!(
+        fitted.undetermined[0].statement,
+        "force alone cannot tell lens.young_modulus from substrate.young_modulus: only a \
+         combination of them is determined; hold all but one of them"
+    );
+    for estimate in &fitted.estimates[..2] {
+        assert!(estimate.interval.is_none() && estimate.standard_error.is_none());
+    }
+    assert!(fitted.estimates[2].interval.is_some());
+    assert_eq!(fitted.correlation[0][2], None);
+    assert_eq!(fitted.correlation[2][2], Some(1.0));
+}
+
+#[test]
+fn what_the_load_does_not_show() {
+    // On a pillar the direction of the offset means nothing.
+    let file = case_file(&["texture.offset=0"]);
+    let [displacement, force, _] = loading(&file, &indentations(8));
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns)
+        .unwrap()
+        .with_force_error(0.2e-6);
+    let angle = Parameter::Key(Key::OffsetAngle);
+    let fitted = run_fit(&file, &data, &[Parameter::ContactPoint, angle]);
+    assert_eq!(
+        fitted.undetermined[0].statement,
+        "force alone does not determine texture.offset_angle"
+    );
+}
+
+#[test]
+fn states_past_the_transition_are_left_out_where_the_floor_is_ignored() {
+    let file = case_file(&[SPECTRAL, "floor.contact=false"]);
+    let mut depths = indentations(10);
+    depths.extend([4e-6, 5e-6]);
+    let [displacement, mut force, _] = loading(&file, &depths);
+    force[10] *= 2.0; // the floor carries as well
+    force[11] *= 3.0;
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let fitted = fit(
+        &file,
+        &data,
+        &[SUBSTRATE],
+        &FitOptions {
+            contact_point: Some(CONTACT_POINT),
+            machine_compliance: COMPLIANCE,
+            ..FitOptions::default()
+        },
+        &Run::default(),
+    )
+    .unwrap();
+    let left_out: Vec<u64> = fitted
+        .past_transition()
+        .map(|row| row.measurement.line)
+        .collect();
+    assert_eq!(left_out, [11, 12]);
+    assert!(close(fitted.estimates[0].value, 2e6, 1e-6));
+}
+
+/// Of states of which most are past the transition.
+#[test]
+fn states_past_the_transition_are_used_with_the_floor() {
+    let truth = case_file(&[SPECTRAL, "substrate.young_modulus=1.3MPa"]);
+    let depths = [1e-6, 2e-6, 3.5e-6, 4e-6, 4.5e-6, 5e-6];
+    let [displacement, force, _] = loading(&truth, &depths);
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let options = FitOptions {
+        contact_point: Some(CONTACT_POINT),
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    let file = case_file(&[SPECTRAL]);
+    let fitted = fit(&file, &data, &[SUBSTRATE], &options, &Run::default()).unwrap();
+    assert_eq!(fitted.past_transition().count(), 0);
+    assert!(
+        close(fitted.estimates[0].value, 1.3e6, 1e-5),
+        "{:?}",
+        fitted.estimates
+    );
+}
+
+#[test]
+fn intervals_hold_the_truth_as_often_as_they_say() {
+    const DRAWS: u64 = 100;
+    const NOISE: f64 = 0.3e-6; // N, where the largest force is 100 uN
+    let file = case_file(&[]);
+    let [displacement, force, _] = loading(&file, &indentations(12));
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::MachineCompliance,
+    ];
+    let truths = [2e6, CONTACT_POINT, COMPLIANCE];
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let run = Run {
+        pool: Some(&pool),
+        ..Run::default()
+    };
+    let mut inside = [0; 3];
+    let mut deviations = [const { Vec::new() }; 3];
+    for seed in 0..DRAWS {
+        let mut random = ChaCha12Rng::seed_from_u64(seed);
+        let noise = Normal::new(0.0, NOISE).unwrap();
+        let noisy = force
+            .iter()
+            .map(|force| force + noise.sample(&mut random))
+            .collect();
+        let columns = [
+            (Column::Displacement, displacement.clone()),
+            (Column::Force, noisy),
+        ];
+        let data = Measurements::new(&columns).unwrap();
+        let fitted = fit(&file, &data, &free, &FitOptions::default(), &run).unwrap();
+        assert_eq!(fitted.termination, Termination::Converged, "seed {seed}");
+        for (k, (estimate, truth)) in fitted.estimates.iter().zip(truths).enumerate() {
+            let [low, high] = estimate.interval.unwrap();
+            inside[k] += i32::from(low < truth && truth < high);
+            deviations[k].push((estimate.value - truth) / estimate.standard_error.unwrap());
+        }
+    }
+    eprintln!("truth inside, of {DRAWS}: {inside:?}");
+    assert!(inside.iter().all(|inside| *inside >= 90), "{inside:?}");
+    for deviations in deviations {
+        // Of 100 means of Student's distribution with 9 degrees of freedom, 99.9 % are within.
+        let mean = deviations.iter().sum::<f64>() / DRAWS as f64;
+        eprintln!("mean deviation in standard errors: {mean:.3}");
+        assert!(mean.abs() < 0.37, "{mean}");
+    }
+}
+
+#[test]
+fn what_cannot_be_fitted_says_why() {
+    let file = case_file(&[]);
+    let columns = |count: usize| {
+        let [displacement, force, _] = loading(&file, &indentations(count));
+        [(Column::Displacement, displacement), (Column::Force, force)]
+    };
+    let [displacement, force] = columns(3);
+    let few = Measurements::new(&[displacement, force.clone()]).unwrap();
+    let indentation = (Column::Indentation, indentations(3));
+    let by_indentation = Measurements::new(&[indentation, force]).unwrap();
+    let three = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::MachineCompliance,
+    ];
+    let poisson = Parameter::Key(Key::LensPoissonRatio);
+    let attempt = |data: &Measurements, free: &[Parameter]| -> FitError {
+        fit(&file, data, free, &FitOptions::default(), &Run::default()).unwrap_err()
+    };
+    let texts = [
+        attempt(&few, &three),
+        attempt(&few, &[]),
+        attempt(&few, &[SUBSTRATE, SUBSTRATE]),
+        attempt(&few, &[poisson]),
+        attempt(&by_indentation, &[Parameter::ContactPoint]),
+    ]
+    .map(|error| error.to_string());
+    insta::assert_snapshot!(texts.join("\n"));
+}
+
+#[test]
+fn malformed_files_say_where() {
+    let texts = [
+        "",
+        "1,2\n3,4\n",
+        "displacement_m,force_um\n1e-6,2\n",
+        "displacement_m,force\n1e-6,2\n",
+        "displacement_m,Force [V]\n1e-6,2\n",
+        "Channel 1 [V];Channel 2 [mN]\n1;2\n",
+        "Piezo position [um]\tStage position [um]\tLoad [mN]\n1\t2\t3\n",
+        "displacement_um,force_uN\n1,5,2,5\n",
+        "displacement_um;force_uN\n1,5;2.5\n",
+        "displacement_um;force_uN\n1.234,5;2.5\n",
+        "displacement_m,force_N\n1e-6,2e-6\n2e-6,x\n",
+        "displacement_m,force_N\n1e-6,nan\n",
+        "displacement_m,force_N\n1e-6,2e-6,3\n",
+        "displacement_m,force_N,force_N\n1e-6,2e-6,3\n",
+        "displacement_m,indentation_m,force_N\n1,2,3\n",
+        "displacement_m\n1e-6\n",
+        "force_N\n1e-6\n",
+        "displacement_m,force_error_N\n1e-6,1e-6\n",
+        "displacement_m,force_N,force_error_N\n1e-6,1e-6,-1e-7\n",
+        "displacement_m,force_N,force_error_N\n1e-6,1e-6,0\n",
+        "force_N,contact_radius_m\n-1e-6,2e-6\n",
+        "force_N,contact_radius_m\n1e-6,-2e-6\n",
+        "displacement_m,force_N\n# nothing\n1e-6,\n",
+        "displacement_m,force_N,branch\n1e-6,2e-6,sideways\n",
+        "\0\0",
+    ];
+    let messages: Vec<String> = texts
+        .iter()
+        .map(|text| {
+            Measurements::from_csv("data.csv", text.as_bytes(), &[])
+                .unwrap_err()
+                .to_string()
+        })
+        .collect();
+    insta::assert_snapshot!(messages.join("\n"));
+    let mixed = "displacement_m,force_N,force_error_N\n1e-6,1e-6,1e-7\n2e-6,2e-6,\n";
+    let data = Measurements::from_csv("data.csv", mixed.as_bytes(), &[]).unwrap();
+    let options = FitOptions::default();
+    let error = fit(
+        &case_file(&[]),
+        &data,
+        &[SUBSTRATE],
+        &options,
+        &Run::default(),
+    )
+    .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "data.csv:3: force_error_N: no standard error here, but in other rows: give all of them \
+         or none"
+    );
+    assert!(
+        fit(
+            &case_file(&[]),
+            &data.with_force_error(1e-7),
+            &[SUBSTRATE],
+            &options,
+            &Run::default()
+        )
+        .is_ok()
+    );
+}
+
+#[test]
+fn files_and_columns_are_the_same() {
+    let text = "# a comment\n force_N , displacement_m,force_error_N\n1e-6,2e-6,1e-7\n\n,3e-6,\n2e-6,4e-6,1e-7\n";
+    let file = Measurements::from_csv("data", text.as_bytes(), &[]).unwrap();
+    let columns = Measurements::new(&[
+        (Column::Displacement, vec![2e-6, 3e-6, 4e-6]),
+        (Column::Force, vec![1e-6, f64::NAN, 2e-6]),
+        (Column::ForceError, vec![1e-7, f64::NAN, 1e-7]),
+    ])
+    .unwrap();
+    let values = |data: &Measurements| {
+        data.rows()
+            .iter()
+            .map(|row| (row.position, row.force))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(values(&file), values(&columns));
+    assert_eq!(file.rows()[1].line, 6);
+}
+
+/// The same two rows, in the styles of instruments.
+#[test]
+fn tables_of_instruments_are_read() {
+    let plain = "displacement_m,force_N\n2.5e-6,1.5e-6\n3.5e-6,-2e-6\n";
+    let plain = Measurements::from_csv("data", plain.as_bytes(), &[]).unwrap();
+    let values = |data: &Measurements| -> Vec<_> {
+        let rows = data.rows().iter();
+        rows.map(|row| (row.position, row.force)).collect()
+    };
+    let texts = [
+        "displacement_um,force_uN\n2.5,1.5\n3.5,-2\n",
+        "Displacement [um];Load [mN]\n2,5;0,0015\n3,5;-0,002\n",
+        "\u{feff}Time (s)\tPosition (mm)\tForce (mN)\r\n0\t0.0025\t0.0015\r\n1\t0.0035\t-0.002\r\n",
+        "Sample;A 3\nRate;200;nm/s\n\nDisplacement;Force;Temperature\num;\u{b5}N;degC\n2,5;1,5;21\n3,5;\u{2212}2;21\n",
+        "% saved by hand\nForce / uN, Z / um\n1.5, 2.5\n-2, 3.5\n",
+        "# displacement_um force of the sensor\n# displacement_um,force_uN\n2.5,1.5\n3.5,-2\n",
+        "\"Normal force (nN)\",\"Crosshead (um)\"\n\"1500\",\"2,5\"\n\"-2000\",\"3,5\"\n",
+        "Displacement (um);Force (uN);\n;;\n2,5;1,5;\n3,5;-2;\n",
+    ];
+    for text in texts {
+        let read = Measurements::from_csv("data", text.as_bytes(), &[]).unwrap();
+        assert_eq!(values(&read), values(&plain), "{text}");
+    }
+    // Latin-1 and UTF-16.
+    let latin = b"Displacement (\xb5m),Force (\xb5N)\n2.5,1.5\n3.5,-2\n";
+    let read = Measurements::from_csv("data", latin, &[]).unwrap();
+    assert_eq!(values(&read), values(&plain));
+    let wide: Vec<u8> = [0xfeff]
+        .into_iter()
+        .chain(texts[0].encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let read = Measurements::from_csv("data", &wide, &[]).unwrap();
+    assert_eq!(values(&read), values(&plain));
+    let read = Measurements::from_csv("data", texts[3].as_bytes(), &[]).unwrap();
+    assert_eq!(
+        read.layout().lines(),
+        [
+            "displacement: column 1 \"Displacement\", in um",
+            "force: column 2 \"Force\", in \u{b5}N",
+            "not used: column 3 \"Temperature\"",
+        ]
+    );
+    assert!(read.layout().decimal_comma && read.layout().heading_line == Some(4));
+    assert_eq!(read.layout().separator, Some(';'));
+}
+
+#[test]
+fn columns_are_named_by_hand() {
+    let named = |texts: &[&str]| -> Vec<NamedColumn> {
+        texts
+            .iter()
+            .map(|text| NamedColumn::parse(text).unwrap())
+            .collect()
+    };
+    let text = "Channel 1,Channel 2 [mN],Height (um)\n0,0.0015,-2.5\n1,-0.002,-3.5\n";
+    let by_hand = named(&[
+        "force=Channel 2 [mN]",
+        "displacement=-Height (um)",
+        "time=Channel 1 [s]",
+    ]);
+    let read = Measurements::from_csv("data", text.as_bytes(), &by_hand).unwrap();
+    let [first, second] = read.rows() else {
+        panic!("{read:?}");
+    };
+    assert_eq!(first.force.unwrap().value.to_bits(), 1.5e-6f64.to_bits());
+    assert_eq!(
+        second.position.unwrap().value.to_bits(),
+        3.5e-6f64.to_bits()
+    );
+    assert!(read.has_times() && second.time == Some(1.0));
+    // By their numbers, without any heading.
+    let text = "made by hand\n2.5;7;1,5\n3.5;7;2,5\n".replace('.', ",");
+    let by_number = named(&["force=#3 [uN]", "displacement=#1 [um]"]);
+    let read = Measurements::from_csv("data", text.as_bytes(), &by_number).unwrap();
+    assert_eq!(read.rows().len(), 2);
+    assert_eq!(
+        read.rows()[1].force.unwrap().value.to_bits(),
+        2.5e-6f64.to_bits()
+    );
+    for (text, problem) in [
+        (
+            "force",
+            "\"force\" names no column: write it like force=\"Load [mN]\"",
+        ),
+        (
+            "mass=m",
+            "\"mass\" is no quantity of measurements: give one of displacement, ",
+        ),
+        (
+            "force= ",
+            "force: give the heading of its column, as in force=\"Channel 2 [mN]\"",
+        ),
+    ] {
+        assert!(NamedColumn::parse(text).unwrap_err().starts_with(problem));
+    }
+    let missing = named(&["force=Load [mN]"]);
+    let error = Measurements::from_csv("data.csv", b"displacement_m,force_N\n1,2\n", &missing);
+    assert_eq!(
+        error.unwrap_err().to_string(),
+        "data.csv:1: Load [mN]: no column of that heading; there are \"displacement_m\", \"force_N\""
+    );
+}
+
+#[test]
+fn branches_are_words_lines_or_motion() {
+    let branches = |text: &str| -> Vec<Option<Branch>> {
+        let read = Measurements::from_csv("data", text.as_bytes(), &[]).unwrap();
+        read.rows().iter().map(|row| row.branch).collect()
+    };
+    let both = [Some(Branch::Loading), Some(Branch::Unloading)];
+    assert_eq!(
+        branches("Segment,z_um,force_uN\nApproach,1,2\nretract,1,2\n"),
+        both
+    );
+    assert_eq!(
+        branches("z_um,force_uN\n[Approach]\n1,2\n[Retract]\nz_um,force_uN\n1,2\n"),
+        both
+    );
+    // Segments by number say nothing of the direction: the motion does.
+    assert_eq!(
+        branches("Segment,z_um,force_uN\n1,1,2\n2,1,2\n"),
+        [None, None]
+    );
+}
+
+#[test]
+fn drifts_are_found() {
+    let truth = case_file(&["substrate.young_modulus=1.3MPa"]);
+    let [displacement, force, _] = loading(&truth, &indentations(12));
+    // There and back, so that a drift is no contact point: 50 nm and 2 uN over 50 s.
+    let times: Vec<f64> = (0..24)
+        .map(|k| f64::from(k) * 25.0 / 23.0 + if k < 12 { 0.0 } else { 25.0 })
+        .collect();
+    let there_and_back = |values: &[f64]| -> Vec<f64> {
+        values.iter().chain(values.iter().rev()).copied().collect()
+    };
+    let drifted = |values: &[f64], drift: f64| -> Vec<f64> {
+        let values = there_and_back(values).into_iter().zip(&times);
+        values
+            .map(|(value, time)| value + drift * time / 50.0)
+            .collect()
+    };
+    let columns = [
+        (Column::Displacement, drifted(&displacement, 50e-9)),
+        (Column::Force, drifted(&force, 2e-6)),
+        (Column::Time, times.clone()),
+    ];
+    let data = Measurements::new(&columns).unwrap();
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::DisplacementDrift,
+        Parameter::ForceDrift,
+    ];
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    let fitted = fit(&case_file(&[]), &data, &free, &options, &Run::default()).unwrap();
+    let truths = [1.3e6, CONTACT_POINT, 50e-9, 2e-6];
+    for (estimate, truth) in fitted.estimates.iter().zip(truths) {
+        assert!(close(estimate.value, truth, 1e-5), "{estimate:?}");
+    }
+    assert!(fitted.misfit.describes_data());
+}
+
+/// Force of 24 rows with noise, and a fit of modulus and contact point with a machine that gives way by `compliance`.
+fn noisy_fit(seed: u64, compliance: f64, error: Option<f64>, run: &Run<'_>) -> Fit {
+    const NOISE: f64 = 0.5e-6;
+    let file = case_file(&[]);
+    let [displacement, force, _] = loading(&file, &indentations(24));
+    let mut random = ChaCha12Rng::seed_from_u64(seed);
+    let noise = Normal::new(0.0, NOISE).unwrap();
+    let noisy = force.iter().map(|force| force + noise.sample(&mut random));
+    let columns = [
+        (Column::Displacement, displacement),
+        (Column::Force, noisy.collect()),
+    ];
+    let mut data = Measurements::new(&columns).unwrap();
+    if let Some(error) = error {
+        data = data.with_force_error(error);
+    }
+    let options = FitOptions {
+        machine_compliance: compliance,
+        ..FitOptions::default()
+    };
+    fit(
+        &file,
+        &data,
+        &[SUBSTRATE, Parameter::ContactPoint],
+        &options,
+        run,
+    )
+    .unwrap()
+}
+
+#[test]
+fn fits_that_describe_the_data_warn_as_often_as_the_level_says() {
+    const DRAWS: u64 = 100;
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let run = Run {
+        pool: Some(&pool),
+        ..Run::default()
+    };
+    for error in [None, Some(0.5e-6)] {
+        let mut warned = 0;
+        let mut small = [0; 2];
+        for seed in 0..DRAWS {
+            let fitted = noisy_fit(seed, COMPLIANCE, error, &run);
+            let misfit = &fitted.misfit;
+            warned += i32::from(!misfit.describes_data() || misfit.is_chi_square_small());
+            let compliance = |left: &&LeftOut| left.parameter == Parameter::MachineCompliance;
+            small[0] += i32::from(misfit.runs[0].p_value < 0.1);
+            small[1] += i32::from(misfit.left_out.iter().find(compliance).unwrap().p_value < 0.1);
+        }
+        eprintln!("warned {warned} of {DRAWS}, p < 0.1: runs and compliance {small:?}");
+        // Level 0.01: of 100, more than 5 have the probability 0.0005 (binomial distribution). At 0.1 the t-test is exact
+        // in a linear model: 10 of 100, with a standard deviation of 3. Runs are at most as many.
+        assert!(warned <= 5, "{warned}");
+        assert!(small[0] <= 20 && (2..=20).contains(&small[1]), "{small:?}");
+    }
+}
+
+#[test]
+fn a_machine_that_is_left_out_is_named() {
+    // The floor, which is reached here, makes the curve steeper than any modulus does: 7 of 22 rows are past the transition.
+    let truth = case_file(&["substrate.young_modulus=1.4MPa", SPECTRAL]);
+    let depths: Vec<f64> = (0..22).map(|k| 0.15e-6 * f64::from(k) + 0.1e-6).collect();
+    let [displacement, force, _] = loading(&truth, &depths);
+    let mut random = ChaCha12Rng::seed_from_u64(0);
+    let noise = Normal::new(0.0, 0.5e-6).unwrap();
+    let noisy = force.iter().map(|force| force + noise.sample(&mut random));
+    let columns = [
+        (Column::Displacement, displacement.clone()),
+        (Column::Force, noisy.collect()),
+    ];
+    let data = Measurements::new(&columns).unwrap();
+    let free = [SUBSTRATE, Parameter::ContactPoint];
+    let without = run_fit(&case_file(&[SPECTRAL]), &data, &free);
+    let most = without.misfit.wanted().next();
+    let most = most.unwrap_or_else(|| panic!("{:?}", without.misfit));
+    assert_eq!(most.parameter, Parameter::MachineCompliance);
+    assert!(close(most.value.unwrap(), COMPLIANCE, 0.2), "{most:?}");
+    let warnings = without.warnings().join("\n");
+    assert!(
+        warnings.contains("does not describe the data"),
+        "{warnings}"
+    );
+    assert!(warnings.contains("machine_compliance (p = "), "{warnings}");
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    let with = fit(
+        &case_file(&[SPECTRAL]),
+        &data,
+        &free,
+        &options,
+        &Run::default(),
+    )
+    .unwrap();
+    assert!(with.misfit.describes_data(), "{:?}", with.misfit);
+}
+
+#[test]
+fn several_starts_find_the_best_fit() {
+    let truth = case_file(&["substrate.young_modulus=1.3MPa"]);
+    let [displacement, force, _] = loading(&truth, &indentations(12));
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        starts: 4,
+        ..FitOptions::default()
+    };
+    let free = [SUBSTRATE, Parameter::ContactPoint];
+    let fitted = fit(&case_file(&[]), &data, &free, &options, &Run::default()).unwrap();
+    assert_eq!(fitted.starts.len(), 4);
+    assert!(fitted.starts[0].converged);
+    assert!(close(fitted.estimates[0].value, 1.3e6, 1e-6));
+    let options = FitOptions {
+        starts: 33,
+        ..options
+    };
+    let error = fit(&case_file(&[]), &data, &free, &options, &Run::default()).unwrap_err();
+    assert_eq!(error.to_string(), "33 starts: give 1 to 32");
+}
+
+const THICKNESS: Parameter = Parameter::Key(Key::SubstrateThickness);
+const FILM: &str = "substrate.thickness=0.2 mm";
+
+/// A case at a surface fraction of 0.03, where the contact reaches out to four tenths of the thickness of the film.
+fn film_case(overrides: &[&str]) -> CaseFile {
+    let film = ["texture.surface_fraction=0.03", SPECTRAL];
+    case_file(&[&film[..], overrides].concat())
+}
+
+/// Indentation and force on the film, to nine tenths of the way to the transition.
+fn film_curve(rows: u32) -> [Vec<f64>; 2] {
+    const DEEPEST: f64 = 3.4e-6;
+    let depth = |row: u32| DEEPEST * (f64::from(row) + 0.5) / f64::from(rows);
+    let depths: Vec<f64> = (0..rows).map(depth).collect();
+    let [_, force, _] = loading(&film_case(&[FILM]), &depths);
+    [depths, force]
+}
+
+/// Fits of the modulus to `F(zeta)` of the film under a thick lens, with noise of 0.5 % of the largest force: one for every seed, by a case with these
+/// overrides.
+fn film_fits(overrides: &[&str], seeds: std::ops::Range<u64>) -> Vec<Fit> {
+    const NOISE: f64 = 0.005;
+    let [depths, force] = film_curve(24);
+    let largest = force.iter().copied().fold(0.0, f64::max);
+    let noise = Normal::new(0.0, NOISE * largest).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let run = Run {
+        pool: Some(&pool),
+        ..Run::default()
+    };
+    let file = film_case(overrides);
+    let of_seed = |seed: u64| {
+        let mut random = ChaCha12Rng::seed_from_u64(seed);
+        let noisy = force.iter().map(|force| force + noise.sample(&mut random));
+        let columns = [
+            (Column::Indentation, depths.clone()),
+            (Column::Force, noisy.collect()),
+        ];
+        let data = Measurements::new(&columns).unwrap();
+        fit(&file, &data, &[SUBSTRATE], &FitOptions::default(), &run).unwrap()
+    };
+    seeds.map(of_seed).collect()
+}
+
+/// Whether a fit says that it does not describe the data, and that a thickness would mend it.
+fn names_the_film(fitted: &Fit) -> bool {
+    let warnings = fitted.warnings().join("\n");
+    warnings.contains("does not describe the data") && warnings.contains(" substrate.thickness (p")
+}
+
+#[test]
+fn films_that_are_left_out_are_named() {
+    for fitted in film_fits(&[FILM], 0..1) {
+        let estimate = &fitted.estimates[0];
+        let deviation = (estimate.value - 2e6) / estimate.standard_error.unwrap();
+        assert!(deviation.abs() < 4.0, "{estimate:?}");
+        assert!(fitted.misfit.describes_data(), "{:?}", fitted.misfit);
+    }
+    for fitted in film_fits(&[], 0..2) {
+        // As a half-space the substrate seems harder.
+        let [low, _] = fitted.estimates[0].interval.unwrap();
+        assert!(low > 2.1e6, "{:?}", fitted.estimates);
+        assert!(names_the_film(&fitted), "{:?}", fitted.warnings());
+        let wanted = fitted
+            .misfit
+            .wanted()
+            .find(|left| left.parameter == THICKNESS);
+        let value = wanted.unwrap().value.unwrap();
+        // A linear step from a half-space.
+        assert!((0.5..2.0).contains(&(value / 0.2e-3)), "{value}");
+    }
+}
+
+/// Minutes. Asked for are 90 intervals that cover, and 90 warnings where the film is left out. Of the 100 warnings 85 say that a thickness would
+/// mend the fit; the others name what looks alike under that noise.
+#[test]
+#[ignore = "a campaign"]
+fn a_hundred_films() {
+    const DRAWS: u64 = 100;
+    let given = film_fits(&[FILM], 0..DRAWS);
+    let covers = |fitted: &&Fit| {
+        let [low, high] = fitted.estimates[0].interval.unwrap();
+        low < 2e6 && 2e6 < high
+    };
+    let covered = given.iter().filter(covers).count();
+    let warned = given
+        .iter()
+        .filter(|it| !it.misfit.describes_data())
+        .count();
+    eprintln!("given: {covered} of {DRAWS} intervals cover, {warned} warn");
+    let ignored = film_fits(&[], 0..DRAWS);
+    let warns = ignored
+        .iter()
+        .filter(|it| !it.misfit.describes_data())
+        .count();
+    let named = ignored
+        .iter()
+        .filter(|fitted| names_the_film(fitted))
+        .count();
+    let covers = ignored.iter().filter(covers).count();
+    let values = ignored.iter().map(|fitted| fitted.estimates[0].value);
+    let mean = values.sum::<f64>() / DRAWS as f64;
+    eprintln!(
+        "ignored: {warns} warn, {named} name the thickness, {covers} cover, mean {mean:e} Pa"
+    );
+    assert!(covered >= 90 && warned <= 5 && warns >= 90 && named >= 80);
+}
+
+#[test]
+fn thickness_is_found_with_the_modulus() {
+    let [depths, force] = film_curve(6);
+    let columns = [(Column::Indentation, depths), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let free = [SUBSTRATE, THICKNESS];
+    let file = film_case(&[
+        "substrate.thickness=0.5 mm",
+        "substrate.young_modulus=1.6MPa",
+    ]);
+    let fitted = run_fit(&file, &data, &free);
+    assert_eq!(fitted.termination, Termination::Converged);
+    for (estimate, truth) in fitted.estimates.iter().zip([2e6, 0.2e-3]) {
+        assert!(close(estimate.value, truth, 1e-5), "{estimate:?}");
+    }
+    // Without a thickness there is nowhere to begin.
+    let file = film_case(&[]);
+    let error = fit(&file, &data, &free, &FitOptions::default(), &Run::default()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "substrate.thickness is not in the case: give it there, for the fit to begin with"
+    );
+}

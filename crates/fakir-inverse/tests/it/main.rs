@@ -1,0 +1,8 @@
+//! Tests of the crate `fakir-inverse` through its public interface: one program, so that it is linked once.
+
+#![allow(clippy::unwrap_used)]
+
+mod adhesion;
+mod films;
+mod fit;
+mod heights;

@@ -1,0 +1,8 @@
+//! Tests of the crate `fakir-study` through its public interface: one program, so that it is linked once.
+
+#![allow(clippy::unwrap_used)]
+
+mod collapse;
+mod cycles;
+mod surfaces;
+mod sweeps;

@@ -1,0 +1,617 @@
+//! Rounded tops: closed forms, another program, elements, and what holds for all of them.
+
+use fakir::problem::{
+    Accuracy, Boundary, Cap, CapField, Control, Grid, HeightMap, Indenter, Lens, Material, Point,
+    SurfaceSystem,
+};
+use fakir::state::{CapContact, PillarStatus, Run, SolveError, Termination};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use std::f64::consts::PI;
+
+/// A micrometre, and the unit of force where lengths are in them and the reduced modulus is 1 Pa.
+const UM: f64 = 1e-6;
+const FORCE: f64 = 1e-12;
+
+/// Of a reduced modulus of 1 Pa against a rigid plate, and half of that against the like.
+fn substrate() -> Material {
+    Material::new(1.0, 0.0)
+}
+
+/// A rigid sphere, or nearly so, of that radius in um; a rigid plate where it is infinite.
+fn indenter(radius: f64) -> Indenter {
+    if radius.is_infinite() {
+        return Indenter::Flat(None);
+    }
+    Indenter::Lens(Lens {
+        radius: radius * UM,
+        material: Material::new(1e300, 0.0),
+    })
+}
+
+/// Caps at places with radii of curvature and heights, all in um.
+fn field(indenter: Indenter, caps: &[(Point, f64, f64)]) -> CapField {
+    let caps = caps.iter().map(|([x, y], radius, raised)| {
+        Cap::new([x * UM, y * UM], radius * UM).raised_by(raised * UM)
+    });
+    CapField::new(indenter, substrate(), caps.collect()).expect("a field")
+}
+
+fn press(field: &CapField, control: Control, accuracy: Accuracy) -> CapContact {
+    let contact = field.press(control, accuracy, &Run::default());
+    let contact = contact.expect("a contact");
+    assert!(contact.converged(), "{:?}", contact.termination);
+    contact
+}
+
+/// Seven caps of radius of curvature 100, one in the middle of six.
+fn seven(pitch: f64) -> Vec<(Point, f64, f64)> {
+    let around = (0..6).map(|k| {
+        let angle = PI / 3.0 * f64::from(k);
+        ([pitch * angle.cos(), pitch * angle.sin()], 100.0, 0.0)
+    });
+    std::iter::once(([0.0, 0.0], 100.0, 0.0))
+        .chain(around)
+        .collect()
+}
+
+fn random_seven() -> Vec<(Point, f64, f64)> {
+    let file = include_str!("../any/rand7.csv");
+    let mut reader = csv::Reader::from_reader(file.as_bytes());
+    let rows = reader.records().map(|row| {
+        let row = row.expect("a row");
+        let value = |k: usize| row[k].parse::<f64>().expect("a number");
+        ([value(0), value(1)], value(2), value(3))
+    });
+    rows.collect()
+}
+
+/// Numbers between two bounds.
+struct Draws(ChaCha8Rng);
+
+impl Draws {
+    fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// Hertz: `F = 4/3 sqrt(R) zeta^(3/2)`, `A = pi R zeta`.
+#[test]
+fn a_plate_on_one_cap() {
+    let field = field(indenter(f64::INFINITY), &[([3.0, -7.0], 100.0, 0.4)]);
+    for zeta in [-0.3, 0.01, 1.0] {
+        for accuracy in [Accuracy::Default, Accuracy::Accurate] {
+            let contact = press(&field, Control::Indentation(zeta * UM), accuracy);
+            let overlap: f64 = zeta + 0.4;
+            let force = 40.0 / 3.0 * overlap.powf(1.5) * FORCE;
+            assert!((contact.force / force - 1.0).abs() < 1e-12);
+            let area = PI * 100.0 * overlap * UM * UM;
+            assert!((contact.area / area - 1.0).abs() < 1e-12);
+            let slopes = &contact.slopes;
+            let stiffness = 1.5 * force / (overlap * UM);
+            assert!((slopes.force_with_indentation / stiffness - 1.0).abs() < 1e-9);
+            assert!((slopes.area_with_height[0] / (PI * 100.0 * UM) - 1.0).abs() < 1e-9);
+            assert!(contact.error.expect("an estimate").force < 1e-8);
+            let back = press(&field, Control::Force(force), accuracy);
+            assert!((back.indentation - zeta * UM).abs() < 1e-12 * overlap * UM);
+        }
+    }
+    let lifted = press(&field, Control::Indentation(-0.5 * UM), Accuracy::Default);
+    assert!(lifted.force == 0.0 && lifted.touched() == 0);
+}
+
+/// The column gives way besides: `zeta = delta + K F`.
+#[test]
+fn a_plate_on_one_cap_with_a_column() {
+    let compliance = 0.02;
+    let cap = Cap {
+        column_compliance: compliance / UM,
+        ..Cap::new([0.0, 0.0], 100.0 * UM)
+    };
+    let field = CapField::new(indenter(f64::INFINITY), substrate(), vec![cap]).expect("a field");
+    for pressed in [0.2, 1.0_f64] {
+        let force = 40.0 / 3.0 * pressed.powf(1.5);
+        let zeta = pressed + compliance * force;
+        for control in [
+            Control::Indentation(zeta * UM),
+            Control::Force(force * FORCE),
+        ] {
+            let contact = press(&field, control, Accuracy::Default);
+            assert!((contact.force / (force * FORCE) - 1.0).abs() < 1e-12);
+            assert!((contact.indentation / (zeta * UM) - 1.0).abs() < 1e-12);
+            assert!((contact.area / (PI * 100.0 * pressed * FORCE) - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+/// Two paraboloids: `1/R` is the sum of both curvatures, and the summit lies `X^2/(2(R + rho))` under the lowest point. The sphere is one to 1e-13.
+#[test]
+fn a_sphere_on_a_cap_off_its_axis() {
+    let radius = 1e6;
+    let field = field(indenter(radius), &[([24.0, -18.0], 100.0, 0.0)]);
+    let contact = press(&field, Control::Indentation(1.0 * UM), Accuracy::Default);
+    let overlap: f64 = 1.0 - 900.0 / (2.0 * (radius + 100.0));
+    let effective = radius * 100.0 / (radius + 100.0);
+    let force = 4.0 / 3.0 * effective.sqrt() * overlap.powf(1.5) * FORCE;
+    assert!((contact.force / force - 1.0).abs() < 1e-12);
+    assert!((contact.area / (PI * effective * overlap * UM * UM) - 1.0).abs() < 1e-12);
+    let shifted = 24.0 * radius / (radius + 100.0) * UM;
+    assert!((contact.caps[0].centre[0] - shifted).abs() < 1e-9 * UM);
+}
+
+/// By another program with a pressure of degree 6; errors are those it was given with.
+#[test]
+fn seven_caps_are_those_of_the_reference() {
+    let plate = || indenter(f64::INFINITY);
+    for (caps, force, force_error, area) in [
+        (
+            seven(50.0),
+            59.3662790748,
+            1.2e-4,
+            Some((1621.29531523, 1.6e-1)),
+        ),
+        (
+            seven(30.0),
+            48.6109060015,
+            9.7e-4,
+            Some((1406.94749079, 1.4)),
+        ),
+        (random_seven(), 39.4573710025, 1.2e-3, None),
+    ] {
+        let field = field(plate(), &caps);
+        for accuracy in [Accuracy::Default, Accuracy::Accurate] {
+            let contact = press(&field, Control::Indentation(UM), accuracy);
+            let found = contact.force / FORCE;
+            let error = contact.error.expect("an estimate");
+            println!(
+                "{accuracy:?} F {found} {:.2e} A {} steps {} {error:?}",
+                found / force - 1.0,
+                contact.area / UM / UM,
+                contact.iterations
+            );
+            assert!((found - force).abs() < force_error, "{found} {force}");
+            assert!((found / force - 1.0).abs() < error.force + 1e-7);
+            if let Some((area, area_error)) = area {
+                let found = contact.area / UM / UM;
+                let relative = (found / area - 1.0).abs();
+                assert!(relative < error.area, "{found} {area}");
+                let bar = if accuracy == Accuracy::Default {
+                    3e-4 * area
+                } else {
+                    area_error
+                };
+                assert!((found - area).abs() < bar, "{found} {area}");
+            }
+        }
+    }
+}
+
+/// Random caps at random places, which are apart, in um: of that many, fewer where there is no room.
+fn random_caps(draws: &mut Draws, count: usize, side: f64) -> Vec<(Point, f64, f64)> {
+    let mut caps: Vec<(Point, f64, f64)> = Vec::new();
+    for _ in 0..200 * count {
+        let place = [draws.between(-side, side), draws.between(-side, side)];
+        let apart = |(other, _, _): &(Point, f64, f64)| {
+            (other[0] - place[0]).hypot(other[1] - place[1]) > 12.0
+        };
+        if caps.len() < count && caps.iter().all(apart) {
+            caps.push((place, draws.between(50.0, 200.0), draws.between(-0.5, 0.5)));
+        }
+    }
+    caps
+}
+
+/// Plates and spheres on random caps: every question has an answer or a reason, and the answer by displacement is that by force.
+#[test]
+fn random_fields_are_solved_or_refused() {
+    let mut draws = Draws::new(5);
+    let (mut solved, mut merged, mut steps) = (0, 0, 0);
+    for number in 0..80 {
+        let count = draws.between(2.0, 30.0) as usize;
+        let side = draws.between(6.0, 14.0) * (count as f64).sqrt();
+        let radius = if number % 2 == 0 {
+            f64::INFINITY
+        } else {
+            draws.between(500.0, 5000.0)
+        };
+        let field = field(indenter(radius), &random_caps(&mut draws, count, side));
+        let zeta = draws.between(-0.4, 1.0) * UM;
+        let run = Run::default();
+        match field.press(Control::Indentation(zeta), Accuracy::Default, &run) {
+            Ok(contact) => {
+                assert!(contact.converged(), "{number}: {:?}", contact.termination);
+                solved += 1;
+                steps = steps.max(contact.iterations);
+                if contact.force == 0.0 {
+                    continue;
+                }
+                let error = contact.error;
+                assert!(
+                    error.is_some_and(|error| error.force < 1e-2),
+                    "{number}: {error:?}"
+                );
+                let back = press(&field, Control::Force(contact.force), Accuracy::Default);
+                assert!((back.indentation - zeta).abs() < 1e-9 * UM, "{number}");
+                assert!((back.area / contact.area - 1.0).abs() < 1e-9, "{number}");
+                println!(
+                    "{number}: {count} caps, {} touched, R {radius:.0}, {} steps, {:.1e} {:.1e}",
+                    contact.touched(),
+                    contact.iterations,
+                    error.unwrap().force,
+                    error.unwrap().area
+                );
+            }
+            Err(SolveError::ContactsMerge { indentation, .. }) => {
+                println!("{number}: merges");
+                merged += 1;
+                assert!(indentation < zeta);
+                let below = Control::Indentation(indentation);
+                let below = field.press_quickly(below, Accuracy::Default, None, &run);
+                assert!(below.is_ok_and(|below| below.converged()), "{number}");
+            }
+            Err(other) => panic!("{number}: {other}"),
+        }
+    }
+    println!("{solved} solved, {merged} merged, at most {steps} steps");
+    assert!(solved > 50, "{solved} {merged}");
+}
+
+/// Small spheres on flat caps, which are tilted by more than their contacts are wide.
+#[test]
+fn steep_spheres_are_solved_or_refused() {
+    let mut draws = Draws::new(29);
+    let (mut solved, mut merged, mut steps) = (0, 0, 0);
+    for number in 0..40 {
+        let count = draws.between(3.0, 40.0) as usize;
+        let side = draws.between(12.0, 20.0) * (count as f64).sqrt();
+        let radius = draws.between(200.0, 600.0);
+        let field = field(indenter(radius), &random_caps(&mut draws, count, side));
+        let control = Control::Force(draws.between(0.1, 40.0) * FORCE);
+        match field.press(control, Accuracy::Default, &Run::default()) {
+            Ok(contact) => {
+                assert!(contact.converged(), "{number}: {:?}", contact.termination);
+                solved += 1;
+                steps = steps.max(contact.iterations);
+                let back = Control::Indentation(contact.indentation);
+                let back = press(&field, back, Accuracy::Default);
+                assert!((back.force / contact.force - 1.0).abs() < 1e-9, "{number}");
+            }
+            Err(SolveError::ContactsMerge { .. }) => merged += 1,
+            Err(other) => panic!("{number}: {other}"),
+        }
+    }
+    println!("{solved} solved, {merged} merged, at most {steps} steps");
+    assert!(solved > 20, "{solved} {merged}");
+}
+
+/// The adjoint against central differences, in fields of plates and spheres, with columns and rims.
+#[test]
+fn slopes_are_those_of_central_differences() {
+    let mut draws = Draws::new(11);
+    for number in 0..8 {
+        let radius = if number % 2 == 0 {
+            f64::INFINITY
+        } else {
+            6000.0
+        };
+        let mut caps: Vec<Cap> = field(indenter(radius), &random_caps(&mut draws, 9, 40.0))
+            .caps()
+            .to_vec();
+        for cap in &mut caps {
+            cap.column_compliance = draws.between(0.0, 0.01) / UM;
+            if number % 4 > 1 {
+                cap.rim_radius = Some(draws.between(3.0, 6.0) * UM);
+            }
+        }
+        let field = CapField::new(indenter(radius), substrate(), caps).expect("a field");
+        let zeta = 0.6 * UM;
+        let contact = press(&field, Control::Indentation(zeta), Accuracy::Default);
+        let run = Run::default();
+        let totals = |field: &CapField, zeta: f64| {
+            let near = field
+                .press_quickly(
+                    Control::Indentation(zeta),
+                    contact.accuracy,
+                    Some(&contact),
+                    &run,
+                )
+                .expect("a contact");
+            assert!(near.converged());
+            [near.force, near.area]
+        };
+        let slopes = &contact.slopes;
+        let step = 2e-5 * UM;
+        let compare = |found: [f64; 2], ends: [[f64; 2]; 2], scale: [f64; 2]| {
+            for k in 0..2 {
+                let expected = (ends[0][k] - ends[1][k]) / (2.0 * step);
+                let error = (found[k] - expected).abs() / scale[k];
+                assert!(error < 1e-6, "{number}: {} {expected}", found[k]);
+            }
+        };
+        let of_all = [slopes.force_with_indentation, slopes.area_with_indentation];
+        let ends = [totals(&field, zeta + step), totals(&field, zeta - step)];
+        compare(of_all, ends, of_all);
+        for cap in 0..field.caps().len() {
+            let with = |step: f64| {
+                let mut heights: Vec<f64> = field.caps().iter().map(|cap| cap.raised).collect();
+                heights[cap] += step;
+                totals(&field.with_heights(&heights).expect("a field"), zeta)
+            };
+            let found = [slopes.force_with_height[cap], slopes.area_with_height[cap]];
+            let scale = [0, 1].map(|k| of_all[k] / field.caps().len() as f64);
+            compare(found, [with(step), with(-step)], scale);
+            let at_force = |step: f64| {
+                let mut heights: Vec<f64> = field.caps().iter().map(|cap| cap.raised).collect();
+                heights[cap] += step;
+                let field = field.with_heights(&heights).expect("a field");
+                let control = Control::Force(contact.force);
+                let near = field.press_quickly(control, contact.accuracy, Some(&contact), &run);
+                let near = near.expect("a contact");
+                [near.indentation, near.area]
+            };
+            let found = [
+                slopes.indentation_with_height(cap),
+                slopes.area_with_height_at_force(cap),
+            ];
+            compare(found, [at_force(step), at_force(-step)], [1.0, scale[1]]);
+        }
+    }
+}
+
+/// Lengths times `s` are forces times `s^2`, and a field that is turned has the same answer.
+#[test]
+fn scaled_and_turned_fields() {
+    let caps = random_caps(&mut Draws::new(3), 12, 40.0);
+    let at = |caps: &[(Point, f64, f64)], radius: f64, zeta: f64| {
+        let field = field(indenter(radius), caps);
+        press(&field, Control::Indentation(zeta * UM), Accuracy::Default)
+    };
+    let contact = at(&caps, 900.0, 0.7);
+    let scaled: Vec<_> = caps
+        .iter()
+        .map(|([x, y], radius, raised)| ([3.0 * x, 3.0 * y], 3.0 * radius, 3.0 * raised))
+        .collect();
+    let larger = at(&scaled, 2700.0, 2.1);
+    assert!((larger.force / (9.0 * contact.force) - 1.0).abs() < 1e-10);
+    assert!((larger.area / (9.0 * contact.area) - 1.0).abs() < 1e-10);
+    let (sin, cos) = 0.7_f64.sin_cos();
+    let turned: Vec<_> = caps
+        .iter()
+        .map(|([x, y], radius, raised)| ([cos * x - sin * y, sin * x + cos * y], *radius, *raised))
+        .collect();
+    let turned = at(&turned, 900.0, 0.7);
+    assert!((turned.force / contact.force - 1.0).abs() < 1e-10);
+}
+
+/// Two caps of equal height merge where their radii fill the distance: found by the load, and refused beyond it.
+#[test]
+fn contacts_that_merge_are_refused_with_the_load() {
+    let field = field(
+        indenter(f64::INFINITY),
+        &[([-8.0, 0.0], 100.0, 0.0), ([8.0, 0.0], 100.0, 0.0)],
+    );
+    let run = Run::default();
+    let mut loads = Vec::new();
+    for control in [
+        Control::Indentation(3.0 * UM),
+        Control::Force(100.0 * FORCE),
+    ] {
+        let refused = field.press(control, Accuracy::Default, &run);
+        let Err(SolveError::ContactsMerge {
+            caps,
+            indentation,
+            force,
+        }) = refused
+        else {
+            panic!("{refused:?}");
+        };
+        assert_eq!(caps, [0, 1]);
+        let last = press(
+            &field,
+            Control::Indentation(0.998 * indentation),
+            Accuracy::Default,
+        );
+        let centres = [0, 1].map(|cap| last.caps[cap].centre[0]);
+        let filled = 2.0 * last.caps[0].radius / (centres[1] - centres[0]);
+        assert!((0.945..0.951).contains(&filled), "{filled}");
+        assert!((last.force / force - 1.0).abs() < 5e-3);
+        loads.push(indentation);
+    }
+    assert!((loads[0] / loads[1] - 1.0).abs() < 2e-3, "{loads:?}");
+}
+
+/// Cells of a square in um with its middle at the origin, which is the centre of a cell.
+fn cells(half: f64, cell: f64, height: impl Fn(Point) -> f64) -> HeightMap {
+    let half_count = (half / cell).ceil() as usize;
+    let count = 2 * half_count + 2;
+    let low = -(half_count as f64 + 0.5) * cell * UM;
+    let grid = Grid::new(count, count, [cell * UM; 2], [low; 2]).expect("a grid");
+    HeightMap::from_height(grid, |[x, y]| UM * height([x / UM, y / UM])).expect("a surface")
+}
+
+/// Force and area by elements, in um^2, of what is that far below the common level.
+fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> [f64; 2] {
+    let from_highest = zeta * UM + surface.highest();
+    // A lens counts from its lowest point over the highest cell, wherever that is.
+    let system = SurfaceSystem::new(indenter(radius), substrate(), surface, Boundary::FreeSpace);
+    let contact = system
+        .expect("a system")
+        .press(Control::Indentation(from_highest), &Run::default());
+    let contact = contact.expect("a contact");
+    assert_eq!(contact.termination, Termination::Converged);
+    [contact.force / FORCE, contact.contact_area / FORCE]
+}
+
+fn heights_of(caps: &[(Point, f64, f64)], [x, y]: Point) -> f64 {
+    let heights = caps.iter().map(|(place, radius, raised)| {
+        raised - ((x - place[0]).powi(2) + (y - place[1]).powi(2)) / (2.0 * radius)
+    });
+    heights.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// On seven caps and on random ones, with the error of elements on each cap alone taken off: cells are in the same places on each.
+#[test]
+fn caps_are_those_of_elements() {
+    let on_cells = |caps: Vec<(Point, f64, f64)>| -> Vec<(Point, f64, f64)> {
+        let round = |x: f64| (4.0 * x).round() / 4.0;
+        caps.into_iter()
+            .map(|(place, radius, raised)| (place.map(round), radius, raised))
+            .collect()
+    };
+    for (caps, radius, half, cell, tolerance) in [
+        (on_cells(seven(30.0)), f64::INFINITY, 42.0, 0.125, 1e-5),
+        (on_cells(random_seven()), f64::INFINITY, 46.0, 0.125, 6e-5),
+        // Ovals: another program differs from elements by 4.1e-4 too.
+        (on_cells(seven(24.0)), 400.0, 50.0, 0.125, 5e-4),
+    ] {
+        let field = field(indenter(radius), &caps);
+        let contact = press(&field, Control::Indentation(UM), Accuracy::Accurate);
+        let surface = cells(half, cell, |at| heights_of(&caps, at));
+        let found = by_elements(radius, surface, 1.0);
+        let mut bias = [0.0; 2];
+        let touched = caps.iter().zip(&contact.caps);
+        for (cap, state) in touched.filter(|(_, state)| state.force > 0.0) {
+            let radius = state.radius / UM;
+            let overlap = radius * radius / cap.1;
+            let alone = [([0.0, 0.0], cap.1, 0.0)];
+            let surface = cells(radius + 2.0, cell, |at| heights_of(&alone, at));
+            let [force, area] = by_elements(f64::INFINITY, surface, overlap);
+            let hertz = 4.0 / 3.0 * cap.1.sqrt() * overlap.powf(1.5);
+            bias[0] += (force / hertz - 1.0) * state.force / contact.force;
+            let part = PI * state.radius * state.radius / contact.area;
+            bias[1] += (area / (PI * radius * radius) - 1.0) * part;
+        }
+        let estimate = contact.error.expect("an estimate");
+        let error = found[0] / (1.0 + bias[0]) / (contact.force / FORCE) - 1.0;
+        let of_area = found[1] / (1.0 + bias[1]) / (contact.area / FORCE) - 1.0;
+        println!("by elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
+        assert!(error.abs() < tolerance, "{error}");
+        assert!(error.abs() < estimate.force + 3e-5, "{error} {estimate:?}");
+        // Whole cells are in contact or not.
+        assert!(
+            of_area.abs() < estimate.area + 2e-3,
+            "{of_area} {estimate:?}"
+        );
+    }
+}
+
+/// A cap on which the contact has grown to the rim: `F = 2 a zeta - 2 a^3/(3 rho)`, as the displacement of a flat punch under the paraboloid.
+#[test]
+fn a_contact_that_fills_its_top() {
+    let cap = Cap {
+        rim_radius: Some(6.0 * UM),
+        ..Cap::new([0.0, 0.0], 100.0 * UM)
+    };
+    let field = CapField::new(indenter(f64::INFINITY), substrate(), vec![cap]).expect("a field");
+    for zeta in [0.3, 0.3599, 0.3601, 1.0, 3.0_f64] {
+        let contact = press(&field, Control::Indentation(zeta * UM), Accuracy::Default);
+        let (force, status) = if zeta <= 0.36 {
+            (40.0 / 3.0 * zeta.powf(1.5), PillarStatus::Partial)
+        } else {
+            (12.0 * zeta - 144.0 / 100.0, PillarStatus::Full)
+        };
+        assert!(
+            (contact.force / FORCE / force - 1.0).abs() < 1e-12,
+            "{zeta}"
+        );
+        assert_eq!(contact.caps[0].status, status);
+    }
+}
+
+/// A sphere beside the axis of which a cap with a rim stands: contact that is free, leans on the rim, and fills the top, by elements on a disc of
+/// cells that is as stiff as one of that radius.
+#[test]
+fn a_contact_that_leans_on_its_rim() {
+    let (lens, place, cap_radius, cell) = (400.0, 12.0, 60.0, 0.125);
+    let rim: f64 = 4.03;
+    let disc = |height: &dyn Fn(Point) -> f64| {
+        cells(place + 14.0, cell, |[x, y]| {
+            let at = [x - place, y];
+            if at[0].hypot(at[1]) < rim {
+                height(at)
+            } else {
+                -50.0
+            }
+        })
+    };
+    let effective = 0.5 * by_elements(f64::INFINITY, disc(&|_| 0.0), 1.0)[0];
+    let cap = Cap {
+        rim_radius: Some(effective * UM),
+        ..Cap::new([place * UM, 0.0], cap_radius * UM)
+    };
+    let field = CapField::new(indenter(lens), substrate(), vec![cap]).expect("a field");
+    for overlap in [0.05, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 1.0, 2.0] {
+        let zeta = overlap + place * place / (2.0 * (lens + cap_radius));
+        let contact = press(&field, Control::Indentation(zeta * UM), Accuracy::Accurate);
+        let surface = disc(&|[x, y]| -(x * x + y * y) / (2.0 * cap_radius));
+        let found = by_elements(lens, surface, zeta)[0];
+        let error = found / (contact.force / FORCE) - 1.0;
+        let estimate = contact.error.expect("an estimate").force;
+        println!(
+            "{overlap}: {:?} {error:.2e} {estimate:.2e}",
+            contact.caps[0].status
+        );
+        // What the cells at a free edge differ by besides.
+        assert!(
+            error.abs() < estimate + 4e-4,
+            "{overlap}: {error} {estimate}"
+        );
+        let full = contact.caps[0].status == PillarStatus::Full;
+        assert_eq!(full, overlap > 0.5);
+    }
+}
+
+#[test]
+fn what_cannot_be_answered_says_why() {
+    let run = Run::default();
+    let ask = |field: &CapField, control: Control, run: &Run<'_>| {
+        field.press(control, Accuracy::Default, run).unwrap_err()
+    };
+    let seven = field(indenter(f64::INFINITY), &seven(50.0));
+    assert_eq!(
+        ask(&seven, Control::FloorContact, &run),
+        SolveError::NoFloor
+    );
+    for control in [Control::Force(-1.0), Control::Indentation(f64::NAN)] {
+        let refused = ask(&seven, control, &run);
+        assert!(
+            matches!(refused, SolveError::InvalidQuantity(_)),
+            "{refused}"
+        );
+    }
+    let load = Control::Indentation(UM);
+    let small = Run {
+        memory_limit: Some(1000),
+        ..Run::default()
+    };
+    let refused = ask(&seven, load, &small);
+    assert!(
+        matches!(refused, SolveError::TooLarge { pillars: 7, .. }),
+        "{refused}"
+    );
+    let stopped = Run::default();
+    stopped.cancel.cancel();
+    assert_eq!(ask(&seven, load, &stopped), SolveError::Interrupted);
+    // The summit of a cap so far from the axis is beyond its rim.
+    let tilted = Cap {
+        rim_radius: Some(2.0 * UM),
+        ..Cap::new([20.0 * UM, 0.0], 100.0 * UM)
+    };
+    let tilted = CapField::new(indenter(400.0), substrate(), vec![tilted]).expect("a field");
+    let refused = ask(&tilted, load, &run);
+    assert!(
+        matches!(refused, SolveError::TouchedAtRim { cap: 0, .. }),
+        "{refused}"
+    );
+    assert!(refused.to_string().contains("2.000e-6 m"));
+    let far = field(indenter(30.0), &[([0.0, 0.0], 1e4, 0.0)]);
+    let refused = ask(&far, Control::Indentation(10.0 * UM), &run);
+    assert!(
+        matches!(refused, SolveError::ContactExceedsLens { .. }),
+        "{refused}"
+    );
+}

@@ -1,0 +1,26 @@
+//! Tests of the crate `fakir` through its public interface: one program, so that it is linked once.
+
+#![allow(clippy::unwrap_used)]
+
+mod adhesion;
+mod arrangements;
+mod caps;
+mod common;
+mod contact_edge;
+mod elastic_pillars;
+mod estimates;
+mod layers;
+mod lenses;
+mod limits;
+mod love;
+mod methods;
+mod mixed;
+mod mixed_arranged;
+mod paper;
+mod properties;
+mod punch_error;
+mod reference;
+mod separations;
+mod slivers;
+mod surfaces;
+mod truth;

@@ -1,0 +1,31 @@
+//! The error that the punch lattice states covers its difference from the spectral method, also where the edge of
+//! the contact crosses most of the few pillars that are touched.
+
+use crate::common::{paper_lattice, paper_system};
+use fakir::problem::{Method, PillarCompliance, PunchForm};
+use fakir::state::Run;
+
+#[test]
+fn the_stated_error_covers_what_a_punch_lattice_leaves_out() {
+    let run = Run::default();
+    // From where the first ring of pillars is touched, in steps of 2 %, to a hundred pillars.
+    let fractions: Vec<f64> = (0..150).map(|k| 0.0025 * 1.02f64.powi(k)).collect();
+    for modulus in [1e9, 2e6, 2e3] {
+        for offset in [0.0, 0.5, 0.75f64.sqrt()] {
+            for fraction in &fractions {
+                let lattice = paper_lattice(*fraction, offset);
+                let system = paper_system(lattice, modulus, PillarCompliance::Column);
+                let punch = Method::Punch(PunchForm::Corrected);
+                let punch = fakir::transition(&system, punch, &run).unwrap();
+                let exact = fakir::transition(&system, Method::default(), &run).unwrap();
+                let difference = punch.contact.force / exact.contact.force - 1.0;
+                let stated = punch.contact.error.force;
+                println!("{modulus} {offset:.3} {fraction:.5} {difference:+.4} {stated:.4}");
+                assert!(
+                    difference.abs() < stated,
+                    "{modulus} Pa, offset {offset}, surface fraction {fraction}: {difference}, stated {stated}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The tests of all crates, in two tiers: those that are not ignored, and those that are.
+//!
+//! All are compiled by one call of cargo, in the profile of the command, and run one program after the other.
+
+use crate::passed;
+use crate::python::{self, run};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Packages with dependencies that the first tier does not build.
+const HEAVY: [&str; 2] = ["fakir-checks", "fakir-manual"];
+
+/// A compiled program of tests.
+struct Program {
+    /// The package, and what of it is tested: `fakir it`.
+    name: String,
+    executable: PathBuf,
+    /// The folder of its package, in which it is run.
+    folder: PathBuf,
+}
+
+/// Compiles the tests and the program `fakir`; gives the programs of tests.
+fn build(cargo: &OsStr, packages: &[&str]) -> Result<Vec<Program>, String> {
+    let output = Command::new(cargo)
+        .args(["test", "--release", "--locked", "--no-run"])
+        .args(["--lib", "--bins", "--tests"])
+        .args(packages)
+        .arg("--message-format=json-render-diagnostics")
+        .stderr(Stdio::inherit())
+        .output()
+        .map_err(|error| format!("cargo could not be started: {error}"))?;
+    if !output.status.success() {
+        return Err(format!("cargo test: {}", output.status));
+    }
+    let messages = String::from_utf8_lossy(&output.stdout).into_owned();
+    let mut programs: Vec<Program> = messages.lines().filter_map(program).collect();
+    programs.sort_by(|a, b| a.name.cmp(&b.name));
+    if programs.is_empty() {
+        return Err("cargo compiled no tests".to_owned());
+    }
+    Ok(programs)
+}
+
+/// What a message of cargo says of a program of tests, if it is about one.
+fn program(message: &str) -> Option<Program> {
+    let text = |name: &str| {
+        let start = message.find(&format!("\"{name}\":\""))? + name.len() + 4;
+        let length = message[start..].find('"')?;
+        Some(message[start..start + length].replace("\\\\", "\\"))
+    };
+    if !message.contains("\"reason\":\"compiler-artifact\"") || !message.contains("\"test\":true}")
+    {
+        return None;
+    }
+    let executable = PathBuf::from(text("executable")?);
+    let folder = Path::new(&text("manifest_path")?).parent()?.to_owned();
+    let package = folder.file_name()?.to_string_lossy().into_owned();
+    let stem = executable.file_stem()?.to_string_lossy().into_owned();
+    let target = stem.rsplit_once('-').map_or(&*stem, |(target, _)| target);
+    let name = format!("{package} {target}");
+    Some(Program {
+        name,
+        executable,
+        folder,
+    })
+}
+
+/// The options of cargo for the packages of the first tier.
+fn light() -> Vec<&'static str> {
+    let excluded = HEAVY.iter().flat_map(|name| ["--exclude", *name]);
+    std::iter::once("--workspace").chain(excluded).collect()
+}
+
+/// The first tier.
+pub(crate) fn quick(cargo: &OsStr) -> Result<(), String> {
+    run_tests(&build(cargo, &light())?, &[], "")
+}
+
+/// The second tier: tests that are marked `ignore`, and those of packages with heavy dependencies.
+pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
+    run_tests(&build(cargo, &light())?, &["--ignored"], " slow")?;
+    let heavy = ["--package", "fakir-checks"];
+    run_tests(&build(cargo, &heavy)?, &["--include-ignored"], "")
+}
+
+/// Runs programs of tests; those that passed before and have not changed since are left out.
+fn run_tests(programs: &[Program], options: &[&str], tier: &str) -> Result<(), String> {
+    let command = command()?;
+    let data = passed::data_files();
+    let mut failed = Vec::new();
+    for program in programs {
+        let name = format!("{}{tier}", program.name);
+        let files = data.as_ref().ok().and_then(|data| {
+            let programs = [&program.executable, &command].map(PathBuf::as_path);
+            let files = programs.into_iter().chain(data.iter().map(PathBuf::as_path));
+            passed::fingerprint(options, files).ok()
+        });
+        let result = passed::unless_passed(&name, files, || {
+            println!("-- {name}");
+            run(Command::new(&program.executable)
+                .args(options)
+                .current_dir(&program.folder))
+        });
+        if result.is_err() {
+            failed.push(name);
+        }
+    }
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(format!("tests failed in {}", failed.join(", ")))
+    }
+}
+
+/// The program `fakir`, which the tests of the command run.
+fn command() -> Result<PathBuf, String> {
+    let name = format!("release/fakir{}", std::env::consts::EXE_SUFFIX);
+    Ok(python::target_folder()?.join(name))
+}
+
+/// Compiles the tests and the command, if that has not been done; gives the command.
+pub(crate) fn built_command(cargo: &OsStr) -> Result<PathBuf, String> {
+    build(cargo, &light())?;
+    command()
+}
+
+/// Prints every test with its processor time, each run in a process of its own.
+pub(crate) fn times(cargo: &OsStr) -> Result<(), String> {
+    let python = python::environment(python::TESTS)?;
+    let programs = build(cargo, &light())?;
+    let mut timer = Command::new(python);
+    timer.arg("tests/times.py");
+    for program in &programs {
+        timer.args([
+            program.executable.as_os_str(),
+            program.folder.as_os_str(),
+            program.name.as_ref(),
+        ]);
+    }
+    run(&mut timer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn programs_are_read_from_messages() {
+        let message = r#"{"reason":"compiler-artifact","manifest_path":"/a/crates/fakir/Cargo.toml","target":{"name":"it"},"profile":{"opt_level":"3","test":true},"executable":"/a/target/release/deps/it-0123"}"#;
+        let found = program(message).expect("a program of tests");
+        assert_eq!(found.name, "fakir it");
+        assert_eq!(found.executable, Path::new("/a/target/release/deps/it-0123"));
+        assert_eq!(found.folder, Path::new("/a/crates/fakir"));
+        assert!(program(&message.replace("\"test\":true", "\"test\":false")).is_none());
+    }
+}
