@@ -4,8 +4,8 @@
 
 mod running;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use running::{Running, case, question};
 use serde_json::{Value, json};
 use std::io::{Read, Write};

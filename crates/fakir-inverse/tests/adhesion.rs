@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
+use chacha20::ChaCha12Rng;
+use chacha20::rand_core::SeedableRng;
 use fakir::problem::{CyclePlan, Drive, Turn};
 use fakir::state::{Branch, Cycle, Run, Termination};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_inverse::fit::{Column, Fit, FitOptions, Measurements, Parameter, fit};
-use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
 const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);

@@ -4,6 +4,8 @@
 
 mod common;
 
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
     Accuracy, Arrangement, Control, Disorder, ElementMesh, LatticeForm, LensProfile, LensShape,
@@ -11,8 +13,6 @@ use fakir::problem::{
     Texture,
 };
 use fakir::state::{ContactState, Run, SolveError};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
