@@ -24,14 +24,21 @@ const CHECKS: [Check; 10] = [
     ("lints", "cargo clippy", |cargo| {
         run_cargo(
             cargo,
-            "clippy --workspace --all-targets --locked -- -D warnings",
+            "clippy --workspace --all-targets --features fakir-cli/parquet --locked -- -D warnings",
         )
     }),
     ("tests", "cargo test", |cargo| {
-        run_cargo(cargo, "test --workspace --locked")
+        run_cargo(cargo, "test --workspace --locked")?;
+        run_cargo(
+            cargo,
+            "test --package fakir-study --features parquet --test parquet --locked",
+        )
     }),
     ("documentation", "cargo doc", |cargo| {
-        run_cargo(cargo, "doc --workspace --no-deps --locked")
+        run_cargo(
+            cargo,
+            "doc --workspace --features fakir-cli/parquet --no-deps --locked",
+        )
     }),
     (
         "structure",
