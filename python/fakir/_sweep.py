@@ -160,7 +160,7 @@ def sweep(
         ``functools.partial(ProcessPoolExecutor, 4)``, is called again when its workers are lost.
         Without it, all processors of this machine are used.
     output
-        A folder for tables and journal, as of ``fakir sweep --output``.
+        A folder for table and journal, as of ``fakir sweep --output``.
     set
         Overrides of keys of the case.
     resume, overwrite

@@ -11,6 +11,12 @@ use std::process::{Command, Stdio};
 /// Packages with dependencies that the first tier does not build.
 const HEAVY: [&str; 2] = ["fakir-checks", "fakir-manual"];
 
+/// What is tested with heavy dependencies: options of cargo.
+const HEAVY_TESTS: [&[&str]; 2] = [
+    &["--package", "fakir-checks", "--tests"],
+    &["--package", "fakir-study", "--features", "parquet", "--test", "parquet"],
+];
+
 /// A compiled program of tests.
 struct Program {
     /// The package, and what of it is tested: `fakir it`.
@@ -21,11 +27,10 @@ struct Program {
 }
 
 /// Compiles the tests and the program `fakir`; gives the programs of tests.
-fn build(cargo: &OsStr, packages: &[&str]) -> Result<Vec<Program>, String> {
+fn build(cargo: &OsStr, options: &[&str]) -> Result<Vec<Program>, String> {
     let output = Command::new(cargo)
         .args(["test", "--release", "--locked", "--no-run"])
-        .args(["--lib", "--bins", "--tests"])
-        .args(packages)
+        .args(options)
         .arg("--message-format=json-render-diagnostics")
         .stderr(Stdio::inherit())
         .output()
@@ -69,7 +74,8 @@ fn program(message: &str) -> Option<Program> {
 /// The options of cargo for the packages of the first tier.
 fn light() -> Vec<&'static str> {
     let excluded = HEAVY.iter().flat_map(|name| ["--exclude", *name]);
-    std::iter::once("--workspace").chain(excluded).collect()
+    let targets = ["--workspace", "--lib", "--bins", "--tests"];
+    targets.into_iter().chain(excluded).collect()
 }
 
 /// The first tier.
@@ -80,8 +86,10 @@ pub(crate) fn quick(cargo: &OsStr) -> Result<(), String> {
 /// The second tier: tests that are marked `ignore`, and those of packages with heavy dependencies.
 pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
     run_tests(&build(cargo, &light())?, &["--ignored"], " slow")?;
-    let heavy = ["--package", "fakir-checks"];
-    run_tests(&build(cargo, &heavy)?, &["--include-ignored"], "")
+    for heavy in HEAVY_TESTS {
+        run_tests(&build(cargo, heavy)?, &["--include-ignored"], "")?;
+    }
+    Ok(())
 }
 
 /// Runs programs of tests; those that passed before and have not changed since are left out.

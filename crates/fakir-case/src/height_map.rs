@@ -11,19 +11,16 @@
 //! before its elements are read, unpacked as they come; that of a text is checked while it is read. The lens axis is put on the centre of the map;
 //! [`HeightMap::with_axis_at`] moves it.
 
+use crate::npy::{self, Header};
+use crate::npz::{Archive, PackedArray};
 use fakir::problem::{Grid, HeightMap, InvalidGrid, InvalidHeightMap};
-use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
-use zip::ZipArchive;
 
 /// Memory that every point of a map takes, bytes: its height and pillar on cells of three sizes,
 /// separation, start, and the fields of the solution.
 pub(crate) const BYTES_PER_POINT: f64 = 64.0;
-
-/// Longest header of an array, bytes: it has a type and a shape of two numbers.
-const LONGEST_HEADER: u32 = 65_536;
 
 /// Longest line of a text, bytes: millions of numbers.
 const LONGEST_LINE: u64 = 64_000_000;
@@ -282,20 +279,19 @@ pub fn read_height_map(
         memory_limit,
     };
     let opened = File::open(path).map_err(|error| source.unreadable(error))?;
-    let opened = BufReader::new(opened);
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str() {
-        Some("npy") => place(&file, parse_npy(&source, opened)?, scale),
+        Some("npy") => place(&file, parse_npy(&source, BufReader::new(opened))?, scale),
         Some("npz") => {
-            let mut archive = ZipArchive::new(opened).map_err(|error| source.damaged(&error))?;
-            let name = array_name(&source, &archive, array)?;
-            let entry = archive.by_name(&format!("{name}.npy"));
-            let mut entry = entry.map_err(|error| source.damaged(&error))?;
-            let file = format!("{file}, array {name:?}");
+            let archive = Archive::open(opened).map_err(|error| source.damaged(&error))?;
+            let packed = packed_array(&source, &archive, array)?;
+            let file = format!("{file}, array {:?}", packed.name);
             let source = Source {
                 file: &file,
                 memory_limit,
             };
+            let entry = archive.unpacked(packed);
+            let mut entry = entry.map_err(|problem| source.damaged(&problem))?;
             let table = parse_npy(&source, &mut entry)?;
             // At its end the archive looks whether the array is what was packed.
             match entry.read(&mut [0]) {
@@ -304,7 +300,7 @@ pub fn read_height_map(
                 Err(error) => Err(source.damaged(&error)),
             }
         }
-        _ => place(&file, parse_text(&source, opened)?, scale),
+        _ => place(&file, parse_text(&source, BufReader::new(opened))?, scale),
     }
 }
 
@@ -316,15 +312,7 @@ pub fn read_height_map(
 #[must_use]
 pub fn to_npy(grid: &Grid, values: &[f64]) -> Vec<u8> {
     assert_eq!(values.len(), grid.cell_count());
-    let shape = [grid.rows() as u64, grid.columns() as u64];
-    let mut bytes = Vec::new();
-    let options = npyz::WriteOptions::new().default_dtype().shape(&shape);
-    let written = options.writer(&mut bytes).begin_nd().and_then(|mut array| {
-        array.extend(values.iter().copied())?;
-        array.finish()
-    });
-    written.expect("memory takes every byte");
-    bytes
+    npy::write(grid.rows(), grid.columns(), values)
 }
 
 /// Gives a table its physical size.
@@ -359,59 +347,50 @@ fn place(file: &str, table: Table, scale: &MapScale) -> Result<HeightMap, Height
     })
 }
 
-/// The name of the array of an archive that is to be read.
-fn array_name(
+/// The array of an archive that is to be read.
+fn packed_array<'a>(
     source: &Source<'_>,
-    archive: &ZipArchive<BufReader<File>>,
+    archive: &'a Archive,
     wanted: Option<&str>,
-) -> Result<String, HeightMapError> {
-    let file = || source.file.to_owned();
-    let available: Vec<String> = archive
-        .file_names()
-        .filter_map(|name| Some(name.ok()?.strip_suffix(".npy")?.to_owned()))
-        .collect();
-    match (wanted, &available[..]) {
-        (None, [only]) => Ok(only.clone()),
+) -> Result<&'a PackedArray, HeightMapError> {
+    let file = source.file.to_owned();
+    let names = || {
+        let names = archive.arrays.iter().map(|packed| packed.name.clone());
+        names.collect()
+    };
+    match (wanted, &archive.arrays[..]) {
+        (None, [only]) => Ok(only),
         (None, _) => Err(HeightMapError::ArrayNotNamed {
-            file: file(),
-            available,
+            file,
+            available: names(),
         }),
-        (Some(wanted), names) if names.iter().any(|name| name == wanted) => Ok(wanted.to_owned()),
-        (Some(wanted), _) => Err(HeightMapError::NoSuchArray {
-            file: file(),
-            wanted: wanted.to_owned(),
-            available,
-        }),
+        (Some(wanted), arrays) => {
+            let named = arrays.iter().find(|packed| packed.name == wanted);
+            named.ok_or_else(|| HeightMapError::NoSuchArray {
+                file,
+                wanted: wanted.to_owned(),
+                available: names(),
+            })
+        }
     }
-}
-
-/// The header of an array: bounded, as it says itself how long it is.
-fn npy_header(source: &Source<'_>, mut data: impl Read) -> Result<NpyHeader, HeightMapError> {
-    // Six bytes of a magic string, two of the version, then the length: of version 1 in two bytes,
-    // with the header behind them, and from version 2 on in four.
-    let mut start = Vec::new();
-    let read = data.by_ref().take(12).read_to_end(&mut start);
-    read.map_err(|error| source.damaged(&error))?;
-    if let [_, _, _, _, _, _, version, _, a, b, c, d] = start[..]
-        && version > 1
-        && u32::from_le_bytes([a, b, c, d]) > LONGEST_HEADER
-    {
-        return Err(source.damaged("its header is longer than any that NumPy writes"));
-    }
-    NpyHeader::from_reader(start.chain(data)).map_err(|error| source.damaged(&error))
 }
 
 fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMapError> {
-    let header = npy_header(source, &mut data)?;
-    let [rows, columns] = *header.shape() else {
+    let header = Header::read(&mut data).map_err(|error| source.damaged(&error))?;
+    let [rows, columns] = header.shape[..] else {
         return Err(HeightMapError::Dimensions {
             file: source.file.to_owned(),
-            shape: header.shape().to_vec(),
+            shape: header.shape,
         });
     };
-    let size = header.dtype().num_bytes().unwrap_or(1) as u64;
+    let Some(element) = header.element_type() else {
+        return Err(HeightMapError::ElementType {
+            file: source.file.to_owned(),
+            found: header.type_name().to_owned(),
+        });
+    };
     let count = rows.checked_mul(columns);
-    let needed = count.and_then(|count| count.checked_mul(size));
+    let needed = count.and_then(|count| count.checked_mul(element.size as u64));
     let (Ok(row_count), Ok(column_count), Some(count), Some(needed)) = (
         usize::try_from(rows),
         usize::try_from(columns),
@@ -421,69 +400,28 @@ fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMa
         return Err(source.damaged(&format!("an array of {rows} by {columns} elements")));
     };
     source.check_memory(count, || format!("{columns} by {rows} points"))?;
-    let order = header.order();
     let mut data = data.take(needed);
-    let stored = read_elements(source, NpyFile::with_header(header, &mut data));
-    let stored = match stored {
-        Err(HeightMapError::NotNumpy { .. }) if data.limit() > 0 => {
-            return Err(source.damaged(&format!(
-                "it ends early: {needed} bytes of data expected, {} found",
-                needed - data.limit()
-            )));
-        }
-        other => other?,
-    };
-    let values = match order {
-        Order::C => stored,
-        Order::Fortran => (0..row_count)
+    let stored = element.read(&mut data, row_count * column_count);
+    let stored = stored.map_err(|error| match error.kind() {
+        io::ErrorKind::UnexpectedEof => source.damaged(&format!(
+            "it ends early: {needed} bytes of data expected, {} found",
+            needed - data.limit()
+        )),
+        _ => source.damaged(&error),
+    })?;
+    let values = if header.fortran_order {
+        (0..row_count)
             .flat_map(|row| (0..column_count).map(move |column| column * row_count + row))
             .map(|place| stored[place])
-            .collect(),
+            .collect()
+    } else {
+        stored
     };
     Ok(Table {
         columns: column_count,
         rows: row_count,
         values,
     })
-}
-
-/// All elements as they are stored, whatever their type.
-fn read_elements<R: Read>(
-    source: &Source<'_>,
-    array: NpyFile<R>,
-) -> Result<Vec<f64>, HeightMapError> {
-    let element = array.header().dtype();
-    let kind = match &element {
-        DType::Plain(kind) => (kind.type_char(), kind.size_field()),
-        DType::Array(..) | DType::Record(_) => (TypeChar::Object, 0),
-    };
-    let values = match kind {
-        (TypeChar::Float, 8) => array.into_vec::<f64>(),
-        (TypeChar::Float, 4) => floats(array.into_vec::<f32>()),
-        (TypeChar::Int, 1) => floats(array.into_vec::<i8>()),
-        (TypeChar::Int, 2) => floats(array.into_vec::<i16>()),
-        (TypeChar::Int, 4) => floats(array.into_vec::<i32>()),
-        (TypeChar::Uint, 1) => floats(array.into_vec::<u8>()),
-        (TypeChar::Uint, 2) => floats(array.into_vec::<u16>()),
-        (TypeChar::Uint, 4) => floats(array.into_vec::<u32>()),
-        (TypeChar::Int, 8) => array
-            .into_vec::<i64>()
-            .map(|values| values.into_iter().map(|value| value as f64).collect()),
-        (TypeChar::Uint, 8) => array
-            .into_vec::<u64>()
-            .map(|values| values.into_iter().map(|value| value as f64).collect()),
-        _ => {
-            return Err(HeightMapError::ElementType {
-                file: source.file.to_owned(),
-                found: element.descr(),
-            });
-        }
-    };
-    values.map_err(|error| source.damaged(&error))
-}
-
-fn floats<T: Into<f64>>(values: io::Result<Vec<T>>) -> io::Result<Vec<f64>> {
-    Ok(values?.into_iter().map(Into::into).collect())
 }
 
 /// The header of an ESRI ASCII grid, as far as it matters here.

@@ -89,6 +89,8 @@ mod file;
 pub mod height_map;
 pub mod input;
 mod key;
+mod npy;
+mod npz;
 mod parts;
 pub mod pillars;
 mod profile;

@@ -842,7 +842,8 @@ pub(crate) struct Sweep {
     /// Override a key of the case that is no axis, as in lens.radius=2mm; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Keep the journal there, and save table.csv, table.parquet, study.toml and provenance.json
+    /// Keep the journal there, and save table.csv, study.toml and provenance.json; programs built with the feature
+    /// parquet also save table.parquet
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
     /// Go on with the sweep in the folder, if one has begun there

@@ -8,7 +8,8 @@
 //!   may not even ask to send.
 
 use crate::refusal::Refusal;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use hyper::StatusCode;
+use hyper::header::{self, HeaderMap, HeaderName, HeaderValue};
 use std::fmt;
 
 /// The header of the API that holds the token.

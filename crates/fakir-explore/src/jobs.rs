@@ -1,15 +1,14 @@
 //! Computations under way: the newest of every page and kind, in a bounded number, off the threads
 //! that answer requests.
 
+use crate::http::{self, Body, Response};
+use crate::log;
 use crate::refusal::Refusal;
 use crate::request::Ticket;
-use axum::body::Body;
-use axum::http::{HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Response};
-use bytes::Bytes;
 use fakir::state::{CancelToken, Progress, Run, SolveError};
 use fakir_figure::FigureError;
-use http_body::Frame;
+use hyper::StatusCode;
+use hyper::body::{Bytes, Frame};
 use rayon::ThreadPool;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -139,7 +138,7 @@ impl Jobs {
     ) -> Response {
         match self.begin(ticket, kind, work).await {
             Ok(response) => response,
-            Err(refusal) => refusal.into_response(),
+            Err(refusal) => refusal.response(),
         }
     }
 
@@ -178,11 +177,11 @@ impl Jobs {
                 messages,
                 _connection: connection,
             })),
-            Some(Message::File(file)) => Ok(file.into_response()),
+            Some(Message::File(file)) => Ok(http::whole(file.kind, file.contents)),
             Some(Message::Refused(refusal)) => Err(refusal),
             None if connection.0.is_cancelled() => Err(Refusal::stale()),
             None => {
-                tracing::error!("a computation broke off");
+                log::error("a computation broke off");
                 Err(Refusal::new(
                     StatusCode::INTERNAL_SERVER_ERROR,
                     "the computation broke off: this is a mistake in fakir",
@@ -308,15 +307,6 @@ enum Message {
 pub(crate) struct File {
     pub(crate) kind: &'static str,
     pub(crate) contents: Vec<u8>,
-}
-
-impl IntoResponse for File {
-    fn into_response(self) -> Response {
-        let mut response = Response::new(Body::from(self.contents));
-        let kind = HeaderValue::from_static(self.kind);
-        response.headers_mut().insert(header::CONTENT_TYPE, kind);
-        response
-    }
 }
 
 /// What a computation needs to know: how it is run, and where its answer goes.
@@ -468,7 +458,7 @@ struct RefusedLine {
     refused: Refusal,
 }
 
-impl http_body::Body for Lines {
+impl hyper::body::Body for Lines {
     type Data = Bytes;
     type Error = Infallible;
 
@@ -494,8 +484,5 @@ impl http_body::Body for Lines {
 }
 
 fn stream(lines: Lines) -> Response {
-    let mut response = Response::new(Body::new(lines));
-    let kind = HeaderValue::from_static("application/x-ndjson");
-    response.headers_mut().insert(header::CONTENT_TYPE, kind);
-    response
+    http::response("application/x-ndjson", Body::Parts(Box::new(lines)))
 }

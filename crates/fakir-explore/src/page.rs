@@ -1,11 +1,10 @@
 //! The page: a document, a style and scripts, built from `page/` and part of the program, so that
 //! nothing is loaded from elsewhere.
 
+use crate::http::{Response, whole};
 use crate::request::{FARTHEST, LATTICES, MOST_PILLARS, is_on_page, is_thickness, of_case};
-use axum::body::Body;
-use axum::http::{HeaderValue, StatusCode, header};
-use axum::response::Response;
 use fakir_case::{Case, Key, Kind};
+use hyper::StatusCode;
 use serde_json::{Value, json};
 use std::ops::Bound;
 
@@ -64,13 +63,6 @@ pub(crate) fn file(name: &str, start: &str) -> Option<Response> {
 pub(crate) fn message(status: StatusCode, text: &str) -> Response {
     let mut response = whole("text/plain; charset=utf-8", format!("{text}\n"));
     *response.status_mut() = status;
-    response
-}
-
-fn whole(kind: &'static str, text: impl Into<Body>) -> Response {
-    let mut response = Response::new(text.into());
-    let kind = HeaderValue::from_static(kind);
-    response.headers_mut().insert(header::CONTENT_TYPE, kind);
     response
 }
 

@@ -1,12 +1,11 @@
 //! What is answered when there is no answer: what is wrong, at which key, and what would be
 //! accepted.
 
-use axum::body::Body;
-use axum::http::{HeaderValue, StatusCode, header};
-use axum::response::{IntoResponse, Response};
+use crate::http::{self, Response};
 use fakir::state::SolveError;
 use fakir_case::{CaseError, Key};
 use fakir_figure::FigureError;
+use hyper::StatusCode;
 use serde::Serialize;
 
 /// Why a request is not answered.
@@ -59,6 +58,14 @@ impl Refusal {
         &self.message
     }
 
+    /// The refusal as JSON.
+    pub(crate) fn response(&self) -> Response {
+        let text = serde_json::to_vec(self).unwrap_or_default();
+        let mut response = http::whole("application/json", text);
+        *response.status_mut() = self.status;
+        response
+    }
+
     /// The answer to a computation that failed; `None` if it was called off.
     pub(crate) fn of(error: &SolveError) -> Option<Self> {
         let refusal = Self::impossible(error.to_string());
@@ -89,16 +96,5 @@ impl From<CaseError> for Refusal {
             message: error.problem().to_owned(),
             accepted: error.what_is_accepted().map(str::to_owned),
         }
-    }
-}
-
-impl IntoResponse for Refusal {
-    fn into_response(self) -> Response {
-        let text = serde_json::to_vec(&self).unwrap_or_default();
-        let mut response = Response::new(Body::from(text));
-        *response.status_mut() = self.status;
-        let json = HeaderValue::from_static("application/json");
-        response.headers_mut().insert(header::CONTENT_TYPE, json);
-        response
     }
 }

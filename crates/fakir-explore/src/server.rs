@@ -2,24 +2,22 @@
 
 use crate::arrivals::{Connection, Connections};
 use crate::guard::{Guard, HEADERS, Token};
+use crate::http::{Request, Response, read};
 use crate::jobs::{Failure, Jobs, Kind, Worker};
+use crate::log::Log;
 use crate::refusal::Refusal;
 use crate::request::Ticket;
 use crate::{answers, cycle, export, page, request};
-use axum::body::to_bytes;
-use axum::extract::{Path, Request, State};
-use axum::http::{HeaderValue, StatusCode, header};
-use axum::middleware::{self, Next};
-use axum::response::{IntoResponse, Redirect, Response};
-use axum::routing::{get, post};
-use axum::{Extension, Router};
 use fakir::state::{CancelToken, Threads};
 use fakir_case::Case;
+use hyper::header::{self, HeaderValue};
 use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper::{Method, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
-use hyper_util::service::TowerToHyperService;
 use rayon::ThreadPoolBuilder;
 use serde::de::DeserializeOwned;
+use std::convert::Infallible;
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::Arc;
@@ -52,6 +50,8 @@ pub struct Options {
     pub threads: usize,
     /// Memory a computation may take, bytes.
     pub memory_limit: usize,
+    /// Whether requests that are refused are left out of standard error.
+    pub quiet: bool,
 }
 
 /// Why there is nothing to explore.
@@ -111,6 +111,7 @@ struct Shared {
     guard: Guard,
     jobs: Arc<Jobs>,
     start: Arc<str>,
+    log: Log,
 }
 
 impl Explorer {
@@ -143,6 +144,9 @@ impl Explorer {
             guard: Guard::new(token.clone(), port),
             jobs: Arc::new(Jobs::new(pool, options.memory_limit)),
             start: page::start(&options.case).into(),
+            log: Log {
+                quiet: options.quiet,
+            },
         };
         Ok(Self {
             listener,
@@ -179,7 +183,8 @@ impl Explorer {
 
     async fn serve(self, stop: &CancelToken) -> Result<(), ExploreError> {
         let listener = tokio::net::TcpListener::from_std(self.listener)?;
-        let router = router(self.shared);
+        let log = self.shared.log;
+        let shared = self.shared;
         let connections = Connections::new();
         let mut look = tokio::time::interval(STOP_INTERVAL);
         loop {
@@ -191,7 +196,7 @@ impl Explorer {
                 Ok((stream, _)) => stream,
                 Err(error) => {
                     // This happens with too many open files, and passes when some are closed.
-                    tracing::warn!("a connection could not be accepted: {error}");
+                    log.warn(&format!("a connection could not be accepted: {error}"));
                     tokio::time::sleep(STOP_INTERVAL).await;
                     continue;
                 }
@@ -199,8 +204,11 @@ impl Explorer {
             // Every line of an answer is sent at once.
             let _ = stream.set_nodelay(true);
             let (connection, closed) = connections.arrive();
-            let router = router.clone().layer(Extension(connection.clone()));
-            let service = TowerToHyperService::new(router);
+            let (shared, guarded) = (shared.clone(), connection.clone());
+            let service = service_fn(move |request| {
+                let (shared, connection) = (shared.clone(), guarded.clone());
+                async move { Ok::<_, Infallible>(answer(&shared, &connection, request).await) }
+            });
             tokio::spawn(async move {
                 let served = http1::Builder::new()
                     .timer(TokioTimer::new())
@@ -210,18 +218,13 @@ impl Explorer {
                 let ended = tokio::select! {
                     ended = served => ended,
                     // Only arrivals are closed for others: a connection of the page never is.
-                    Ok(()) = closed => {
-                        tracing::debug!("a connection that sent no request was closed for others");
-                        return;
-                    }
+                    Ok(()) = closed => return,
                 };
                 connection.leave();
-                match ended {
-                    Err(error) if error.is_parse() => {
-                        tracing::warn!("refused what is no request: {error}");
-                    }
-                    Err(error) => tracing::debug!("a connection ended: {error}"),
-                    Ok(()) => {}
+                if let Err(error) = ended
+                    && error.is_parse()
+                {
+                    log.warn(&format!("refused what is no request: {error}"));
                 }
             });
         }
@@ -240,30 +243,9 @@ fn next_free(port: u16) -> Option<u16> {
         .find(|port| TcpListener::bind((Ipv4Addr::LOCALHOST, *port)).is_ok())
 }
 
-fn router(shared: Shared) -> Router {
-    Router::new()
-        .route("/api/contact", post(contact))
-        .route("/api/cycle", post(with_adhesion))
-        .route("/api/curves", post(curves))
-        .route("/api/phase", post(phase))
-        .route("/api/export", post(export))
-        .route("/{token}", get(with_slash))
-        .route("/{token}/", get(index))
-        .route("/{token}/{file}", get(file))
-        .fallback(nothing)
-        .method_not_allowed_fallback(wrong_method)
-        .layer(middleware::from_fn_with_state(shared.clone(), guarded))
-        .with_state(shared)
-}
-
 /// Lets requests of the page pass. Any other request is refused with a line in the log, and its connection is
 /// closed.
-async fn guarded(
-    State(shared): State<Shared>,
-    Extension(connection): Extension<Connection>,
-    request: Request,
-    next: Next,
-) -> Response {
+async fn answer(shared: &Shared, connection: &Connection, request: Request) -> Response {
     let path = request.uri().path().to_owned();
     let method = request.method().clone();
     let api = path.starts_with("/api/");
@@ -276,12 +258,14 @@ async fn guarded(
         )),
     });
     let mut response = match checked {
-        Ok(()) => next.run(request).await,
+        Ok(()) => route(shared, request).await,
         Err(refusal) => {
             let what = if api { "the API" } else { "a page" };
-            tracing::warn!("refused {method} request of {what}: {}", refusal.message());
+            let why = refusal.message();
+            let line = format!("refused {method} request of {what}: {why}");
+            shared.log.warn(&line);
             let mut response = if api {
-                refusal.into_response()
+                refusal.response()
             } else {
                 page::message(refusal.status, refusal.message())
             };
@@ -294,59 +278,84 @@ async fn guarded(
     response
 }
 
-/// The files of the page are found relative to its address.
-async fn with_slash(Path(token): Path<String>) -> Redirect {
-    Redirect::permanent(&format!("/{token}/"))
+/// What answers a path by a method.
+async fn route(shared: &Shared, request: Request) -> Response {
+    let path = request.uri().path().to_owned();
+    let is_post = request.method() == Method::POST;
+    match path.as_str() {
+        "/api/contact" if is_post => contact(shared, request).await,
+        "/api/cycle" if is_post => with_adhesion(shared, request).await,
+        "/api/curves" if is_post => curves(shared, request).await,
+        "/api/phase" if is_post => phase(shared, request).await,
+        "/api/export" if is_post => export(shared, request).await,
+        "/api/contact" | "/api/cycle" | "/api/curves" | "/api/phase" | "/api/export" => {
+            wrong_method(shared, request.method(), "POST")
+        }
+        path => file(shared, request.method(), path),
+    }
 }
 
-async fn index(State(shared): State<Shared>) -> Response {
-    found(page::file("", &shared.start))
+/// A file of the page: `/TOKEN/NAME`. Their names are found relative to `/TOKEN/`.
+fn file(shared: &Shared, method: &Method, path: &str) -> Response {
+    let below = path.strip_prefix('/').unwrap_or_default();
+    let (token, name) = match below.split_once('/') {
+        Some((token, name)) => (token, Some(name)),
+        None => (below, None),
+    };
+    if token.is_empty() || name.is_some_and(|name| name.contains('/')) {
+        return page::message(StatusCode::NOT_FOUND, "there is nothing here");
+    }
+    if ![Method::GET, Method::HEAD].contains(method) {
+        return wrong_method(shared, method, "GET,HEAD");
+    }
+    let Some(name) = name else {
+        let place = format!("/{token}/");
+        let mut moved = page::message(StatusCode::PERMANENT_REDIRECT, &place);
+        if let Ok(place) = HeaderValue::from_str(&place) {
+            moved.headers_mut().insert(header::LOCATION, place);
+        }
+        return moved;
+    };
+    page::file(name, &shared.start)
+        .unwrap_or_else(|| page::message(StatusCode::NOT_FOUND, "there is no such file"))
 }
 
-async fn file(State(shared): State<Shared>, Path((_, name)): Path<(String, String)>) -> Response {
-    found(page::file(&name, &shared.start))
+fn wrong_method(shared: &Shared, method: &Method, allowed: &'static str) -> Response {
+    let line = format!("refused a {method} request: wrong method");
+    shared.log.warn(&line);
+    let mut response = page::message(StatusCode::METHOD_NOT_ALLOWED, "not by this method");
+    let allowed = HeaderValue::from_static(allowed);
+    response.headers_mut().insert(header::ALLOW, allowed);
+    response
 }
 
-fn found(file: Option<Response>) -> Response {
-    file.unwrap_or_else(|| page::message(StatusCode::NOT_FOUND, "there is no such file"))
-}
-
-async fn nothing() -> Response {
-    page::message(StatusCode::NOT_FOUND, "there is nothing here")
-}
-
-async fn wrong_method(request: Request) -> Response {
-    tracing::warn!("refused a {} request: wrong method", request.method());
-    page::message(StatusCode::METHOD_NOT_ALLOWED, "not by this method")
-}
-
-async fn contact(State(shared): State<Shared>, request: Request) -> Response {
+async fn contact(shared: &Shared, request: Request) -> Response {
     let ticket = |asked: &request::AtLoad| asked.ticket.clone();
-    answer(&shared, request, Kind::Contact, ticket, answers::contact).await
+    work(shared, request, Kind::Contact, ticket, answers::contact).await
 }
 
-async fn with_adhesion(State(shared): State<Shared>, request: Request) -> Response {
+async fn with_adhesion(shared: &Shared, request: Request) -> Response {
     let ticket = |asked: &request::AtLoad| asked.ticket.clone();
-    answer(&shared, request, Kind::Cycle, ticket, cycle::cycle).await
+    work(shared, request, Kind::Cycle, ticket, cycle::cycle).await
 }
 
-async fn curves(State(shared): State<Shared>, request: Request) -> Response {
+async fn curves(shared: &Shared, request: Request) -> Response {
     let ticket = |asked: &request::Curves| asked.ticket.clone();
-    answer(&shared, request, Kind::Curves, ticket, answers::curves).await
+    work(shared, request, Kind::Curves, ticket, answers::curves).await
 }
 
-async fn phase(State(shared): State<Shared>, request: Request) -> Response {
+async fn phase(shared: &Shared, request: Request) -> Response {
     let ticket = |asked: &request::AtLoad| asked.ticket.clone();
-    answer(&shared, request, Kind::Phase, ticket, answers::phase).await
+    work(shared, request, Kind::Phase, ticket, answers::phase).await
 }
 
-async fn export(State(shared): State<Shared>, request: Request) -> Response {
+async fn export(shared: &Shared, request: Request) -> Response {
     let ticket = |asked: &request::Export| asked.ticket.clone();
-    answer(&shared, request, Kind::Export, ticket, export::export).await
+    work(shared, request, Kind::Export, ticket, export::export).await
 }
 
 /// Reads a question and has it answered.
-async fn answer<T: DeserializeOwned + Send + 'static>(
+async fn work<T: DeserializeOwned + Send + 'static>(
     shared: &Shared,
     request: Request,
     kind: Kind,
@@ -356,8 +365,9 @@ async fn answer<T: DeserializeOwned + Send + 'static>(
     let asked: T = match body(request).await {
         Ok(asked) => asked,
         Err(refusal) => {
-            tracing::warn!("refused a request of the API: {}", refusal.message());
-            return refusal.into_response();
+            let line = format!("refused a request of the API: {}", refusal.message());
+            shared.log.warn(&line);
+            return refusal.response();
         }
     };
     let ticket = ticket(&asked);
@@ -377,11 +387,11 @@ async fn body<T: DeserializeOwned>(request: Request) -> Result<T, Refusal> {
             "the body must be application/json",
         ));
     }
-    let bytes = to_bytes(request.into_body(), LARGEST_BODY);
+    let bytes = read(request.into_body(), LARGEST_BODY);
     match tokio::time::timeout(REQUEST_PATIENCE, bytes).await {
-        Ok(Ok(bytes)) => serde_json::from_slice(&bytes)
+        Ok(Some(bytes)) => serde_json::from_slice(&bytes)
             .map_err(|error| Refusal::malformed(format!("not such a request: {error}"))),
-        Ok(Err(_)) => Err(Refusal::new(
+        Ok(None) => Err(Refusal::new(
             StatusCode::PAYLOAD_TOO_LARGE,
             format!("the body broke off, or is larger than {LARGEST_BODY} bytes"),
         )),

@@ -9,11 +9,11 @@
 //!
 //! `cargo run --example synthetic_instruments examples/fit`
 
+use chacha20::ChaCha12Rng;
+use chacha20::rand_core::SeedableRng;
 use fakir::problem::Control;
 use fakir::state::Run;
 use fakir_case::{Case, CaseFile};
-use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use std::error::Error;
 use std::fmt::Write;

@@ -4,11 +4,11 @@
 //!
 //! `cargo run -p fakir-inverse --example synthetic_loading > examples/fit/loading.csv`
 
+use chacha20::ChaCha12Rng;
+use chacha20::rand_core::SeedableRng;
 use fakir::problem::Control;
 use fakir::state::Run;
 use fakir_case::{Case, CaseFile};
-use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
 const CONTACT_POINT: f64 = 3e-6;

@@ -8,12 +8,12 @@
 //! that are more at random, and the nearest counts. The loads are fewer than the caps as a rule: of all changes that do the same
 //! the smallest is made.
 
+use chacha20::ChaCha12Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use fakir::problem::{Accuracy, Cap, CapField, Control, Indenter, InvalidCaps};
 use fakir::state::{CapContact, Run, SolveError};
-use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::f64::consts::PI;
 
 /// Steps of least squares, for independent caps and for all.

@@ -5,12 +5,12 @@
 //! Beside the samples stands what the exact derivatives of the critical state make of the deviations to first order.
 
 use crate::derivative::ByKey;
+use chacha20::ChaCha12Rng;
 use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, LatticeForm, Point};
 use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_argument, parse_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_study::{Column, Table, Values};
-use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -518,7 +518,7 @@ impl Critical {
 
 /// The random numbers of one sample.
 fn stream(seed: u64, number: usize) -> ChaCha12Rng {
-    use rand_chacha::rand_core::SeedableRng;
+    use chacha20::rand_core::SeedableRng;
     let mut random = ChaCha12Rng::seed_from_u64(seed);
     random.set_stream(number as u64);
     random

@@ -4,7 +4,8 @@
 //! |---|---|
 //! | `journal.jsonl` | every case as it ended, with the time it took; an interrupted sweep goes on from it |
 //! | `study.toml` | the study as it was understood |
-//! | `table.csv`, `table.parquet` | one row per case |
+//! | `table.csv` | one row per case |
+//! | `table.parquet` | the same, in builds with the feature `parquet` |
 //! | `pull-off.svg`, `pull-off.png` | of a whole sweep of cycles: pull-off force and hysteresis |
 //! | `provenance.json` | version, study, methods, reference |
 
@@ -473,14 +474,28 @@ fn make(folder: &Path) -> Result<(), StudyError> {
 }
 
 /// The study in the folder of a sweep.
-const STUDY: &str = "study.toml";
+pub(crate) const STUDY: &str = "study.toml";
+
+/// The table in the folder of a sweep.
+pub(crate) const CSV: &str = "table.csv";
+
+/// The table in the folder of a sweep by a build with the feature `parquet`.
+pub(crate) const PARQUET: &str = "table.parquet";
+
+/// The tables that a complete sweep saves in its folder.
+pub const TABLES: &[&str] = &[
+    CSV,
+    #[cfg(feature = "parquet")]
+    PARQUET,
+];
 
 fn results(study: &Study, rows: &[Row]) -> Vec<File> {
     let table = Table::new(study, rows);
     let provenance = Provenance::of_study(study);
     let mut files = vec![
-        File::new("table.csv", table.to_csv()),
-        File::new("table.parquet", table.to_parquet(&provenance)),
+        File::new(CSV, table.to_csv()),
+        #[cfg(feature = "parquet")]
+        File::new(PARQUET, table.to_parquet(&provenance)),
     ];
     if let Some(figure) = of_cycles(study, rows) {
         files.extend(saved(figure, &provenance));

@@ -63,6 +63,8 @@ mod surface_answer;
 pub mod surfaces;
 mod sweep;
 mod table;
+#[cfg(feature = "parquet")]
+mod table_parquet;
 pub mod workshop;
 
 pub use answer::{Answer, Critical, Pressed, Row};
@@ -72,7 +74,7 @@ pub use collapsed::{
 };
 pub use cycled::{Cycled, Errors, Hysteresis, Loading, OnStuckFloor, Pull};
 pub use error::StudyError;
-pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
+pub use folder::{Existing, Ledger, Summary, TABLES, merge, sweep_into};
 pub use journal::DamagedLine;
 pub use plan::{InvalidShard, Shard};
 pub use surface_answer::{BorneShare, SurfaceCritical, SurfaceNumbers, SurfacePressed};

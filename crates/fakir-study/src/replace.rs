@@ -3,6 +3,7 @@
 //! A folder of results has a `provenance.json` with the list of the files beside it; a sweep that is
 //! not complete has its journal instead. A folder with anything else in it is left alone.
 
+use crate::folder::{CSV, PARQUET, STUDY};
 use crate::journal::{JOURNAL, is_journal, is_running};
 use crate::output::{File, OutputError, TEMPORARY, save, temporary};
 use crate::provenance::{FILE_NAME, Provenance};
@@ -10,14 +11,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What a sweep keeps and writes in its folder.
-const SWEEP: [&str; 5] = [
-    JOURNAL,
-    "study.toml",
-    "table.csv",
-    "table.parquet",
-    FILE_NAME,
-];
+/// What a sweep keeps and writes in its folder, by a build with any features.
+const SWEEP: [&str; 5] = [JOURNAL, STUDY, CSV, PARQUET, FILE_NAME];
 
 /// All that is in a folder of results, by paths in it, folders after what is in them. `parts` are
 /// folders in it that may be folders of results of their own.

@@ -3,10 +3,10 @@
 //!
 //! Times are those of the processor; times and memory are known on Linux only.
 
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::kernels::press_discs;
 use fakir::state::Run;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::process::ExitCode;

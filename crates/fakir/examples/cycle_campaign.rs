@@ -5,13 +5,13 @@
 //! between loop area and dissipation over the loop area. It fails if one does not come off, if that differs by more than 1e-4 (with the floor 1e-3), or if two
 //! cells do not agree.
 
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Accuracy, Adhesion, CyclePlan, HexagonalLattice, Lens, Material, Method, Pillar,
     PillarCompliance, System, Texture,
 };
 use fakir::state::{Cycle, Run, SolveError};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::error::Error;
 use std::f64::consts::TAU;
 

@@ -3,13 +3,13 @@
 //! `cargo run --release --example mixed_campaign -- [first] [count]` prints a row for each: what was drawn, the results by default, and the
 //! differences from the accurate ones over the estimates.
 
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Accuracy, Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
     Texture,
 };
 use fakir::state::{ContactState, Run};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// States with more touched pillars are drawn again.
 const MOST_PILLARS: usize = 1500;

@@ -6,16 +6,15 @@ use crate::session::{stop_on_interrupt, threads};
 use fakir::state::CancelToken;
 use fakir_case::Case;
 use fakir_explore::{Explorer, Options};
-use tracing_subscriber::filter::LevelFilter;
 
 /// Serves until Ctrl-C, which is how it is meant to end.
 pub(crate) fn run(arguments: &Explore, case: Case) -> Result<Status, Failure> {
-    log(arguments.quiet);
     let explorer = Explorer::bind(&Options {
         case,
         port: arguments.port,
         threads: threads(arguments.threads, arguments.quiet),
         memory_limit: arguments.memory_limit,
+        quiet: arguments.quiet,
     })?;
     let address = explorer.address();
     let stop = CancelToken::default();
@@ -27,19 +26,4 @@ pub(crate) fn run(arguments: &Explore, case: Case) -> Result<Status, Failure> {
     }
     explorer.run(&stop)?;
     Ok(DONE)
-}
-
-/// Requests that are refused are told on standard error.
-fn log(quiet: bool) {
-    let level = if quiet {
-        LevelFilter::ERROR
-    } else {
-        LevelFilter::WARN
-    };
-    tracing_subscriber::fmt()
-        .with_max_level(level)
-        .with_writer(std::io::stderr)
-        .with_ansi(false)
-        .with_target(false)
-        .init();
 }

@@ -10,7 +10,9 @@ use fakir_case::input::LARGEST_STUDY;
 use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
 use fakir_study::result::{SweepSummary, json};
-use fakir_study::{DamagedLine, Ledger, Options, Progress, Row, StudyError, Summary, Table};
+use fakir_study::{
+    DamagedLine, Ledger, Options, Progress, Row, StudyError, Summary, TABLES, Table,
+};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -237,12 +239,9 @@ fn text(summary: &Summary, folder: &Path, wall_time: Option<f64>) -> String {
     for line in reasons(summary) {
         let _ = writeln!(text, "          {line}");
     }
-    let table = |name| folder.join(name).display().to_string();
-    let _ = writeln!(
-        text,
-        "tables    {}, {}",
-        table("table.csv"),
-        table("table.parquet")
-    );
+    let tables = TABLES.iter().map(|name| folder.join(name));
+    let tables: Vec<String> = tables.map(|path| path.display().to_string()).collect();
+    let label = if tables.len() == 1 { "table" } else { "tables" };
+    let _ = writeln!(text, "{label:<10}{}", tables.join(", "));
     text
 }

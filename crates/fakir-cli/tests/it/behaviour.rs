@@ -1,6 +1,7 @@
 //! How the program behaves: exit status, files, signals, pipes.
 
 use crate::common::{Bench, Outcome, example};
+use fakir_study::TABLES;
 use std::io::Write;
 use std::process::Stdio;
 
@@ -370,13 +371,7 @@ fn results_are_replaced_whole_or_not_at_all() {
     bench.write("study.toml", &study);
     let sweep = ["sweep", "study.toml", "--output", "results", "--overwrite"];
     bench.result(&sweep);
-    let swept = [
-        "journal.jsonl",
-        "provenance.json",
-        "study.toml",
-        "table.csv",
-        "table.parquet",
-    ];
+    let swept = [&["journal.jsonl", "provenance.json", "study.toml"], TABLES].concat();
     assert_eq!(bench.files("results"), swept);
     assert_eq!(save("transition", &["--overwrite"]).status, Some(0));
     assert!(!bench.path("results/journal.jsonl").exists());

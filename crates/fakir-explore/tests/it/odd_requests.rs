@@ -1,8 +1,8 @@
 //! What a server makes of requests that make no sense. It has a process of its own, as its memory is looked at.
 
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use crate::running::{Running, case, question};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
 use std::io::{Read, Write};
 

@@ -1,11 +1,11 @@
 //! Fits of loading and unloading with adhesion, of synthetic data whose truth is known.
 
+use chacha20::ChaCha12Rng;
+use chacha20::rand_core::SeedableRng;
 use fakir::problem::{CyclePlan, Drive, Turn};
 use fakir::state::{Branch, Cycle, Run, Termination};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_inverse::fit::{Column, Fit, FitOptions, Measurements, Parameter, fit};
-use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
 const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);

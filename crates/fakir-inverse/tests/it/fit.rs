@@ -1,13 +1,13 @@
 //! Fits of synthetic data whose truth is known.
 
+use chacha20::ChaCha12Rng;
+use chacha20::rand_core::SeedableRng;
 use fakir::problem::Control;
 use fakir::state::{Branch, Run, Termination};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_inverse::fit::{
     Column, Fit, FitError, FitOptions, LeftOut, Measurements, NamedColumn, Parameter, fit,
 };
-use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
 const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);

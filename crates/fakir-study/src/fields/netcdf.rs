@@ -1,110 +1,203 @@
-//! A [`FieldMap`] as netCDF.
+//! A [`FieldMap`] as netCDF, in the classic format with 64-bit offsets (NetCDF Classic Format Specification, "CDF-2").
+//!
+//! A header with dimensions, attributes and variables, then the values of one variable after the other. All numbers are
+//! big-endian; names, texts and bytes are padded with zeros to multiples of four bytes.
 
-use super::{FieldMap, Values, Variable};
+use super::{FieldMap, Values};
 use crate::provenance::Provenance;
-use netcdf3::error::{InvalidDataSet, WriteError};
-use netcdf3::{DataSet, FileWriter, NC_FILL_F64, Version};
-use std::cell::RefCell;
-use std::io::{Cursor, Seek, SeekFrom, Write};
-use std::rc::Rc;
+
+const MAGIC: &[u8; 4] = b"CDF\x02";
+
+/// Tags of the lists of a header.
+const DIMENSIONS: usize = 10;
+const VARIABLES: usize = 11;
+const ATTRIBUTES: usize = 12;
+
+/// Stands for a value that is not finite (`NC_FILL_DOUBLE` of the specification), as the classic format has it.
+const FILL: f64 = 9.969_209_968_386_869e36;
+
+/// The dimensions, slowest first.
+const NAMES: [&str; 2] = ["y", "x"];
+
+/// Something said of the file or of a variable.
+enum Attribute {
+    Text(String),
+    Number(f64),
+}
+
+type Attributes = Vec<(&'static str, Attribute)>;
+
+/// A variable: over one dimension or both, by their numbers.
+struct Variable {
+    name: &'static str,
+    dimensions: &'static [usize],
+    attributes: Attributes,
+    kind: Kind,
+    /// The values, padded.
+    data: Vec<u8>,
+}
+
+/// Types of values, with their numbers in the format.
+#[derive(Clone, Copy)]
+enum Kind {
+    Byte = 1,
+    Text = 2,
+    Double = 6,
+}
 
 /// The whole file.
 pub(super) fn write(map: &FieldMap, provenance: &Provenance) -> Vec<u8> {
-    let set = definition(map, provenance).expect("names and dimensions are valid");
-    let memory = Memory::default();
-    write_data(map, &set, memory.clone()).expect("memory takes every byte");
-    memory.0.take().into_inner()
+    let variables = variables(map);
+    let begin = header(map, provenance, &variables, 0).len();
+    let mut bytes = header(map, provenance, &variables, begin);
+    for variable in &variables {
+        bytes.extend(&variable.data);
+    }
+    bytes
 }
 
-fn definition(map: &FieldMap, provenance: &Provenance) -> Result<DataSet, InvalidDataSet> {
-    let mut set = DataSet::new();
-    set.add_global_attr_string("Conventions", "CF-1.8")?;
-    for (name, text) in provenance.attributes() {
-        set.add_global_attr_string(name, &text)?;
+/// The header of a file whose values begin after `begin` bytes.
+fn header(
+    map: &FieldMap,
+    provenance: &Provenance,
+    variables: &[Variable],
+    begin: usize,
+) -> Vec<u8> {
+    let mut header = MAGIC.to_vec();
+    // There are no records, which would be of an unlimited dimension.
+    put(&mut header, 0);
+    put(&mut header, DIMENSIONS);
+    put(&mut header, NAMES.len());
+    for (name, axis) in NAMES.iter().zip([map.y, map.x]) {
+        put_text(&mut header, name);
+        put(&mut header, axis.count);
     }
-    set.add_global_attr_f64("force_N", vec![map.force])?;
-    set.add_global_attr_f64("indentation_m", vec![map.indentation])?;
+    put_attributes(&mut header, &about(map, provenance));
+    put(&mut header, VARIABLES);
+    put(&mut header, variables.len());
+    let mut begin = begin as u64;
+    for variable in variables {
+        put_text(&mut header, variable.name);
+        put(&mut header, variable.dimensions.len());
+        for dimension in variable.dimensions {
+            put(&mut header, *dimension);
+        }
+        put_attributes(&mut header, &variable.attributes);
+        put(&mut header, variable.kind as usize);
+        put(&mut header, variable.data.len());
+        header.extend(begin.to_be_bytes());
+        begin += variable.data.len() as u64;
+    }
+    header
+}
+
+/// What is said of the whole file.
+fn about(map: &FieldMap, provenance: &Provenance) -> Attributes {
+    let mut about = vec![text("Conventions", "CF-1.8")];
+    let pairs = provenance.attributes().into_iter();
+    about.extend(pairs.map(|(name, said)| text(name, &said)));
+    about.push(("force_N", Attribute::Number(map.force)));
+    about.push(("indentation_m", Attribute::Number(map.indentation)));
+    about
+}
+
+fn text(name: &'static str, said: &str) -> (&'static str, Attribute) {
+    (name, Attribute::Text(said.to_owned()))
+}
+
+/// The coordinates, then the fields.
+fn variables(map: &FieldMap) -> Vec<Variable> {
     let what = if map.around_axis {
         "distance from the lens axis"
     } else {
         "place"
     };
-    for (name, axis) in [("y", map.y), ("x", map.x)] {
-        let long_name = format!("{what} along {name}");
-        set.add_fixed_dim(name, axis.count)?;
-        set.add_var_f64(name, &[name])?;
-        set.add_var_attr_string(name, "units", "m")?;
-        set.add_var_attr_string(name, "long_name", &long_name)?;
-        set.add_var_attr_string(name, "axis", name.to_uppercase())?;
-    }
-    for variable in &map.variables {
-        define(&mut set, variable)?;
-    }
-    Ok(set)
+    let coordinates = [("y", "Y", map.y, &[0]), ("x", "X", map.x, &[1])];
+    let coordinates = coordinates
+        .into_iter()
+        .map(|(name, axis, along, of)| Variable {
+            name,
+            dimensions: of,
+            attributes: vec![
+                text("units", "m"),
+                text("long_name", &format!("{what} along {name}")),
+                text("axis", axis),
+            ],
+            kind: Kind::Double,
+            data: doubles(&along.coordinates()),
+        });
+    coordinates.chain(map.variables.iter().map(field)).collect()
 }
 
-fn define(set: &mut DataSet, variable: &Variable) -> Result<(), InvalidDataSet> {
-    let name = variable.name;
-    match &variable.values {
+fn field(variable: &super::Variable) -> Variable {
+    let mut attributes = Vec::new();
+    let (kind, data) = match &variable.values {
         Values::Numbers(unit, values) => {
-            set.add_var_f64(name, &["y", "x"])?;
-            set.add_var_attr_string(name, "units", unit)?;
+            attributes.push(text("units", unit));
             if !values.iter().all(|value| value.is_finite()) {
-                set.add_var_attr_f64(name, "_FillValue", vec![NC_FILL_F64])?;
+                attributes.push(("_FillValue", Attribute::Number(FILL)));
+            }
+            (Kind::Double, doubles(values))
+        }
+        Values::Flags(flags) => {
+            let mut data: Vec<u8> = flags.iter().map(|flag| flag.to_be_bytes()[0]).collect();
+            pad(&mut data);
+            (Kind::Byte, data)
+        }
+    };
+    attributes.push(text("long_name", variable.long_name));
+    attributes.push(text("comment", &variable.comment));
+    Variable {
+        name: variable.name,
+        dimensions: &[0, 1],
+        attributes,
+        kind,
+        data,
+    }
+}
+
+fn doubles(values: &[f64]) -> Vec<u8> {
+    let finite = values.iter().map(|value| match value.is_finite() {
+        true => *value,
+        false => FILL,
+    });
+    finite.flat_map(f64::to_be_bytes).collect()
+}
+
+fn put_attributes(header: &mut Vec<u8>, attributes: &Attributes) {
+    put(header, ATTRIBUTES);
+    put(header, attributes.len());
+    for (name, attribute) in attributes {
+        put_text(header, name);
+        match attribute {
+            Attribute::Text(said) => {
+                put(header, Kind::Text as usize);
+                put_text(header, said);
+            }
+            Attribute::Number(number) => {
+                put(header, Kind::Double as usize);
+                put(header, 1);
+                header.extend(number.to_be_bytes());
             }
         }
-        // No flag_values: the library pads bytes in the header in a way that readers refuse.
-        Values::Flags(_) => {
-            set.add_var_i8(name, &["y", "x"])?;
-        }
-    }
-    set.add_var_attr_string(name, "long_name", variable.long_name)?;
-    set.add_var_attr_string(name, "comment", &variable.comment)?;
-    Ok(())
-}
-
-fn write_data(map: &FieldMap, set: &DataSet, memory: Memory) -> Result<(), WriteError> {
-    let mut writer = FileWriter::open_seek_write("fields.nc", Box::new(memory))?;
-    writer.set_def(set, Version::Offset64Bit, 0)?;
-    writer.write_var_f64("y", &map.y.coordinates())?;
-    writer.write_var_f64("x", &map.x.coordinates())?;
-    for variable in &map.variables {
-        match &variable.values {
-            Values::Numbers(_, values) => {
-                let finite = |value: &f64| {
-                    if value.is_finite() {
-                        *value
-                    } else {
-                        NC_FILL_F64
-                    }
-                };
-                let values: Vec<f64> = values.iter().map(finite).collect();
-                writer.write_var_f64(variable.name, &values)?;
-            }
-            Values::Flags(flags) => writer.write_var_i8(variable.name, flags)?,
-        }
-    }
-    writer.close()
-}
-
-/// Bytes that can be looked at after the writer, which owns what it writes to, is gone.
-#[derive(Debug, Clone, Default)]
-struct Memory(Rc<RefCell<Cursor<Vec<u8>>>>);
-
-impl Write for Memory {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.borrow_mut().write(bytes)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
     }
 }
 
-impl Seek for Memory {
-    fn seek(&mut self, position: SeekFrom) -> std::io::Result<u64> {
-        self.0.borrow_mut().seek(position)
-    }
+/// A text with its length.
+fn put_text(header: &mut Vec<u8>, text: &str) {
+    put(header, text.len());
+    header.extend(text.as_bytes());
+    pad(header);
+}
+
+/// A number of the header.
+fn put(header: &mut Vec<u8>, number: usize) {
+    let number = u32::try_from(number).expect("texts and fields take less than 4 GB each");
+    header.extend(number.to_be_bytes());
+}
+
+fn pad(bytes: &mut Vec<u8>) {
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
 }
 
 #[cfg(test)]

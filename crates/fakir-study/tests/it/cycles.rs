@@ -4,7 +4,7 @@ use fakir::problem::{CyclePlan, Drive, Turn};
 use fakir::state::Run;
 use fakir::theory::adhesion::kendall_pull_off;
 use fakir_case::{Case, Study, StudyFile};
-use fakir_study::{Existing, Options, Shard, Table, Values, merge, sweep, sweep_into};
+use fakir_study::{Existing, Options, Shard, TABLES, Table, Values, merge, sweep, sweep_into};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -155,14 +155,10 @@ fn shards_and_resumed_sweeps_give_the_same_files() {
     );
     assert_eq!(resumed.unwrap().found, 4);
     let files = |path: &Path| {
-        let names = [
-            "table.csv",
-            "table.parquet",
-            "provenance.json",
-            "pull-off.svg",
-            "pull-off.png",
-        ];
-        names.map(|name| fs::read(path.join(name)).unwrap())
+        let others = ["provenance.json", "pull-off.svg", "pull-off.png"];
+        let names = TABLES.iter().chain(&others);
+        let files = names.map(|name| fs::read(path.join(name)).unwrap());
+        files.collect::<Vec<_>>()
     };
     for name in ["merged", "begun"] {
         assert!(files(&place(name)) == files(&place("whole")), "{name}");

@@ -6,7 +6,7 @@ use fakir_case::study::{Question, StudiedCase};
 use fakir_case::{CaseFile, Study, StudyFile};
 use fakir_study::provenance::Provenance;
 use fakir_study::surfaces::on_wide_enough_a_grid;
-use fakir_study::{Existing, Options, Row, Shard, Table, Values, merge, sweep, sweep_into};
+use fakir_study::{Existing, Options, Row, Shard, TABLES, Table, Values, merge, sweep, sweep_into};
 use std::fs;
 use std::path::Path;
 
@@ -128,13 +128,9 @@ fn interrupted_and_divided_sweeps_give_the_same_tables() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let tables = |folder: &Path| {
-        [
-            "table.csv",
-            "table.parquet",
-            "study.toml",
-            "provenance.json",
-        ]
-        .map(|name| fs::read(folder.join(name)).unwrap())
+        let names = TABLES.iter().chain(&["study.toml", "provenance.json"]);
+        let files = names.map(|name| fs::read(folder.join(name)).unwrap());
+        files.collect::<Vec<_>>()
     };
     let study = presses();
     sweep_into(

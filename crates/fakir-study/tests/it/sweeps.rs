@@ -2,9 +2,9 @@
 
 use fakir::state::CancelToken;
 use fakir_case::{Case, Study, StudyFile};
-use fakir_study::provenance::Provenance;
 use fakir_study::{
-    Existing, Options, Progress, Row, Shard, StudyError, Table, Values, merge, sweep, sweep_into,
+    Existing, Options, Progress, Row, Shard, StudyError, TABLES, Table, Values, merge, sweep,
+    sweep_into,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -39,17 +39,14 @@ fn options() -> Options<'static> {
     }
 }
 
-fn tables(folder: &Path) -> [Vec<u8>; 4] {
-    [
-        "table.csv",
-        "table.parquet",
-        "study.toml",
-        "provenance.json",
-    ]
-    .map(|name| fs::read(folder.join(name)).unwrap())
+fn tables(folder: &Path) -> Vec<Vec<u8>> {
+    let names = TABLES.iter().chain(&["study.toml", "provenance.json"]);
+    names
+        .map(|name| fs::read(folder.join(name)).unwrap())
+        .collect()
 }
 
-fn complete(folder: &Path) -> [Vec<u8>; 4] {
+fn complete(folder: &Path) -> Vec<Vec<u8>> {
     sweep_into(&cheap(), folder, Existing::Refuse, &mut options()).unwrap();
     tables(folder)
 }
@@ -404,44 +401,4 @@ fn a_sweep_that_is_cancelled_goes_on_from_its_journal() {
     let summary = sweep_into(&cheap(), &folder, Existing::Resume, &mut options()).unwrap();
     assert_eq!(summary.found, done);
     assert_eq!(tables(&folder), expected);
-}
-
-/// What the Parquet file says, read by the library that others use.
-#[test]
-fn the_parquet_table_holds_what_the_csv_table_holds() {
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-    use parquet::record::Field;
-    use serde_json::{Value, json};
-    let study = with_failure();
-    let rows = sweep(&study, &mut options()).unwrap();
-    let table = Table::new(&study, &rows);
-    let provenance = Provenance::of_study(&study);
-    let bytes = table.to_parquet(&provenance);
-    let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).unwrap();
-    let metadata = reader.metadata().file_metadata();
-    let pairs = metadata.key_value_metadata().unwrap();
-    let value = |name: &str| {
-        let pair = pairs.iter().find(|pair| pair.key == name);
-        pair.unwrap().value.clone().unwrap()
-    };
-    assert!(value("references").contains("10.1103/PhysRevE.104.055007"));
-    assert_eq!(value("case"), study.to_toml());
-    let value = |field: &Field| match field {
-        Field::Null => Value::Null,
-        Field::Bool(value) => json!(value),
-        Field::Long(value) => json!(value),
-        Field::Double(value) => json!(value),
-        Field::Str(value) => json!(value),
-        other => panic!("{other}"),
-    };
-    let records = reader.get_row_iter(None).unwrap().map(|row| {
-        let row = row.unwrap();
-        let cells = row.get_column_iter();
-        Value::Object(
-            cells
-                .map(|(name, field)| (name.clone(), value(field)))
-                .collect(),
-        )
-    });
-    assert_eq!(Value::Array(records.collect()), table.to_json());
 }

@@ -1,11 +1,11 @@
 //! Random systems and questions, over all that is allowed.
 
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Arrangement, Control, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point,
     System, Texture,
 };
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::f64::consts::{FRAC_PI_6, PI, TAU};
 
 /// Pillars under the contact, as far as can be told beforehand, above which another system is drawn:

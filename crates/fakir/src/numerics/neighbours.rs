@@ -328,9 +328,9 @@ fn divide(discs: &mut [(Disc, u32)], first: usize, boxes: &mut Vec<Bounds>) {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use chacha20::ChaCha8Rng;
+    use chacha20::rand_core::{Rng, SeedableRng};
     use proptest::prelude::*;
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::{Rng, SeedableRng};
 
     /// Discs of radii between 0.75 and 1.25 at random places of a square, with a gap between any two, that cover so much of it.
     pub(crate) fn random_discs(count: usize, covered: f64, gap: f64, seed: u64) -> Vec<Disc> {

@@ -1063,8 +1063,8 @@ mod tests {
     /// fronts, which follow the load within 0.02 rad.
     #[test]
     fn tops_may_let_go_in_any_order() {
-        use rand_chacha::ChaCha8Rng;
-        use rand_chacha::rand_core::{Rng, SeedableRng};
+        use chacha20::ChaCha8Rng;
+        use chacha20::rand_core::{Rng, SeedableRng};
 
         let run = Run::default();
         let scene = scene(0.03, 0.3, PillarCompliance::Column);

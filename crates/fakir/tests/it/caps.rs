@@ -1,12 +1,12 @@
 //! Rounded tops: closed forms, another program, elements, and what holds for all of them.
 
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Accuracy, Boundary, Cap, CapField, Control, Grid, HeightMap, Indenter, Lens, Material, Point,
     SurfaceSystem,
 };
 use fakir::state::{CapContact, PillarStatus, Run, SolveError, Termination};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::f64::consts::PI;
 
 /// A micrometre, and the unit of force where lengths are in them and the reduced modulus is 1 Pa.

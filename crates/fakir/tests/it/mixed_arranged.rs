@@ -2,6 +2,8 @@
 //!
 //! The lens, the pillars and the rubber of the paper: R = 2.2 mm, 6 um wide and 2.2 um high, 2 MPa.
 
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
     Accuracy, Arrangement, Control, Disorder, ElementMesh, LatticeForm, LensProfile, LensShape,
@@ -9,8 +11,6 @@ use fakir::problem::{
     Texture,
 };
 use fakir::state::{ContactState, Run, SolveError};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -114,6 +114,7 @@ pub(crate) fn options(port: Option<u16>) -> Options {
         port,
         threads: 1,
         memory_limit: 2_000_000_000,
+        quiet: true,
     }
 }
 

@@ -1,14 +1,14 @@
 //! Pillars of any arrangement by elements against the spectral method.
 
 use crate::common::{INTERMEDIATE, paper_lens, paper_pillar};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Arrangement, Control, Disorder, ElementMesh, LatticeForm, ListedPillar, Material, MeshLayout,
     Method, PillarCompliance, PillarList, PlaneLattice, System, Texture,
 };
 use fakir::state::{Run, SolveError};
 use fakir::{Verdict, Verification, verify};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
