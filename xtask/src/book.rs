@@ -1,7 +1,7 @@
 //! The manual: its pages run, its formulas converted, and laid out as a book in `target/book`.
 
-use crate::{browser, run_cargo};
 use crate::python::{self, run};
+use crate::{browser, run_cargo};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;

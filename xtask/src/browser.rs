@@ -1,8 +1,8 @@
 //! The explorer in a real browser: `tests/browser`; and whether the page that is part of the program is
 //! what its source builds to.
 
-use crate::{package, passed};
 use crate::python::{self, run};
+use crate::{package, passed};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

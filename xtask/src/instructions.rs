@@ -4,8 +4,8 @@
 //! clock would not tell. Counts are comparable for one compiler and one kind of processor only;
 //! elsewhere the check says so and compares nothing.
 
-use crate::{package, run_cargo};
 use crate::python::target_folder;
+use crate::{package, run_cargo};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -69,11 +69,23 @@ const CHECKS: [Check; 14] = [
     }),
     first("structure", "dependencies between files", structure::check),
     first("tests", "tests of all crates", tests::quick),
-    first("python", "the Python package and saved files", python::quick),
-    first("page", "the explorer in a browser, in short", browser::quick),
+    first(
+        "python",
+        "the Python package and saved files",
+        python::quick,
+    ),
+    first(
+        "page",
+        "the explorer in a browser, in short",
+        browser::quick,
+    ),
     second("slow-tests", "tests that are marked slow", tests::slow),
     second("slow-python", "slow tests of the package", python::slow),
-    second("instructions", "counts of instructions", instructions::check),
+    second(
+        "instructions",
+        "counts of instructions",
+        instructions::check,
+    ),
     second("campaign", "random systems", campaign::check),
     second("lints", "cargo clippy", |cargo| {
         run_cargo(
@@ -93,7 +105,11 @@ const CHECKS: [Check; 14] = [
     }),
     second("book", "every block of the manual", book::check),
     second("browser", "the whole page in a browser", browser::slow),
-    second("package", "what is published, installed and used", release::check),
+    second(
+        "package",
+        "what is published, installed and used",
+        release::check,
+    ),
 ];
 
 fn main() -> ExitCode {
@@ -154,7 +170,11 @@ fn run_checks(wanted: impl Fn(&Check) -> bool) -> ExitCode {
         if run_one(&cargo, check.name, check.run) != ExitCode::SUCCESS {
             return ExitCode::FAILURE;
         }
-        println!("== {} passed ({:.0} s)", check.name, start.elapsed().as_secs_f64());
+        println!(
+            "== {} passed ({:.0} s)",
+            check.name,
+            start.elapsed().as_secs_f64()
+        );
     }
     println!("== checks passed");
     ExitCode::SUCCESS

@@ -28,7 +28,13 @@ pub(crate) fn fingerprint<'a>(
 /// The files of the repository, tracked or not ignored, that are not Rust source.
 pub(crate) fn data_files() -> Result<Vec<PathBuf>, String> {
     let listed = Command::new("git")
-        .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
+        .args([
+            "ls-files",
+            "-z",
+            "--cached",
+            "--others",
+            "--exclude-standard",
+        ])
         .output()
         .map_err(|error| format!("git could not be started: {error}"))?;
     let mut files: Vec<PathBuf> = String::from_utf8_lossy(&listed.stdout)
@@ -55,7 +61,9 @@ pub(crate) fn unless_passed(
     let record = folder.join(name);
     let found = fingerprint.map(|number| format!("{number:016x}"));
     if found.is_some() && fs::read_to_string(&record).ok() == found {
-        println!("-- {name}: nothing changed since it passed (remove target/passed to run it again)");
+        println!(
+            "-- {name}: nothing changed since it passed (remove target/passed to run it again)"
+        );
         return Ok(());
     }
     check()?;

@@ -46,7 +46,10 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
 /// A number for what tests in Python depend on: programs, and all files that are not Rust source.
 pub(crate) fn inputs(words: &[&str], programs: &[&Path]) -> Option<u64> {
     let data = passed::data_files().ok()?;
-    let files = programs.iter().copied().chain(data.iter().map(PathBuf::as_path));
+    let files = programs
+        .iter()
+        .copied()
+        .chain(data.iter().map(PathBuf::as_path));
     passed::fingerprint(words, files).ok()
 }
 

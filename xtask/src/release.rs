@@ -159,7 +159,9 @@ fn install_command(
     // With the settings of this workspace, so that what is compiled for it serves again.
     let own =
         fs::read_to_string("Cargo.toml").map_err(|error| at(Path::new("Cargo.toml"), &error))?;
-    let profiles = own.find("[profile.release]").map_or("", |start| &own[start..]);
+    let profiles = own
+        .find("[profile.release]")
+        .map_or("", |start| &own[start..]);
     let manifest = format!(
         "[workspace]\nresolver = \"3\"\nmembers = [{members}]\n\n[patch.crates-io]\n{patches}\n{profiles}"
     );

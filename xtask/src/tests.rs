@@ -14,7 +14,14 @@ const HEAVY: [&str; 2] = ["fakir-checks", "fakir-manual"];
 /// What is tested with heavy dependencies: options of cargo.
 const HEAVY_TESTS: [&[&str]; 2] = [
     &["--package", "fakir-checks", "--tests"],
-    &["--package", "fakir-study", "--features", "parquet", "--test", "parquet"],
+    &[
+        "--package",
+        "fakir-study",
+        "--features",
+        "parquet",
+        "--test",
+        "parquet",
+    ],
 ];
 
 /// A compiled program of tests.
@@ -101,7 +108,9 @@ fn run_tests(programs: &[Program], options: &[&str], tier: &str) -> Result<(), S
         let name = format!("{}{tier}", program.name);
         let files = data.as_ref().ok().and_then(|data| {
             let programs = [&program.executable, &command].map(PathBuf::as_path);
-            let files = programs.into_iter().chain(data.iter().map(PathBuf::as_path));
+            let files = programs
+                .into_iter()
+                .chain(data.iter().map(PathBuf::as_path));
             passed::fingerprint(options, files).ok()
         });
         let result = passed::unless_passed(&name, files, || {
@@ -158,7 +167,10 @@ mod tests {
         let message = r#"{"reason":"compiler-artifact","manifest_path":"/a/crates/fakir/Cargo.toml","target":{"name":"it"},"profile":{"opt_level":"3","test":true},"executable":"/a/target/release/deps/it-0123"}"#;
         let found = program(message).expect("a program of tests");
         assert_eq!(found.name, "fakir it");
-        assert_eq!(found.executable, Path::new("/a/target/release/deps/it-0123"));
+        assert_eq!(
+            found.executable,
+            Path::new("/a/target/release/deps/it-0123")
+        );
         assert_eq!(found.folder, Path::new("/a/crates/fakir"));
         assert!(program(&message.replace("\"test\":true", "\"test\":false")).is_none());
     }

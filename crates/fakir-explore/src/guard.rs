@@ -10,6 +10,8 @@
 use crate::refusal::Refusal;
 use hyper::StatusCode;
 use hyper::header::{self, HeaderMap, HeaderName, HeaderValue};
+use rand::TryRng;
+use rand::rngs::{SysError, SysRng};
 use std::fmt;
 
 /// The header of the API that holds the token.
@@ -21,9 +23,9 @@ pub(crate) struct Token(String);
 
 impl Token {
     /// 128 bits from the operating system, in hexadecimal.
-    pub(crate) fn random() -> Result<Self, getrandom::Error> {
+    pub(crate) fn random() -> Result<Self, SysError> {
         let mut bytes = [0; 16];
-        getrandom::fill(&mut bytes)?;
+        SysRng.try_fill_bytes(&mut bytes)?;
         Ok(Self(bytes.iter().map(|b| format!("{b:02x}")).collect()))
     }
 

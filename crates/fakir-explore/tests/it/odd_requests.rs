@@ -1,14 +1,17 @@
 //! What a server makes of requests that make no sense. It has a process of its own, as its memory is looked at.
 
+use crate::running::{Running, case, question};
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
-use crate::running::{Running, case, question};
 use serde_json::{Value, json};
 use std::io::{Read, Write};
 
 /// 10,000 requests, of which hardly any makes sense.
 #[test]
 fn ten_thousand_odd_requests_leave_it_as_it_was() {
+    if !runs_alone("odd_requests::ten_thousand_odd_requests_leave_it_as_it_was") {
+        return;
+    }
     let server = Running::start();
     let headers = [
         ("content-type", "application/json"),
@@ -101,6 +104,20 @@ fn odd_json(random: &mut ChaCha8Rng, depth: usize) -> Value {
             Value::Object((0..count).map(|k| member(k, random)).collect())
         }
     }
+}
+
+/// Whether this process runs one test alone; if not, runs it in such a process. Memory is that of a whole process, and
+/// other tests run beside this one.
+fn runs_alone(test: &str) -> bool {
+    if std::env::var_os("FAKIR_ONE_TEST").is_some() {
+        return true;
+    }
+    let status = std::process::Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", test])
+        .env("FAKIR_ONE_TEST", "1")
+        .status();
+    assert!(status.unwrap().success(), "{test}");
+    false
 }
 
 /// Memory of this process, kB, where it can be known.

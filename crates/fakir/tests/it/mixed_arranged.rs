@@ -2,9 +2,9 @@
 //!
 //! The lens, the pillars and the rubber of the paper: R = 2.2 mm, 6 um wide and 2.2 um high, 2 MPa.
 
+use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
-use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
     Accuracy, Arrangement, Control, Disorder, ElementMesh, LatticeForm, LensProfile, LensShape,
     ListedPillar, Material, Method, PillarCompliance, PillarList, PlaneLattice, ShapedLens, System,
