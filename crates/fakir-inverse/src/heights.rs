@@ -10,8 +10,7 @@
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
-use faer::Mat;
-use faer::linalg::solvers::Solve;
+use fakir::numerics::dense::{Lu, Matrix};
 use fakir::problem::{Accuracy, Cap, CapField, Control, Indenter, InvalidCaps};
 use fakir::state::{CapContact, Run, SolveError};
 use std::f64::consts::PI;
@@ -557,8 +556,9 @@ impl<'a> Fitted<'a> {
         let residuals = Self::residuals(self.wanted, &self.rows);
         let slope = |k: usize, cap: usize| self.rows[k].slopes[cap] / self.wanted[k].value;
         let (count, caps) = (residuals.len(), self.heights.len());
-        let slopes = Mat::from_fn(count, caps, slope);
-        let matrix = &slopes * slopes.transpose();
+        let slopes = Matrix::from_fn(count, caps, slope);
+        let transposed = slopes.transposed();
+        let matrix = &slopes * &transposed;
         let most = (0..count).map(|k| matrix[(k, k)]).fold(0.0, f64::max);
         let mut damping = LEAST_DAMPING;
         while damping < 1e9 {
@@ -566,14 +566,15 @@ impl<'a> Fitted<'a> {
             for k in 0..count {
                 damped[(k, k)] += damping * most;
             }
-            let mut weights = Mat::from_fn(count, 1, |k, _| -residuals[k]);
-            damped.partial_piv_lu().solve_in_place(&mut weights);
-            let step = slopes.transpose() * &weights;
-            if (0..caps).all(|cap| step[(cap, 0)].abs() <= trusted) {
-                let changes = &slopes * &step;
-                let left = (0..count).map(|k| (residuals[k] + changes[(k, 0)]).powi(2));
+            let mut weights: Vec<f64> = residuals.iter().map(|residual| -residual).collect();
+            Lu::new(damped).solve(&mut weights);
+            let step = transposed.times(&weights);
+            if step.iter().all(|change| change.abs() <= trusted) {
+                let changes = slopes.times(&step);
+                let left = residuals.iter().zip(changes);
+                let left = left.map(|(residual, change)| (residual + change).powi(2));
                 let left = left.sum();
-                return Some(((0..caps).map(|cap| step[(cap, 0)]).collect(), left));
+                return Some((step, left));
             }
             damping *= 3.0;
         }

@@ -1,6 +1,7 @@
 //! Linear algebra of a weighted linear least-squares problem with few unknowns.
 
-use faer::Mat;
+use fakir::numerics::dense::Matrix;
+use fakir::numerics::svd::Svd;
 
 /// Singular values below this part of the largest, with the columns scaled to the same length,
 /// count as zero: derivatives are differences, good to about 1e-4.
@@ -10,9 +11,9 @@ const RANK: f64 = 1e-4;
 pub(super) struct Linear {
     /// The Euclidean lengths of the columns, by which they are divided before the decomposition.
     lengths: Vec<f64>,
-    left: Mat<f64>,
+    left: Matrix,
     singular: Vec<f64>,
-    right: Mat<f64>,
+    right: Matrix,
 }
 
 impl Linear {
@@ -26,18 +27,22 @@ impl Linear {
             return None;
         }
         // Rows of zeros are added so that there are at least as many rows as columns.
-        let matrix = Mat::from_fn(rows.len().max(unknowns), unknowns, |i, j| {
+        let matrix = Matrix::from_fn(rows.len().max(unknowns), unknowns, |i, j| {
             match rows.get(i) {
                 Some(row) if lengths[j] > 0.0 => row[j] / lengths[j],
                 _ => 0.0,
             }
         });
-        let svd = matrix.thin_svd().ok()?;
+        let Svd {
+            left,
+            singular,
+            right,
+        } = Svd::new(matrix);
         Some(Self {
-            left: svd.U().to_owned(),
-            singular: (0..unknowns).map(|k| svd.S()[k]).collect(),
-            right: svd.V().to_owned(),
             lengths,
+            left,
+            singular,
+            right,
         })
     }
 

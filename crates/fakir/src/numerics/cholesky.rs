@@ -1,43 +1,43 @@
-//! Cholesky factors of matrices that are factorised now and then, most of which are so small that a library spends its
-//! time on getting started. Those of pillars are left to [`super::elimination`].
+//! Cholesky factors of matrices that are factorised now and then. Those of pillars are left to [`super::elimination`].
 //!
 //! Matrices are kept column by column, of which the lower triangle counts.
 
+use super::product::{Part, Product};
 use super::vector::{inner_dot, widest};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor as llt;
-use faer::{MatMut, Par};
 
-/// Larger matrices are left to the library, which works on blocks that fit the caches.
-const LARGE: usize = 64;
+/// Columns that are factorised one by one; what is before them is taken out of them by a product of matrices.
+const PANEL: usize = 32;
 
-/// Factorises a symmetric matrix in place. `false` if it is not positive definite.
+/// Factorises a symmetric matrix in place. `false` if it is not positive definite. What is above the diagonal is left undefined.
 pub(crate) fn factorise(matrix: &mut [f64], size: usize) -> bool {
-    if size > LARGE {
-        factorise_large(matrix, size)
-    } else {
-        factorise_small(matrix, size)
+    if size <= PANEL {
+        return factorise_panel(matrix, size, 0);
     }
+    let mut product = Product::new();
+    for first in (0..size).step_by(PANEL) {
+        let (done, panel) = matrix.split_at_mut(first * size);
+        let panel = &mut panel[..PANEL.min(size - first) * size];
+        let row = |k: usize, column: usize| done[k * size + first + column];
+        product.set_right(first, panel.len() / size, row);
+        let left = Part {
+            values: done.get(first..).unwrap_or_default(),
+            stride: size,
+        };
+        product.add(-1.0, left, size - first, &mut panel[first..], size);
+        if !factorise_panel(panel, size, first) {
+            return false;
+        }
+    }
+    true
 }
 
-fn factorise_large(matrix: &mut [f64], size: usize) -> bool {
-    let scratch = llt::cholesky_in_place_scratch::<f64>(size, Par::Seq, faer::Spec::default());
-    llt::cholesky_in_place(
-        MatMut::from_column_major_slice_mut(matrix, size, size),
-        llt::LltRegularization::default(),
-        Par::Seq,
-        MemStack::new(&mut MemBuffer::new(scratch)),
-        faer::Spec::default(),
-    )
-    .is_ok()
-}
-
-fn factorise_small(matrix: &mut [f64], size: usize) -> bool {
+/// Factorises columns of which `first` is the row on the diagonal of the first.
+fn factorise_panel(panel: &mut [f64], size: usize, first: usize) -> bool {
     widest(
         #[inline(always)]
         || {
-            for row in 0..size {
-                let (done, column) = matrix.split_at_mut(row * size);
+            for (k, row) in (first..size).take(PANEL).enumerate() {
+                let (done, column) = panel.split_at_mut(k * size);
                 let column = &mut column[row..size];
                 for before in done.chunks_exact(size) {
                     let factor = before[row];
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn solves_what_it_was_made_from() {
-        for size in [0, 1, 2, 5, 20, LARGE, LARGE + 1, 150] {
+        for size in [0, 1, 2, 5, 20, PANEL, PANEL + 1, 64, 65, 150] {
             // Diagonally dominant, so positive definite.
             let matrix: Vec<f64> = (0..size * size)
                 .map(|k| {
@@ -118,5 +118,15 @@ mod tests {
     fn tells_what_is_not_positive_definite() {
         assert!(!factorise(&mut [1.0, 2.0, 2.0, 1.0], 2));
         assert!(!factorise(&mut [f64::NAN], 1));
+        // In the first columns, and behind columns that were taken out of it.
+        for place in [0, PANEL - 1, PANEL, 100] {
+            for value in [-1e-3, f64::NAN] {
+                let mut matrix = vec![0.0; 101 * 101];
+                for k in 0..101 {
+                    matrix[k * 101 + k] = if k == place { value } else { 1.0 };
+                }
+                assert!(!factorise(&mut matrix, 101), "{place}");
+            }
+        }
     }
 }

@@ -7,16 +7,21 @@ pub(crate) mod cholesky;
 pub(crate) mod column_transform;
 pub mod convergence;
 pub(crate) mod cosine;
+#[doc(hidden)]
+pub mod dense;
 pub(crate) mod dual;
 pub(crate) mod elimination;
 pub(crate) mod elliptic;
 pub(crate) mod fft;
 pub(crate) mod neighbours;
 pub(crate) mod pivoting;
+mod product;
 pub(crate) mod quadrature;
 pub mod roots;
 pub(crate) mod row_pair;
 pub(crate) mod simd;
 pub(crate) mod special;
+#[doc(hidden)]
+pub mod svd;
 pub(crate) mod vector;
 pub(crate) mod workers;

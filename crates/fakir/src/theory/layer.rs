@@ -6,11 +6,10 @@
 //! Mech. 22, 442 (1958)). The kernel is smooth, so that Gauss points converge faster than any power.
 
 pub use crate::halfspace::layer::LayerResponse;
+use crate::numerics::dense::{Lu, Matrix};
 use crate::numerics::quadrature::gauss_legendre;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::{Layer, Material};
-use faer::Mat;
-use faer::linalg::solvers::Solve;
 use std::f64::consts::PI;
 
 /// Two bodies that are pressed together, of which some are layers.
@@ -117,28 +116,27 @@ impl Layers {
         // Not a point of the rule, but where theta is asked for.
         nodes.push((1.0, 0.0));
         let size = nodes.len();
-        let mut matrix = Mat::<f64>::identity(size, size);
+        let mut matrix = Matrix::identity(size);
         for (layer, response) in &self.bodies {
             let scale = reach(layer);
             let rule = response.rule(2.0 * scale);
-            let cosines = Mat::from_fn(size, rule.len(), |row, k| {
+            let cosines = Matrix::from_fn(size, rule.len(), |row, k| {
                 (rule[k].0 * scale * nodes[row].0).cos()
             });
-            let weighted = Mat::from_fn(rule.len(), size, |k, column| {
+            let weighted = Matrix::from_fn(rule.len(), size, |k, column| {
                 rule[k].1 * cosines[(column, k)] * nodes[column].1
             });
             let factor = 2.0 / PI * layer.weight * scale;
-            matrix += faer::Scale(factor) * (&cosines * &weighted);
+            matrix.add_product(factor, &cosines, &weighted);
         }
-        let right = Mat::from_fn(size, 2, |row, column| {
-            let u = nodes[row].0;
-            if column == 0 { 1.0 } else { -u * u }
-        });
-        let theta = matrix.partial_piv_lu().solve(&right);
-        [0, 1].map(|column| {
-            let parts = nodes.iter().enumerate();
-            let force: f64 = parts.map(|(row, node)| node.1 * theta[(row, column)]).sum();
-            (force, theta[(size - 1, column)])
+        let factors = Lu::new(matrix);
+        let shapes: [fn(f64) -> f64; 2] = [|_| 1.0, |u| -u * u];
+        shapes.map(|shape| {
+            let mut theta: Vec<f64> = nodes.iter().map(|node| shape(node.0)).collect();
+            factors.solve(&mut theta);
+            let parts = nodes.iter().zip(&theta);
+            let force: f64 = parts.map(|(node, theta)| node.1 * theta).sum();
+            (force, theta[size - 1])
         })
     }
 }

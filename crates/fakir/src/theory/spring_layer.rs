@@ -40,10 +40,11 @@
 //! ```
 
 use crate::halfspace::layer::LayerResponse;
+use crate::numerics::dense::{Lu, Matrix};
 use crate::numerics::quadrature::gauss_legendre;
+use crate::numerics::svd::orthogonalise;
+use crate::numerics::vector::dot;
 use crate::problem::layer::WeightedLayer;
-use faer::Mat;
-use faer::linalg::solvers::Solve;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -92,7 +93,7 @@ pub(super) struct LayerModes {
     /// `t`, and the factor by which the columns are parts of `∫ g dt`.
     nodes: Vec<[f64; 2]>,
     /// `sqrt2 pi g` of every mode at the nodes, times the root of the weights.
-    columns: Vec<Vec<f64>>,
+    columns: Matrix,
 }
 
 impl LayerModes {
@@ -122,13 +123,11 @@ impl LayerModes {
             uniform,
             parabolic,
         } = Discretised::new(count);
-        let mut rotation = identity(count);
-        orthogonalise(&mut columns, &mut rotation);
+        let rotation = orthogonalise(&mut columns);
         let mut at_centre = vec![0.0; count];
         basis_values(1.0, &mut at_centre);
-        let modes = columns
-            .iter()
-            .zip(&rotation)
+        let modes = (0..count)
+            .map(|k| (columns.column(k), rotation.column(k)))
             .map(|(column, weights)| Mode {
                 eigenvalue: dot(column, column),
                 uniform: dot(weights, &uniform),
@@ -152,7 +151,7 @@ impl LayerModes {
         let b = relative_compliance;
         let count = self.modes.len();
         let [added, changing] = self.layer_matrices(layers);
-        let operator = Mat::from_fn(count, count, |row, column| {
+        let operator = Matrix::from_fn(count, count, |row, column| {
             let own = if row == column {
                 self.modes[row].eigenvalue + b
             } else {
@@ -160,11 +159,12 @@ impl LayerModes {
             };
             own + added[(row, column)]
         });
-        let loads = Mat::from_fn(count, 2, |row, load| {
+        let mut q = Matrix::from_fn(count, 2, |row, load| {
             let mode = &self.modes[row];
             [mode.uniform, mode.parabolic][load]
         });
-        let q = operator.partial_piv_lu().solve(&loads);
+        let factors = Lu::new(operator);
+        (0..2).for_each(|load| factors.solve(q.column_mut(load)));
         let turned = &changing * &q;
         let sum = |of: &dyn Fn(usize) -> f64| (0..count).map(of).sum::<f64>();
         let whole = |load| sum(&|row| self.modes[row].uniform * q[(row, load)]);
@@ -179,31 +179,29 @@ impl LayerModes {
     }
 
     /// `D`, and `D'`, in the modes.
-    fn layer_matrices(&self, layers: &[WeightedLayer]) -> [Mat<f64>; 2] {
+    fn layer_matrices(&self, layers: &[WeightedLayer]) -> [Matrix; 2] {
         let count = self.modes.len();
-        let mut matrices = [0, 1].map(|_| Mat::zeros(count, count));
+        let mut matrices = [0, 1].map(|_| Matrix::zeros(count, count));
         for layer in layers {
             let response = LayerResponse::of(layer);
             let inverse = layer.thickness.recip();
             let rule = response.nodes(2.0 * inverse);
-            let waves = Mat::from_fn(rule.len(), self.nodes.len(), |k, node| {
+            let waves = Matrix::from_fn(rule.len(), self.nodes.len(), |k, node| {
                 let [t, factor] = self.nodes[node];
                 factor * (rule[k].0 * inverse * t).cos()
             });
-            let columns = Mat::from_fn(self.nodes.len(), count, |node, mode| {
-                self.columns[mode][node]
-            });
-            let transforms = &waves * &columns;
+            let transforms = &waves * &self.columns;
+            let transposed = transforms.transposed();
             let factor = 4.0 * PI * layer.weight * inverse;
             let weights: [&dyn Fn(f64) -> f64; 2] =
                 [&|x| response.deficit(x), &|x| -x * response.slope(x)];
             for (matrix, of) in matrices.iter_mut().zip(weights) {
                 let of_wave = |(x, weight): &(f64, f64)| factor * weight * of(*x);
                 let of_waves: Vec<f64> = rule.iter().map(of_wave).collect();
-                let weighted = Mat::from_fn(rule.len(), count, |k, mode| {
+                let weighted = Matrix::from_fn(rule.len(), count, |k, mode| {
                     of_waves[k] * transforms[(k, mode)]
                 });
-                *matrix += transforms.transpose() * &weighted;
+                matrix.add_product(1.0, &transposed, &weighted);
             }
         }
         matrices
@@ -252,7 +250,7 @@ impl LayerModes {
 /// products of columns are `∫ phi_i K phi_j dA`; and the load integrals.
 struct Discretised {
     nodes: Vec<[f64; 2]>,
-    columns: Vec<Vec<f64>>,
+    columns: Matrix,
     uniform: Vec<f64>,
     parabolic: Vec<f64>,
 }
@@ -260,7 +258,7 @@ struct Discretised {
 impl Discretised {
     fn new(count: usize) -> Self {
         let rule = arc_rule(2 * count + 12);
-        let mut columns = vec![vec![0.0; rule.len()]; count];
+        let mut columns = Matrix::zeros(rule.len(), count);
         let mut uniform = vec![0.0; count];
         let mut parabolic = vec![0.0; count];
         let mut nodes = Vec::with_capacity(rule.len());
@@ -279,7 +277,7 @@ impl Discretised {
             nodes.push([t_squared.sqrt(), (0.5 * weight).sqrt() / PI]);
             for j in 0..count {
                 let g = 2.0 / PI * z.powi(EDGE_POWER) * transform[j];
-                columns[j][node] = PI * (2.0 * weight).sqrt() * g;
+                columns[(node, j)] = PI * (2.0 * weight).sqrt() * g;
                 uniform[j] += 2.0 * PI * weight * g;
                 parabolic[j] += 4.0 * PI * weight * g * t_squared;
             }
@@ -332,56 +330,6 @@ fn basis_values(s: f64, values: &mut [f64]) {
         previous = current;
         current = next;
     }
-}
-
-/// One-sided Jacobi rotations: makes the columns orthogonal, and turns `rotation` along
-/// (G. H. Golub and C. F. Van Loan, Matrix Computations, section 8.6.3). Chosen because it
-/// finds small singular values to high relative accuracy.
-fn orthogonalise(columns: &mut [Vec<f64>], rotation: &mut [Vec<f64>]) {
-    const TOLERANCE: f64 = 1e-15;
-    // Cyclic sweeps converge quadratically; ten are enough for these matrices.
-    for _ in 0..30 {
-        let mut rotated = false;
-        for j in 1..columns.len() {
-            for i in 0..j {
-                let [ii, jj, ij] =
-                    [(i, i), (j, j), (i, j)].map(|(l, r)| dot(&columns[l], &columns[r]));
-                if ij.abs() <= TOLERANCE * (ii * jj).sqrt() {
-                    continue;
-                }
-                rotated = true;
-                let cotangent = (jj - ii) / (2.0 * ij);
-                let tangent = cotangent.signum() / (cotangent.abs() + cotangent.hypot(1.0));
-                rotate(columns, i, j, tangent);
-                rotate(rotation, i, j, tangent);
-            }
-        }
-        if !rotated {
-            break;
-        }
-    }
-}
-
-fn rotate(columns: &mut [Vec<f64>], i: usize, j: usize, tangent: f64) {
-    let cosine = 1.0 / tangent.hypot(1.0);
-    let sine = cosine * tangent;
-    let (head, tail) = columns.split_at_mut(j);
-    for (left, right) in head[i].iter_mut().zip(&mut tail[0]) {
-        (*left, *right) = (
-            cosine * *left - sine * *right,
-            sine * *left + cosine * *right,
-        );
-    }
-}
-
-fn identity(size: usize) -> Vec<Vec<f64>> {
-    (0..size)
-        .map(|i| (0..size).map(|j| f64::from(u8::from(i == j))).collect())
-        .collect()
-}
-
-fn dot(left: &[f64], right: &[f64]) -> f64 {
-    left.iter().zip(right).map(|(x, y)| x * y).sum()
 }
 
 #[cfg(test)]
@@ -473,13 +421,14 @@ mod tests {
         let stiffness = (f1 - f0) / (z1 - z0);
         let count = modes.modes.len();
         let [added, _] = modes.layer_matrices(&layers(1.0));
-        let operator = Mat::from_fn(count, count, |row, column| {
+        let operator = Matrix::from_fn(count, count, |row, column| {
             let own = modes.modes[row].eigenvalue + 0.2;
             added[(row, column)] + if row == column { own } else { 0.0 }
         });
-        let load = Mat::from_fn(count, 1, |row, _| modes.modes[row].uniform);
-        let q = operator.partial_piv_lu().solve(&load);
-        let punch: f64 = (0..count).map(|row| load[(row, 0)] * q[(row, 0)]).sum();
+        let load: Vec<f64> = modes.modes.iter().map(|mode| mode.uniform).collect();
+        let mut q = load.clone();
+        Lu::new(operator).solve(&mut q);
+        let punch = dot(&load, &q);
         assert!(
             (stiffness / punch - 1.0).abs() < 1e-5,
             "{stiffness} {punch}"

@@ -6,12 +6,11 @@ use super::load::{Layout, Shape};
 use super::newton::{self, Settled, Trouble};
 use super::start::Target;
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
+use crate::numerics::dense::Lu;
 use crate::problem::{Accuracy, Cap, CapField, Control, Quantity, Requirement};
 use crate::state::cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
 use crate::state::discs::{Contacts, Hold};
 use crate::state::{PillarStatus, Run, SolveError, Termination};
-use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -244,22 +243,16 @@ impl Equations<'_> {
     }
 
     /// The changes of force and area with the height of every cap, at the same indentation.
-    pub(crate) fn slopes(
-        &self,
-        contacts: &Contacts,
-        factors: Option<&PartialPivLu<f64>>,
-    ) -> [Vec<f64>; 2] {
+    pub(crate) fn slopes(&self, contacts: &Contacts, factors: Option<&Lu>) -> [Vec<f64>; 2] {
         let mut slopes = [0, 1].map(|_| vec![0.0; self.layout.caps.len()]);
         let Some(factors) = factors else {
             return slopes;
         };
         let size = self.modes();
-        let rows = self.rows_of_totals(contacts);
-        let mut adjoint = Mat::from_fn(contacts.moments.len(), 2, |place, k| rows[k][place]);
-        factors.solve_transpose_in_place(&mut adjoint);
-        for (number, disc) in contacts.discs.iter().enumerate() {
-            for (k, slopes) in slopes.iter_mut().enumerate() {
-                slopes[disc.cap] = UNIT_FORCE * adjoint[(number * size, k)];
+        for (slopes, mut adjoint) in slopes.iter_mut().zip(self.rows_of_totals(contacts)) {
+            factors.solve_transposed(&mut adjoint);
+            for (disc, mean) in contacts.discs.iter().zip(adjoint.iter().step_by(size)) {
+                slopes[disc.cap] = UNIT_FORCE * mean;
             }
         }
         slopes

@@ -7,8 +7,8 @@ use super::edge::Edge;
 use super::load::{DiscLoad, Layout, LoadRule};
 use crate::halfspace::coupling::moving::{MovingPair, PairBlock};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue};
+use crate::numerics::dense::Matrix;
 use crate::state::discs::Contacts;
-use faer::Mat;
 use std::f64::consts::PI;
 
 /// What equations are made from, for one degree of the pressure.
@@ -26,7 +26,7 @@ pub(crate) struct Linearised {
     /// By how much the discs lack displacement, disc by disc.
     pub(crate) missing: Vec<f64>,
     /// Its derivatives with the steps of all discs.
-    pub(crate) matrix: Mat<f64>,
+    pub(crate) matrix: Matrix,
 }
 
 impl<'a> Equations<'a> {
@@ -88,7 +88,7 @@ impl<'a> Equations<'a> {
         let count = contacts.discs.len();
         let moments = |disc: usize| &contacts.moments[disc * size..(disc + 1) * size];
         let mut missing = vec![0.0; count * size];
-        let mut matrix = Mat::zeros(count * size, count * size);
+        let mut matrix = Matrix::zeros(count * size, count * size);
         // Derivatives with the place and radius of the own disc.
         let mut own = vec![[0.0; 3]; count * size];
         let mut load = self.rule.room();
@@ -192,7 +192,7 @@ impl<'a> Equations<'a> {
         columns: &[f64],
         geometry: &[Vec<f64>; 3],
         reduced: &mut [f64],
-        matrix: &mut Mat<f64>,
+        matrix: &mut Matrix,
     ) {
         let size = self.modes();
         let disc = &contacts.discs[source];
@@ -200,9 +200,8 @@ impl<'a> Equations<'a> {
         self.edge
             .reduce(disc, self.rim(disc.cap), columns, geometry, reduced);
         for (k, column) in reduced.chunks_exact(size).enumerate() {
-            for (row, value) in column.iter().enumerate() {
-                matrix[(receiver * size + row, source * size + k)] = *value;
-            }
+            let place = receiver * size..(receiver + 1) * size;
+            matrix.column_mut(source * size + k)[place].copy_from_slice(column);
         }
     }
 }

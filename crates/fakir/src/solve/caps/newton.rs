@@ -10,11 +10,11 @@ use super::load::{Layout, to_summit};
 use super::start::{PointForces, Target, pressed_with_column};
 use crate::halfspace::coupling::moving::PairBlock;
 use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::numerics::dense::Lu;
+use crate::numerics::vector::{add_scaled, dot};
 use crate::problem::Point;
 use crate::state::discs::{Contacts, Disc, Hold};
 use crate::state::{Progress, Run, SolveError, Stage};
-use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 
 /// Newton steps.
 pub(crate) const STEP_LIMIT: usize = 40;
@@ -43,7 +43,7 @@ const LOOSENED: f64 = 0.97;
 /// Contacts that meet all conditions.
 pub(crate) struct Settled {
     pub(crate) contacts: Contacts,
-    pub(crate) factors: Option<PartialPivLu<f64>>,
+    pub(crate) factors: Option<Lu>,
     pub(crate) steps: usize,
 }
 
@@ -242,35 +242,24 @@ impl Equations<'_> {
     }
 
     /// One step of Newton's method.
-    fn step(&mut self, contacts: &mut Contacts, target: Target) -> (Stepped, PartialPivLu<f64>) {
+    fn step(&mut self, contacts: &mut Contacts, target: Target) -> (Stepped, Lu) {
         let linearised = self.linearised(contacts);
-        let factors = linearised.matrix.partial_piv_lu();
-        let size = self.modes();
-        let total = contacts.moments.len();
-        let mut steps = Mat::zeros(total, 2);
-        for (place, missing) in linearised.missing.iter().enumerate() {
-            steps[(place, 0)] = -missing;
-            if place % size == 0 {
-                steps[(place, 1)] = UNIT_FORCE;
-            }
+        let factors = Lu::new(linearised.matrix);
+        let mut step: Vec<f64> = linearised.missing.iter().map(|x| -x).collect();
+        let mut lowering = vec![0.0; step.len()];
+        for mean in lowering.iter_mut().step_by(self.modes()) {
+            *mean = UNIT_FORCE;
         }
-        factors.solve_in_place(&mut steps);
+        factors.solve(&mut step);
+        factors.solve(&mut lowering);
         let lower = match target {
             Target::Indentation(_) => 0.0,
             Target::Force(force) => {
                 let [row, _] = self.rows_of_totals(contacts);
-                let along = |column: usize| -> f64 {
-                    row.iter()
-                        .enumerate()
-                        .map(|(place, value)| value * steps[(place, column)])
-                        .sum()
-                };
-                (force - self.force(contacts) - along(0)) / along(1)
+                (force - self.force(contacts) - dot(&row, &step)) / dot(&row, &lowering)
             }
         };
-        let step: Vec<f64> = (0..total)
-            .map(|place| steps[(place, 0)] + lower * steps[(place, 1)])
-            .collect();
+        add_scaled(&mut step, lower, &lowering);
         contacts.indentation += lower;
         (self.apply(contacts, &step), factors)
     }

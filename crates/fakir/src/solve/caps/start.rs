@@ -1,8 +1,7 @@
 //! Caps that act on each other as point forces, each by itself a contact of Hertz's: the start of the search for discs.
 
 use super::load::Layout;
-use faer::Mat;
-use faer::linalg::solvers::Solve;
+use crate::numerics::dense::{Lu, Matrix};
 use std::f64::consts::PI;
 
 /// What contacts are asked for, in the units of the solver.
@@ -49,7 +48,7 @@ pub(crate) fn pressed_with_column(overlap: f64, curvature: f64, compliance: f64)
 pub(crate) fn point_forces(layout: &Layout, target: Target) -> PointForces {
     let summits = &layout.summits;
     let count = summits.len();
-    let matrix = Mat::from_fn(count, count, |i, j| {
+    let matrix = Matrix::from_fn(count, count, |i, j| {
         if i == j {
             return layout.caps[i].column_compliance;
         }
@@ -69,11 +68,9 @@ pub(crate) fn point_forces(layout: &Layout, target: Target) -> PointForces {
         let forces: Vec<f64> = (0..count)
             .map(|k| hertz(pressed[k], summits[k].curvature)[0])
             .collect();
+        let sunk = matrix.times(&forces);
         let mut missing: Vec<f64> = (0..count)
-            .map(|i| {
-                let sunk: f64 = (0..count).map(|j| matrix[(i, j)] * forces[j]).sum();
-                indentation + summits[i].height - pressed[i] - sunk
-            })
+            .map(|i| indentation + summits[i].height - pressed[i] - sunk[i])
             .collect();
         if let Target::Force(force) = target {
             missing.push(force - forces.iter().sum::<f64>());
@@ -87,24 +84,24 @@ pub(crate) fn point_forces(layout: &Layout, target: Target) -> PointForces {
         let stiffness: Vec<f64> = (0..count)
             .map(|k| hertz(pressed[k], summits[k].curvature)[1])
             .collect();
-        let jacobian = Mat::from_fn(unknowns, unknowns, |i, j| match (i < count, j < count) {
+        let jacobian = Matrix::from_fn(unknowns, unknowns, |i, j| match (i < count, j < count) {
             (true, true) => matrix[(i, j)] * stiffness[j] + f64::from(u8::from(i == j)),
             (true, false) => -1.0,
             (false, true) => stiffness[j],
             (false, false) => 0.0,
         });
-        let mut step = Mat::from_fn(unknowns, 1, |i, _| missing[i]);
-        jacobian.partial_piv_lu().solve_in_place(&mut step);
+        let mut step = missing.clone();
+        Lu::new(jacobian).solve(&mut step);
         let mut part = 1.0;
         let before = norm(&missing);
         let mut next = pressed.clone();
         let mut lowered = indentation;
         for _ in 0..HALVINGS {
             for (k, value) in next.iter_mut().enumerate() {
-                *value = pressed[k] + part * step[(k, 0)];
+                *value = pressed[k] + part * step[k];
             }
             if unknowns > count {
-                lowered = indentation + part * step[(count, 0)];
+                lowered = indentation + part * step[count];
             }
             missing = residual(&next, lowered);
             if norm(&missing) < before {
