@@ -12,7 +12,18 @@ what the book is laid out from to OUTPUT. Blocks that are run:
 ```generate         a command, in whose place its output stands; "generate,toml" names a language of that block,
                     "generate,markdown" makes it a part of the page
 
-Other blocks are not run. Times are not compared. With --update the pages are rewritten to say what was printed.
+Other blocks are not run. With --update blocks that differ are rewritten to show what was printed.
+
+Numbers are compared as numbers, so that a page stays the same when sums are computed in another order. Two numbers agree
+
+* if they differ by at most one unit in the last printed digit of the coarser one (18.07 and 18.0689, 199 um and 200 um),
+  or by 1e-6 of the larger one;
+* in per cent, if they differ by at most 1e-4 %, which is 1e-6 of the whole;
+* as error estimates and differences between methods (after the word "error", "difference" or "allowed"), if one is at most 1.5
+  times the other.
+
+A whole number is a count and must be equal, unless it has two digits or more and a unit follows. Words must be equal.
+Times, counts of the solvers' steps and widths of columns are not compared.
 """
 
 import ast
@@ -25,6 +36,7 @@ import re
 import shutil
 import subprocess
 import sys
+from decimal import Decimal
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -40,24 +52,58 @@ BLOCK = re.compile(r"^```(?P<kind>[\w,=+-]*)\n(?P<body>.*?)^```\n", re.MULTILINE
 PICTURE = re.compile(r"!\[(?P<caption>[^\]]*)\]\((?P<path>[^):]+)\)")
 TIMES = re.compile(r"\b\d+(\.\d+)?(e-?\d+)? (ns|us|ms|s|min)\b|(?<=wall_time_s\": )[\d.e-]+")
 
+STEPS = re.compile(r"\b(Newton steps|iterations|rounds|converged in) +\d+\b")
+
+# A number that is not a part of a word, a name or a version.
+NUMBER = re.compile(r"(?<![\w.-])([-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?)(?!\w|\.\d)")
+UNIT = re.compile(r" ?(%|°|(rad|deg|[pnuµmkMG]?(m|N|J|Pa))\b)")
+ESTIMATE = re.compile(r"(?<!standard )\berror|_error|difference|allowed", re.IGNORECASE)
+
 
 class Different(Exception):
     """A page that says something else than what it shows prints."""
 
 
 def compared(text):
-    """What of a text is compared: its lines without times, and without how wide their columns are."""
-    lines = [TIMES.sub("TIME", line) for line in text.strip("\n").splitlines()]
+    """The lines of a text, without times, counts of steps and widths of columns."""
+    lines = [STEPS.sub(r"\1  STEPS", TIMES.sub("TIME", line)) for line in text.strip("\n").splitlines()]
     return [re.sub(r"─+", "─", re.sub(r"  +", "  ", re.sub(r" *TIME", "  TIME", line))).rstrip() for line in lines]
 
 
-def difference(place, says, prints):
-    """What is to be told where a page and its program disagree; nothing if they agree."""
-    if compared(says) == compared(prints):
-        return None
-    lines = difflib.unified_diff(
-        compared(says), compared(prints), f"{place}, as the page says", "as it prints", "", "", 1, ""
+def numbers_agree(one, other, before, after):
+    """Whether two numbers, as printed, agree between the words `before` and `after` them."""
+    if one == other:
+        return True
+    if all(re.fullmatch(r"[-+]?\d+", number) for number in [one, other]):
+        measured = UNIT.match(after) and all(re.search(r"\d\d", number) for number in [one, other])
+        if not measured:
+            return False
+    pair = [Decimal(one), Decimal(other)]
+    small, large = sorted(map(abs, pair))
+    allowed = [Decimal(1).scaleb(number.as_tuple().exponent) for number in pair] + [large * Decimal("1e-6")]
+    if re.match(" ?%", after):
+        allowed.append(Decimal("1e-4"))
+    estimates = ESTIMATE.search(before) and min(pair) > 0 and large <= small * Decimal("1.5")
+    return bool(estimates) or abs(pair[0] - pair[1]) <= max(allowed)
+
+
+def lines_agree(says, prints):
+    """Whether two lines have the same words, and numbers that agree."""
+    # Words are at even places, numbers between them.
+    one, other = NUMBER.split(says), NUMBER.split(prints)
+    return one[::2] == other[::2] and all(
+        numbers_agree(one[k], other[k], one[k - 1], one[k + 1]) for k in range(1, len(one), 2)
     )
+
+
+def difference(place, says, prints):
+    """The differences between a page and its program, as text; None if they agree."""
+    said, printed = compared(says), compared(prints)
+    if len(said) == len(printed) and all(map(lines_agree, said, printed)):
+        return None
+    # Lines that agree are no difference to be shown.
+    printed = [next((line for line in said if lines_agree(line, new)), new) for new in printed]
+    lines = difflib.unified_diff(said, printed, f"{place}, as the page says", "as it prints", "", "", 1, "")
     return "\n".join(lines)
 
 
