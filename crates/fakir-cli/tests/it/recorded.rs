@@ -1,62 +1,382 @@
-//! Eighty commands, over all that the program can be asked, and their recorded answers.
+//! Commands over all that the program computes, and their recorded answers: a change that only rearranges the
+//! program must not change them.
 //!
-//! What is only rearranged must answer as before. `FAKIR_RECORD=1` records anew, which is right only
-//! where answers are meant to change. Sums differ between processors by their last digits, and what is solved for
-//! until a residual is small by more; `FAKIR_TOLERANCE=1e-12` is for one and the same machine.
+//! Each file of `tests/recorded` holds one command, run in the folder of the repository, and its answer: the exit status, the
+//! JSON result, and the tables that it saved, if `OUT` stands in the command for a folder to save in. The test of a
+//! file has its name.
+//!
+//! `FAKIR_RECORD=1` records again: files whose answers changed by more than [`RULES`] allow are rewritten, others are left
+//! untouched. A new command is a file with `{"command": "…"}` and a name in the list below; this records its answer.
+//!
+//! `FAKIR_TOLERANCE=1e-12` compares with that relative tolerance instead of the estimated errors, for changes that must not
+//! even change rounding.
 
-use rayon::prelude::*;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Largest relative difference between processors.
-const TOLERANCE: f64 = 1e-8;
+/// Smallest relative tolerance. It is far above rounding and the residuals that solvers stop at, so that sums in another order
+/// pass, and far below what a wrong formula changes.
+const TOLERANCE: f64 = 1e-6;
 
-/// Relative difference allowed in error estimates and in what is left of residuals: they are differences of numbers that
-/// nearly agree.
-const TOLERANCE_OF_ERRORS: f64 = 1e-2;
+/// Largest relative tolerance. Larger estimates are those of coarse models and meshes, which the order of sums does not
+/// change.
+const LARGEST_TOLERANCE: f64 = 1e-2;
 
-/// What differs from run to run.
-fn is_volatile(name: &str) -> bool {
-    name.ends_with("time_s") || ["fakir_version", "folder"].contains(&name)
+/// Relative tolerance of [`Rule::Rough`].
+const ROUGH_TOLERANCE: f64 = 1e-2;
+
+/// How a part of an answer is compared.
+///
+/// Without a rule, numbers are compared with [`TOLERANCE`], relative to the largest number of their array or else to the
+/// recorded number. Whole numbers (counts) and words must be equal.
+#[derive(Clone, Copy)]
+enum Rule {
+    /// Not recorded.
+    Ignored,
+    /// Compared with [`ROUGH_TOLERANCE`].
+    Rough,
+    /// Compared with the first of these relative error estimates that the answer contains, between [`TOLERANCE`]
+    /// and [`LARGEST_TOLERANCE`].
+    Estimated(&'static [&'static str]),
+    /// The same, but relative to the indentation.
+    OfIndentation,
 }
 
-/// What is made of rounding alone: how well the energy of a cycle is balanced. Of a general surface it is an object, and more.
-fn is_rounding(name: &str, value: &Value) -> bool {
-    name == "certificate" && !value.is_object()
-}
+use Rule::{Estimated, Ignored, OfIndentation, Rough};
 
-/// Takes out of an answer what differs from run to run, so that it is not recorded.
-fn remove_volatile(answer: &mut Value) {
-    match answer {
-        Value::Object(members) => {
-            members.retain(|name, value| !is_volatile(name) && !is_rounding(name, value));
-            members.values_mut().for_each(remove_volatile);
+/// Which rule applies to which names. The first match counts. A name matches the end of a path; before a `*` and after
+/// one may be anything.
+const RULES: &[(Rule, &[&str])] = &[
+    // These depend on the machine, the moment and the release.
+    (
+        Ignored,
+        &["*time_s", "folder", "fakir_version", "citations.version"],
+    ),
+    // Effort: another order of sums may cost or save a step. `cargo xtask test instructions` counts instructions instead.
+    (Ignored, &["iterations", "solutions"]),
+    // What remains when a solver stops, and the balance of a cycle: rounding. Tests of the solvers bound them.
+    (Ignored, &["certificate"]),
+    // Differences of numbers that nearly agree, and probabilities, which are exponentials of such differences.
+    (
+        Rough,
+        &[
+            "*error*",
+            "*residual*",
+            "*difference*",
+            "*deviation*",
+            "*p_value",
+        ],
+    ),
+    // Quantities with an estimate of their own; their reduced forms have the same relative error.
+    (Estimated(&["share"]), &["floor.share", "floor.force_N"]),
+    (Estimated(&["contact_area"]), &["floor.contact_area_m2"]),
+    (
+        Estimated(&["floor_share"]),
+        &["floor_share", "floor_force_N"],
+    ),
+    (
+        Estimated(&["floor_contact_area"]),
+        &["floor_contact_area_m2"],
+    ),
+    (
+        Estimated(&["critical_force", "force"]),
+        &["critical_force_N"],
+    ),
+    (
+        Estimated(&["critical_indentation", "indentation"]),
+        &["critical_indentation_m"],
+    ),
+    (
+        Estimated(&["contact_radius"]),
+        &[
+            "contact_radius_m",
+            "critical_contact_radius_m",
+            "normalized.contact_radius",
+            "normalized_contact_radius",
+        ],
+    ),
+    (
+        Estimated(&["top_contact_radius", "contact_radius"]),
+        &["top_contact_radius_m"],
+    ),
+    (
+        Estimated(&["indentation"]),
+        &[
+            "indentation_m",
+            "normalized.indentation",
+            "normalized_indentation",
+        ],
+    ),
+    (
+        Estimated(&["pull_off_force"]),
+        &["pull_off_force_N", "normalized_pull_off_force"],
+    ),
+    (
+        Estimated(&["hysteresis"]),
+        &["hysteresis_J", "normalized_hysteresis"],
+    ),
+    // The areas of the same loop, summed in another way.
+    (
+        Estimated(&["hysteresis"]),
+        &["work_of_separation_J", "dissipation_J"],
+    ),
+    // Forces on pillars add up to the force; so do the limits that follow from the hardest pillar.
+    (
+        Estimated(&["pull_off_force"]),
+        &[
+            "pull-off-pillars.csv.force_N",
+            "limits.kendall_strain.value",
+        ],
+    ),
+    (
+        Estimated(&["force"]),
+        &[
+            "force_N",
+            "normalized.force",
+            "normalized_force",
+            "limits.pillar_stress.value",
+            "limits.buckling.value",
+        ],
+    ),
+    // Limits in closed form that follow from the contact radius.
+    (
+        Estimated(&["contact_radius"]),
+        &[
+            "limits.slope.value",
+            "limits.contact_radius_over_lens_radius.value",
+            "*_percent_m.value",
+            "*_percent_J_per_m2.value",
+        ],
+    ),
+    // A difference of the height of the pillars and displacements, which are as large as the indentation.
+    (OfIndentation, &["smallest_floor_gap_m"]),
+];
+
+/// The rule for a path of names, such as `answer.limits.slope.value`.
+fn rule(path: &str) -> Option<Rule> {
+    let matches = |name: &&str| {
+        let end = name.trim_matches('*');
+        if name.ends_with('*') {
+            path.contains(end)
+        } else if name.starts_with('*') {
+            path.ends_with(end)
+        } else {
+            path.strip_suffix(name)
+                .is_some_and(|before| before.ends_with('.'))
         }
-        Value::Array(values) => values.iter_mut().for_each(remove_volatile),
+    };
+    let (rule, _) = RULES.iter().find(|(_, names)| names.iter().any(matches))?;
+    Some(*rule)
+}
+
+/// The path of a part of a value. Parts of lists that have a name are called by it; the others have the path of the list.
+fn path_of(path: &str, key: Option<&str>, part: &Value) -> String {
+    match key.or_else(|| part.get("name").and_then(Value::as_str)) {
+        Some(name) => format!("{path}.{name}"),
+        None => path.to_owned(),
+    }
+}
+
+/// Takes out of an answer what is not recorded.
+fn remove_ignored(path: &str, value: &mut Value) {
+    match value {
+        Value::Object(members) => {
+            members.retain(|name, _| !matches!(rule(&format!("{path}.{name}")), Some(Ignored)));
+            for (name, part) in members {
+                remove_ignored(&path_of(path, Some(name), part), part);
+            }
+        }
+        Value::Array(values) => {
+            for part in values {
+                remove_ignored(&path_of(path, None, part), part);
+            }
+        }
         _ => {}
     }
+}
+
+/// A recorded answer compared with one of now.
+struct Comparison {
+    /// The relative tolerance that replaces all others.
+    tight: Option<f64>,
+    /// Whether names that are not recorded are a difference.
+    complete: bool,
+    differences: Vec<String>,
+}
+
+/// Where a number is.
+struct Place<'a> {
+    path: &'a str,
+    /// The objects around it in the recorded answer, the innermost last.
+    around: &'a [&'a Value],
+    /// Its index, and the largest number, of an array of numbers.
+    index: Option<usize>,
+    largest: f64,
+}
+
+impl Place<'_> {
+    /// The number of that name in an object, or in its column the one with the same index.
+    fn beside(&self, object: &Value, name: &str) -> Option<f64> {
+        let value = object.get(name)?;
+        let value = value.get("numerical").unwrap_or(value);
+        self.index
+            .and_then(|index| value.get(index))
+            .unwrap_or(value)
+            .as_f64()
+    }
+
+    /// The relative error estimate of a quantity that is the nearest around the number.
+    fn estimate(&self, quantity: &str) -> Option<f64> {
+        self.around.iter().rev().find_map(|object| {
+            object
+                .get("relative_error_estimate")
+                .and_then(|estimates| self.beside(estimates, quantity))
+                .or_else(|| self.beside(object, &format!("{quantity}_error_estimate")))
+                .or_else(|| self.beside(object, &format!("relative_error_estimate_{quantity}")))
+        })
+    }
+
+    /// The largest difference from the recorded number that is allowed.
+    fn allowed(&self, recorded: f64, tight: Option<f64>) -> f64 {
+        let rule = rule(self.path);
+        if let Some(tight) = tight {
+            // Rough numbers have lost as many digits as at the tolerance of today.
+            let lost = if matches!(rule, Some(Rough)) {
+                ROUGH_TOLERANCE / TOLERANCE
+            } else {
+                1.0
+            };
+            return tight * lost * self.largest;
+        }
+        let (relative, scale) = match rule {
+            Some(Rough) => return ROUGH_TOLERANCE * self.largest,
+            Some(Estimated(quantities)) => {
+                let estimate = quantities
+                    .iter()
+                    .find_map(|quantity| self.estimate(quantity));
+                (estimate.unwrap_or(0.0), recorded.abs())
+            }
+            Some(OfIndentation) => {
+                let mut objects = self.around.iter().rev();
+                let indentation = objects.find_map(|object| self.beside(object, "indentation_m"));
+                let estimate = self.estimate("indentation").unwrap_or(0.0);
+                (estimate.max(TOLERANCE), indentation.unwrap_or(0.0).abs())
+            }
+            _ => (0.0, 0.0),
+        };
+        (relative.min(LARGEST_TOLERANCE) * scale).max(TOLERANCE * self.largest)
+    }
+}
+
+impl Comparison {
+    fn values(&mut self, path: &str, around: &[&Value], before: &Value, now: &Value) {
+        match (before, now) {
+            (Value::Object(members), Value::Object(now)) => {
+                let around = [around, &[before]].concat();
+                for (name, part) in members {
+                    let path = path_of(path, Some(name), part);
+                    match now.get(name) {
+                        Some(now) => self.values(&path, &around, part, now),
+                        None => self.differences.push(format!("{path} is gone")),
+                    }
+                }
+                let mut new = now.keys().filter(|name| !members.contains_key(*name));
+                if let (true, Some(name)) = (self.complete, new.next()) {
+                    self.differences.push(format!("{path}.{name} is new"));
+                }
+            }
+            (Value::Array(before), Value::Array(now)) if before.len() == now.len() => {
+                // Numbers of one array are of one kind: one that is zero but for rounding is no difference.
+                let numbers = before.iter().filter_map(Value::as_f64);
+                let largest = numbers.fold(0.0, |largest: f64, number| largest.max(number.abs()));
+                for (index, (before, now)) in before.iter().zip(now).enumerate() {
+                    if before.is_number() {
+                        let index = Some(index);
+                        let place = Place {
+                            path,
+                            around,
+                            index,
+                            largest,
+                        };
+                        self.numbers(&place, before, now);
+                    } else {
+                        self.values(&path_of(path, None, before), around, before, now);
+                    }
+                }
+            }
+            (Value::Number(number), _) => {
+                let largest = number.as_f64().unwrap().abs();
+                let place = Place {
+                    path,
+                    around,
+                    index: None,
+                    largest,
+                };
+                self.numbers(&place, before, now);
+            }
+            _ if before == now => {}
+            _ => self
+                .differences
+                .push(format!("{path}: {before} before, {now} now")),
+        }
+    }
+
+    fn numbers(&mut self, place: &Place<'_>, before: &Value, now: &Value) {
+        let counts = [before, now]
+            .iter()
+            .all(|value| value.is_u64() || value.is_i64());
+        let how = match (before.as_f64(), now.as_f64()) {
+            (Some(recorded), Some(number)) if !counts => {
+                let allowed = place.allowed(recorded, self.tight);
+                let difference = (recorded - number).abs();
+                if difference <= allowed {
+                    return;
+                }
+                format!(": they differ by {difference:.1e}, {allowed:.1e} is allowed")
+            }
+            _ if before == now => return,
+            _ => String::new(),
+        };
+        let at = place
+            .index
+            .map_or_else(String::new, |index| format!("[{index}]"));
+        let path = place.path;
+        self.differences
+            .push(format!("{path}{at}: {before} before, {now} now{how}"));
+    }
+}
+
+/// The differences between a recorded answer and one of now, `complete` with names that are new.
+fn differences(before: &Value, now: &Value, tight: Option<f64>, complete: bool) -> Vec<String> {
+    let mut comparison = Comparison {
+        tight,
+        complete,
+        differences: Vec::new(),
+    };
+    // Tables find estimates in the result.
+    comparison.values("", &[&before["answer"]], before, now);
+    comparison.differences
 }
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded")
 }
 
-/// Runs a command: exit status, JSON, and the tables it saved.
-fn answer(line: &str) -> Value {
+/// Runs a command: exit status, JSON result, and the tables it saved.
+fn answer(command: &str) -> Value {
     let saved = tempfile::TempDir::new().unwrap();
     let out = saved.path().join("out");
-    let words = line.split_whitespace().map(|word| match word {
+    let words = command.split_whitespace().map(|word| match word {
         "OUT" => out.as_os_str(),
         word => word.as_ref(),
     });
+    let quiet = (!command.starts_with("cite")).then_some("--quiet");
     let output = Command::new(env!("CARGO_BIN_EXE_fakir"))
         .args(words)
-        .args(
-            ["--json", "--quiet"]
-                .iter()
-                .filter(|flag| **flag == "--json" || !line.starts_with("cite")),
-        )
+        .arg("--json")
+        .args(quiet)
         .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
         .stdin(Stdio::null())
         .output()
@@ -70,13 +390,13 @@ fn answer(line: &str) -> Value {
             tables.insert(name, table(&std::fs::read_to_string(&path).unwrap()));
         }
     }
-    let mut whole: Value = json!({
-        "command": line,
+    let mut whole = json!({
+        "command": command,
         "status": output.status.code(),
         "answer": answer,
         "tables": tables,
     });
-    remove_volatile(&mut whole);
+    remove_ignored("", &mut whole);
     whole
 }
 
@@ -87,8 +407,9 @@ fn table(text: &str) -> Value {
     let mut columns: Vec<(&str, Vec<Value>)> = names.map(|name| (name, Vec::new())).collect();
     for line in lines {
         for (cell, (_, column)) in line.split(',').zip(&mut columns) {
-            let number = cell.parse::<f64>().ok().filter(|number| number.is_finite());
-            column.push(number.map_or_else(|| json!(cell), |number| json!(number)));
+            // Counts, numbers and words are those of JSON.
+            let value = serde_json::from_str(cell).ok().filter(Value::is_number);
+            column.push(value.unwrap_or_else(|| json!(cell)));
         }
     }
     columns
@@ -98,96 +419,224 @@ fn table(text: &str) -> Value {
         .into()
 }
 
-/// Differences between a recorded value and one of now, each with the place where it is.
-fn differences(place: &str, before: &Value, now: &Value, tolerance: f64, found: &mut Vec<String>) {
-    match (before, now) {
-        (Value::Object(before), Value::Object(now)) => {
-            for (name, value) in before {
-                let inner = format!("{place}.{name}");
-                match now.get(name) {
-                    _ if is_volatile(name) => {}
-                    Some(now) => differences(&inner, value, now, tolerance, found),
-                    None => found.push(format!("{inner} is gone")),
-                }
-            }
-        }
-        (Value::Array(before), Value::Array(now)) if before.len() == now.len() => {
-            // Numbers of one array are of one kind; that one is zero but for rounding is no difference.
-            let largest = before
+/// A value as JSON, with a line for each part that contains no other list or object: one for a row or a column.
+fn layout(value: &Value, indent: usize) -> String {
+    let (open, parts, close) = match value {
+        Value::Object(members) => {
+            let named = members
                 .iter()
-                .filter_map(Value::as_f64)
-                .fold(0.0, |largest: f64, value| largest.max(value.abs()));
-            for (index, (before, now)) in before.iter().zip(now).enumerate() {
-                let inner = format!("{place}[{index}]");
-                match (before.as_f64(), now.as_f64()) {
-                    (Some(before), Some(now)) => {
-                        compare(&inner, before, now, largest, tolerance, found);
-                    }
-                    _ => differences(&inner, before, now, tolerance, found),
-                }
-            }
+                .map(|(name, part)| (format!("{}: ", json!(name)), part));
+            ('{', named.collect::<Vec<_>>(), '}')
         }
-        (Value::Number(before), Value::Number(now)) => {
-            let [before, now] = [before, now].map(|number| number.as_f64().unwrap());
-            compare(place, before, now, before.abs(), tolerance, found);
-        }
-        _ if before == now => {}
-        _ => found.push(format!("{place}: {before} before, {now} now")),
+        Value::Array(parts) => (
+            '[',
+            parts.iter().map(|part| (String::new(), part)).collect(),
+            ']',
+        ),
+        _ => return value.to_string(),
+    };
+    if !parts
+        .iter()
+        .any(|(_, part)| part.is_object() || part.is_array())
+    {
+        return value.to_string();
+    }
+    let inner = indent + 2;
+    let lines: Vec<String> = parts
+        .iter()
+        .map(|(name, part)| format!("{:inner$}{name}{}", "", layout(part, inner)))
+        .collect();
+    format!("{open}\n{}\n{:indent$}{close}", lines.join(",\n"), "")
+}
+
+/// A whole recorded answer, with the command first.
+fn file(whole: &Value) -> String {
+    let parts = ["command", "status", "answer", "tables"]
+        .map(|name| format!("  \"{name}\": {}", layout(&whole[name], 2)));
+    format!("{{\n{}\n}}\n", parts.join(",\n"))
+}
+
+fn check(name: &str) {
+    let path = folder().join(format!("{name}.json"));
+    let before: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    let command = before["command"].as_str().unwrap();
+    let now = answer(command);
+    let recording = std::env::var_os("FAKIR_RECORD").is_some();
+    let tight = std::env::var("FAKIR_TOLERANCE").map(|text| text.parse().expect("a number"));
+    let found = differences(&before, &now, tight.ok(), recording);
+    if !found.is_empty() && recording {
+        std::fs::write(path, file(&now)).unwrap();
+    } else {
+        assert!(found.is_empty(), "fakir {command}\n{}", found.join("\n"));
     }
 }
 
-fn compare(
-    place: &str,
-    before: f64,
-    now: f64,
-    scale: f64,
-    tolerance: f64,
-    found: &mut Vec<String>,
-) {
-    let error = ["error", "residual", "difference", "deviation"]
-        .iter()
-        .any(|word| place.contains(word));
-    let tolerance = if error {
-        tolerance.max(TOLERANCE_OF_ERRORS * (tolerance / TOLERANCE).min(1.0))
-    } else {
-        tolerance
+/// A test for each file. `slow` ones take more than 1.5 s of processor time, built for release.
+macro_rules! recorded {
+    ($($name:ident $($slow:ident)?,)*) => {
+        const NAMES: &[&str] = &[$(stringify!($name)),*];
+
+        $(recorded!(@test $name $($slow)?);)*
     };
-    if (before - now).abs() > tolerance * scale {
-        let relative = (now / before - 1.0).abs();
-        found.push(format!(
-            "{place}: {before} before, {now} now ({relative:.1e})"
-        ));
-    }
+    (@test $name:ident) => {
+        #[test]
+        fn $name() {
+            check(stringify!($name));
+        }
+    };
+    (@test $name:ident slow) => {
+        #[test]
+        #[ignore = "slow"]
+        fn $name() {
+            check(stringify!($name));
+        }
+    };
+}
+
+recorded! {
+    adhesive_approach,
+    adhesive_compare,
+    adhesive_cycle,
+    adhesive_cycle_by_force,
+    adhesive_cycle_by_machine,
+    adhesive_cycle_receding_work,
+    adhesive_design_spread,
+    adhesive_press,
+    adhesive_press_by_tension_refused,
+    adhesive_sweep_pull_off,
+    adhesive_theory,
+    adhesive_transition,
+    adhesive_transition_attraction_range,
+    adhesive_verify_refused,
+    approach_default,
+    approach_homogenised,
+    approach_past_transition,
+    approach_past_transition_without_floor,
+    approach_rigid_offset,
+    cite_case,
+    cite_surface,
+    compare_default,
+    compare_rigid,
+    design_pitch,
+    design_surface_fraction_with_spread,
+    design_tolerances,
+    design_unattainable,
+    fit_modulus slow,
+    fit_modulus_with_errors_given slow,
+    press_bem,
+    press_bem_by_force,
+    press_by_force,
+    press_hexagonal_square_pillars_without_compliance,
+    press_homogenised_by_force,
+    press_one_pillar,
+    press_past_transition,
+    press_past_transition_without_floor,
+    press_punch_by_force,
+    press_punch_plain,
+    press_random_square_pillars,
+    press_rigid_by_force,
+    press_short_of_contact,
+    press_short_of_contact_turned,
+    press_soft_accurate,
+    press_square_pillars,
+    press_square_pillars_by_force,
+    press_square_pillars_coarse,
+    press_with_fields,
+    press_with_fields_without_floor,
+    sweep_surface_fraction,
+    theory_default,
+    theory_one_pillar,
+    theory_soft,
+    transition_accurate,
+    transition_bem,
+    transition_bem_offset,
+    transition_homogenised,
+    transition_low_pillars,
+    transition_offset_between_two_pillars,
+    transition_offset_half_a_pitch,
+    transition_offset_turned_without_compliance,
+    transition_one_pillar,
+    transition_punch,
+    transition_punch_plain,
+    transition_rigid,
+    transition_rounded_square_pillars_refused,
+    transition_small_lens,
+    transition_soft,
+    transition_soft_dense,
+    transition_square_pillars,
+    transition_wide_lattice,
+    transition_with_fields,
+    verify_press_by_force,
+    verify_press_by_indentation,
 }
 
 #[test]
-fn commands_answer_as_recorded() {
-    let commands = std::fs::read_to_string(folder().join("commands.txt")).unwrap();
-    let commands: Vec<&str> = commands
-        .lines()
-        .filter(|line| !line.starts_with('#'))
+fn every_file_has_a_test() {
+    let files: BTreeSet<String> = std::fs::read_dir(folder())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
-    assert_eq!(commands.len(), 77);
-    let answers: Vec<Value> = commands.par_iter().map(|line| answer(line)).collect();
-    let path = folder().join("answers.jsonl");
-    if std::env::var_os("FAKIR_RECORD").is_some() {
-        let lines: String = answers.iter().map(|answer| format!("{answer}\n")).collect();
-        std::fs::write(path, lines).unwrap();
-        return;
+    let tests: BTreeSet<String> = NAMES.iter().map(|name| format!("{name}.json")).collect();
+    assert_eq!(files, tests);
+}
+
+/// A contact with a number changed, and whether that is a difference.
+#[test]
+fn numbers_are_compared_within_their_errors() {
+    let before = json!({
+        "answer": {
+            "force_N": 1.0,
+            "indentation_m": 2.0,
+            "contact_radius_m": 3.0,
+            "smallest_floor_gap_m": 1e-3,
+            "pillars_in_contact": 19,
+            "limits": [{ "name": "slope", "value": 0.1 }],
+            "relative_error_estimate": { "force": 1e-4, "indentation": 0.0, "contact_radius": 0.5 },
+        },
+        "tables": {
+            "pillars.csv": { "force_N": [1.0, 0.5], "x_m": [1.0, 0.0], "status": ["full", "full"] },
+            "approach.csv": { "force_N": [1.0, 2.0], "force_error_estimate": [1e-3, 1e-5] },
+        },
+    });
+    for (place, now, differs) in [
+        ("/answer/force_N", json!(1.00009), false),
+        ("/answer/force_N", json!(1.00011), true),
+        ("/answer/indentation_m", json!(2.0000019), false),
+        ("/answer/indentation_m", json!(2.0000021), true),
+        ("/answer/contact_radius_m", json!(3.029), false),
+        ("/answer/contact_radius_m", json!(3.031), true),
+        ("/answer/smallest_floor_gap_m", json!(1.0019e-3), false),
+        ("/answer/smallest_floor_gap_m", json!(1.0021e-3), true),
+        ("/answer/pillars_in_contact", json!(20), true),
+        ("/answer/limits/0/value", json!(0.1009), false),
+        ("/answer/limits/0/value", json!(0.1011), true),
+        (
+            "/answer/relative_error_estimate/force",
+            json!(1.009e-4),
+            false,
+        ),
+        (
+            "/answer/relative_error_estimate/force",
+            json!(1.011e-4),
+            true,
+        ),
+        ("/answer/force_N", json!(null), true),
+        ("/tables/pillars.csv/force_N/1", json!(0.50004), false),
+        ("/tables/pillars.csv/force_N/1", json!(0.50006), true),
+        ("/tables/pillars.csv/x_m/1", json!(9e-7), false),
+        ("/tables/pillars.csv/x_m/1", json!(1.1e-6), true),
+        ("/tables/pillars.csv/status/1", json!("partial"), true),
+        ("/tables/approach.csv/force_N/0", json!(1.0009), false),
+        ("/tables/approach.csv/force_N/1", json!(2.00003), true),
+    ] {
+        let mut after = before.clone();
+        *after.pointer_mut(place).unwrap() = now.clone();
+        let found = differences(&before, &after, None, false);
+        assert_eq!(!found.is_empty(), differs, "{place}: {now}");
     }
-    let tolerance =
-        std::env::var("FAKIR_TOLERANCE").map_or(TOLERANCE, |text| text.parse().expect("a number"));
-    let recorded = std::fs::read_to_string(path).unwrap();
-    let mut found = Vec::new();
-    for (before, now) in recorded.lines().zip(&answers) {
-        let before: Value = serde_json::from_str(before).unwrap();
-        let mut of_command = Vec::new();
-        differences("", &before, now, tolerance, &mut of_command);
-        if !of_command.is_empty() {
-            found.push(format!("fakir {}", now["command"].as_str().unwrap()));
-            found.extend(of_command);
-        }
-    }
-    assert_eq!(recorded.lines().count(), answers.len());
-    assert!(found.is_empty(), "{}", found.join("\n"));
+    let mut after = before.clone();
+    after["answer"]["new"] = json!(1);
+    assert_eq!(differences(&before, &after, None, false), [""; 0]);
+    assert_eq!(differences(&before, &after, None, true).len(), 1);
+    assert_eq!(differences(&after, &before, None, false).len(), 1);
 }
