@@ -644,6 +644,7 @@ fn entered_beyond(scene: &Scene, newton: &Newton<'_>, radius: f64, largest: f64)
     }
     let step = (STEP * scene.field.shortest_distance()).max((largest - radius) / MOST_CIRCLES);
     let circles = ((largest - radius) / step).ceil() as usize;
+    let floor = newton.floor_load();
     (0..circles).find_map(|circle| {
         let distance = largest - circle as f64 * step;
         let directions = (TAU * distance / step).ceil().clamp(12.0, MOST_DIRECTIONS);
@@ -655,7 +656,10 @@ fn entered_beyond(scene: &Scene, newton: &Newton<'_>, radius: f64, largest: f64)
             })
             .filter(|point| newton.tops.sites.clearance(*point) > 0.0)
             .collect();
-        let enters = newton.gaps(&points).iter().any(|gap| *gap < 0.0);
+        let enters = newton
+            .gaps(&points, floor.as_ref())
+            .iter()
+            .any(|gap| *gap < 0.0);
         enters.then_some(distance)
     })
 }
@@ -869,6 +873,7 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::layer::WeightedLayer;
     use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarList, PlaneLattice};
     use crate::solve::newton::tests::problem;
     use std::sync::Arc;
@@ -922,55 +927,73 @@ mod tests {
         assert!(at.floor_force > 0.2 * at.force);
     }
 
-    /// The same on a square lattice, which stands on the grid, and on a list of pillars of several radii and heights, which does not; and on a film.
-    /// None is touched in part.
-    #[test]
-    fn the_force_is_the_slope_of_the_energy_on_any_arrangement() {
+    /// The same on any arrangement, and on layers. No pillar is touched in part.
+    #[track_caller]
+    fn check_slope(field: PillarField, fineness: usize, layers: Vec<WeightedLayer>) {
+        let scene = Scene {
+            field,
+            layers,
+            ..problem()
+        };
+        let indentation = 1.5;
+        // What the difference itself is wrong by goes with its square: 2e-6 at twice the step.
+        let step = 5e-4;
+        let [before, at, after] =
+            [-step, 0.0, step].map(|by| level(&scene, indentation + by, fineness));
+        let slope = (before.energy - after.energy) / (2.0 * step);
+        let off = (slope / at.force - 1.0).abs();
+        println!("{off:e}, share {}", at.floor_force / at.force);
+        assert!(off < 1e-6, "{slope} {}", at.force);
+        assert!(at.floor_force > 0.1 * at.force);
+    }
+
+    fn film() -> WeightedLayer {
+        WeightedLayer {
+            thickness: 6.0,
+            ..crate::halfspace::layer::tests::film()
+        }
+    }
+
+    /// Pillars that stand on the grid.
+    fn square() -> PillarField {
         let body = PillarBody::of_column(0.1);
-        let listed = [
-            ([0.5, -0.3], 1.0, 0.0),
-            ([7.0, 3.0], 0.7, 0.05),
-            ([-5.0, 6.0], 1.3, -0.03),
-        ]
-        .map(|(centre, radius, raised)| ListedPillar {
+        let lattice = PlaneLattice::new([[50.0, 0.0], [0.0, 50.0]], [0.0; 2], body);
+        PillarField::Lattice(Arc::new(lattice.unwrap()))
+    }
+
+    /// Pillars that do not stand on the grid, with their radii and by how much they are raised.
+    fn three(bodies: [[f64; 2]; 3]) -> PillarField {
+        let centres = [[0.5, -0.3], [7.0, 3.0], [-5.0, 6.0]];
+        let pillar = |(centre, [radius, raised])| ListedPillar {
             centre,
             body: PillarBody {
                 radius,
                 raised,
-                ..body
+                ..PillarBody::of_column(0.1)
             },
-        });
-        let on_grid = PlaneLattice::new([[50.0, 0.0], [0.0, 50.0]], [0.0; 2], body).unwrap();
-        let on_grid = PillarField::Lattice(Arc::new(on_grid));
-        let anywhere = PillarField::Listed(Arc::new(PillarList::new(listed.to_vec()).unwrap()));
-        let film = crate::problem::layer::WeightedLayer {
-            thickness: 6.0,
-            ..crate::halfspace::layer::tests::film()
         };
-        let alike = listed.map(|pillar| ListedPillar { body, ..pillar });
-        let alike = PillarField::Listed(Arc::new(PillarList::new(alike.to_vec()).unwrap()));
-        for (field, fineness, layers) in [
-            (on_grid.clone(), 40, vec![]),
-            (anywhere, 6, vec![]),
-            (on_grid, 40, vec![film]),
-            (alike, 6, vec![film]),
-        ] {
-            let scene = Scene {
-                field,
-                layers,
-                ..problem()
-            };
-            let indentation = 1.5;
-            // What the difference itself is wrong by goes with its square: 2e-6 at twice the step.
-            let step = 5e-4;
-            let [before, at, after] =
-                [-step, 0.0, step].map(|by| level(&scene, indentation + by, fineness));
-            let slope = (before.energy - after.energy) / (2.0 * step);
-            let off = (slope / at.force - 1.0).abs();
-            println!("{off:e}, share {}", at.floor_force / at.force);
-            assert!(off < 1e-6, "{slope} {}", at.force);
-            assert!(at.floor_force > 0.1 * at.force);
-        }
+        let pillars = centres.into_iter().zip(bodies).map(pillar);
+        PillarField::Listed(Arc::new(PillarList::new(pillars.collect()).unwrap()))
+    }
+
+    #[test]
+    fn the_force_is_the_slope_of_the_energy_on_a_square_lattice() {
+        check_slope(square(), 40, vec![]);
+    }
+
+    #[test]
+    fn the_force_is_the_slope_of_the_energy_on_a_list() {
+        check_slope(three([[1.0, 0.0], [0.7, 0.05], [1.3, -0.03]]), 6, vec![]);
+    }
+
+    #[test]
+    fn the_force_is_the_slope_of_the_energy_on_a_film() {
+        check_slope(square(), 40, vec![film()]);
+    }
+
+    #[test]
+    fn the_force_is_the_slope_of_the_energy_on_a_list_on_a_film() {
+        check_slope(three([[1.0, 0.0]; 3]), 6, vec![film()]);
     }
 
     /// One state for every indentation, from any start: the fine grid's from no contact at all, and by way of coarse ones.

@@ -744,10 +744,11 @@ impl<'a> Newton<'a> {
             .collect()
     }
 
-    /// Gaps to the floor at points beside pillars, by the pressures on pillars and floor.
-    pub(crate) fn gaps(&self, points: &[Point]) -> Vec<f64> {
+    /// Gaps to the floor at points beside pillars, by the pressures on the pillars and those on the [floor](Self::floor_load). These are summed in groups,
+    /// whose making takes longer than many points do.
+    pub(crate) fn gaps(&self, points: &[Point], floor: Option<&FloorLoad>) -> Vec<f64> {
         let mut gaps = self.gaps_under_tops(points);
-        if let Some(load) = self.floor_load() {
+        if let Some(load) = floor {
             for (gap, point) in gaps.iter_mut().zip(points) {
                 *gap += load.displacement(*point);
             }

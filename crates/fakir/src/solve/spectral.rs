@@ -495,7 +495,7 @@ mod tests {
 
     #[test]
     fn forces_on_a_grid_are_those_of_all_pairs() {
-        let (scene, run) = (scene(700, 0.05), Run::default());
+        let (scene, run) = (scene(450, 0.05), Run::default());
         let (by_pairs, _) = stiffness(&scene, 4, false, false, &run);
         let (by_grid, alone) = stiffness(&scene, 4, true, false, &run);
         let (in_groups, together) = stiffness(&scene, 4, true, true, &run);

@@ -402,55 +402,62 @@ mod tests {
 
     /// `K` of the local fit over the exact one, on round contacts of which the set of cells is given: a flat punch, and a sphere at its pull-off, whose pressure
     /// and gap change the most within the window.
-    #[test]
-    fn intensities_of_round_contacts() {
+    fn check_intensities(sphere: bool) {
         let run = Run::default();
         let scene = bare(200.0);
         let division = Division::new(&scene.field, 100);
         let side = division.cell_area().sqrt();
         for radius in [5.0, 7.6, 10.0, 16.0, 31.0] {
-            for sphere in [false, true] {
-                let mut sum = [0.0; 3];
-                for k in 0..6 {
-                    let mut path = path(&scene, &run, [1.0; 2]);
-                    let centre = [0.37 * k as f64, 0.21 * k as f64].map(|x| side * x);
-                    flat_punch(&mut path, division, centre, radius * side);
-                    let floor = path.floor.as_ref().unwrap();
-                    let a = (floor.bonded() as f64 * division.cell_area() / PI).sqrt();
-                    // p = -(1 - s)/(pi sqrt(a^2 - r^2)) + ...: a sphere of curvature 1/R, pulled by delta - a^2/R = -(4/3) a^2/R at pull-off.
-                    let curvature = if sphere { 0.75 / (a * a) } else { 0.0 };
-                    if sphere {
-                        let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
-                        let unit = floor.cells.unit_cell();
-                        let tops = path.contact.tops();
-                        let loads = &mut path.contact.own_load_mut()[tops..];
-                        for (load, [x, y]) in loads.iter_mut().zip(&centres) {
-                            let r = (x - centre[0]).hypot(y - centre[1]);
-                            *load = -unit * 0.5 * curvature * (r * r - 2.0 * a * a);
-                        }
-                        path.solve_within(Source::Present, 1e-7).unwrap();
+            let mut sum = [0.0; 3];
+            for k in 0..6 {
+                let mut path = path(&scene, &run, [1.0; 2]);
+                let centre = [0.37 * k as f64, 0.21 * k as f64].map(|x| side * x);
+                flat_punch(&mut path, division, centre, radius * side);
+                let floor = path.floor.as_ref().unwrap();
+                let a = (floor.bonded() as f64 * division.cell_area() / PI).sqrt();
+                // p = -(1 - s)/(pi sqrt(a^2 - r^2)) + ...: a sphere of curvature 1/R, pulled by delta - a^2/R = -(4/3) a^2/R at pull-off.
+                let curvature = if sphere { 0.75 / (a * a) } else { 0.0 };
+                if sphere {
+                    let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
+                    let unit = floor.cells.unit_cell();
+                    let tops = path.contact.tops();
+                    let loads = &mut path.contact.own_load_mut()[tops..];
+                    for (load, [x, y]) in loads.iter_mut().zip(&centres) {
+                        let r = (x - centre[0]).hypot(y - centre[1]);
+                        *load = -unit * 0.5 * curvature * (r * r - 2.0 * a * a);
                     }
-                    let floor = path.floor.as_mut().unwrap();
-                    let scale = floor.cells.unit_cell().recip();
-                    let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
-                    let loads = path.contact.floor_load();
-                    floor.fronts.measure(floor.cells.bears(), loads, pressures);
-                    // Both at delta - a^2/R = -1: K = sqrt(2 pi) lim p sqrt(x) = 1/sqrt(pi a).
-                    let exact = 1.0 / (PI * a).sqrt();
-                    for (_, k) in floor.fronts.intensities(floor.cells.bears()) {
-                        let ratio = k / exact;
-                        sum[0] += 1.0;
-                        sum[1] += ratio;
-                        sum[2] += ratio * ratio;
-                    }
+                    path.solve_within(Source::Present, 1e-7).unwrap();
                 }
-                let mean = sum[1] / sum[0];
-                let deviation = (sum[2] / sum[0] - mean * mean).sqrt();
-                println!("{radius} cells, sphere {sphere}: K {mean:.4} +- {deviation:.3}");
-                assert!((mean - 1.0).abs() < 0.02, "{radius}: {mean}");
-                assert!(deviation < 0.05, "{radius}: {deviation}");
+                let floor = path.floor.as_mut().unwrap();
+                let scale = floor.cells.unit_cell().recip();
+                let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
+                let loads = path.contact.floor_load();
+                floor.fronts.measure(floor.cells.bears(), loads, pressures);
+                // Both at delta - a^2/R = -1: K = sqrt(2 pi) lim p sqrt(x) = 1/sqrt(pi a).
+                let exact = 1.0 / (PI * a).sqrt();
+                for (_, k) in floor.fronts.intensities(floor.cells.bears()) {
+                    let ratio = k / exact;
+                    sum[0] += 1.0;
+                    sum[1] += ratio;
+                    sum[2] += ratio * ratio;
+                }
             }
+            let mean = sum[1] / sum[0];
+            let deviation = (sum[2] / sum[0] - mean * mean).sqrt();
+            println!("{radius} cells, sphere {sphere}: K {mean:.4} +- {deviation:.3}");
+            assert!((mean - 1.0).abs() < 0.02, "{radius}: {mean}");
+            assert!(deviation < 0.05, "{radius}: {deviation}");
         }
+    }
+
+    #[test]
+    fn intensities_of_flat_punches() {
+        check_intensities(false);
+    }
+
+    #[test]
+    fn intensities_of_spheres() {
+        check_intensities(true);
     }
 
     /// A sphere on a flat floor that sticks (Johnson, Kendall & Roberts): pull-off `1.5 pi w R`.
@@ -495,14 +502,11 @@ mod tests {
         ]
     }
 
-    #[test]
-    fn sphere_on_a_flat_floor() {
-        let cases = [
-            (50.0, [1.0; 2], 0.01),
-            (25.0, [1.0; 2], 0.03),
-            (12.0, [1.0; 2], 0.03),
-            (12.0, [1.0 / 3.0, 1.0], 0.03),
-        ];
+    /// Cells along the radius without load, works of adhesion over that, and by how much the pull-off may be wrong.
+    type SphereCase = (f64, [f64; 2], f64);
+
+    #[track_caller]
+    fn check_spheres(cases: &[SphereCase]) {
         cases.par_iter().for_each(|(cells, works, tolerance)| {
             let [jump, pull_off, dissipated] = sphere(*cells, *works);
             println!("{cells} cells: jump {jump}, pull-off {pull_off}, {dissipated}");
@@ -510,6 +514,22 @@ mod tests {
             assert!((pull_off - 1.0).abs() < *tolerance, "{cells}: {pull_off}");
             assert!((dissipated - 1.0).abs() < 1e-3, "{cells}: {dissipated}");
         });
+    }
+
+    #[test]
+    fn sphere_on_a_flat_floor() {
+        check_spheres(&[(12.0, [1.0; 2], 0.03)]);
+    }
+
+    #[test]
+    fn sphere_that_is_harder_to_part_than_to_join() {
+        check_spheres(&[(12.0, [1.0 / 3.0, 1.0], 0.03)]);
+    }
+
+    #[test]
+    #[ignore = "slow: 25 and 50 cells along the radius beyond 12, on which the pull-off is right to 1 %"]
+    fn sphere_on_a_finely_divided_floor() {
+        check_spheres(&[(50.0, [1.0; 2], 0.01), (25.0, [1.0; 2], 0.03)]);
     }
 
     /// A free ring round a pillar in a floor that is stuck to a flat lens: `K` against the closed form.
@@ -613,15 +633,25 @@ mod tests {
         assert!((force / mixed.force - 1.0).abs() < 1e-4);
     }
 
-    /// The whole cycle at 10 mJ/m^2 against an independent program, from 1.5 times the critical indentation: `floor_adhesion.csv`, its row of
-    /// phi = 0.03 with the bars that it gives.
-    #[test]
-    fn a_cycle_is_that_of_an_independent_program() {
-        let system = reference::intermediate(0.03);
-        let scene = Scene::new(&system);
-        let run = Run::default();
+    #[track_caller]
+    fn assert_near(what: &str, found: f64, expected: f64, bar: f64) {
+        println!("{what}: {found:e} {expected:e}");
+        assert!(
+            (found / expected - 1.0).abs() < bar,
+            "{what}: {found} {expected}"
+        );
+    }
+
+    /// Area of the floor that is stuck, um^2.
+    fn stuck_area(path: &Path<'_>) -> f64 {
+        path.floor_station().unwrap().area * (path.scene.length * 1e6).powi(2)
+    }
+
+    /// The paper's system of phi = 0.03 at 10 mJ/m^2 beside an independent program, as far as the jump to the floor, with the indentation before
+    /// that: `floor_adhesion.csv`, with the bars that it gives.
+    fn after_the_jump<'a>(scene: &'a Scene, run: &'a Run<'a>) -> (Path<'a>, f64) {
         let w = 0.01 / (scene.pressure * scene.length);
-        let mut path = path(&scene, &run, [w; 2]);
+        let mut path = path(scene, run, [w; 2]);
         let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
             panic!("the floor is reached");
         };
@@ -630,38 +660,45 @@ mod tests {
         let division = path.stuck_division(Accuracy::Default, 4.0e-6 / scene.length, f64::INFINITY);
         path.stick(lowest, division, 2.0 * scene.field.spacing())
             .unwrap();
-        let newton = scene.force();
-        let um = scene.length * 1e6;
-        let near = |what: &str, found: f64, expected: f64, bar: f64| {
-            println!("{what}: {found:e} {expected:e}");
-            assert!(
-                (found / expected - 1.0).abs() < bar,
-                "{what}: {found} {expected}"
-            );
-        };
-        let of_floor = |path: &Path<'_>| path.floor_station().unwrap();
         // At this work the jump ends on a barrier between rings of holes: 36 filled, and 0.3089 mN, or 24 and 0.333 mN at a work 10 % lower, which is
         // about what the models of the fronts differ by.
-        let jumped = path.force() * newton;
+        let jumped = path.force() * scene.force();
         println!("jump: {jumped:e}");
         assert!((3.05e-4..3.37e-4).contains(&jumped), "{jumped:e}");
-        let holes = of_floor(&path).holes;
+        let holes = path.floor_station().unwrap().holes;
         assert!((24..=36).contains(&holes), "{holes}");
-        near("area", of_floor(&path).area * um * um, 13740.0, 0.25);
+        assert_near("area", stuck_area(&path), 13740.0, 0.25);
+        (path, critical)
+    }
+
+    #[test]
+    fn the_jump_is_that_of_an_independent_program() {
+        let scene = Scene::new(&reference::intermediate(0.03));
+        after_the_jump(&scene, &Run::default());
+    }
+
+    #[test]
+    #[ignore = "slow: the whole cycle, from 1.5 times the critical indentation, beyond its jump"]
+    fn a_cycle_is_that_of_an_independent_program() {
+        let scene = Scene::new(&reference::intermediate(0.03));
+        let run = Run::default();
+        let (mut path, critical) = after_the_jump(&scene, &run);
+        let newton = scene.force();
         for (part, force, area) in [(1.2, 4.694e-4, 18928.0), (1.5, 7.302e-4, 28256.0)] {
             path.go(Course::Loading, End::Indentation(part * critical), false)
                 .unwrap();
-            near("force", path.force() * newton, force, 0.01);
-            near("area", of_floor(&path).area * um * um, area, 0.1);
+            assert_near("force", path.force() * newton, force, 0.01);
+            assert_near("area", stuck_area(&path), area, 0.1);
         }
         path.go(Course::Unloading, End::Separation, false).unwrap();
         let last = path.stations.iter().rfind(|s| s.floor.is_some()).unwrap();
-        near("lost", last.indentation * um, 2.28, 0.08 / 2.28);
+        let lost = last.indentation * scene.length * 1e6;
+        assert_near("lost", lost, 2.28, 0.08 / 2.28);
         let pull = path.stations.iter().map(|s| s.force).fold(0.0, f64::min);
-        near("pull-off", pull * newton, -1.4593e-5, 0.05);
+        assert_near("pull-off", pull * newton, -1.4593e-5, 0.05);
         let energies = path.energies;
         let joule = newton * scene.length;
-        near("loop", energies.work * joule, 1.66e-10, 0.15);
-        near("dissipated", energies.dissipation, energies.work, 1e-3);
+        assert_near("loop", energies.work * joule, 1.66e-10, 0.15);
+        assert_near("dissipated", energies.dissipation, energies.work, 1e-3);
     }
 }

@@ -516,62 +516,83 @@ impl Convolution {
 
 #[cfg(test)]
 mod tests {
-    use super::BYTES_PER_POINT;
-    use super::SolveError;
+    use super::{BYTES_PER_POINT, Fields, SolveError};
     use crate::problem::{Control, Method, PillarCompliance, Point};
     use crate::state::Run;
     use crate::theory::reference;
+    use std::sync::Arc;
+
+    /// Under so many pillars or more.
+    fn fields(surface_fraction: f64, offset: f64, touched: usize) -> Arc<Fields> {
+        let lattice = reference::lattice(surface_fraction).offset_by(offset);
+        let compliance = PillarCompliance::Column;
+        let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
+        let load = Control::Indentation(4e-6);
+        let state = crate::press(&system, load, Method::default(), &Run::default()).unwrap();
+        assert!(state.pillars_in_contact > touched);
+        state.fields.unwrap()
+    }
 
     /// Fields at many points against the same fields point by point, on and beside pillars, in
     /// and out of contact, with pillars the contact edge crosses.
+    #[track_caller]
+    fn check_points(fields: &Fields) {
+        let points: Vec<Point> = (0..12_000)
+            .map(|k| {
+                let (radius, angle) = (1e-8 * f64::from(k), 2.4 * f64::from(k));
+                [radius * angle.cos(), radius * angle.sin()]
+            })
+            .collect();
+        let samples = fields.sample(&points, &Run::default()).unwrap();
+        let size = fields.displacement([0.0, 0.0]);
+        // With no memory to spare pillars are summed one by one.
+        let little = Run {
+            memory_limit: Some(points.len() * BYTES_PER_POINT),
+            ..Run::default()
+        };
+        let summed = fields.sample(&points, &little).unwrap();
+        assert!(samples.displacement != summed.displacement);
+        for (k, point) in points.iter().enumerate().take(1000) {
+            let displacement = fields.displacement(*point);
+            assert_eq!(summed.displacement[k].to_bits(), displacement.to_bits());
+        }
+        for (k, point) in points.iter().enumerate().step_by(11) {
+            let displacement = fields.displacement(*point);
+            assert!((samples.displacement[k] - displacement).abs() < 1e-10 * size);
+            assert!((samples.gap[k] - fields.gap(*point)).abs() < 1e-10 * size);
+            assert_eq!(
+                samples.pressure[k].to_bits(),
+                fields.pressure(*point).to_bits()
+            );
+        }
+    }
+
     #[test]
     fn many_points_agree_with_single_ones() {
+        check_points(&fields(0.1, 0.3, 100));
+    }
+
+    #[test]
+    fn many_points_between_many_pillars_agree_with_single_ones() {
+        check_points(&fields(0.4, 0.0, 300));
+    }
+
+    #[test]
+    fn too_many_points_are_refused() {
+        let fields = fields(0.03, 0.0, 20);
         let little = Run {
             memory_limit: Some(40_000 * BYTES_PER_POINT),
             ..Run::default()
         };
-        for (surface_fraction, offset, touched) in [(0.1, 0.3, 100), (0.4, 0.0, 300)] {
-            let lattice = reference::lattice(surface_fraction).offset_by(offset);
-            let compliance = PillarCompliance::Column;
-            let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
-            let load = Control::Indentation(4e-6);
-            let run = Run::default();
-            let state = crate::press(&system, load, Method::default(), &run).unwrap();
-            assert!(state.pillars_in_contact > touched);
-            let fields = state.fields.unwrap();
-            let points: Vec<Point> = (0..40_000)
-                .map(|k| {
-                    let (radius, angle) = (1e-9 * f64::from(k) * 3.0, 2.4 * f64::from(k));
-                    [radius * angle.cos(), radius * angle.sin()]
-                })
-                .collect();
-            let samples = fields.sample(&points, &run).unwrap();
-            let size = fields.displacement([0.0, 0.0]);
-            // With no memory to spare pillars are summed one by one.
-            let summed = fields.sample(&points, &little).unwrap();
-            for (k, point) in points.iter().enumerate().take(1000) {
-                let displacement = fields.displacement(*point);
-                assert_eq!(summed.displacement[k].to_bits(), displacement.to_bits());
-            }
-            let refused = fields.sample(&[&points[..], &[[0.0; 2]]].concat(), &little);
-            let told = refused.unwrap_err().to_string();
-            assert_eq!(
-                told,
-                "fields at 40001 points take 3.2 MB of memory; the limit is 3.2 MB: raise the limit, or \
-                 ask for at most 40000 points, such as 200 by 200"
-            );
-            let many = vec![0.0; 100_000];
-            let refused = fields.on_grid(&many, &many, &run);
-            assert!(matches!(refused, Err(SolveError::TooManyPoints { .. })));
-            for (k, point) in points.iter().enumerate().step_by(37) {
-                let displacement = fields.displacement(*point);
-                assert!((samples.displacement[k] - displacement).abs() < 1e-10 * size);
-                assert!((samples.gap[k] - fields.gap(*point)).abs() < 1e-10 * size);
-                assert_eq!(
-                    samples.pressure[k].to_bits(),
-                    fields.pressure(*point).to_bits()
-                );
-            }
-        }
+        let refused = fields.sample(&vec![[0.0; 2]; 40_001], &little);
+        let told = refused.unwrap_err().to_string();
+        assert_eq!(
+            told,
+            "fields at 40001 points take 3.2 MB of memory; the limit is 3.2 MB: raise the limit, or \
+             ask for at most 40000 points, such as 200 by 200"
+        );
+        let many = vec![0.0; 100_000];
+        let refused = fields.on_grid(&many, &many, &Run::default());
+        assert!(matches!(refused, Err(SolveError::TooManyPoints { .. })));
     }
 }

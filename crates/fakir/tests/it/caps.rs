@@ -205,12 +205,22 @@ fn random_caps(draws: &mut Draws, count: usize, side: f64) -> Vec<(Point, f64, f
     caps
 }
 
-/// Plates and spheres on random caps: every question has an answer or a reason, and the answer by displacement is that by force.
 #[test]
 fn random_fields_are_solved_or_refused() {
+    check_random_fields(30);
+}
+
+#[test]
+#[ignore = "slow: 50 fields more"]
+fn many_random_fields_are_solved_or_refused() {
+    check_random_fields(80);
+}
+
+/// Plates and spheres on random caps: every question has an answer or a reason, and the answer by displacement is that by force.
+fn check_random_fields(fields: usize) {
     let mut draws = Draws::new(5);
     let (mut solved, mut merged, mut steps) = (0, 0, 0);
-    for number in 0..80 {
+    for number in 0..fields {
         let count = draws.between(2.0, 30.0) as usize;
         let side = draws.between(6.0, 14.0) * (count as f64).sqrt();
         let radius = if number % 2 == 0 {
@@ -229,11 +239,8 @@ fn random_fields_are_solved_or_refused() {
                 if contact.force == 0.0 {
                     continue;
                 }
-                let error = contact.error;
-                assert!(
-                    error.is_some_and(|error| error.force < 1e-2),
-                    "{number}: {error:?}"
-                );
+                let error = contact.error.expect("an estimate");
+                assert!(error.force < 1e-2, "{number}: {error:?}");
                 let back = press(&field, Control::Force(contact.force), Accuracy::Default);
                 assert!((back.indentation - zeta).abs() < 1e-9 * UM, "{number}");
                 assert!((back.area / contact.area - 1.0).abs() < 1e-9, "{number}");
@@ -241,8 +248,8 @@ fn random_fields_are_solved_or_refused() {
                     "{number}: {count} caps, {} touched, R {radius:.0}, {} steps, {:.1e} {:.1e}",
                     contact.touched(),
                     contact.iterations,
-                    error.unwrap().force,
-                    error.unwrap().area
+                    error.force,
+                    error.area
                 );
             }
             Err(SolveError::ContactsMerge { indentation, .. }) => {
@@ -257,7 +264,7 @@ fn random_fields_are_solved_or_refused() {
         }
     }
     println!("{solved} solved, {merged} merged, at most {steps} steps");
-    assert!(solved > 50, "{solved} {merged}");
+    assert!(8 * solved > 5 * fields, "{solved} {merged}");
 }
 
 /// Small spheres on flat caps, which are tilted by more than their contacts are wide.
@@ -453,50 +460,56 @@ fn heights_of(caps: &[(Point, f64, f64)], [x, y]: Point) -> f64 {
     heights.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// On seven caps and on random ones, with the error of elements on each cap alone taken off: cells are in the same places on each.
 #[test]
-fn caps_are_those_of_elements() {
-    let on_cells = |caps: Vec<(Point, f64, f64)>| -> Vec<(Point, f64, f64)> {
-        let round = |x: f64| (4.0 * x).round() / 4.0;
-        caps.into_iter()
-            .map(|(place, radius, raised)| (place.map(round), radius, raised))
-            .collect()
-    };
-    for (caps, radius, half, cell, tolerance) in [
-        (on_cells(seven(30.0)), f64::INFINITY, 42.0, 0.125, 1e-5),
-        (on_cells(random_seven()), f64::INFINITY, 46.0, 0.125, 6e-5),
-        // Ovals: another program differs from elements by 4.1e-4 too.
-        (on_cells(seven(24.0)), 400.0, 50.0, 0.125, 5e-4),
-    ] {
-        let field = field(indenter(radius), &caps);
-        let contact = press(&field, Control::Indentation(UM), Accuracy::Accurate);
-        let surface = cells(half, cell, |at| heights_of(&caps, at));
-        let found = by_elements(radius, surface, 1.0);
-        let mut bias = [0.0; 2];
-        let touched = caps.iter().zip(&contact.caps);
-        for (cap, state) in touched.filter(|(_, state)| state.force > 0.0) {
-            let radius = state.radius / UM;
-            let overlap = radius * radius / cap.1;
-            let alone = [([0.0, 0.0], cap.1, 0.0)];
-            let surface = cells(radius + 2.0, cell, |at| heights_of(&alone, at));
-            let [force, area] = by_elements(f64::INFINITY, surface, overlap);
-            let hertz = 4.0 / 3.0 * cap.1.sqrt() * overlap.powf(1.5);
-            bias[0] += (force / hertz - 1.0) * state.force / contact.force;
-            let part = PI * state.radius * state.radius / contact.area;
-            bias[1] += (area / (PI * radius * radius) - 1.0) * part;
-        }
-        let estimate = contact.error.expect("an estimate");
-        let error = found[0] / (1.0 + bias[0]) / (contact.force / FORCE) - 1.0;
-        let of_area = found[1] / (1.0 + bias[1]) / (contact.area / FORCE) - 1.0;
-        println!("by elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
-        assert!(error.abs() < tolerance, "{error}");
-        assert!(error.abs() < estimate.force + 3e-5, "{error} {estimate:?}");
-        // Whole cells are in contact or not.
-        assert!(
-            of_area.abs() < estimate.area + 2e-3,
-            "{of_area} {estimate:?}"
-        );
+fn seven_caps_are_those_of_elements() {
+    check_by_elements(seven(30.0), f64::INFINITY, 42.0, 1e-5);
+}
+
+#[test]
+fn random_caps_are_those_of_elements() {
+    check_by_elements(random_seven(), f64::INFINITY, 46.0, 6e-5);
+}
+
+#[test]
+fn ovals_are_those_of_elements() {
+    // Another program differs from elements by 4.1e-4 too.
+    check_by_elements(seven(24.0), 400.0, 50.0, 5e-4);
+}
+
+/// With the error of elements on each cap alone taken off: cells are in the same places on each.
+fn check_by_elements(mut caps: Vec<(Point, f64, f64)>, radius: f64, half: f64, tolerance: f64) {
+    for (place, _, _) in &mut caps {
+        *place = place.map(|x| (4.0 * x).round() / 4.0);
     }
+    let cell = 0.125;
+    let field = field(indenter(radius), &caps);
+    let contact = press(&field, Control::Indentation(UM), Accuracy::Accurate);
+    let surface = cells(half, cell, |at| heights_of(&caps, at));
+    let found = by_elements(radius, surface, 1.0);
+    let mut bias = [0.0; 2];
+    let touched = caps.iter().zip(&contact.caps);
+    for (cap, state) in touched.filter(|(_, state)| state.force > 0.0) {
+        let radius = state.radius / UM;
+        let overlap = radius * radius / cap.1;
+        let alone = [([0.0, 0.0], cap.1, 0.0)];
+        let surface = cells(radius + 2.0, cell, |at| heights_of(&alone, at));
+        let [force, area] = by_elements(f64::INFINITY, surface, overlap);
+        let hertz = 4.0 / 3.0 * cap.1.sqrt() * overlap.powf(1.5);
+        bias[0] += (force / hertz - 1.0) * state.force / contact.force;
+        let part = PI * state.radius * state.radius / contact.area;
+        bias[1] += (area / (PI * radius * radius) - 1.0) * part;
+    }
+    let estimate = contact.error.expect("an estimate");
+    let error = found[0] / (1.0 + bias[0]) / (contact.force / FORCE) - 1.0;
+    let of_area = found[1] / (1.0 + bias[1]) / (contact.area / FORCE) - 1.0;
+    println!("by elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
+    assert!(error.abs() < tolerance, "{error}");
+    assert!(error.abs() < estimate.force + 3e-5, "{error} {estimate:?}");
+    // Whole cells are in contact or not.
+    assert!(
+        of_area.abs() < estimate.area + 2e-3,
+        "{of_area} {estimate:?}"
+    );
 }
 
 /// A cap on which the contact has grown to the rim: `F = 2 a zeta - 2 a^3/(3 rho)`, as the displacement of a flat punch under the paraboloid.

@@ -95,12 +95,15 @@ fn points_on(pillar: &PillarState) -> impl Iterator<Item = Point> {
 
 #[test]
 fn no_pressure_where_the_gap_is_open_and_the_force_is_kept() {
+    const MOST: usize = 8;
     for (surface_fraction, offset) in [(0.01, 0.3), (0.03, 0.0), (0.03, 0.4), (0.1, 0.0)] {
         let state = critical(&system(surface_fraction, offset, 20.0), Method::default()).contact;
         let fields = fields(&state);
         let partial = |pillar: &&PillarState| pillar.status == PillarStatus::Partial;
         assert!(state.pillars_partially_in_contact > 0);
-        for pillar in state.pillars.iter().filter(partial) {
+        // Some of them, from the nearest to the farthest.
+        let every = state.pillars_partially_in_contact.div_ceil(MOST);
+        for pillar in state.pillars.iter().filter(partial).step_by(every) {
             let gaps: Vec<f64> = points_on(pillar).map(|point| fields.gap(point)).collect();
             let widest = gaps.iter().copied().fold(0.0, f64::max);
             for (point, gap) in points_on(pillar).zip(&gaps) {

@@ -442,7 +442,11 @@ fn profiles_of_a_sphere_are_the_sphere() {
     println!("{away:?}");
     assert!(away[0] < 1e-3 && away[2] < 1e-6, "{away:?}");
     assert!(away[0] / away[2] > 60.0, "{away:?}");
-    // On the hexagonal lattice, with the floor.
+}
+
+/// On the hexagonal lattice, with the floor.
+#[test]
+fn a_profile_of_a_sphere_meets_the_floor_as_the_sphere() {
     let lattice = HexagonalLattice::new(30e-6).offset_by(0.2);
     let critical = |shape: LensShape| {
         let system = system(shape, lattice);

@@ -380,7 +380,17 @@ fn check<S: Strategy>(
 
 #[test]
 fn pressed_contacts_meet_the_contact_conditions() {
-    check(400, &indented(), 0.9, |(system, indentation), tally| {
+    check_pressed(100);
+}
+
+#[test]
+#[ignore = "slow: four times as many cases"]
+fn many_pressed_contacts_meet_the_contact_conditions() {
+    check_pressed(400);
+}
+
+fn check_pressed(number: u32) {
+    check(number, &indented(), 0.9, |(system, indentation), tally| {
         let press = |system: &System| {
             let load = Control::Indentation(indentation);
             solution(fakir::press(
@@ -409,66 +419,91 @@ fn pressed_contacts_meet_the_contact_conditions() {
 
 #[test]
 fn prescribed_forces_are_met() {
+    check_forces(80);
+}
+
+#[test]
+#[ignore = "slow: five times as many cases"]
+fn many_prescribed_forces_are_met() {
+    check_forces(400);
+}
+
+fn check_forces(number: u32) {
     let loaded = (indented(), log_uniform(1e-3, 1.0));
-    check(400, &loaded, 0.8, |((system, indentation), part), tally| {
-        let press = |load| {
-            solution(fakir::press(
-                &system,
-                load,
-                Method::default(),
-                &Run::default(),
-            ))
-        };
-        let Some(deep) = press(Control::Indentation(indentation))? else {
-            count(&tally.refused);
-            return Ok(());
-        };
-        let force = part * deep.force.max(0.0);
-        let Some(state) = press(Control::Force(force))? else {
-            count(&tally.refused);
-            return Ok(());
-        };
-        check_numbers(&state)?;
-        if force <= 0.0 {
-            // The lens has just come down to the first pillar.
-            count(&tally.refused);
-            return Ok(());
-        }
-        if !tally.counts(&deep, 0.0) || !tally.counts(&state, state.error.indentation) {
-            return Ok(());
-        }
-        prop_assert!(
-            (state.force / force - 1.0).abs() <= 1e-9,
-            "{}",
-            summary(&state)
-        );
-        let slack = 1.0 + state.error.indentation + deep.error.force;
-        prop_assert!(
-            state.indentation <= slack * deep.indentation,
-            "{}",
-            summary(&state)
-        );
-        if let Some(back) = press(Control::Indentation(state.indentation))? {
-            if !tally.counts(&back, 0.0) {
+    check(
+        number,
+        &loaded,
+        0.8,
+        |((system, indentation), part), tally| {
+            let press = |load| {
+                solution(fakir::press(
+                    &system,
+                    load,
+                    Method::default(),
+                    &Run::default(),
+                ))
+            };
+            let Some(deep) = press(Control::Indentation(indentation))? else {
+                count(&tally.refused);
+                return Ok(());
+            };
+            let force = part * deep.force.max(0.0);
+            let Some(state) = press(Control::Force(force))? else {
+                count(&tally.refused);
+                return Ok(());
+            };
+            check_numbers(&state)?;
+            if force <= 0.0 {
+                // The lens has just come down to the first pillar.
+                count(&tally.refused);
                 return Ok(());
             }
-            // At the very touch of one more pillar, both with and without it is a solution.
-            let error = 1e-7 + back.error.force + 2.0 * state.error.indentation;
+            if !tally.counts(&deep, 0.0) || !tally.counts(&state, state.error.indentation) {
+                return Ok(());
+            }
             prop_assert!(
-                same_force(&state, &back, error),
-                "{:e}: {}",
-                back.force,
+                (state.force / force - 1.0).abs() <= 1e-9,
+                "{}",
                 summary(&state)
             );
-        }
-        count(&tally.checked);
-        Ok(())
-    });
+            let slack = 1.0 + state.error.indentation + deep.error.force;
+            prop_assert!(
+                state.indentation <= slack * deep.indentation,
+                "{}",
+                summary(&state)
+            );
+            if let Some(back) = press(Control::Indentation(state.indentation))? {
+                if !tally.counts(&back, 0.0) {
+                    return Ok(());
+                }
+                // At the very touch of one more pillar, both with and without it is a solution.
+                let error = 1e-7 + back.error.force + 2.0 * state.error.indentation;
+                prop_assert!(
+                    same_force(&state, &back, error),
+                    "{:e}: {}",
+                    back.force,
+                    summary(&state)
+                );
+            }
+            count(&tally.checked);
+            Ok(())
+        },
+    );
 }
 
 #[test]
 fn critical_states_just_reach_the_floor() {
-    check(250, &textures(), 0.9, |system, tally| {
+    check_critical(80);
+}
+
+#[test]
+#[ignore = "slow: three times as many cases"]
+fn many_critical_states_just_reach_the_floor() {
+    check_critical(250);
+}
+
+fn check_critical(number: u32) {
+    check(number, &textures(), 0.9, |system, tally| {
         let transition = |system: &System| {
             solution(fakir::transition(
                 system,

@@ -623,19 +623,25 @@ mod tests {
             let forces = numbers(operator.len());
             let found = applied(&mut operator, &forces);
             let points = operator.interactions.points.clone();
-            let size = 2.0 / across as f64;
-            let scale = |cell: usize| grids[cell / cells.len()].1;
+            // A force on a cell of the size of that of either.
+            let squares: Vec<(Rectangle, f64)> = grids
+                .iter()
+                .map(|(_, scale)| {
+                    let side = 2.0 / across as f64 * scale;
+                    (Rectangle::new(side, side), scale * scale)
+                })
+                .collect();
             let (mut most, mut largest) = (0.0_f64, 0.0_f64);
             for (i, [x, y]) in points.iter().enumerate() {
                 let sum: f64 = points
                     .iter()
                     .enumerate()
                     .map(|(j, [u, v])| {
-                        let of = |scale: f64| {
-                            let side = size * scale;
-                            Rectangle::new(side, side).potential(x - u, y - v) / (scale * scale)
+                        let of = |cell: usize| {
+                            let (square, area) = &squares[cell / cells.len()];
+                            square.potential(x - u, y - v) / area
                         };
-                        0.5 * forces[j] * (of(scale(i)) + of(scale(j)))
+                        0.5 * forces[j] * (of(i) + of(j))
                     })
                     .sum();
                 let exact = COMPLIANCE / PI * sum;

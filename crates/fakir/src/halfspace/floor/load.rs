@@ -183,12 +183,20 @@ impl FloorLoad {
 
 impl Groups {
     /// With nodes or without.
-    fn new(mut cells: Vec<(Point, f64)>, cell: [f64; 2], with_nodes: bool) -> Self {
-        let mut groups = Vec::new();
-        let count = cells.len();
+    fn new(cells: Vec<(Point, f64)>, cell: [f64; 2], with_nodes: bool) -> Self {
+        let mut building = Building {
+            quadrature: quadrature(cell),
+            cell,
+            groups: Vec::new(),
+            cells,
+        };
+        let count = building.cells.len();
         if count > 0 {
-            Self::divide(&mut cells, 0, count, cell, &mut groups);
+            building.divide(0, count);
         }
+        let Building {
+            mut groups, cells, ..
+        } = building;
         if with_nodes {
             for group in 0..groups.len() {
                 if let Parts::Cells { .. } = groups[group].parts {
@@ -198,44 +206,6 @@ impl Groups {
             }
         }
         Self { cells, groups }
-    }
-
-    /// Makes the group of a range of cells and its parts; its place.
-    fn divide(
-        cells: &mut [(Point, f64)],
-        first: usize,
-        end: usize,
-        cell: [f64; 2],
-        groups: &mut Vec<Group>,
-    ) -> usize {
-        let place = groups.len();
-        let own = &mut cells[first..end];
-        let bounds = |k: usize| {
-            own.iter().fold(
-                (f64::INFINITY, f64::NEG_INFINITY),
-                |(low, high), (at, _)| (low.min(at[k]), high.max(at[k])),
-            )
-        };
-        let bounds = [bounds(0), bounds(1)];
-        let centre = bounds.map(|(low, high)| 0.5 * (low + high));
-        let sides = [0, 1].map(|k| bounds[k].1 - bounds[k].0 + cell[k]);
-        let radius = 0.5 * sides[0].hypot(sides[1]);
-        groups.push(Group {
-            centre,
-            radius,
-            multipoles: multipoles(own, centre, radius, cell),
-            parts: Parts::Cells { first, end },
-            nodes: Vec::new(),
-        });
-        if end - first > FEW_CELLS {
-            let along = usize::from(sides[1] > sides[0]);
-            let middle = own.len() / 2;
-            own.select_nth_unstable_by(middle, |a, b| a.0[along].total_cmp(&b.0[along]));
-            let low = Self::divide(cells, first, first + middle, cell, groups);
-            let high = Self::divide(cells, first + middle, end, cell, groups);
-            groups[place].parts = Parts::Halves([low, high]);
-        }
-        place
     }
 
     /// Pressures at Chebyshev nodes of the square about a group, from those of its cells.
@@ -320,6 +290,150 @@ impl Groups {
     }
 }
 
+/// Groups in the making.
+struct Building {
+    /// Sides of a cell, and the points that stand for it about its centre, with the part of its force on each, times its area.
+    cell: [f64; 2],
+    quadrature: Vec<(Point, f64)>,
+    cells: Vec<(Point, f64)>,
+    groups: Vec<Group>,
+}
+
+impl Building {
+    /// Makes the group of a range of cells and its parts; its place and its moments, in units of its radius.
+    fn divide(&mut self, first: usize, end: usize) -> (usize, Moments) {
+        let place = self.groups.len();
+        let own = &mut self.cells[first..end];
+        let bounds = |k: usize| {
+            own.iter().fold(
+                (f64::INFINITY, f64::NEG_INFINITY),
+                |(low, high), (at, _)| (low.min(at[k]), high.max(at[k])),
+            )
+        };
+        let bounds = [bounds(0), bounds(1)];
+        let centre = bounds.map(|(low, high)| 0.5 * (low + high));
+        let sides = [0, 1].map(|k| bounds[k].1 - bounds[k].0 + self.cell[k]);
+        let radius = 0.5 * sides[0].hypot(sides[1]);
+        self.groups.push(Group {
+            centre,
+            radius,
+            multipoles: [Complex64::default(); MULTIPOLES],
+            parts: Parts::Cells { first, end },
+            nodes: Vec::new(),
+        });
+        let mut moments = Moments::default();
+        if end - first > FEW_CELLS {
+            let along = usize::from(sides[1] > sides[0]);
+            let middle = own.len() / 2;
+            own.select_nth_unstable_by(middle, |a, b| a.0[along].total_cmp(&b.0[along]));
+            let halves = [(first, first + middle), (first + middle, end)].map(|(first, end)| {
+                let (half, of_half) = self.divide(first, end);
+                let Group {
+                    centre: from,
+                    radius: unit,
+                    ..
+                } = self.groups[half];
+                let shift = [0, 1].map(|k| (from[k] - centre[k]) / radius);
+                moments.add(&of_half.moved(unit / radius, shift));
+                half
+            });
+            self.groups[place].parts = Parts::Halves(halves);
+        } else {
+            for ([x, y], pressure) in own {
+                for ([u, v], weight) in &self.quadrature {
+                    let at = [(*x + u - centre[0]) / radius, (*y + v - centre[1]) / radius];
+                    moments.add_force(weight * *pressure, at);
+                }
+            }
+        }
+        self.groups[place].multipoles = moments.multipoles();
+        (place, moments)
+    }
+}
+
+/// Points that stand for a cell about its centre, with weights whose sum is its area.
+fn quadrature([width, height]: [f64; 2]) -> Vec<(Point, f64)> {
+    let rule = gauss_legendre(3);
+    let point = |(u, weight_u): (f64, f64), (v, weight_v): (f64, f64)| {
+        let weight = 0.25 * weight_u * weight_v * width * height;
+        ([0.5 * u * width, 0.5 * v * height], weight)
+    };
+    let rows = rule.iter();
+    rows.flat_map(|u| rule.iter().map(move |v| point(*u, *v)))
+        .collect()
+}
+
+/// Sums of `p z^a conj(z)^b` over forces `p` at `z = x + i y`, in row `a` and column `b`, as far as `a + b` is less than the number of degrees.
+#[derive(Default)]
+struct Moments([[Complex64; DEGREES]; DEGREES]);
+
+impl Moments {
+    fn add_force(&mut self, force: f64, [x, y]: Point) {
+        let z = Complex64::new(x, y);
+        let mut row = Complex64::from(force);
+        for (a, moments) in self.0.iter_mut().enumerate() {
+            let mut power = row;
+            for moment in &mut moments[..DEGREES - a] {
+                *moment += power;
+                power *= z.conj();
+            }
+            row *= z;
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        for (own, other) in self.0.iter_mut().flatten().zip(other.0.iter().flatten()) {
+            *own += other;
+        }
+    }
+
+    /// With all places multiplied by a factor and then shifted: the powers of `factor z + shift` by the binomial theorem.
+    fn moved(mut self, factor: f64, [x, y]: Point) -> Self {
+        let shift = Complex64::new(x, y);
+        for (a, row) in self.0.iter_mut().enumerate() {
+            for (b, moment) in row[..DEGREES - a].iter_mut().enumerate() {
+                *moment *= factor.powi((a + b) as i32);
+            }
+            // Pascal's triangle: after `k` rounds the powers are those of `(z + shift)^k z^(b - k)`.
+            for k in 1..DEGREES - a {
+                for b in (k..DEGREES - a).rev() {
+                    row[b] += shift.conj() * row[b - 1];
+                }
+            }
+        }
+        for k in 1..DEGREES {
+            for a in (k..DEGREES).rev() {
+                let (below, from) = self.0.split_at_mut(a);
+                for (moment, lower) in from[0][..DEGREES - a].iter_mut().zip(&below[a - 1]) {
+                    *moment += shift * lower;
+                }
+            }
+        }
+        self
+    }
+
+    /// The multipoles with their factors: by degree, by rising order.
+    fn multipoles(&self) -> [Complex64; MULTIPOLES] {
+        let mut central = [1.0; DEGREES];
+        for k in 1..DEGREES {
+            central[k] = central[k - 1] * (2 * k - 1) as f64 / (2 * k) as f64;
+        }
+        let mut multipoles = [Complex64::default(); MULTIPOLES];
+        let mut number = 0;
+        for degree in 0..DEGREES {
+            for order in (degree % 2..=degree).step_by(2) {
+                let twice = if order == 0 { 1.0 } else { 2.0 };
+                let k = (degree - order) / 2;
+                // rho^l exp(i m phi) = z^(l - k) conj(z)^k
+                multipoles[number] =
+                    twice * central[k] * central[degree - k] * self.0[degree - k][k];
+                number += 1;
+            }
+        }
+        multipoles
+    }
+}
+
 impl Group {
     fn far_potential(&self, [x, y]: Point, distance: f64) -> f64 {
         let turn = Complex64::new(x / distance, y / distance);
@@ -341,56 +455,6 @@ impl Group {
         }
         sum / distance
     }
-}
-
-/// Of cells about a centre, with their factors, over the powers of the radius: by degree, by rising order.
-fn multipoles(
-    cells: &[(Point, f64)],
-    centre: Point,
-    radius: f64,
-    [width, height]: [f64; 2],
-) -> [Complex64; MULTIPOLES] {
-    let mut central = [1.0; DEGREES];
-    for k in 1..DEGREES {
-        central[k] = central[k - 1] * (2 * k - 1) as f64 / (2 * k) as f64;
-    }
-    let rule = gauss_legendre(3);
-    let mut sums = [Complex64::default(); MULTIPOLES];
-    for ([x, y], pressure) in cells {
-        for (u, weight_u) in &rule {
-            for (v, weight_v) in &rule {
-                let at = Complex64::new(
-                    (x + 0.5 * u * width - centre[0]) / radius,
-                    (y + 0.5 * v * height - centre[1]) / radius,
-                );
-                let squared = at.norm_sqr();
-                let load = 0.25 * weight_u * weight_v * width * height * pressure;
-                let mut number = 0;
-                // rho^l exp(i m phi) = (rho exp(i phi))^m rho^(l - m)
-                let mut powers = [Complex64::new(load, 0.0); DEGREES];
-                for order in 1..DEGREES {
-                    powers[order] = powers[order - 1] * at;
-                }
-                for degree in 0..DEGREES {
-                    for order in (degree % 2..=degree).step_by(2) {
-                        sums[number] += powers[order];
-                        powers[order] *= squared;
-                        number += 1;
-                    }
-                }
-            }
-        }
-    }
-    let mut number = 0;
-    for degree in 0..DEGREES {
-        for order in (degree % 2..=degree).step_by(2) {
-            let twice = if order == 0 { 1.0 } else { 2.0 };
-            let k = (degree - order) / 2;
-            sums[number] *= twice * central[k] * central[degree - k];
-            number += 1;
-        }
-    }
-    sums
 }
 
 #[cfg(test)]

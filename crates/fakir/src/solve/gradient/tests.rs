@@ -259,14 +259,24 @@ impl Errors {
     }
 }
 
-/// Any pillars: at a fixed indentation, at a fixed force, and where the floor is reached.
 #[test]
 fn any_arrangement() {
+    compare_arrangements(4);
+}
+
+#[test]
+#[ignore = "slow: 96 systems more"]
+fn many_arrangements() {
+    compare_arrangements(100);
+}
+
+/// Any pillars: at a fixed indentation, at a fixed force, and where the floor is reached.
+fn compare_arrangements(count: usize) {
     let mut dice = Dice(7);
     let run = Run::default();
     let mut errors = Table::new();
     let mut systems = 0;
-    while systems < 100 {
+    while systems < count {
         let listed = Listed::random(&mut dice);
         let scene = listed.scene();
         let target = if systems % 2 == 0 {
@@ -570,18 +580,30 @@ fn answer_difference(
     Some(found)
 }
 
-/// The public gradient beside differences for every quantity: at an indentation, at a force, and where the floor is reached.
 #[test]
 fn hexagonal_lattices() {
+    compare_systems(8, 3, false);
+}
+
+#[test]
+#[ignore = "slow: 92 systems more"]
+fn many_hexagonal_lattices() {
     compare_systems(100, 3, false);
 }
 
-/// The same on turned square lattices with scattered heights and missing pillars.
 #[test]
 fn scattered_square_lattices() {
+    compare_systems(4, 4, true);
+}
+
+#[test]
+#[ignore = "slow: 26 systems more"]
+fn many_scattered_square_lattices() {
     compare_systems(30, 4, true);
 }
 
+/// The public gradient beside differences for every quantity: at an indentation, at a force, and where the floor is reached. On hexagonal lattices, or on turned
+/// square ones with scattered heights and missing pillars.
 fn compare_systems(count: usize, seed: u64, scatters: bool) {
     let mut dice = Dice(seed);
     let run = Run::default();
@@ -695,58 +717,66 @@ fn identities(
     errors
 }
 
-/// The paper's textures, of many pillars: there the coupling is a convolution.
 #[test]
 fn many_pillars() {
+    compare_texture(0.1);
+}
+
+#[test]
+#[ignore = "slow: twice as dense"]
+fn very_many_pillars() {
+    compare_texture(0.2);
+}
+
+/// The paper's textures, of many pillars: there the coupling is a convolution.
+fn compare_texture(phi: f64) {
     let run = Run::default();
-    for phi in [0.1, 0.2] {
-        let lattice = reference::lattice(phi).offset_by(0.2);
-        let column = PillarCompliance::Column;
-        let system = reference::on_lattice(lattice, reference::INTERMEDIATE, column);
-        let found = gradient(&system, Control::FloorContact, Accuracy::Default, &run).unwrap();
-        let (_, states) = answer(&system, Control::FloorContact).unwrap();
-        let pillar = system.pillar();
-        let hexagonal = Hexagonal {
-            values: [
-                system.lens().sphere_radius(),
-                2e6,
-                0.5,
-                2e6,
-                0.5,
-                pillar.diameter,
-                pillar.height,
-                lattice.pitch,
-            ],
-            offset: [0.2, 0.0],
-            compliance: column,
-            scatter: None,
+    let lattice = reference::lattice(phi).offset_by(0.2);
+    let column = PillarCompliance::Column;
+    let system = reference::on_lattice(lattice, reference::INTERMEDIATE, column);
+    let found = gradient(&system, Control::FloorContact, Accuracy::Default, &run).unwrap();
+    let (_, states) = answer(&system, Control::FloorContact).unwrap();
+    let pillar = system.pillar();
+    let hexagonal = Hexagonal {
+        values: [
+            system.lens().sphere_radius(),
+            2e6,
+            0.5,
+            2e6,
+            0.5,
+            pillar.diameter,
+            pillar.height,
+            lattice.pitch,
+        ],
+        offset: [0.2, 0.0],
+        compliance: column,
+        scatter: None,
+    };
+    let force = found.force.as_ref().unwrap();
+    let mut compared = 0;
+    for which in [0, 5, 6, 7] {
+        // Of many nodes some soon change their states.
+        let steps = [1e-4, 1e-5, 1e-6];
+        let mut differences = steps.into_iter().filter_map(|step| {
+            answer_difference(&hexagonal, which, Control::FloorContact, &states, step)
+        });
+        let Some([expected, _]) = differences.next() else {
+            continue;
         };
-        let force = found.force.as_ref().unwrap();
-        let mut compared = 0;
-        for which in [0, 5, 6, 7] {
-            // Of many nodes some soon change their states.
-            let steps = [1e-4, 1e-5, 1e-6];
-            let mut differences = steps.into_iter().filter_map(|step| {
-                answer_difference(&hexagonal, which, Control::FloorContact, &states, step)
-            });
-            let Some([expected, _]) = differences.next() else {
-                continue;
-            };
-            compared += 1;
-            let by = force.by(QUANTITIES[which]).unwrap() * hexagonal.values[which];
-            println!(
-                "{phi}, {} pillars, {:?}: {:e}",
-                found.contact.pillars.len(),
-                QUANTITIES[which],
-                by / expected - 1.0
-            );
-            assert!((by / expected - 1.0).abs() < TOLERANCE);
-        }
-        assert!(compared > 0, "{phi}");
-        for (kind, error) in identities(&hexagonal, Control::FloorContact, &found) {
-            println!("{kind} {error:e}");
-            assert!(error.abs() < TOLERANCE, "{kind}: {error:e}");
-        }
+        compared += 1;
+        let by = force.by(QUANTITIES[which]).unwrap() * hexagonal.values[which];
+        println!(
+            "{phi}, {} pillars, {:?}: {:e}",
+            found.contact.pillars.len(),
+            QUANTITIES[which],
+            by / expected - 1.0
+        );
+        assert!((by / expected - 1.0).abs() < TOLERANCE);
+    }
+    assert!(compared > 0, "{phi}");
+    for (kind, error) in identities(&hexagonal, Control::FloorContact, &found) {
+        println!("{kind} {error:e}");
+        assert!(error.abs() < TOLERANCE, "{kind}: {error:e}");
     }
 }
 
