@@ -964,7 +964,7 @@ mod tests {
     /// Pillars that do not stand on the grid, with their radii and by how much they are raised.
     fn three(bodies: [[f64; 2]; 3]) -> PillarField {
         let centres = [[0.5, -0.3], [7.0, 3.0], [-5.0, 6.0]];
-        let pillar = |(centre, [radius, raised])| ListedPillar {
+        let pillar = |(centre, [radius, raised]): (Point, [f64; 2])| ListedPillar {
             centre,
             body: PillarBody {
                 radius,

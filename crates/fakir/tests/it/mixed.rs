@@ -435,12 +435,19 @@ fn a_lens_may_meet_the_floor_first() {
         // The estimate is right to a factor of two.
         assert!(2.0 * state.error.force > quotient && state.pillars_in_contact == 0);
         assert!((share(&state) - 1.0).abs() < 1e-12);
-        let back = pressed(&system, Control::Force(state.force), Accuracy::Default);
-        assert!((back.indentation / state.indentation - 1.0).abs() < 1e-8);
     }
     // Nothing is touched at the height of the pillars.
     let at = pressed(&system, Control::Indentation(2.2e-6), Accuracy::Default);
     assert!(at.floor.is_none() && at.force == 0.0);
+}
+
+#[test]
+fn a_force_on_the_floor_alone_returns_its_indentation() {
+    let (system, _) = between_far_pillars();
+    let load = Control::Indentation(2.3e-6);
+    let state = pressed(&system, load, Accuracy::Default);
+    let back = pressed(&system, Control::Force(state.force), Accuracy::Default);
+    assert!((back.indentation / state.indentation - 1.0).abs() < 1e-8);
 }
 
 /// Then pillars join, and bear their part.
