@@ -1,7 +1,7 @@
 //! A [`FieldMap`] as netCDF, in the classic format with 64-bit offsets (NetCDF Classic Format Specification, "CDF-2").
 //!
 //! A header with dimensions, attributes and variables, then the values of one variable after the other. All numbers are
-//! big-endian; names, texts and bytes are padded with zeros to multiples of four bytes.
+//! big-endian. Names and texts are padded with zeros to multiples of four bytes, bytes with the fill value of their type.
 
 use super::{FieldMap, Values};
 use crate::provenance::Provenance;
@@ -15,6 +15,9 @@ const ATTRIBUTES: usize = 12;
 
 /// Stands for a value that is not finite (`NC_FILL_DOUBLE` of the specification), as the classic format has it.
 const FILL: f64 = 9.969_209_968_386_869e36;
+
+/// Pads the values of a variable of bytes (`NC_FILL_BYTE`).
+const FILL_BYTE: i8 = -127;
 
 /// The dimensions, slowest first.
 const NAMES: [&str; 2] = ["y", "x"];
@@ -141,7 +144,7 @@ fn field(variable: &super::Variable) -> Variable {
         }
         Values::Flags(flags) => {
             let mut data: Vec<u8> = flags.iter().map(|flag| flag.to_be_bytes()[0]).collect();
-            pad(&mut data);
+            pad(&mut data, FILL_BYTE.to_be_bytes()[0]);
             (Kind::Byte, data)
         }
     };
@@ -187,7 +190,7 @@ fn put_attributes(header: &mut Vec<u8>, attributes: &Attributes) {
 fn put_text(header: &mut Vec<u8>, text: &str) {
     put(header, text.len());
     header.extend(text.as_bytes());
-    pad(header);
+    pad(header, 0);
 }
 
 /// A number of the header.
@@ -196,8 +199,8 @@ fn put(header: &mut Vec<u8>, number: usize) {
     header.extend(number.to_be_bytes());
 }
 
-fn pad(bytes: &mut Vec<u8>) {
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
+fn pad(bytes: &mut Vec<u8>, with: u8) {
+    bytes.resize(bytes.len().next_multiple_of(4), with);
 }
 
 #[cfg(test)]
