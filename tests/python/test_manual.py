@@ -195,6 +195,7 @@ def names(value):
             yield from names(part)
 
 
+@pytest.mark.slow
 def test_every_name_of_a_result_is_in_the_reference(tmp_path):
     page = (BOOK / "pages" / "reference" / "results.md").read_text(encoding="utf-8")
     listed = set(re.findall(r"`([^`]+)`", page))
@@ -221,6 +222,7 @@ def python_lines(path):
     return re.findall(r"^```python\n(.*?)^```", path.read_text(encoding="utf-8"), re.M | re.S)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif("FAKIR_WHEEL" not in os.environ, reason="no wheel was built")
 def test_the_wheel_alone_in_a_new_environment(tmp_path):
     venv.create(tmp_path / "new", with_pip=True)

@@ -175,6 +175,7 @@ def test_a_loading_on_a_map_without_a_floor_is_told_where_to_end(tmp_path):
         surface.verify(indentation="0.1 um")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
 def test_tables_and_other_answers_are_the_same(tmp_path):
     case = EXAMPLES / "paper-intermediate.toml"
@@ -251,6 +252,7 @@ def test_a_surface_of_an_array_has_no_case_file(tmp_path):
     assert str(tmp_path / "heights.npy") in read.to_toml()
 
 
+@pytest.mark.slow
 def test_a_study_of_surfaces_gives_the_table_of_the_program(tmp_path):
     study = EXAMPLES / "study-square-pillars.toml"
     out = tmp_path / "out"

@@ -46,6 +46,7 @@ def fitted(data, system):
     return fakir.fit(data, system, FREE)
 
 
+@pytest.mark.slow
 def test_the_fit_of_the_program(data, fitted, tmp_path):
     run = [os.environ["FAKIR"], "fit", data, "--case", CASE, "--free", ",".join(FREE)]
     done = subprocess.run(
@@ -78,6 +79,7 @@ def test_the_truth_is_in_the_intervals(fitted):
     assert "<table>" in fitted._repr_html_()
 
 
+@pytest.mark.slow
 def test_columns_tables_and_units(table, system, fitted):
     of_table = fakir.fit(table, system, FREE)
     assert of_table["contact_point"].value == fitted["contact_point"].value
@@ -91,6 +93,7 @@ def test_columns_tables_and_units(table, system, fitted):
     assert abs(found.value - expected.value) < 0.01 * expected.standard_error
 
 
+@pytest.mark.slow
 def test_given_errors_and_figure(table, system):
     given = fakir.fit(table, system, FREE, force_error="0.5 uN", threads=1)
     assert 0.5 < given.reduced_chi_square < 2.0
@@ -99,6 +102,7 @@ def test_given_errors_and_figure(table, system):
     assert all(axis.has_data() for axis in axes)
 
 
+@pytest.mark.slow
 def test_headings_of_instruments_and_columns_by_hand(table, system, fitted):
     columns = {
         "Sample": ["a"] * len(table),
@@ -118,6 +122,7 @@ def test_headings_of_instruments_and_columns_by_hand(table, system, fitted):
         fakir.fit(columns, system, FREE, columns={"mass": "Channel 2"})
 
 
+@pytest.mark.slow
 def test_a_fit_that_does_not_describe_the_data_says_so(system):
     exact = system.replace({"method.name": "spectral"})
     with pytest.warns(fakir.FakirWarning, match="it would take machine_compliance"):
@@ -130,6 +135,7 @@ def test_a_fit_that_does_not_describe_the_data_says_so(system):
     assert fakir.plot.fit(poor)[0].get_title() == "does not describe the data"
 
 
+@pytest.mark.slow
 def test_drifts_and_starts(table, system):
     table["time_s"] = np.arange(len(table)) * 2.0
     table["force_N"] += 4e-6 * table.time_s / table.time_s.max()
@@ -142,6 +148,7 @@ def test_drifts_and_starts(table, system):
         fakir.fit(table, system, FREE, starts=0)
 
 
+@pytest.mark.slow
 def test_what_is_not_determined_is_said(table, system):
     free = ["substrate.young_modulus", "lens.young_modulus", "contact_point"]
     known = system.replace({"texture.pillar.compliance": "none"})
@@ -192,6 +199,7 @@ def test_arguments_that_cannot_be(data, system):
         fakir.fit(data, system, FREE, contact_point="3 MPa")
 
 
+@pytest.mark.slow
 def test_a_retraction_is_fitted_and_a_pull_off_designed():
     sticky = fakir.System.from_file(EXAMPLES / "fit" / "retraction.toml")
     table = pandas.read_csv(EXAMPLES / "fit" / "retraction.csv", comment="#")

@@ -166,6 +166,7 @@ def test_older_names_of_arguments_are_told():
         fakir.design(system(), "pitch", force="50 uN", critical_force="50 uN")
 
 
+@pytest.mark.slow
 def test_spread_draws_what_the_command_line_draws(tmp_path):
     import json
     import os

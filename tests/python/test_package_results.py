@@ -182,6 +182,7 @@ def test_theory(system):
     assert hertz == pytest.approx((0.75 * 1e-3 * system.lens.radius / modulus) ** (1 / 3), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_design_and_spread_and_citations(system):
     found = fakir.design(system, "texture.surface_fraction", critical_force="200 uN")
     assert found.critical.force == pytest.approx(200e-6, rel=1e-8)

@@ -249,6 +249,7 @@ def kill_one(cluster, folder):
     os.kill(worker.process.pid, signal.SIGKILL)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
 def test_dask_with_a_worker_killed_gives_the_serial_table(tmp_path):
     distributed = pytest.importorskip("distributed")

@@ -14,6 +14,7 @@ def mypy(*arguments):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_the_package_is_strictly_typed(tmp_path):
     mypy("mypy", "--strict", "--cache-dir", str(tmp_path), "--package", "fakir")
 

@@ -1208,6 +1208,7 @@ mod tests {
 
     /// The case as it is written down, pressed again, has the wanted share to within the error that it states itself.
     #[test]
+    #[ignore = "slow: searches with mixed contact"]
     fn a_floor_share_is_had_by_the_case_that_is_found() {
         let run = Run::default();
         for (free, share, load) in [
@@ -1240,6 +1241,7 @@ mod tests {
     /// Pillars farther apart bear less of the same force. The smallest share is hardly past the transition: there the
     /// pitch is nearly that of a critical force equal to the load.
     #[test]
+    #[ignore = "slow: searches with mixed contact"]
     fn a_larger_floor_share_takes_a_wider_pitch() {
         let load = 1e-3;
         let critical = found(&paper(0.03), Key::Pitch, Wanted::Force(load)).value;
@@ -1284,6 +1286,7 @@ mod tests {
 
     /// With pillars that do not shorten, the contact at an indentation is the same by any modulus, up to a factor of all forces.
     #[test]
+    #[ignore = "slow: searches with mixed contact"]
     fn a_floor_share_that_cannot_be_had_is_answered_with_the_nearest() {
         let text = Case::example().to_toml().replace("\"column\"", "\"none\"");
         let mut file = CaseFile::parse("rigid", &text).unwrap();

@@ -113,6 +113,7 @@ fn far_starting_values_do() {
 }
 
 #[test]
+#[ignore = "slow: radii by the spectral method"]
 fn contact_radius_under_a_force_gives_the_modulus() {
     // Within its error: the radius is known to a part of the pitch.
     let truth = case_file(&[
@@ -235,6 +236,7 @@ fn states_past_the_transition_are_used_with_the_floor() {
 }
 
 #[test]
+#[ignore = "slow: many fits"]
 fn intervals_hold_the_truth_as_often_as_they_say() {
     const DRAWS: u64 = 100;
     const NOISE: f64 = 0.3e-6; // N, where the largest force is 100 uN
@@ -598,6 +600,7 @@ fn noisy_fit(seed: u64, compliance: f64, error: Option<f64>, run: &Run<'_>) -> F
 }
 
 #[test]
+#[ignore = "slow: many fits"]
 fn fits_that_describe_the_data_warn_as_often_as_the_level_says() {
     const DRAWS: u64 = 100;
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
@@ -625,6 +628,7 @@ fn fits_that_describe_the_data_warn_as_often_as_the_level_says() {
 }
 
 #[test]
+#[ignore = "slow: fits of every kind of parameter"]
 fn a_machine_that_is_left_out_is_named() {
     // The floor, which is reached here, makes the curve steeper than any modulus does: 7 of 22 rows are past the transition.
     let truth = case_file(&["substrate.young_modulus=1.4MPa", SPECTRAL]);
@@ -740,6 +744,7 @@ fn names_the_film(fitted: &Fit) -> bool {
 }
 
 #[test]
+#[ignore = "slow: fits on layers"]
 fn films_that_are_left_out_are_named() {
     for fitted in film_fits(&[FILM], 0..1) {
         let estimate = &fitted.estimates[0];

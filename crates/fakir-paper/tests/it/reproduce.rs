@@ -47,6 +47,7 @@ fn slope(points: &[(f64, f64)]) -> f64 {
 /// Numbers of the report derived anew from the table of critical states; figures in order; files
 /// where they are said to be.
 #[test]
+#[ignore = "slow: the whole study"]
 fn the_report_says_what_the_tables_say() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path().join("paper");
