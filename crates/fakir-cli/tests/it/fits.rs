@@ -84,6 +84,7 @@ fn bad_input_ends_with_status_2() {
 
 /// The example with both branches: a case, and what is free.
 #[test]
+#[ignore = "slow: fits of cycles"]
 fn the_example_of_a_retraction_gives_its_truth() {
     let bench = Bench::new();
     let (data, case) = (
@@ -119,6 +120,7 @@ fn the_example_of_a_retraction_gives_its_truth() {
 
 /// Examples in the styles of instruments, read without options: truths as crates/fakir-inverse/examples/synthetic_instruments.rs has them.
 #[test]
+#[ignore = "slow: fits of whole files"]
 fn examples_of_instruments_give_their_truths() {
     const COMPLIANCE: [&str; 2] = ["--machine-compliance", "0.002"];
     type Truths<'a> = &'a [(&'a str, f64)];
@@ -169,6 +171,7 @@ fn examples_of_instruments_give_their_truths() {
 }
 
 #[test]
+#[ignore = "slow: fits of a whole file"]
 fn a_machine_that_is_left_out_of_the_example_is_named() {
     let bench = Bench::new();
     let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));

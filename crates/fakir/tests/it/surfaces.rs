@@ -474,6 +474,7 @@ fn paper_texture(surface_fraction: f64, offset: f64, reach: f64, across: usize) 
 }
 
 #[test]
+#[ignore = "slow: fine meshes"]
 fn floor_is_reached_where_the_spectral_method_finds_it() {
     let system = paper_system(
         paper_lattice(0.03, 0.0),
@@ -513,6 +514,7 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
 }
 
 #[test]
+#[ignore = "slow: fine meshes"]
 fn floor_takes_its_share_past_the_transition() {
     let system = paper_texture(0.03, 0.0, 200.0e-6, 8);
     let by_height = system.clone().with_floor(Floor::AtOrBelow(1.0e-9));

@@ -152,6 +152,7 @@ fn opinion(number: u64) -> (&'static str, Control, Verification) {
 }
 
 #[test]
+#[ignore = "slow: fine meshes"]
 fn random_arrangements_agree_with_the_spectral_method() {
     assert_eq!(agreeing(5), 5);
 }
@@ -252,6 +253,7 @@ fn compare_with_list(cells_per_diameter: usize, controls: &[Control]) {
 
 /// Both layouts of cells, on pillars of several radii.
 #[test]
+#[ignore = "slow: fine meshes"]
 fn layouts_agree_on_a_list() {
     let mut random = Random(ChaCha8Rng::seed_from_u64(11));
     let system = system(random.list(20e-6));
