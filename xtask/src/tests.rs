@@ -164,7 +164,7 @@ pub(crate) fn times(cargo: &OsStr) -> Result<(), String> {
 }
 
 #[cfg(test)]
-mod tests {
+mod messages {
     use super::*;
 
     #[test]

@@ -314,6 +314,8 @@ fn tuple(value: &str) -> Result<Vec<u64>, String> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp)] // files hold these numbers exactly
+
     use super::*;
 
     /// A file after the format's definition: prefix, length, header, elements.
