@@ -2,6 +2,7 @@
 //! `campaign` of the crate `fakir`.
 
 use crate::python::run;
+use crate::tests;
 use std::ffi::OsStr;
 use std::process::Command;
 
@@ -10,7 +11,8 @@ const SYSTEMS: &str = "300";
 
 /// The short campaign of the checks.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
-    long(cargo, &["--systems", SYSTEMS, "--seed", "1"])
+    let campaign = tests::built_example(cargo, "campaign")?;
+    run(Command::new(campaign).args(["--systems", SYSTEMS, "--seed", "1"]))
 }
 
 /// A campaign with the given options.

@@ -4,8 +4,7 @@
 //! clock would not tell. Counts are comparable for one compiler and one kind of processor only;
 //! elsewhere the check says so and compares nothing.
 
-use crate::python::target_folder;
-use crate::{package, run_cargo};
+use crate::{package, tests};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -142,15 +141,8 @@ fn vectors() -> &'static str {
 
 fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
     let valgrind = valgrind()?;
-    // The programs that users run.
-    run_cargo(cargo, "build --release --locked --package fakir-cli")?;
-    run_cargo(
-        cargo,
-        "build --release --locked --package fakir --example kernels",
-    )?;
-    let release = target_folder()?.join("release");
-    let program = release.join("fakir");
-    let kernels = release.join("examples/kernels");
+    let program = tests::built_command(cargo)?;
+    let kernels = tests::built_example(cargo, "kernels")?;
     let mut counts = Vec::new();
     for kernel in KERNELS {
         counts.push((

@@ -147,6 +147,17 @@ pub(crate) fn built_command(cargo: &OsStr) -> Result<PathBuf, String> {
     command()
 }
 
+/// Compiles an example of the crate `fakir`, with the features of the tests, so that what was compiled for them is used again.
+pub(crate) fn built_example(cargo: &OsStr, name: &str) -> Result<PathBuf, String> {
+    let excluded = HEAVY.iter().flat_map(|name| ["--exclude", *name]);
+    run(Command::new(cargo)
+        .args(["build", "--release", "--locked", "--workspace"])
+        .args(excluded)
+        .args(["--example", name]))?;
+    let file = format!("release/examples/{name}{}", std::env::consts::EXE_SUFFIX);
+    Ok(python::target_folder()?.join(file))
+}
+
 /// Prints every test with its processor time, each run in a process of its own.
 pub(crate) fn times(cargo: &OsStr) -> Result<(), String> {
     let python = python::environment(python::TESTS)?;
