@@ -95,7 +95,9 @@ pub(crate) fn quick(cargo: &OsStr) -> Result<(), String> {
 
 /// The second tier: tests that are marked `ignore`, and those of packages with heavy dependencies.
 pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
-    run_tests(&build(cargo, &light())?, &["--ignored"], " slow")?;
+    // Campaigns are run by hand.
+    let slow = ["--ignored", "--skip", "campaign_of_"];
+    run_tests(&build(cargo, &light())?, &slow, " slow")?;
     for heavy in HEAVY_TESTS {
         run_tests(&build(cargo, heavy)?, &["--include-ignored"], "")?;
     }

@@ -771,7 +771,7 @@ fn films_that_are_left_out_are_named() {
 /// mend the fit; the others name what looks alike under that noise.
 #[test]
 #[ignore = "a campaign"]
-fn a_hundred_films() {
+fn campaign_of_a_hundred_films() {
     const DRAWS: u64 = 100;
     let given = film_fits(&[FILM], 0..DRAWS);
     let covers = |fitted: &&Fit| {
