@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Crates that are not published.
-const PRIVATE: [&str; 2] = ["fakir-py", "xtask"];
+const PRIVATE: [&str; 4] = ["fakir-checks", "fakir-manual", "fakir-py", "xtask"];
 
 /// What `cargo package` adds to the files of a crate.
 const OF_CARGO: [&str; 4] = [
