@@ -168,11 +168,7 @@ fn install_command(
     let path = folder.join("Cargo.toml");
     fs::write(&path, manifest).map_err(|error| at(&path, &error))?;
     fs::copy("Cargo.lock", folder.join("Cargo.lock")).map_err(|error| at(folder, &error))?;
-    // Takes what is not published out of the list of versions, and leaves all else as it was tested.
-    run(Command::new(cargo)
-        .args(["metadata", "--format-version", "1", "--quiet"])
-        .current_dir(folder)
-        .stdout(Stdio::null()))?;
+    without_other_members(folder)?;
     let program = crates.iter().find(|of| of.name == "fakir-cli");
     let program = program.ok_or("fakir-cli was not packaged")?;
     let root = folder.join("installed");
@@ -185,6 +181,14 @@ fn install_command(
         .current_dir(folder)
         .env("CARGO_TARGET_DIR", target))?;
     Ok(root)
+}
+
+/// Takes what is not published out of the list of versions of an unpacked package, and leaves all else as it was tested.
+fn without_other_members(folder: &Path) -> Result<(), String> {
+    run(Command::new(crate::cargo())
+        .args(["metadata", "--format-version", "1", "--quiet"])
+        .current_dir(folder)
+        .stdout(Stdio::null()))
 }
 
 /// The main job: a case to start from, and its critical state.
@@ -294,6 +298,7 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
     unpack(&source, folder)?;
     let stem = source.file_name().unwrap_or_default().to_string_lossy();
     let unpacked = folder.join(stem.trim_end_matches(".tar.gz"));
+    without_other_members(&unpacked)?;
     let interpreter = python.to_string_lossy();
     let build = ["build", "--quiet", "--release", "--locked"];
     let with = ["--interpreter", &interpreter];
