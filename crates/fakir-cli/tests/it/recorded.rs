@@ -46,8 +46,8 @@ enum Rule {
 
 use Rule::{Estimated, Ignored, OfIndentation, Rough};
 
-/// Which rule applies to which names. The first match counts. A name matches the end of a path; before a `*` and after
-/// one may be anything.
+/// Which rule applies to which names. The first match counts. A name matches the end of a path of names; `*end` matches
+/// an end of a name, and `*part*` a path that contains it.
 const RULES: &[(Rule, &[&str])] = &[
     // These depend on the machine, the moment and the release.
     (
@@ -122,7 +122,7 @@ const RULES: &[(Rule, &[&str])] = &[
         Estimated(&["hysteresis"]),
         &["work_of_separation_J", "dissipation_J"],
     ),
-    // Forces on pillars add up to the force; so do the limits that follow from the hardest pillar.
+    // Forces on pillars, which add up to the force, and limits that follow from the hardest pillar.
     (
         Estimated(&["pull_off_force"]),
         &[
@@ -242,13 +242,12 @@ impl Place<'_> {
     fn allowed(&self, recorded: f64, tight: Option<f64>) -> f64 {
         let rule = rule(self.path);
         if let Some(tight) = tight {
-            // Rough numbers have lost as many digits as at the tolerance of today.
-            let lost = if matches!(rule, Some(Rough)) {
-                ROUGH_TOLERANCE / TOLERANCE
-            } else {
-                1.0
+            let relative = match rule {
+                // Rough numbers have lost up to six digits.
+                Some(Rough) => (tight * 1e6).min(ROUGH_TOLERANCE).max(tight),
+                _ => tight,
             };
-            return tight * lost * self.largest;
+            return relative * self.largest;
         }
         let (relative, scale) = match rule {
             Some(Rough) => return ROUGH_TOLERANCE * self.largest,
@@ -462,6 +461,10 @@ fn check(name: &str) {
     let command = before["command"].as_str().unwrap();
     let now = answer(command);
     let recording = std::env::var_os("FAKIR_RECORD").is_some();
+    assert!(
+        recording || !before["status"].is_null(),
+        "no answer of fakir {command} is recorded: FAKIR_RECORD=1 does that"
+    );
     let tight = std::env::var("FAKIR_TOLERANCE").map(|text| text.parse().expect("a number"));
     let found = differences(&before, &now, tight.ok(), recording);
     if !found.is_empty() && recording {
