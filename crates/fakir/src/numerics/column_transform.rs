@@ -341,9 +341,12 @@ impl<R: InRegisters> Stage<R> {
             return;
         }
         let of_block = self.span * side_by_side.lines * registers_of_line::<R, S>(simd);
-        let blocks = source.chunks_exact(of_block);
-        for (source, target) in blocks.zip(target.chunks_exact(of_block)) {
+        // By places: an iterator over both is not always compiled into the caller, and blocks are short.
+        let mut first = 0;
+        while first + of_block <= source.len() {
+            let (source, target) = (&source[first..][..of_block], &target[first..][..of_block]);
             self.block::<S, RADIX, BACK, WHOLE>(simd, source, target, side_by_side);
+            first += of_block;
         }
     }
 
@@ -362,16 +365,14 @@ impl<R: InRegisters> Stage<R> {
         let of_row = lines * width;
         let part = self.span / RADIX * of_row;
         let zero = R::splat(simd, R::default());
-        // What parts there are of a row.
-        let parts = |all: usize, row: usize| (all - (row * of_row).min(all)).div_ceil(part);
         for (row, factors) in self.factors.chunks_exact(RADIX - 1).enumerate() {
             let (mut from, mut to) = ([&source[..0]; RADIX], [&target[..0]; RADIX]);
             for p in 0..RADIX {
                 let first = p * part + row * of_row;
-                if WHOLE || p < parts(source.len(), row) {
+                if WHOLE || first < source.len() {
                     from[p] = &source[first..][..of_row];
                 }
-                if WHOLE || p < parts(target.len(), row) {
+                if WHOLE || first < target.len() {
                     to[p] = &target[first..][..of_row];
                 }
             }

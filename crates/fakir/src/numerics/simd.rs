@@ -36,7 +36,7 @@ pub(crate) trait InRegisters: Real {
 }
 
 macro_rules! in_registers {
-    ($number:ty, $register:ident, $as:ident, $as_mut:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $neg:ident, $mul_add:ident) => {
+    ($number:ty, $register:ident, $as:ident, $as_mut:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $xor:ident, $mul_add:ident) => {
         impl InRegisters for $number {
             type Register<S: Simd> = S::$register;
 
@@ -72,7 +72,8 @@ macro_rules! in_registers {
 
             #[inline(always)]
             fn negative<S: Simd>(simd: S, a: S::$register) -> S::$register {
-                simd.$neg(a)
+                // What pulp offers for this is not always compiled into the caller.
+                simd.$xor(simd.$splat(-0.0), a)
             }
 
             #[inline(always)]
@@ -97,7 +98,7 @@ in_registers!(
     add_f64s,
     sub_f64s,
     mul_f64s,
-    neg_f64s,
+    xor_f64s,
     mul_add_e_f64s
 );
 in_registers!(
@@ -109,7 +110,7 @@ in_registers!(
     add_f32s,
     sub_f32s,
     mul_f32s,
-    neg_f32s,
+    xor_f32s,
     mul_add_e_f32s
 );
 
@@ -138,12 +139,14 @@ impl<T: Copy + Default> Aligned<T> {
 impl<T> Deref for Aligned<T> {
     type Target = [T];
 
+    #[inline]
     fn deref(&self) -> &[T] {
         &self.values[self.range.clone()]
     }
 }
 
 impl<T> DerefMut for Aligned<T> {
+    #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
         &mut self.values[self.range.clone()]
     }

@@ -1,9 +1,9 @@
 //! Threads that share work, and the flag that stops it.
 
-use rayon::prelude::*;
+use rayon::ThreadPool;
 use std::num::NonZero;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A flag that asks a running computation to stop.
 ///
@@ -63,69 +63,194 @@ impl Threads {
 #[derive(Clone, Copy)]
 pub(crate) struct Workers<'r> {
     /// Threads; none for the calling one alone.
-    pub(crate) pool: Option<&'r rayon::ThreadPool>,
+    pub(crate) pool: Option<&'r ThreadPool>,
     /// Asks the computation to stop.
     pub(crate) cancel: &'r CancelToken,
 }
 
-impl<'r> Workers<'r> {
-    /// The threads, if there are enough `tasks` for more than one.
-    fn threads(self, tasks: usize) -> Option<&'r rayon::ThreadPool> {
-        self.pool
-            .filter(|pool| tasks > 1 && pool.current_num_threads() > 1)
-    }
-
-    /// `one` of every number below `count`, in their order. A thread takes at least `least` of them at a
-    /// time, and makes itself a `work` to do them with.
+impl Workers<'_> {
+    /// Results of `one` for every number below `count`, in order. A thread takes at least `least` numbers
+    /// at a time, and creates one workspace with `work`.
     pub(crate) fn map<W, T: Send>(
         self,
         count: usize,
         least: usize,
-        work: impl Fn() -> W + Sync + Send,
-        one: impl Fn(&mut W, usize) -> T + Sync + Send,
+        work: impl Fn() -> W + Sync,
+        one: impl Fn(&mut W, usize) -> T + Sync,
     ) -> Vec<T> {
-        match self.threads(count / least) {
-            Some(pool) => pool.install(|| {
-                let numbers = (0..count).into_par_iter().with_min_len(least);
-                numbers.map_init(work, one).collect()
-            }),
-            None => {
-                let mut work = work();
-                (0..count).map(|number| one(&mut work, number)).collect()
-            }
-        }
+        map(self.pool, count, least, work, one)
     }
 
-    /// Does `one` to every piece of `length` values, which it is told by number; threads as in
-    /// [`Self::map`].
+    /// Calls `one` with every piece of `length` values and the piece's number; threads as in [`Self::map`].
     pub(crate) fn fill<W, T: Send>(
         self,
         values: &mut [T],
         length: usize,
         least: usize,
-        work: impl Fn() -> W + Sync + Send,
-        one: impl Fn(&mut W, usize, &mut [T]) + Sync + Send,
+        work: impl Fn() -> W + Sync,
+        one: impl Fn(&mut W, usize, &mut [T]) + Sync,
     ) {
-        match self.threads(values.len().div_ceil(length) / least) {
-            Some(pool) => pool.install(|| {
-                let pieces = values.par_chunks_mut(length).enumerate();
-                pieces
-                    .with_min_len(least)
-                    .for_each_init(work, |work, (number, piece)| one(work, number, piece));
-            }),
-            None => {
-                let mut work = work();
-                for (number, piece) in values.chunks_mut(length).enumerate() {
-                    one(&mut work, number, piece);
-                }
+        fill(self.pool, values, length, least, work, one);
+    }
+}
+
+/// Batches that each thread takes on average: enough to even out batches that take longer than others.
+const BATCHES_PER_THREAD: usize = 8;
+
+/// As [`Workers::map`], on the threads of a pool or on the calling thread.
+pub(crate) fn map<W, T: Send>(
+    pool: Option<&ThreadPool>,
+    count: usize,
+    least: usize,
+    work: impl Fn() -> W + Sync,
+    one: impl Fn(&mut W, usize) -> T + Sync,
+) -> Vec<T> {
+    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    fill(
+        pool,
+        &mut results,
+        1,
+        least,
+        work,
+        |work, number, result| {
+            result[0] = Some(one(work, number));
+        },
+    );
+    results.into_iter().flatten().collect()
+}
+
+/// As [`Workers::fill`], on the threads of a pool or on the calling thread.
+pub(crate) fn fill<W, T: Send>(
+    pool: Option<&ThreadPool>,
+    values: &mut [T],
+    length: usize,
+    least: usize,
+    work: impl Fn() -> W + Sync,
+    one: impl Fn(&mut W, usize, &mut [T]) + Sync,
+) {
+    let pieces = values.len().div_ceil(length);
+    let pool = pool.filter(|_| pieces / least > 1);
+    let threads = pool.map_or(1, ThreadPool::current_num_threads);
+    let batch = match threads {
+        1 => pieces.max(1),
+        threads => pieces.div_ceil(BATCHES_PER_THREAD * threads).max(least),
+    };
+    let batches = Mutex::new(values.chunks_mut(batch * length).enumerate());
+    let next = || {
+        let mut batches = batches.lock().unwrap_or_else(PoisonError::into_inner);
+        batches.next()
+    };
+    share(pool, &|| {
+        let mut workspace = None;
+        while let Some((index, values)) = next() {
+            let workspace = workspace.get_or_insert_with(&work);
+            for (number, piece) in (index * batch..).zip(values.chunks_mut(length)) {
+                one(workspace, number, piece);
             }
         }
+    });
+}
+
+/// Calls `one` with every number below `count`, on the threads of a pool or on the calling thread.
+pub(crate) fn for_each(pool: Option<&ThreadPool>, count: usize, one: &(dyn Fn(usize) + Sync)) {
+    let next = AtomicUsize::new(0);
+    share(pool.filter(|_| count > 1), &|| {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= count {
+                break;
+            }
+            one(number);
+        }
+    });
+}
+
+/// Runs `work` on every thread of a pool, or once on the calling thread; `work` returns when nothing is left to do.
+///
+/// Not generic, so that the machinery of threads is compiled once instead of once for each loop: that took a
+/// fifth of the time that the crate needs to compile.
+#[inline(never)]
+pub(crate) fn share(pool: Option<&ThreadPool>, work: &(dyn Fn() + Sync)) {
+    match pool.filter(|pool| pool.current_num_threads() > 1) {
+        Some(pool) => pool.scope(|scope| {
+            for _ in 1..pool.current_num_threads() {
+                scope.spawn(|_| work());
+            }
+            work();
+        }),
+        None => work(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_piece_is_visited_once_and_in_place() {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(3)
+            .build()
+            .unwrap();
+        for pool in [None, Some(&pool)] {
+            for (count, least) in [(0, 1), (1, 1), (7, 3), (100, 1), (1000, 7)] {
+                let squares = map(pool, count, least, || (), |(), number| number * number);
+                assert!(
+                    squares
+                        .into_iter()
+                        .eq((0..count).map(|number| number * number))
+                );
+                let mut values = vec![0; count];
+                fill(
+                    pool,
+                    &mut values,
+                    3,
+                    least,
+                    || 0,
+                    |calls, number, piece| {
+                        *calls += 1;
+                        for value in piece {
+                            *value += 10 * number + 1;
+                        }
+                    },
+                );
+                assert!(
+                    values
+                        .into_iter()
+                        .eq((0..count).map(|place| 10 * (place / 3) + 1))
+                );
+                let visits: Vec<_> = (0..count).map(|_| AtomicUsize::new(0)).collect();
+                for_each(pool, count, &|number| {
+                    visits[number].fetch_add(1, Ordering::Relaxed);
+                });
+                assert!(visits.into_iter().all(|visits| visits.into_inner() == 1));
+            }
+        }
+    }
+
+    /// A loop inside a loop on the same threads ends, whichever thread waits for which.
+    #[test]
+    fn loops_nest() {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        let sums = map(
+            Some(&pool),
+            20,
+            1,
+            || (),
+            |(), number| {
+                let inner = map(Some(&pool), number, 1, || (), |(), inner| inner);
+                inner.into_iter().sum::<usize>()
+            },
+        );
+        assert!(
+            sums.into_iter()
+                .enumerate()
+                .all(|(n, sum)| sum == n * n.saturating_sub(1) / 2)
+        );
+    }
 
     #[test]
     fn threads_are_no_more_than_processors() {

@@ -16,7 +16,6 @@ use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::problem::pillar_field::PillarField;
 use crate::problem::{HexagonalLattice, Point};
 use num_complex::Complex64;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -162,10 +161,14 @@ fn in_batches<T: Copy + Send>(
     batch: impl Fn(&[Point]) -> Result<Vec<T>, SolveError> + Sync + Send,
     run: &Run<'_>,
 ) -> Result<Vec<T>, SolveError> {
-    let batches: Result<Vec<_>, SolveError> = match run.pool {
-        Some(pool) => pool.install(|| points.par_chunks(BATCH).map(&batch).collect()),
-        None => points.chunks(BATCH).map(&batch).collect(),
-    };
+    let count = points.len().div_ceil(BATCH);
+    let batches = run.workers().map(
+        count,
+        1,
+        || (),
+        |(), number| batch(&points[number * BATCH..points.len().min((number + 1) * BATCH)]),
+    );
+    let batches: Result<Vec<_>, SolveError> = batches.into_iter().collect();
     Ok(batches?.concat())
 }
 
@@ -434,11 +437,12 @@ impl Convolution {
             Ok(self.at_nodes(far, fields, &loads, [node(2 * pair), node(2 * pair + 1)]))
         };
         let pairs = NODES * NODES / 2;
-        let by_pair: Result<Vec<_>, SolveError> = match run.pool {
-            Some(pool) => pool.install(|| (0..pairs).into_par_iter().map(pair).collect()),
-            None => (0..pairs).map(pair).collect(),
-        };
-        let by_pair = by_pair?;
+        let by_pair = run
+            .workers()
+            .map(pairs, 1, || (), |(), number| pair(number));
+        let by_pair = by_pair
+            .into_iter()
+            .collect::<Result<Vec<_>, SolveError>>()?;
         let (rows, columns) = far.cells.shape();
         Ok((0..rows * columns)
             .flat_map(|cell| by_pair.iter().flat_map(move |v| [v[cell].re, v[cell].im]))

@@ -669,6 +669,8 @@ impl<R: Precision> WithSimd for Strip<'_, R> {
         let of_row = lines * width;
         let values = &mut R::registers_mut(simd, values)[..layout.shape.0 * of_row];
         let all = R::registers_mut(simd, &mut work.rows);
+        let room: &mut [R] = &mut work.kernels;
+        let products = R::registers_mut(simd, &mut work.products);
         transform.enter(simd, values, all, modes);
         let of_block = transform.inner_length() * of_row;
         let of_kernels = layout.entries * COLUMNS;
@@ -682,9 +684,8 @@ impl<R: Precision> WithSimd for Strip<'_, R> {
                 for (row, (high, low)) in block.chunks_exact_mut(of_row).zip(high.zip(low)) {
                     let meeting = Meeting::<R, S> {
                         layout,
-                        kernels: R::registers(simd, R::kernels(high, low, &mut work.kernels)),
+                        kernels: R::registers(simd, R::kernels(high, low, room)),
                     };
-                    let products = R::registers_mut(simd, &mut work.products);
                     meeting.multiply(simd, row, products, used);
                 }
             }
@@ -739,12 +740,9 @@ impl<R: Precision, S: Simd> Meeting<'_, R, S> {
                     };
                 }
             }
-            for (target, product) in row
-                .chunks_exact_mut(width)
-                .zip(products.chunks_exact(width))
-            {
-                target[k] = product[0];
-                target[k + width / 2] = product[1];
+            for line in (0..self.layout.modes).map(|mode| mode * width) {
+                row[line + k] = products[line];
+                row[line + k + width / 2] = products[line + 1];
             }
         }
     }

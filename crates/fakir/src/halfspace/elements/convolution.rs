@@ -8,10 +8,11 @@
 
 use super::operator::check_lengths;
 use crate::numerics::fft::Real;
+use crate::numerics::workers::{for_each, share};
 use crate::problem::{Cells, Segment};
 use num_complex::{Complex, Complex64};
 use rayon::ThreadPool;
-use rayon::prelude::*;
+use std::mem;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
@@ -336,26 +337,11 @@ impl<'p, T: Transform> Convolution<'p, T> {
     pub(super) fn apply_by(&mut self, transform: &T, pressure: &[f64], displacement: &mut [f64]) {
         check_lengths(&self.cells, pressure, displacement);
         let blocks = self.rows.len().div_ceil(ROW_BLOCK);
-        match self.pool {
-            Some(pool) => pool.install(|| {
-                (0..blocks)
-                    .into_par_iter()
-                    .for_each(|block| self.row_block_forward(transform, block, pressure));
-                self.columns_in_parallel(transform);
-                self.rows_back(transform, 0..self.rows.len(), displacement);
-            }),
-            None => {
-                for block in 0..blocks {
-                    self.row_block_forward(transform, block, pressure);
-                }
-                self.columns(transform);
-                for block in 0..blocks {
-                    let rows = self.row_block(block);
-                    let unknowns = self.unknowns(&rows);
-                    self.row_block_back(transform, rows, &mut displacement[unknowns]);
-                }
-            }
-        }
+        for_each(self.pool, blocks, &|block| {
+            self.row_block_forward(transform, block, pressure);
+        });
+        self.columns(transform);
+        self.rows_back(transform, displacement);
     }
 
     /// The work space of this thread. Of several threads each has its own, so the lock is free.
@@ -417,53 +403,37 @@ impl<'p, T: Transform> Convolution<'p, T> {
         }
     }
 
-    fn columns(&mut self, transform: &T) {
+    fn columns(&self, transform: &T) {
         let columns = transform.column_count();
-        let work = self.workspaces[0]
-            .get_mut()
-            .unwrap_or_else(PoisonError::into_inner);
-        for (index, values) in self.spectrum.iter_mut().enumerate() {
+        for_each(self.pool, self.spectrum.len(), &|index| {
             let first = index * BLOCK_WIDTH;
+            let values = self.spectrum[index].write();
             let mut block = ColumnBlock {
                 first,
                 width: BLOCK_WIDTH.min(columns - first),
                 rows: &self.rows,
-                values: values.get_mut().unwrap_or_else(PoisonError::into_inner),
+                values: &mut values.unwrap_or_else(PoisonError::into_inner),
             };
-            transform.convolve(&mut block, work);
-        }
+            transform.convolve(&mut block, &mut self.workspace());
+        });
     }
 
-    fn columns_in_parallel(&self, transform: &T) {
-        let columns = transform.column_count();
-        self.spectrum
-            .par_iter()
-            .enumerate()
-            .for_each(|(index, values)| {
-                let first = index * BLOCK_WIDTH;
-                let mut block = ColumnBlock {
-                    first,
-                    width: BLOCK_WIDTH.min(columns - first),
-                    rows: &self.rows,
-                    values: &mut values.write().unwrap_or_else(PoisonError::into_inner),
-                };
-                transform.convolve(&mut block, &mut self.workspace());
-            });
-    }
-
-    /// Transforms some of the rows held back, halves of them in parallel.
-    fn rows_back(&self, transform: &T, rows: Range<usize>, displacement: &mut [f64]) {
-        if rows.len() <= ROW_BLOCK {
-            self.row_block_back(transform, rows, displacement);
-            return;
-        }
-        let middle = rows.start + (rows.len() / 2).next_multiple_of(ROW_BLOCK);
-        let (low, high) = (rows.start..middle, middle..rows.end);
-        let (low_part, high_part) = displacement.split_at_mut(self.unknowns(&low).len());
-        rayon::join(
-            || self.rows_back(transform, low, low_part),
-            || self.rows_back(transform, high, high_part),
-        );
+    /// Transforms the rows back, block by block; each takes its part of the displacement from the front of the rest.
+    fn rows_back(&self, transform: &T, displacement: &mut [f64]) {
+        let blocks = self.rows.len().div_ceil(ROW_BLOCK);
+        let left = Mutex::new((0..blocks, displacement));
+        let next = || {
+            let mut left = left.lock().unwrap_or_else(PoisonError::into_inner);
+            let rows = self.row_block(left.0.next()?);
+            let (part, rest) = mem::take(&mut left.1).split_at_mut(self.unknowns(&rows).len());
+            left.1 = rest;
+            Some((rows, part))
+        };
+        share(self.pool, &|| {
+            while let Some((rows, part)) = next() {
+                self.row_block_back(transform, rows, part);
+            }
+        });
     }
 
     fn row_block_back(&self, transform: &T, rows: Range<usize>, displacement: &mut [f64]) {

@@ -19,12 +19,12 @@ use super::convolution::{
 use super::operator::Operator;
 use super::potential::CellPotential;
 use crate::numerics::fft::{Real, quick_length};
+use crate::numerics::workers::fill;
 use crate::problem::Cells;
 use crate::problem::layer::WeightedLayer;
 use fakir_fft::Fft;
 use num_complex::{Complex, Complex64};
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -287,12 +287,19 @@ fn kernel_rows(
     pool: Option<&ThreadPool>,
 ) -> Vec<f64> {
     let mut rows = vec![0.0; x.len() * shape[1]];
-    for_each_chunk(pool, &mut rows, x.len(), |row, values| {
-        let kernel: Vec<f64> = (0..shape[0]).map(|column| kernel([column, row])).collect();
-        let mut spectrum = vec![Complex64::default(); x.len()];
-        let mut scratch = vec![Complex64::default(); x.scratch_len()];
-        x.even_forward(&kernel, &mut spectrum, &mut scratch, values);
-    });
+    fill(
+        pool,
+        &mut rows,
+        x.len(),
+        1,
+        || (),
+        |(), row, values| {
+            let kernel: Vec<f64> = (0..shape[0]).map(|column| kernel([column, row])).collect();
+            let mut spectrum = vec![Complex64::default(); x.len()];
+            let mut scratch = vec![Complex64::default(); x.scratch_len()];
+            x.even_forward(&kernel, &mut spectrum, &mut scratch, values);
+        },
+    );
     rows
 }
 
@@ -305,11 +312,13 @@ fn kernel_columns(
     pool: Option<&ThreadPool>,
 ) -> Vec<f64> {
     let mut columns = vec![0.0; x.len() * y.len()];
-    for_each_chunk(
+    fill(
         pool,
         &mut columns,
         BLOCK_WIDTH * y.len(),
-        |block, values| {
+        1,
+        || (),
+        |(), block, values| {
             let count = rows.len() / x.len();
             let first = block * BLOCK_WIDTH;
             let width = values.len() / y.len();
@@ -330,25 +339,6 @@ fn kernel_columns(
         },
     );
     columns
-}
-
-fn for_each_chunk(
-    pool: Option<&ThreadPool>,
-    data: &mut [f64],
-    len: usize,
-    task: impl Fn(usize, &mut [f64]) + Sync + Send,
-) {
-    match pool {
-        Some(pool) => pool.install(|| {
-            data.par_chunks_mut(len)
-                .enumerate()
-                .for_each(|(index, chunk)| task(index, chunk));
-        }),
-        None => data
-            .chunks_mut(len)
-            .enumerate()
-            .for_each(|(index, chunk)| task(index, chunk)),
-    }
 }
 
 impl<R: Real> Transform for FreeSpace<R> {

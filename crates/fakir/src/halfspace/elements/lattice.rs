@@ -8,11 +8,11 @@
 use super::operator::Operator;
 use super::potential::CellPotential;
 use crate::numerics::fft::{ComplexPlans, RealPlans, smooth_size, transpose};
+use crate::numerics::workers::{fill, map};
 use crate::problem::layer::WeightedLayer;
 use crate::problem::{Cells, Point};
 use num_complex::Complex64;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Work below which threads are not worth waking, complex values of all spectra.
@@ -160,45 +160,31 @@ impl<'a> LatticeOfGrids<'a> {
                 _ => Vec::new(),
             }
         };
-        let spectra: Vec<Vec<Complex64>> = match pool {
-            Some(pool) => {
-                pool.install(|| (0..points).into_par_iter().map(offset_spectrum).collect())
-            }
-            None => (0..points).map(offset_spectrum).collect(),
-        };
+        let spectra = map(pool, points, 1, || (), |(), place| offset_spectrum(place));
         self.inverse = local.inverse(&spectra[0]);
         let value = |place: usize, frequency: usize| {
             let half = place.min(opposite(place));
             let value = spectra[half].get(frequency).copied().unwrap_or_default();
             if half == place { value } else { value.conj() }
         };
-        let fill = |work: &mut LatticeWork, frequency: usize, kernel: &mut [f64]| {
-            for (place, entry) in work.array.iter_mut().enumerate() {
-                *entry = value(place, frequency);
-            }
-            lattice.forward(rows, work);
-            for (kernel, value) in kernel.iter_mut().zip(&work.array) {
-                *kernel = normalisation * value.re;
-            }
-        };
         let mut kernel = vec![0.0; frequencies * points];
-        match pool {
-            Some(pool) => pool.install(|| {
-                kernel
-                    .par_chunks_exact_mut(points)
-                    .enumerate()
-                    .for_each_init(
-                        || LatticeWork::new(lattice),
-                        |work, (frequency, kernel)| fill(work, frequency, kernel),
-                    );
-            }),
-            None => {
-                let mut work = LatticeWork::new(lattice);
-                for (frequency, kernel) in kernel.chunks_exact_mut(points).enumerate() {
-                    fill(&mut work, frequency, kernel);
+        let work = || LatticeWork::new(lattice);
+        fill(
+            pool,
+            &mut kernel,
+            points,
+            1,
+            work,
+            |work, frequency, kernel| {
+                for (place, entry) in work.array.iter_mut().enumerate() {
+                    *entry = value(place, frequency);
                 }
-            }
-        }
+                lattice.forward(rows, work);
+                for (kernel, value) in kernel.iter_mut().zip(&work.array) {
+                    *kernel = normalisation * value.re;
+                }
+            },
+        );
         self.kernel = kernel;
     }
 
@@ -274,12 +260,14 @@ impl<'a> LatticeOfGrids<'a> {
         let pool = self.shared_pool();
         let points = self.lattice.rows * self.lattice.columns;
         let (lattice, pillars, shape) = (&self.lattice, &self.pillars, self.shape);
-        let one = |work: &mut LatticeWork, spectrum: &mut [Complex64], kernel: &[f64]| {
+        let kernel = &self.kernel;
+        let one = |work: &mut LatticeWork, frequency: usize, spectrum: &mut [Complex64]| {
             work.array.fill(Complex64::default());
             for ((row, column), value) in pillars.iter().zip(spectrum.iter()) {
                 work.array[row * lattice.columns + column] = *value;
             }
             lattice.forward(shape.0, work);
+            let kernel = kernel[frequency * points..].iter();
             for (value, kernel) in work.array.iter_mut().zip(kernel) {
                 *value *= kernel;
             }
@@ -288,28 +276,8 @@ impl<'a> LatticeOfGrids<'a> {
                 *value = work.array[row * lattice.columns + column];
             }
         };
-        let count = pillars.len();
-        match pool {
-            Some(pool) => pool.install(|| {
-                self.spectra
-                    .par_chunks_exact_mut(count)
-                    .zip(self.kernel.par_chunks_exact(points))
-                    .for_each_init(
-                        || LatticeWork::new(lattice),
-                        |work, (spectrum, kernel)| one(work, spectrum, kernel),
-                    );
-            }),
-            None => {
-                let mut work = LatticeWork::new(lattice);
-                for (spectrum, kernel) in self
-                    .spectra
-                    .chunks_exact_mut(count)
-                    .zip(self.kernel.chunks_exact(points))
-                {
-                    one(&mut work, spectrum, kernel);
-                }
-            }
-        }
+        let work = || LatticeWork::new(lattice);
+        fill(pool, &mut self.spectra, pillars.len(), 1, work, one);
     }
 }
 
