@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 /// Pillars with rounded tops and what is pressed onto them.
-#[pyclass(frozen, module = "fakir._fakir")]
+#[pyclass(frozen, skip_from_py_object, module = "fakir._fakir")]
 #[derive(Clone)]
 pub(crate) struct Rounded {
     case: RoundedCase,
