@@ -341,7 +341,7 @@ impl<R: InRegisters> Stage<R> {
             return;
         }
         let of_block = self.span * side_by_side.lines * registers_of_line::<R, S>(simd);
-        // By places: an iterator over both is not always compiled into the caller, and blocks are short.
+        // `zip` is not always inlined here, and would cost a call for each short block.
         let mut first = 0;
         while first + of_block <= source.len() {
             let (source, target) = (&source[first..][..of_block], &target[first..][..of_block]);

@@ -72,7 +72,7 @@ macro_rules! in_registers {
 
             #[inline(always)]
             fn negative<S: Simd>(simd: S, a: S::$register) -> S::$register {
-                // What pulp offers for this is not always compiled into the caller.
+                // `Simd::neg_f64s` is not always inlined: a call in the innermost loops.
                 simd.$xor(simd.$splat(-0.0), a)
             }
 
@@ -139,14 +139,12 @@ impl<T: Copy + Default> Aligned<T> {
 impl<T> Deref for Aligned<T> {
     type Target = [T];
 
-    #[inline]
     fn deref(&self) -> &[T] {
         &self.values[self.range.clone()]
     }
 }
 
 impl<T> DerefMut for Aligned<T> {
-    #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
         &mut self.values[self.range.clone()]
     }

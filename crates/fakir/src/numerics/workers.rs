@@ -206,9 +206,8 @@ mod tests {
                     &mut values,
                     3,
                     least,
-                    || 0,
-                    |calls, number, piece| {
-                        *calls += 1;
+                    || (),
+                    |(), number, piece| {
                         for value in piece {
                             *value += 10 * number + 1;
                         }

@@ -161,15 +161,12 @@ fn in_batches<T: Copy + Send>(
     batch: impl Fn(&[Point]) -> Result<Vec<T>, SolveError> + Sync + Send,
     run: &Run<'_>,
 ) -> Result<Vec<T>, SolveError> {
-    let count = points.len().div_ceil(BATCH);
-    let batches = run.workers().map(
-        count,
-        1,
-        || (),
-        |(), number| batch(&points[number * BATCH..points.len().min((number + 1) * BATCH)]),
-    );
-    let batches: Result<Vec<_>, SolveError> = batches.into_iter().collect();
-    Ok(batches?.concat())
+    let batches: Vec<&[Point]> = points.chunks(BATCH).collect();
+    let values = run
+        .workers()
+        .map(batches.len(), 1, || (), |(), number| batch(batches[number]));
+    let values: Result<Vec<_>, SolveError> = values.into_iter().collect();
+    Ok(values?.concat())
 }
 
 /// A rectangle of lattice indices.
@@ -440,9 +437,8 @@ impl Convolution {
         let by_pair = run
             .workers()
             .map(pairs, 1, || (), |(), number| pair(number));
-        let by_pair = by_pair
-            .into_iter()
-            .collect::<Result<Vec<_>, SolveError>>()?;
+        let by_pair: Result<Vec<_>, SolveError> = by_pair.into_iter().collect();
+        let by_pair = by_pair?;
         let (rows, columns) = far.cells.shape();
         Ok((0..rows * columns)
             .flat_map(|cell| by_pair.iter().flat_map(move |v| [v[cell].re, v[cell].im]))
