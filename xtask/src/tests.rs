@@ -8,8 +8,10 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Packages with dependencies that the first tier does not build.
-const HEAVY: [&str; 2] = ["fakir-checks", "fakir-manual"];
+/// Packages that are not compiled with the others: two have dependencies that the first tier does not need; the extension
+/// module has no tests, and maturin compiles it in an environment of its own, so that compiling it here too would compile
+/// pyo3 again at every run.
+const EXCLUDED: [&str; 3] = ["fakir-checks", "fakir-manual", "fakir-py"];
 
 /// What is tested with heavy dependencies: options of cargo.
 const HEAVY_TESTS: [&[&str]; 2] = [
@@ -83,7 +85,7 @@ fn program(message: &str) -> Option<Program> {
 
 /// The options of cargo for the packages of the first tier.
 fn light() -> Vec<&'static str> {
-    let excluded = HEAVY.iter().flat_map(|name| ["--exclude", *name]);
+    let excluded = EXCLUDED.iter().flat_map(|name| ["--exclude", *name]);
     let targets = ["--workspace", "--lib", "--bins", "--tests"];
     targets.into_iter().chain(excluded).collect()
 }
@@ -151,7 +153,7 @@ pub(crate) fn built_command(cargo: &OsStr) -> Result<PathBuf, String> {
 
 /// Compiles an example of the crate `fakir`, with the features of the tests, so that what was compiled for them is used again.
 pub(crate) fn built_example(cargo: &OsStr, name: &str) -> Result<PathBuf, String> {
-    let excluded = HEAVY.iter().flat_map(|name| ["--exclude", *name]);
+    let excluded = EXCLUDED.iter().flat_map(|name| ["--exclude", *name]);
     run(Command::new(cargo)
         .args(["build", "--release", "--locked", "--workspace"])
         .args(excluded)
