@@ -1,5 +1,6 @@
 //! The one place where a question goes to a method.
 
+use crate::problem::scaled::Scene;
 use crate::problem::{Accuracy, Control, CyclePlan, FloorModel, LensShape, Method, System};
 use crate::solve::adhesive;
 use crate::solve::answers;
@@ -30,7 +31,7 @@ pub fn press(
     method: Method,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
+    let control = checked_control(system, control)?;
     refuse_transition(system, control)?;
     refuse_layers(system)?;
     if !system.adhesion().is_none() {
@@ -76,7 +77,7 @@ pub fn gradient(
     method: Method,
     run: &Run<'_>,
 ) -> Result<Gradient, SolveError> {
-    let control = control.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
+    let control = checked_control(system, control)?;
     refuse_transition(system, control)?;
     if !system.adhesion().is_none() {
         let why =
@@ -210,6 +211,18 @@ pub fn follow_cycle(
     }
     refuse_layers(system)?;
     adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?.checked()
+}
+
+/// What is prescribed, if it can be. An indentation counts from the common height and may be negative as far as pillars are higher than that.
+fn checked_control(system: &System, control: Control) -> Result<Control, SolveError> {
+    if let Control::Indentation(indentation) = control
+        && indentation < 0.0
+        && indentation >= -Scene::new(system).highest()
+    {
+        return Ok(control);
+    }
+    let length = 0.5 * system.pillar().diameter;
+    Ok(control.checked(length, system.reduced_modulus())?)
 }
 
 /// Refuses the critical state under what comes nearest to the floor beyond the pillars.

@@ -61,6 +61,12 @@ impl Scene {
         }
     }
 
+    /// By how much the highest pillar may be higher than the common height, m.
+    pub(crate) fn highest(&self) -> f64 {
+        let [_, highest] = self.field.bounds();
+        highest * self.length
+    }
+
     /// Unit of force, N.
     pub(crate) fn force(&self) -> f64 {
         self.pressure * self.length * self.length

@@ -39,6 +39,9 @@ const ADJOINT_TOLERANCE: f64 = 1e-2;
 /// of degree 3, more of degree 4.
 const EXTRA_DEGREES: usize = 2;
 
+/// Gap (pillar radii) below which the decay from degree to degree is not followed further.
+const LEAST_GAP: f64 = 1e-4;
+
 /// Neighbours beyond this distance (pillar radii) do not excite the extra modes noticeably.
 const NEIGHBOURHOOD: f64 = 13.0;
 
@@ -83,7 +86,8 @@ pub(crate) fn estimate(
 ) -> Result<ErrorEstimate, SolveError> {
     let force = newton.force();
     // Pillars higher than the common height are touched above it.
-    let indentation = outcome.indentation.abs();
+    let depth = outcome.indentation - newton.scene.first_touch();
+    let indentation = outcome.indentation.abs().max(depth);
     if force <= 0.0 || indentation <= 0.0 {
         // The contact is smaller than the distance of nodes: nothing is known of it.
         return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
@@ -100,12 +104,21 @@ pub(crate) fn estimate(
     let nodes = node_changes(newton, copies, total, adjoints)?;
     let degree = degree_changes(newton, outcome, copies, total, adjoints)?;
     let floor = floor_changes(newton, outcome, adjoints);
+    let beyond = beyond_degrees(newton.scene.field.least_gap());
     let relative = |k: usize, value: f64| {
-        let changes = nodes[k] + degree[k] + floor[k];
+        let changes = nodes[k] + beyond * degree[k] + floor[k];
         FLOOR + outcome.mismatch + SAFETY * changes / value
     };
     let errors = [relative(0, force), relative(1, indentation)];
     Ok(unknowns_only(target, outcome.termination, errors))
+}
+
+/// All higher degrees over the next few: the modes of two discs that are a gap (pillar radii) apart fall by `exp(-theta)` from one degree to the next, with
+/// `cosh(theta) = 1 + gap/2`, as the images of two circles do.
+fn beyond_degrees(gap: f64) -> f64 {
+    // Discs that touch have no such rate.
+    let theta = (1.0 + 0.5 * gap.max(LEAST_GAP)).acosh();
+    (1.0 - (-2.0 * EXTRA_DEGREES as f64 * theta).exp()).recip()
 }
 
 /// Changes of the two results when the floor point is displaced by all modes of partially touched

@@ -333,7 +333,13 @@ impl<'a> Newton<'a> {
                 outcome.termination = Termination::Stagnated;
                 return Ok(outcome);
             };
-            let change = indentation / self.contact.indentation() - 1.0;
+            let before = self.contact.indentation();
+            // An indentation may be none where some pillars are higher.
+            let change = if indentation == before {
+                0.0
+            } else {
+                indentation / before - 1.0
+            };
             tolerances.change_of_indentation = change.abs().clamp(1e-12, 1.0);
             self.contact.move_to(indentation);
             (outcome.indentation, outcome.floor) = (indentation, floor);

@@ -194,7 +194,14 @@ fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Control) -> f64 {
     let pitch = scene.field.spacing();
     match target {
         // Half the area in which the undeformed lens enters pillar tops, as in Hertz's contact.
-        Control::Indentation(indentation) => (indentation.min(lens) * lens).sqrt(),
+        Control::Indentation(indentation) => {
+            let depth = if indentation > 0.0 {
+                indentation
+            } else {
+                indentation - scene.first_touch()
+            };
+            (depth.max(0.0).min(lens) * lens).sqrt()
+        }
         Control::Force(force) => {
             // Of Hertz, and of the lens on independent pillars, the larger.
             let hertz = (0.75 * lens * force).cbrt();

@@ -56,6 +56,39 @@ fn differences(state: &ContactState, force: f64, indentation: f64) -> [f64; 2] {
     ]
 }
 
+/// Pillars that are higher than the common height are touched at an indentation of none, and above it.
+#[test]
+fn an_indentation_counts_from_the_common_height() {
+    for seed in 0..30 {
+        let scattered = system(PlaneLattice {
+            disorder: Disorder {
+                height_spread: 0.05,
+                seed,
+                ..Disorder::default()
+            },
+            ..PlaneLattice::new(form_of(0.1))
+        });
+        let level = pressed(&scattered, Control::Indentation(0.0));
+        if level.force == 0.0 {
+            continue;
+        }
+        assert!(level.error.force < 0.5, "{seed}: {:e}", level.error.force);
+        let by_force = pressed(&scattered, Control::Force(0.3 * level.force));
+        assert!(by_force.indentation < 0.0);
+        let above = Control::Indentation(by_force.indentation);
+        let off = pressed(&scattered, above).force / by_force.force - 1.0;
+        assert!(off.abs() < 1e-6, "{seed}: {off:e}");
+    }
+    // Above all pillars there is nothing, and none of equal ones is higher.
+    let method = Method::default();
+    let equal = system(PlaneLattice::new(form_of(0.1)));
+    let refused = fakir::press(&equal, Control::Indentation(-1e-9), method, &Run::default());
+    assert!(
+        matches!(refused, Err(SolveError::InvalidQuantity(_))),
+        "{refused:?}"
+    );
+}
+
 /// Values with their errors: `any.csv` of the prototype.
 #[test]
 fn square_and_rectangular_lattices_as_the_prototype() {
