@@ -25,6 +25,8 @@ use super::point::Point;
 pub struct HeightMap {
     grid: Grid,
     heights: Vec<f64>,
+    /// Height of its highest point, if that is known to be above the centres of all cells.
+    summit: f64,
     pillars: Option<PillarColumns>,
 }
 
@@ -128,6 +130,7 @@ impl HeightMap {
         Ok(Self {
             grid,
             heights,
+            summit: f64::NEG_INFINITY,
             pillars: None,
         })
     }
@@ -213,13 +216,15 @@ impl HeightMap {
         self.pillars.as_ref()
     }
 
-    /// Height of the highest cell, m.
+    /// The same surface with a point of this height (m) on it, such as the apex of a cone that lies between the centres of cells.
+    pub(crate) fn with_summit(self, summit: f64) -> Self {
+        Self { summit, ..self }
+    }
+
+    /// Height of the highest point, m: that of the highest cell, or of the apex of a pillar that is higher than the centres of all cells.
     #[must_use]
     pub fn highest(&self) -> f64 {
-        self.heights
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max)
+        self.heights.iter().copied().fold(self.summit, f64::max)
     }
 
     /// Height of the lowest cell, m.
@@ -272,6 +277,7 @@ impl HeightMap {
         Some(Self {
             grid,
             heights,
+            summit: f64::NEG_INFINITY,
             pillars,
         })
     }

@@ -275,6 +275,8 @@ struct Drawing<'a> {
     heights: Vec<f64>,
     labels: Vec<u32>,
     compliance: Vec<f64>,
+    /// Height of the highest middle of a pillar on the grid: that of a cone is not the centre of a cell.
+    summit: f64,
 }
 
 impl<'a> Drawing<'a> {
@@ -284,6 +286,7 @@ impl<'a> Drawing<'a> {
             heights: vec![0.0; grid.cell_count()],
             labels: vec![HeightMap::NO_PILLAR; grid.cell_count()],
             compliance: Vec::new(),
+            summit: f64::NEG_INFINITY,
         }
     }
 
@@ -305,10 +308,23 @@ impl<'a> Drawing<'a> {
                     }
                 }
             }
+            if [0, 1]
+                .into_iter()
+                .all(|axis| self.holds(axis, centre[axis]))
+            {
+                self.summit = self.summit.max(height);
+            }
         }
         if drawn {
             self.compliance.push(compliance);
         }
+    }
+
+    /// Whether a coordinate is on the grid.
+    fn holds(&self, axis: usize, coordinate: f64) -> bool {
+        let count = [self.grid.columns(), self.grid.rows()][axis] as f64;
+        let place = (coordinate - self.grid.origin()[axis]) / self.grid.cell()[axis];
+        (0.0..=count).contains(&place)
     }
 
     /// The columns or rows of cells within `reach` of a coordinate.
@@ -323,6 +339,7 @@ impl<'a> Drawing<'a> {
 
     fn finish(self) -> HeightMap {
         HeightMap::new(*self.grid, self.heights)
+            .map(|surface| surface.with_summit(self.summit))
             .and_then(|surface| {
                 surface.with_pillars(PillarColumns {
                     labels: self.labels,

@@ -94,6 +94,25 @@ fn surface_fraction_is_that_of_the_cells() {
     }
 }
 
+/// The centres of 24 by 24 cells are beside the apex of a cone, from which an indentation counts all the same.
+#[test]
+fn a_surface_is_as_high_as_the_apex_of_a_cone() {
+    let grid = Grid::centred(24, 24, 1e-6).unwrap();
+    let cone = PillarShape {
+        top: Top::Cone { drop: 0.5 * HEIGHT },
+        ..pillar(CrossSection::Circle { diameter: 16e-6 }, 0.0)
+    };
+    let surface = Pattern::new(cone, hexagonal(30e-6)).height_map(&grid, &rubber());
+    let surface = surface.unwrap();
+    let cells = surface.heights().iter().copied().fold(0.0, f64::max);
+    assert!(cells < 0.99 * HEIGHT);
+    assert_eq!(surface.highest().to_bits(), HEIGHT.to_bits());
+    // The apex is not on a grid beside it.
+    let beside = Grid::new(24, 24, [1e-6; 2], [2e-6, 2e-6]).unwrap();
+    let part = Pattern::new(cone, hexagonal(30e-6)).height_map(&beside, &rubber());
+    assert!(part.unwrap().highest() < 0.99 * HEIGHT);
+}
+
 #[test]
 fn symmetric_patterns_are_symmetric() {
     let grid = Grid::centred(301, 301, 0.13e-6).unwrap();
