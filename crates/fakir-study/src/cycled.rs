@@ -175,7 +175,7 @@ impl From<CycleError> for Errors {
     fn from(error: CycleError) -> Self {
         Self {
             numerical: error.numerical(),
-            model: error.fronts,
+            model: error.model(),
         }
     }
 }

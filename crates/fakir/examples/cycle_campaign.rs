@@ -194,7 +194,7 @@ fn figures(cycle: &Cycle) -> [(f64, f64); 5] {
     let lost = cycle.floor_lost().map(|[last, _]| last.indentation);
     let area = jump.and_then(|after| Some(after.floor?.area));
     let [of_pull, of_loop] = [cycle.errors.pull_off_force, cycle.errors.loop_area]
-        .map(|error| error.numerical() + error.fronts);
+        .map(|error| error.numerical() + error.model());
     [
         known(jump.map(|after| after.force), errors.map(|e| e.jump_force)),
         known(area, errors.map(|e| e.jump_area)),

@@ -337,14 +337,15 @@ fn known(error: CycleError) -> usize {
 /// The numerical error, and that of the model apart.
 fn remark(error: CycleError) -> String {
     let numerical = error_remark(error.numerical());
-    let model = match error.fronts {
-        fronts if fronts > 0.0 => format!(
-            ", error of the model {} (shapes of partial contacts)",
-            significant(fronts, 1)
-        ),
+    let of_model = |error: f64, source: &str| match error {
+        error if error > 0.0 => {
+            format!(", error of the model {} ({source})", significant(error, 1))
+        }
         _ => String::new(),
     };
-    let remark = numerical + &model;
+    let fronts = of_model(error.fronts, "shapes of partial contacts");
+    let columns = of_model(error.columns, "columns do not lean");
+    let remark = numerical + &fronts + &columns;
     remark.trim_start_matches([',', ' ']).to_owned()
 }
 

@@ -1476,7 +1476,7 @@ impl<'a> Search<'a> {
         let (Some(measured), Some(pull_off)) = (self.model.measured_pull(), &cycle.pull_off) else {
             return Ok(None);
         };
-        let model_error = cycle.errors.pull_off_force.fronts;
+        let model_error = cycle.errors.pull_off_force.model();
         let works = [Key::RecedingWorkOfAdhesion, Key::WorkOfAdhesion];
         let is_free = |key: &Key| self.model.free.contains(&Parameter::Key(*key));
         let mut work_error = None;

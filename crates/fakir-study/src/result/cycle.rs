@@ -212,6 +212,8 @@ pub struct CycleErrorObject {
     pub degree: f64,
     /// Of the model: from the shapes that fronts can take.
     pub model_fronts: f64,
+    /// Of the model: from pillars that lean where they are pulled on one side, which columns do not.
+    pub model_columns: f64,
 }
 
 impl From<CycleError> for CycleErrorObject {
@@ -222,6 +224,7 @@ impl From<CycleError> for CycleErrorObject {
             rim_angles: error.rim_angles,
             degree: error.degree,
             model_fronts: error.fronts,
+            model_columns: error.columns,
         }
     }
 }

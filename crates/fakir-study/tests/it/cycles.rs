@@ -68,11 +68,11 @@ fn rows_are_those_of_single_cycles() {
             ),
             (
                 "relative_model_error_pull_off_force",
-                cycle.errors.pull_off_force.fronts,
+                cycle.errors.pull_off_force.model(),
             ),
             (
                 "relative_model_error_hysteresis",
-                cycle.errors.loop_area.fronts,
+                cycle.errors.loop_area.model(),
             ),
         ] {
             assert_eq!(of(name)[index].to_bits(), expected.to_bits(), "{name}");

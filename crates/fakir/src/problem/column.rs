@@ -155,6 +155,16 @@ impl ColumnLaw {
         }
     }
 
+    /// How the common pillar leans under a moment as a beam, whatever it is.
+    pub(crate) fn beam_rocking(self) -> f64 {
+        let elastic = Elastic {
+            slenderness: self.slenderness,
+            poisson_ratio: self.poisson_ratio,
+            share: self.share,
+        };
+        elastic.rocking()
+    }
+
     /// The same with the common pillar an elastic body, whatever it is; `None` where that is not known.
     pub(crate) fn as_elastic(self) -> Option<Self> {
         let compliance = PillarCompliance::Elastic;

@@ -9,14 +9,14 @@ use super::rules::fronts::{Course, Fronts, Works};
 use super::spectral::degrees;
 use super::stuck_errors::{Figures, PLAIN, VARIATIONS};
 use super::touched::nearest_first;
-use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE};
+use crate::halfspace::disc::basis::{BasisEvaluator, TILT_MODE, UNIT_FORCE, degree_with};
 use crate::numerics::vector::dot;
 use crate::problem::scaled::Scene;
 use crate::problem::{
     Accuracy, Control, CyclePlan, Drive, FloorModel, Method, PillarCompliance, System, Turn,
 };
 use crate::state::contact::contact_warnings;
-use crate::state::fields::Disc;
+use crate::state::fields::{Disc, HeldPart};
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
@@ -259,8 +259,7 @@ impl<'a> Loading<'a> {
             receding: adhesion.receding() / scale,
         };
         let degree = degrees(accuracy, scene).coupling;
-        let kappa = scene.field.column().shortening;
-        let fronts = Fronts::new(degree, kappa, works, true);
+        let fronts = Fronts::new(degree, scene.field.column(), works, true);
         let held = match drive {
             Drive::Displacement => Held::Indentation,
             Drive::Force => Held::Force,
@@ -373,7 +372,12 @@ impl<'a> Loading<'a> {
         };
         let indentation = path.indentation();
         let radius = path.contact_radius();
-        let (force, partly) = (path.force(), partly_borne(&pillars));
+        let force = path.force();
+        let partly = if path.inside.is_some() {
+            0.0
+        } else {
+            partly_borne(&pillars)
+        };
         let error = if termination == Termination::Converged {
             let share = relative(PARTIAL_ERROR * partly / scene.force(), force);
             let [degree, _] = self.degree_errors();
@@ -392,6 +396,7 @@ impl<'a> Loading<'a> {
             .filter(|pillar| pillar.status == PillarStatus::Partial)
             .count();
         let radius_error = match (termination, partial) {
+            (Termination::Converged, _) if path.inside.is_some() => SOLVER_ERROR * radius,
             (Termination::Converged, 0) => 0.0,
             (Termination::Converged, _) => FRONT_PLACE_ERROR,
             _ => radius,
@@ -453,7 +458,7 @@ impl Loaded<'_> {
         let lost = last.and_then(|last| Some([&stations[last], stations.get(last + 1)?]));
         let strongest = path.strongest.as_ref();
         let floor = turn.floor.as_ref();
-        let closed = path.tops.counts()[0] == 0 && path.floor.is_none();
+        let closed = path.counts()[0] == 0 && path.floor.is_none();
         Figures {
             turn: [
                 Some(turn.force),
@@ -568,25 +573,46 @@ impl Loaded<'_> {
 impl Loading<'_> {
     fn event(&self, event: &TopEvent) -> CycleEvent {
         let scene = self.path.scene;
-        let [before, after] = event.levels;
-        let covered = |level: usize| self.path.tops.fronts.part(level);
+        let [before, after] = event.parts;
         CycleEvent {
             branch: branch(event.course),
-            kind: match (before, after) {
-                (0, _) => CycleEventKind::SnapIn,
-                (_, 0) => CycleEventKind::Release,
-                _ if after > before => CycleEventKind::Growth,
-                _ => CycleEventKind::Recession,
+            kind: if before == 0.0 {
+                CycleEventKind::SnapIn
+            } else if after == 0.0 {
+                CycleEventKind::Release
+            } else if after > before {
+                CycleEventKind::Growth
+            } else {
+                CycleEventKind::Recession
             },
             indentation: event.indentation * scene.length,
             force: event.force * scene.force(),
             pillar: Some(HeldPillar {
                 index: event.index,
                 centre: scene.metres(event.centre),
-                covered: covered(after),
+                covered: after,
             }),
-            covered_before: covered(before),
+            covered_before: before,
         }
+    }
+
+    /// By how much more the tops would pull, relative, if columns leaned as beams do: that takes its part from the tilt of the pressure, which a rim
+    /// detaches by. The largest of all tops at the strongest pull.
+    fn leaning(&self) -> f64 {
+        let Some(pull) = (self.path.strongest.as_ref())
+            .filter(|_| self.system.pillar().compliance == PillarCompliance::Column)
+        else {
+            return 0.0;
+        };
+        let rocking = self.system.column_law().beam_rocking();
+        let of_top = |top: &HeldTop| {
+            let tilt = TILT_MODE * top.coefficients[1].hypot(top.coefficients[2]);
+            let [least, _] = self.path.tops.fronts.edge_range(&top.coefficients);
+            let relieved = tilt * rocking / (1.0 + rocking);
+            relieved / (least.abs() - relieved).max(f64::MIN_POSITIVE)
+        };
+        let whole = pull.tops.iter().filter(|top| top.domain.is_full());
+        whole.map(of_top).fold(0.0, f64::max)
     }
 
     /// Where the errors of the figures come from.
@@ -604,13 +630,20 @@ impl Loading<'_> {
             fronts,
             ..CycleError::default()
         });
-        let alone = |pull: &PullOff| pull.pillars.len() == 1;
-        let pull_off_force = pull_off.map_or_else(CycleError::default, |pull| CycleError {
-            levels: if alone(pull) { 0.0 } else { LEVEL_ERROR },
+        // The rim of one top that is in contact as a whole, or a disc inside it, is held by nothing else.
+        let whole = self.path.strongest.as_ref().is_some_and(|pull| {
+            let [top] = pull.tops.as_slice() else {
+                return false;
+            };
+            top.domain.is_full() || top.disc.is_some()
+        });
+        let columns = self.leaning();
+        let pull_off_force = pull_off.map_or_else(CycleError::default, |_| CycleError {
+            levels: if whole { 0.0 } else { LEVEL_ERROR },
             rim_angles: ANGLE_ERROR,
             degree: rim,
-            fronts: if alone(pull) { 0.0 } else { FRONT_ERROR }
-                .max(of_floor(|it| it.pull_off_force)),
+            fronts: if whole { 0.0 } else { FRONT_ERROR }.max(of_floor(|it| it.pull_off_force)),
+            columns,
         });
         let energies = self.path.energies;
         let loop_area = CycleError {
@@ -618,6 +651,7 @@ impl Loading<'_> {
             rim_angles: 2.0 * ANGLE_ERROR,
             degree: 2.0 * rim,
             fronts: FRONT_ERROR.max(of_floor(|it| it.loop_area)),
+            columns,
         };
         CycleErrors {
             critical_force,
@@ -641,22 +675,32 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
     let fronts = &path.tops.fronts;
     let degree = fronts.degree();
     let scene = path.scene;
-    let disc = |top: &HeldTop| Disc {
-        index: top.index,
-        centre: top.centre,
-        radius: 1.0,
-        coefficients: top.coefficients.clone(),
-        gap: None,
-        held: Some(fronts.held_part(top.domain)),
-        sliver: None,
+    let disc = |top: &HeldTop| {
+        let (centre, held) = match top.disc {
+            Some(_) => ([0.0; 2], HeldPart::All),
+            None => (top.centre, fronts.held_part(top.domain)),
+        };
+        Disc {
+            index: top.index,
+            centre,
+            radius: top.disc.unwrap_or(1.0),
+            coefficients: top.coefficients.clone(),
+            gap: None,
+            held: Some(held),
+            sliver: None,
+        }
     };
+    let close_degree = tops
+        .iter()
+        .map(|top| degree_with(top.coefficients.len()))
+        .fold(degree, usize::max);
     let discs = tops.iter().map(|top| disc(top).turned(scene.rotation));
     let fields = Fields::new(
         scene.as_asked(),
         indentation,
         discs.collect(),
-        degree,
-        degree,
+        close_degree,
+        close_degree,
     );
     HeldContact {
         pillars: pillars(path, tops),
@@ -709,14 +753,23 @@ fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
 fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
     let scene = path.scene;
     let fronts = &path.tops.fronts;
-    let mut basis = BasisEvaluator::new(fronts.degree());
-    let mut at_centre = vec![0.0; tops.first().map_or(0, |top| top.coefficients.len())];
-    if !at_centre.is_empty() {
-        basis.evaluate([0.0, 0.0], &mut at_centre);
-    }
     let pillar = |top: &HeldTop| {
         let coefficients = &top.coefficients;
-        let centre_is_held = fronts.holds_centre(top.domain);
+        // The middle of the top, seen from that of what bears the pressure.
+        let middle = top
+            .disc
+            .map_or([0.0; 2], |radius| top.centre.map(|x| x / radius));
+        let place = middle[0].hypot(middle[1]);
+        let centre_is_held = match top.disc {
+            Some(_) => place < 1.0,
+            None => fronts.holds_centre(top.domain),
+        };
+        let centre_density = || {
+            let mut values = vec![0.0; coefficients.len()];
+            BasisEvaluator::new(degree_with(values.len())).evaluate(middle, &mut values);
+            dot(&values, coefficients) / (1.0 - place * place).sqrt()
+        };
+        let radius = top.disc.unwrap_or(1.0);
         let edge = || fronts.edge_range(coefficients).map(|q| q * scene.pressure);
         PillarState {
             diameter: 2.0 * scene.length,
@@ -728,9 +781,9 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
             } else {
                 PillarStatus::Partial
             },
-            force: UNIT_FORCE * coefficients[0] * scene.force(),
+            force: UNIT_FORCE * coefficients[0] * radius * radius * scene.force(),
             centre_pressure: if centre_is_held {
-                dot(&at_centre, coefficients) * scene.pressure
+                centre_density() * scene.pressure
             } else {
                 0.0
             },

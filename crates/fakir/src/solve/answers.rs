@@ -17,8 +17,9 @@ use crate::halfspace::disc::basis::degree_with;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::convergence::{larger, smaller};
 use crate::numerics::workers::CancelToken;
-use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarField};
-use crate::problem::scaled::Scene;
+use crate::problem::layer::WeightedLayer;
+use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarBody, PillarField};
+use crate::problem::scaled::{RISING, Scene};
 use crate::problem::{Accuracy, Control, FloorModel, LensProfile, LensShape, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
@@ -32,6 +33,10 @@ use std::sync::Arc;
 
 /// Relative error claimed for a contact inside one pillar top.
 const PATCH_ERROR: f64 = 1e-8;
+
+/// A relative error of the force or the indentation from which on the contact is solved once more on finer nodes: that of a contact of few nodes on one top
+/// that it does not fill.
+const UNRESOLVED: f64 = 0.1;
 
 /// An error that is not estimated yet.
 const UNKNOWN: ErrorEstimate = ErrorEstimate {
@@ -197,9 +202,7 @@ fn solve(
         }
         state
     };
-    // A contact inside one top is known in closed form on half-spaces.
     if let PillarMethod::Spectral(_) = method
-        && scene.layers.is_empty()
         && let Some((pillar, patch)) = find_patch(scene, target)
     {
         let state = patch_state(system, scene, method, pillar, &patch);
@@ -259,6 +262,17 @@ fn solve(
                 return mixed::past_transition(system, scene, target, accuracy, solution, run);
             }
             let error = refined(&mut solution, target, run)?;
+            if accuracy == Accuracy::Default && larger(error.force, error.indentation) > UNRESOLVED
+            {
+                // So small a contact is seen by finer nodes.
+                drop(solution);
+                let finer = PillarMethod::Spectral(Accuracy::Accurate);
+                let state = solve(system, scene, target, finer, run)?;
+                return Ok(ContactState {
+                    method: method.into(),
+                    ..state
+                });
+            }
             match told {
                 Some(state) => Ok(ContactState { error, ..state }),
                 None => {
@@ -427,7 +441,7 @@ pub(super) fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPilla
     if largest <= 0.0 {
         return None;
     }
-    let solver = PatchSolver::new(body.column.shortening);
+    let solver = patch_solver(scene, &body);
     let sag = |r: f64| scene.lens.sag([r * unit, 0.0]) / unit;
     let height = (scene.height + body.raised) / unit;
     let own = match target {
@@ -439,13 +453,12 @@ pub(super) fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPilla
             solver.find(largest, sag, |patch| patch.force, value / (unit * unit))
         }
         Control::FloorContact => {
-            // The pressure moves the floor away from the lens, which has to come down by its height at least.
-            if solver.with_radius(largest, sag).indentation < height {
+            // The pressure moves the floor of half-spaces away from the lens, which has to come down by its height at least.
+            if scene.layers.is_empty() && solver.with_radius(largest, sag).indentation < height {
                 return None;
             }
-            let exterior = Exterior::new(patch_degree());
             let reached = |patch: &Patch| {
-                let floor = patch_floor(scene, &exterior, &patch.scaled(unit));
+                let floor = patch_floor(scene, &patch.scaled(unit));
                 floor.map_or(f64::NEG_INFINITY, |point| {
                     patch.indentation - (point.indentation - scene.height) / unit
                 })
@@ -455,20 +468,42 @@ pub(super) fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPilla
     }?;
     let mut patch = own.scaled(unit);
     patch.indentation -= body.raised;
-    // No other pillar may be touched: the nearest edge of the next one stays below the lens.
-    let touched = scene.reaches_another(index, patch.indentation);
+    // No other pillar may be touched: the nearest edge of the next one stays below the lens. Layers rise around the contact.
+    let rising = if scene.layers.is_empty() {
+        1.0
+    } else {
+        RISING * RISING
+    };
+    let touched = scene.reaches_another(index, rising * patch.indentation);
     (!touched).then_some((pillar, patch))
 }
 
-fn patch_degree() -> usize {
-    degree_with(PatchSolver::new(0.0).count())
+/// What solves a contact inside the top of a pillar.
+fn patch_solver(scene: &Scene, body: &PillarBody) -> PatchSolver {
+    let layers = in_unit(&scene.layers, body.radius);
+    PatchSolver::new(body.column.shortening, &layers)
+}
+
+/// Layers in another unit of length, given in the old one.
+fn in_unit(layers: &[WeightedLayer], unit: f64) -> Vec<WeightedLayer> {
+    let scaled = |layer: &WeightedLayer| WeightedLayer {
+        thickness: layer.thickness / unit,
+        ..*layer
+    };
+    layers.iter().map(scaled).collect()
+}
+
+/// The displacement around a patch.
+fn around(scene: &Scene, patch: &Patch) -> Exterior {
+    let exterior = Exterior::new(degree_with(patch.coefficients.len()));
+    exterior.with_layers(&in_unit(&scene.layers, patch.radius))
 }
 
 /// Lowest point of the floor under a patch: its gap plus the indentation.
-fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<FloorPoint> {
+fn patch_floor(scene: &Scene, patch: &Patch) -> Option<FloorPoint> {
     let bears = |_: usize, mode: usize| patch.coefficients[mode];
     let discs = LoadedDiscs {
-        exterior,
+        exterior: &around(scene, patch),
         discs: Discs::new(
             [1, patch.coefficients.len()],
             |_| [0.0; 2],
@@ -480,15 +515,31 @@ fn patch_floor(scene: &Scene, exterior: &Exterior, patch: &Patch) -> Option<Floo
     lowest_floor(scene, patch.radius, &discs)
 }
 
-/// Relative errors of force and radius of a contact inside one pillar top. Those of a table of heights, whose third derivative has breaks, are how far
-/// they are from Sneddon's solution of the same depth (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
-fn patch_errors(scene: &Scene, patch: &Patch, raised: f64, column: f64) -> [f64; 2] {
+/// Relative errors of force and radius of a contact inside one pillar top.
+fn patch_errors(scene: &Scene, patch: &Patch, body: &PillarBody) -> [f64; 2] {
+    let unit = body.radius;
+    let sag = |r: f64| scene.lens.sag([r * unit, 0.0]) / unit;
+    let own = Patch {
+        indentation: patch.indentation + body.raised,
+        ..patch.clone()
+    };
+    let own = own.scaled(unit.recip());
+    let of_layers = patch_solver(scene, body).errors(&own, sag);
+    let of_table = table_errors(scene, own.radius * unit);
+    [0, 1].map(|k| larger(of_layers[k] + of_table[k], PATCH_ERROR))
+}
+
+/// Those by the breaks in the third derivative of a table of heights: how far the contact of that radius is from Sneddon's solution of the same depth
+/// on half-spaces (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
+fn table_errors(scene: &Scene, radius: f64) -> [f64; 2] {
     const STEPS: usize = 60;
     let LensShape::Profile(profile) = &scene.lens.shape else {
-        return [PATCH_ERROR; 2];
+        return [0.0; 2];
     };
-    let depth = patch.indentation + raised - 0.5 * column * patch.force;
-    let mut radius = patch.radius;
+    let sag = |r: f64| scene.lens.sag([r, 0.0]);
+    let patch = PatchSolver::new(0.0, &[]).with_radius(radius, sag);
+    let depth = patch.indentation;
+    let mut radius = radius;
     let [mut reached, mut force] = sneddon(profile, radius);
     for _ in 0..STEPS {
         // A depth that goes between as the radius and as its cube.
@@ -496,7 +547,7 @@ fn patch_errors(scene: &Scene, patch: &Patch, raised: f64, column: f64) -> [f64;
         [reached, force] = sneddon(profile, radius);
     }
     let off = (reached / depth - 1.0).abs();
-    let error = |own: f64, exact: f64| larger((own / exact - 1.0).abs() + off, PATCH_ERROR);
+    let error = |own: f64, exact: f64| (own / exact - 1.0).abs() + off;
     [error(patch.force, force), error(patch.radius, radius)]
 }
 
@@ -521,8 +572,8 @@ fn patch_state(
     (index, pillar): IndexedPillar,
     patch: &Patch,
 ) -> ContactState {
-    let degree = patch_degree();
-    let lowest = patch_floor(scene, &Exterior::new(degree), patch);
+    let degree = degree_with(patch.coefficients.len());
+    let lowest = patch_floor(scene, patch);
     let disc = Disc {
         index,
         centre: [0.0, 0.0],
@@ -532,7 +583,12 @@ fn patch_state(
         held: None,
         sliver: None,
     };
-    let fields = Fields::new(scene.clone(), patch.indentation, vec![disc], degree, degree);
+    // What layers add is tabulated in the radius of the one disc.
+    let of_disc = Scene {
+        layers: in_unit(&scene.layers, patch.radius),
+        ..scene.clone()
+    };
+    let fields = Fields::new(of_disc, patch.indentation, vec![disc], degree, degree);
     let centre = scene.metres(pillar.centre);
     let force = patch.force * scene.force();
     let body = pillar.body;
@@ -547,8 +603,7 @@ fn patch_state(
         edge_coefficient: Some([0.0; 2]),
     };
     let indentation = patch.indentation * scene.length;
-    let column = body.column.shortening / body.radius;
-    let [error, radius_error] = patch_errors(scene, patch, body.raised, column);
+    let [error, radius_error] = patch_errors(scene, patch, &body);
     floor_gap(
         scene,
         ContactState {

@@ -7,6 +7,9 @@
 //! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
+mod inside;
+
+use self::inside::InsideTop;
 use super::floor::{
     Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
@@ -132,7 +135,8 @@ pub(crate) struct TopEvent {
     pub(crate) force: f64,
     pub(crate) index: (i64, i64),
     pub(crate) centre: Point,
-    pub(crate) levels: [usize; 2],
+    /// The parts of the top in contact before and after it.
+    pub(crate) parts: [f64; 2],
 }
 
 /// Where a part of the path ends.
@@ -184,6 +188,8 @@ pub(crate) struct HeldTop {
     pub(crate) raised: f64,
     pub(crate) domain: Domain,
     pub(crate) coefficients: Vec<f64>,
+    /// The radius of the disc around the lens axis that the coefficients are of, if that is in contact and not a part up to a front.
+    pub(crate) disc: Option<f64>,
 }
 
 /// The strongest pull so far on unloading.
@@ -201,12 +207,13 @@ struct Refined {
     stiffness: f64,
 }
 
-/// A top whose level is another, with both levels.
+/// A top of which another part is in contact, with both parts and the levels between them.
 #[derive(Debug, Clone, Copy)]
 struct ChangedTop {
     index: (i64, i64),
     centre: Point,
-    levels: [usize; 2],
+    parts: [f64; 2],
+    levels: usize,
 }
 
 /// What a cascade changed.
@@ -232,6 +239,8 @@ pub(crate) struct Path<'a> {
     pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
     /// The floor as far as it is in contact, if it sticks.
     pub(crate) floor: Option<StuckFloor<'a>>,
+    /// The disc inside a top that alone is in contact, if it is. All tops count as out of contact then.
+    pub(crate) inside: Option<InsideTop>,
     exterior: Exterior,
     pub(super) works: Works,
     /// How the floor is gone about.
@@ -284,6 +293,7 @@ impl<'a> Path<'a> {
             along: vec![0.0; own_load.len()],
             contact: FrozenContact::new(run, coupling, modes, own_load),
             floor: None,
+            inside: None,
             sites,
             pair,
             projector,
@@ -314,7 +324,18 @@ impl<'a> Path<'a> {
         self.failed.unwrap_or(Termination::Converged)
     }
 
+    /// Tops in contact, and those in contact in part.
+    pub(crate) fn counts(&self) -> [usize; 2] {
+        match self.inside {
+            Some(_) => [1, 1],
+            None => self.tops.counts(),
+        }
+    }
+
     pub(crate) fn force(&self) -> f64 {
+        if let Some(inside) = &self.inside {
+            return inside.force();
+        }
         let Refined {
             indentation,
             force,
@@ -329,6 +350,9 @@ impl<'a> Path<'a> {
 
     /// Distance from the lens axis of the farthest point in contact.
     pub(crate) fn contact_radius(&self) -> f64 {
+        if let Some(inside) = &self.inside {
+            return inside.radius();
+        }
         let mut farthest = self.floor.as_ref().map_or(0.0, StuckFloor::radius);
         for (domain, centre) in self.tops.domains.iter().zip(self.sites.centres()) {
             if !domain.is_out() && centre[0].hypot(centre[1]) + 1.0 > farthest {
@@ -370,14 +394,22 @@ impl<'a> Path<'a> {
     ) -> Result<Stop, SolveError> {
         let sign = course.sign();
         let mut beyond = BEYOND;
-        // What changes because the course does.
-        self.cascade(course)?;
+        if self.inside.is_none() && !(course == Course::Loading && self.snap_inside(end)?) {
+            // What changes because the course does.
+            self.cascade(course)?;
+        }
         loop {
             if let Some(termination) = self.failed {
                 return Ok(Stop::Failed(termination));
             }
-            if end == End::Separation && self.tops.counts()[0] == 0 && self.floor.is_none() {
+            if end == End::Separation && self.counts()[0] == 0 && self.floor.is_none() {
                 return Ok(Stop::End);
+            }
+            if self.inside.is_some() {
+                match self.step_inside(course, end, watch_floor)? {
+                    Some(stop) => return Ok(stop),
+                    None => continue,
+                }
             }
             let longest = self.longest_step(course);
             if self.floor.is_some() {
@@ -414,6 +446,9 @@ impl<'a> Path<'a> {
             self.record(course);
             if self.indentation() > LARGEST_CONTACT * self.scene.lens.sphere_radius() {
                 return Err(self.too_large(self.indentation()));
+            }
+            if to_event <= longest && course == Course::Unloading && self.recede_inside()? {
+                continue;
             }
             let past = beyond * self.indentation().abs().max(1.0);
             if to_event <= longest {
@@ -533,8 +568,10 @@ impl<'a> Path<'a> {
             course,
             indentation: self.indentation(),
             force: self.force(),
-            touched: self.tops.counts(),
-            area: self.tops.area() + self.floor.as_ref().map_or(0.0, StuckFloor::area),
+            touched: self.counts(),
+            area: self.tops.area()
+                + self.floor.as_ref().map_or(0.0, StuckFloor::area)
+                + self.inside.as_ref().map_or(0.0, InsideTop::area),
             radius: self.contact_radius(),
             events: self.events.len(),
             floor: self.floor_station(),
@@ -558,6 +595,9 @@ impl<'a> Path<'a> {
 
     /// All tops in contact.
     pub(crate) fn held_tops(&self) -> Vec<HeldTop> {
+        if let Some(inside) = &self.inside {
+            return vec![inside.held_top()];
+        }
         let modes = self.contact.modes();
         let held = |pillar: usize| HeldTop {
             index: self.sites.index(pillar),
@@ -565,6 +605,7 @@ impl<'a> Path<'a> {
             raised: self.sites.body(pillar).raised,
             domain: self.tops.domains[pillar],
             coefficients: self.contact.coefficients()[pillar * modes..][..modes].to_vec(),
+            disc: None,
         };
         let touched = (0..self.sites.len()).filter(|p| !self.tops.domains[*p].is_out());
         touched.map(held).collect()
@@ -675,6 +716,9 @@ impl<'a> Path<'a> {
 
     /// The elastic energy, as exactly.
     fn elastic_energy(&self) -> f64 {
+        if let Some(inside) = &self.inside {
+            return inside.energy();
+        }
         let [present, _] = self.contact.parts();
         let missing = self.lacking(&self.loads, present, [&self.loads, present]);
         self.contact.elastic_energy() + 0.5 * missing
@@ -715,7 +759,9 @@ impl<'a> Path<'a> {
                     change.tops.push(ChangedTop {
                         index: self.sites.index(pillar),
                         centre: self.sites.centres()[pillar],
-                        levels: [before.level, after.level],
+                        parts: [before.level, after.level]
+                            .map(|level| self.tops.fronts.part(level)),
+                        levels: before.level.abs_diff(after.level),
                     });
                 }
             }
@@ -828,17 +874,18 @@ impl<'a> Path<'a> {
         for ChangedTop {
             index,
             centre,
+            parts,
             levels,
         } in &change.tops
         {
-            farthest = farthest.max(levels[0].abs_diff(levels[1]));
+            farthest = farthest.max(*levels);
             self.events.push(TopEvent {
                 course,
                 indentation,
                 force: after,
                 index: *index,
                 centre: *centre,
-                levels: *levels,
+                parts: *parts,
             });
         }
         // What the drive does on the way; at a fixed indentation nothing.
@@ -939,13 +986,18 @@ impl<'a> Path<'a> {
 
     /// The lowest point of the floor along the frozen response.
     pub(crate) fn lowest_floor(&self) -> Option<FloorPoint> {
+        let floor = self.uncovered(self.contact_radius());
+        self.with_discs(|discs| FloorSearch::default().lowest(&floor, discs, &self.run.cancel))
+    }
+
+    /// The floor around a contact of a radius.
+    fn uncovered(&self, contact_radius: f64) -> Uncovered<'_> {
         let spacing = self.scene.field.spacing();
-        let floor = Uncovered {
+        Uncovered {
             lens: self.scene.lens.clone(),
             height: self.scene.height,
-            around: Surroundings::of_sites(&self.sites, spacing, self.contact_radius()),
-        };
-        self.with_discs(|discs| FloorSearch::default().lowest(&floor, discs, &self.run.cancel))
+            around: Surroundings::of_sites(&self.sites, spacing, contact_radius),
+        }
     }
 
     /// Geometric mean of the radii of curvature of the gap at its lowest point, of second differences.
@@ -969,6 +1021,9 @@ impl<'a> Path<'a> {
 
     /// What the tops in contact bear, as discs.
     fn with_discs<R>(&self, ask: impl FnOnce(&LoadedDiscs<'_>) -> R) -> R {
+        if let Some(inside) = &self.inside {
+            return inside.with_discs(self.run, ask);
+        }
         let modes = self.contact.modes();
         let touched: Vec<usize> = (0..self.sites.len())
             .filter(|pillar| !self.tops.domains[*pillar].is_out())

@@ -258,6 +258,9 @@ pub struct CycleError {
     pub degree: f64,
     /// Of the model: from the shapes that fronts can take.
     pub fronts: f64,
+    /// Of the model: from pillars that lean where they are pulled on one side, which [columns](crate::problem::PillarCompliance::Column) do not and
+    /// elastic pillars do.
+    pub columns: f64,
 }
 
 impl CycleError {
@@ -265,6 +268,12 @@ impl CycleError {
     #[must_use]
     pub fn numerical(&self) -> f64 {
         self.levels + self.rim_angles + self.degree
+    }
+
+    /// That of the model.
+    #[must_use]
+    pub fn model(&self) -> f64 {
+        self.fronts + self.columns
     }
 }
 

@@ -9,6 +9,7 @@ mod common;
 mod contact_edge;
 mod elastic_pillars;
 mod estimates;
+mod inside_tops;
 mod layers;
 mod lenses;
 mod limits;

@@ -42,7 +42,7 @@ pub(crate) fn gradient(
     if touches_nothing {
         return Err(refused("no pillar is touched; raise the load"));
     }
-    if scene.layers.is_empty() && find_patch(&scene, target).is_some() {
+    if find_patch(&scene, target).is_some() {
         return Err(refused(
             "the lens touches a part of one pillar top and nothing else, and so does not see its texture; raise the load",
         ));

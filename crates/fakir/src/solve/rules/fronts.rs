@@ -15,8 +15,11 @@
 //!
 //! Lengths are in pillar radii, pressures in `E*`, so that works of adhesion are in `E* a`.
 
-use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with, mode_count};
+use crate::halfspace::disc::basis::{
+    BasisEvaluator, TILT_COMPLIANCE, compliances, degree_with, mode_count,
+};
 use crate::halfspace::disc::exterior::MAXIMUM_DEGREE;
+use crate::problem::column::Column;
 use crate::state::fields::{Front, HeldPart};
 use std::f64::consts::{PI, TAU};
 
@@ -185,13 +188,14 @@ impl Fronts {
     /// For tops whose pressure has the modes up to `degree`, 2 at the least.
     pub(crate) fn new(
         degree: usize,
-        column_compliance_ratio: f64,
+        column: impl Into<Column>,
         works: Works,
         partial: bool,
     ) -> Self {
+        let column = column.into();
         let count = mode_count(degree);
         let mut basis = BasisEvaluator::new(degree);
-        let full: Vec<f64> = compliances(degree, column_compliance_ratio)
+        let full: Vec<f64> = compliances(degree, column)
             .iter()
             .map(|lambda| lambda.recip())
             .collect();
@@ -230,7 +234,7 @@ impl Fronts {
             area,
             shapes,
             responses,
-        } = Table::read(PI * column_compliance_ratio);
+        } = Table::read(column);
         let outlines = shapes.iter().map(|of_level| of_level.map(outline));
         Self {
             works,
@@ -276,6 +280,21 @@ impl Fronts {
     /// Area in contact, in squares of the pillar radius.
     pub(crate) fn area(&self, domain: Domain) -> f64 {
         self.area[domain.level]
+    }
+
+    /// The front, of one level at the least, whose contact has about an area under a load.
+    pub(crate) fn nearest(&self, area: f64, load: &[f64]) -> Domain {
+        let off = |level: &usize| (self.area[*level] - area).abs();
+        let level = (1..LEVELS)
+            .min_by(|a, b| off(a).total_cmp(&off(b)))
+            .unwrap_or(1);
+        let direction = direction(load);
+        let (level, curvature) = self.best(level, &turned(load, direction));
+        Domain {
+            level,
+            curvature,
+            direction,
+        }
     }
 
     /// Part of the top that is in contact at a level.
@@ -787,9 +806,10 @@ struct Table {
 }
 
 impl Table {
-    /// With columns of the compliance `k = pi kappa`, which are springs in series: `P - k P e e'P/(1 + k P_00)` with
-    /// `e` the mean mode.
-    fn read(column: f64) -> Self {
+    /// With columns, which are springs in series: `K` for the mean and for both tilts, `pi kappa` and `pi/2` times the rocking. `P` becomes
+    /// `P - P E (1 + K E'P E)^-1 K E'P` with `E` these modes.
+    fn read(column: Column) -> Self {
+        let springs = [PI * column.shortening, TILT_COMPLIANCE * column.rocking];
         let mut table = Self {
             area: [0.0; LEVELS + 1],
             shapes: vec![[[0.0; 2]; CURVATURES]; LEVELS],
@@ -807,17 +827,30 @@ impl Table {
             table.shapes[level][curvature] = [next(), next()];
             let mut entries = [0.0; ENTRIES.len()];
             entries.fill_with(next);
-            let mut first = [0.0; MODES];
-            first[0] = 1.0;
-            let mean = product(&entries, &first);
-            let softening = column / (1.0 + column * mean[0]);
+            let unit = |mode: usize| std::array::from_fn(|k| f64::from(u8::from(k == mode)));
+            let [mean, tilt, across] = [0, 1, 2].map(|mode| product(&entries, &unit(mode)));
+            // The tilt across the front is odd, and goes with neither of the others.
+            let softening = softening(springs, [mean[0], mean[1], tilt[1]]);
+            let of_across = springs[1] / (1.0 + springs[1] * across[2]);
             for (entry, (i, j)) in entries.iter_mut().zip(ENTRIES) {
-                *entry -= softening * mean[i] * mean[j];
+                let of_mean = softening[0] * mean[j] + softening[1] * tilt[j];
+                let of_tilt = softening[1] * mean[j] + softening[2] * tilt[j];
+                *entry -= mean[i] * of_mean + tilt[i] * of_tilt + of_across * across[i] * across[j];
             }
             table.responses[level][curvature] = entries;
         }
         table
     }
+}
+
+/// `(1 + K G)^-1 K` of two springs and a symmetric matrix, each as the entries 00, 01 and 11.
+fn softening([k, l]: [f64; 2], [a, b, c]: [f64; 3]) -> [f64; 3] {
+    let determinant = (1.0 + k * a) * (1.0 + l * c) - k * l * b * b;
+    [
+        k * (1.0 + l * c) / determinant,
+        -k * l * b / determinant,
+        l * (1.0 + k * a) / determinant,
+    ]
 }
 
 /// Made by the example `front_table`, which says how.
@@ -830,6 +863,38 @@ mod tests {
     /// Answers of an independent program on 256 elements across the disc, not extrapolated: 0.5 % of a response of up to one, as narrow strips are
     /// only 16 elements wide.
     const INDEPENDENT: &str = include_str!("../../../tests/reference/front_table.csv");
+
+    /// Springs in series with a top: its load is what they leave of the load, `c = P (l - K c)`, in every direction of the front.
+    #[test]
+    fn columns_are_springs_in_series() {
+        let column = Column {
+            shortening: 0.7,
+            rocking: 1.3,
+        };
+        let works = Works {
+            advancing: 0.0,
+            receding: 0.0,
+        };
+        let [stiff, soft] = [Column::default(), column].map(|it| Fronts::new(2, it, works, true));
+        let load = [1.0, 0.3, -0.8, 0.2, 0.5, -0.1];
+        for domain in [
+            stiff.nearest(1.0, &load),
+            stiff.nearest(2.5, &load),
+            Domain::FULL,
+        ] {
+            let mut found = [0.0; MODES];
+            soft.respond(domain, &load, &mut found);
+            let mut left = load;
+            left[0] -= PI * column.shortening * found[0];
+            left[1] -= TILT_COMPLIANCE * column.rocking * found[1];
+            left[2] -= TILT_COMPLIANCE * column.rocking * found[2];
+            let mut expected = [0.0; MODES];
+            stiff.respond(domain, &left, &mut expected);
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+            }
+        }
+    }
 
     #[test]
     fn fronts_answer_as_in_an_independent_table() {

@@ -3,17 +3,31 @@
 //!
 //! The pressure is expanded on the disc of contact itself instead of the pillar top (any disc
 //! inside the top will do; its edge is then irrelevant), and the radius of contact is the one at
-//! which the edge coefficient of the pressure vanishes. For a paraboloid this is Hertz's solution
-//! with two modes; further modes carry the shape of the sphere.
+//! which the edge coefficient of the pressure vanishes. For a paraboloid on half-spaces this is Hertz's solution
+//! with two modes; further modes carry the shape of the sphere, and on layers the pressure that a layer much thinner than the contact
+//! concentrates around the axis.
 
-use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, compliances, mode_count};
+use crate::halfspace::disc::basis::{
+    BasisEvaluator, UNIT_FORCE, compliances, equator_value, mode_count,
+};
+use crate::halfspace::layer::LayerResponse;
+use crate::numerics::cholesky;
 use crate::numerics::convergence::within;
 use crate::numerics::quadrature::hemisphere;
 use crate::numerics::roots;
+use crate::numerics::special::spherical_bessel;
+use crate::problem::layer::WeightedLayer;
 use std::convert::Infallible;
+use std::f64::consts::PI;
 
-/// Degree of the modes: those of the sphere fall by `(radius/2R)^2` for each step of two.
+/// Degree of the modes on half-spaces: those of the sphere fall by `(radius/2R)^2` for each step of two.
 const DEGREE: usize = 8;
+
+/// Degree of the modes on layers, the highest that the displacement outside the disc is computed for.
+const LAYERED_DEGREE: usize = 16;
+
+/// Degree by which the error of that is estimated.
+const LOWER_DEGREE: usize = 12;
 
 /// Relative error of a value to which the bracket of its radius may close.
 const PATCH_TOLERANCE: f64 = 1e-10;
@@ -42,44 +56,135 @@ impl Patch {
     }
 }
 
-/// What does not depend on the radius of contact.
+/// The quantities that do not depend on the radius of contact. Lengths are in the radius of the pillar top.
 pub(crate) struct PatchSolver {
+    degree: usize,
     rule: Vec<([f64; 2], f64)>,
-    /// Modes at the points of the rule, row by row.
+    /// Places of the modes without an angle among all modes of the degree. A contact around the axis has no others.
+    places: Vec<usize>,
+    /// These modes at the points of the rule, row by row.
     values: Vec<f64>,
-    /// Modes at the edge.
+    /// The same at the edge.
     edge: Vec<f64>,
     compliance: Vec<f64>,
+    layers: Vec<(WeightedLayer, LayerResponse)>,
     column_compliance_ratio: f64,
 }
 
 impl PatchSolver {
-    pub(crate) fn new(column_compliance_ratio: f64) -> Self {
-        let count = mode_count(DEGREE);
-        let mut basis = BasisEvaluator::new(DEGREE);
-        let rule = hemisphere(DEGREE, 2 * DEGREE + 5);
-        let mut values = vec![0.0; rule.len() * count];
-        for ((point, _), row) in rule.iter().zip(values.chunks_exact_mut(count)) {
-            basis.evaluate(*point, row);
+    pub(crate) fn new(column_compliance_ratio: f64, layers: &[WeightedLayer]) -> Self {
+        let degree = if layers.is_empty() {
+            DEGREE
+        } else {
+            LAYERED_DEGREE
+        };
+        Self::of_degree(degree, column_compliance_ratio, layers)
+    }
+
+    /// The same with fewer modes, on layers.
+    fn coarser(&self) -> Self {
+        let layers: Vec<WeightedLayer> = self.layers.iter().map(|(layer, _)| *layer).collect();
+        Self::of_degree(LOWER_DEGREE, self.column_compliance_ratio, &layers)
+    }
+
+    fn of_degree(degree: usize, column_compliance_ratio: f64, layers: &[WeightedLayer]) -> Self {
+        let mut basis = BasisEvaluator::new(degree);
+        let rule = hemisphere(degree, 2 * degree + 5);
+        let is_round = |place: &usize| basis.modes()[*place].order == 0;
+        let places: Vec<usize> = (0..mode_count(degree)).filter(is_round).collect();
+        let mut all = vec![0.0; mode_count(degree)];
+        let mut values = Vec::with_capacity(rule.len() * places.len());
+        for (point, _) in &rule {
+            basis.evaluate(*point, &mut all);
+            values.extend(places.iter().map(|place| all[*place]));
         }
-        let mut edge = vec![0.0; count];
-        basis.evaluate_polar(0.0, 1.0, [1.0, 0.0], &mut edge);
+        basis.evaluate_polar(0.0, 1.0, [1.0, 0.0], &mut all);
+        let lambda = compliances(degree, 0.0);
         Self {
+            degree,
             rule,
             values,
-            edge,
-            compliance: compliances(DEGREE, 0.0),
+            edge: places.iter().map(|place| all[*place]).collect(),
+            compliance: places.iter().map(|place| lambda[*place]).collect(),
+            places,
+            layers: layers
+                .iter()
+                .map(|layer| (*layer, LayerResponse::of(layer)))
+                .collect(),
             column_compliance_ratio,
         }
     }
 
-    /// Number of modes.
-    pub(crate) fn count(&self) -> usize {
-        self.edge.len()
+    /// Degree of the coefficients of its patches.
+    pub(crate) fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The displacement of every mode by every other, over the radius of contact, the lower triangle column by column: `lambda`, and on layers
+    /// `4 pi y_l y_l' (-1)^((l - l')/2) sum_b w_b ∫ (phi_b(k t_b) - 1) j_l(k) j_l'(k) dk` with thicknesses in that radius, as of
+    /// [two discs](crate::halfspace::coupling::pair) at the distance 0.
+    fn influence(&self, radius: f64) -> Vec<f64> {
+        let count = self.places.len();
+        let mut matrix = vec![0.0; count * count];
+        for (k, lambda) in self.compliance.iter().enumerate() {
+            matrix[k * count + k] = *lambda;
+        }
+        let mut bessel = vec![0.0; self.degree + 1];
+        let mut modes = vec![0.0; count];
+        for (layer, response) in &self.layers {
+            let inverse = radius / layer.thickness;
+            for (x, weight) in response.rule(2.0 * inverse) {
+                spherical_bessel(x * inverse, &mut bessel);
+                for (k, mode) in modes.iter_mut().enumerate() {
+                    // The sign of the equator values is (-1)^(l/2) too.
+                    *mode = equator_value(2 * k, 0).abs() * bessel[2 * k];
+                }
+                let scale = 4.0 * PI * layer.weight * inverse * weight;
+                for column in 0..count {
+                    for row in column..count {
+                        matrix[column * count + row] += scale * modes[column] * modes[row];
+                    }
+                }
+            }
+        }
+        matrix
     }
 
     /// The contact of a given radius under a lens of the given shape.
     pub(crate) fn with_radius(&self, radius: f64, sag: impl Fn(f64) -> f64) -> Patch {
+        self.with_edge(radius, sag, 0.0)
+    }
+
+    /// The same with an edge coefficient: `-q_c` where the rim is about to detach.
+    pub(crate) fn with_edge(&self, radius: f64, sag: impl Fn(f64) -> f64, edge: f64) -> Patch {
+        let answers = self.answers(radius, sag);
+        let [of_shape, of_unit] = [&answers[0], &answers[1]].map(|answer| {
+            let terms = answer.iter().zip(&self.edge);
+            terms.map(|(c, y)| c * y).sum::<f64>()
+        });
+        self.at_depth(radius, &answers, (edge * radius - of_shape) / of_unit)
+    }
+
+    /// The contact of a given radius at which `alpha` times its indentation and `beta` times its force add up to `held`, whatever its edge bears.
+    pub(crate) fn with_held(
+        &self,
+        radius: f64,
+        sag: impl Fn(f64) -> f64,
+        [alpha, beta]: [f64; 2],
+        held: f64,
+    ) -> Patch {
+        let answers = self.answers(radius, sag);
+        let measure = |depth: f64| {
+            let patch = self.at_depth(radius, &answers, depth);
+            alpha * patch.indentation + beta * patch.force
+        };
+        // Linear in the depth.
+        let start = measure(0.0);
+        self.at_depth(radius, &answers, (held - start) / (measure(1.0) - start))
+    }
+
+    /// Answers, times the radius, to the shape of the lens and to a unit depth: the influence times these is `shape` and `b1`.
+    fn answers(&self, radius: f64, sag: impl Fn(f64) -> f64) -> [Vec<f64>; 2] {
         let count = self.edge.len();
         let mut shape = vec![0.0; count];
         for ((point, weight), row) in self.rule.iter().zip(self.values.chunks_exact(count)) {
@@ -88,22 +193,25 @@ impl PatchSolver {
                 *b -= weight * y * height;
             }
         }
-        // u = radius lambda c = zeta b1 + shape, and q = 0 at the edge fixes zeta.
-        let at_edge = |load: &[f64]| -> f64 {
-            load.iter()
-                .zip(&self.compliance)
-                .zip(&self.edge)
-                .map(|((b, lambda), y)| b * y / lambda)
-                .sum()
-        };
-        let unit = UNIT_FORCE * self.edge[0] / self.compliance[0];
-        let depth = -at_edge(&shape) / unit;
-        shape[0] += depth * UNIT_FORCE;
-        let coefficients: Vec<f64> = shape
-            .iter()
-            .zip(&self.compliance)
-            .map(|(b, lambda)| b / (lambda * radius))
-            .collect();
+        let mut unit = vec![0.0; count];
+        unit[0] = UNIT_FORCE;
+        let mut factor = self.influence(radius);
+        if cholesky::factorise(&mut factor, count) {
+            for load in [&mut shape, &mut unit] {
+                cholesky::solve_lower(&factor, count, load);
+                cholesky::solve_upper(&factor, count, load);
+            }
+        } else {
+            shape.fill(f64::NAN);
+        }
+        [shape, unit]
+    }
+
+    fn at_depth(&self, radius: f64, [shape, unit]: &[Vec<f64>; 2], depth: f64) -> Patch {
+        let mut coefficients = vec![0.0; mode_count(self.degree)];
+        for ((place, shape), unit) in self.places.iter().zip(shape).zip(unit) {
+            coefficients[*place] = (shape + depth * unit) / radius;
+        }
         let force = radius * radius * UNIT_FORCE * coefficients[0];
         Patch {
             radius,
@@ -111,6 +219,34 @@ impl PatchSolver {
             indentation: depth + 0.5 * self.column_compliance_ratio * force,
             force,
         }
+    }
+
+    /// The elastic energy of a contact: half the pressure times the displacement it causes, that of the column too.
+    pub(crate) fn energy(&self, patch: &Patch) -> f64 {
+        let count = self.places.len();
+        let influence = self.influence(patch.radius);
+        let c: Vec<f64> = (self.places.iter().map(|place| patch.coefficients[*place])).collect();
+        let mut twice = 0.0;
+        for column in 0..count {
+            twice += influence[column * count + column] * c[column] * c[column];
+            for row in column + 1..count {
+                twice += 2.0 * influence[column * count + row] * c[column] * c[row];
+            }
+        }
+        let column = 0.5 * self.column_compliance_ratio * patch.force * patch.force;
+        0.5 * (patch.radius.powi(3) * twice + column)
+    }
+
+    /// Relative errors of force and radius at an indentation by the degree of the modes on layers: by how much fewer modes change the contact.
+    /// A force goes with the square of the indentation at the most.
+    pub(crate) fn errors(&self, patch: &Patch, sag: impl Fn(f64) -> f64) -> [f64; 2] {
+        if self.layers.is_empty() {
+            return [0.0; 2];
+        }
+        let coarser = self.coarser().with_radius(patch.radius, sag);
+        let deeper = (coarser.indentation / patch.indentation - 1.0).abs();
+        let force = (coarser.force / patch.force - 1.0).abs();
+        [force + 2.0 * deeper, deeper]
     }
 
     /// The contact in which a monotone `measure` (indentation, force, ...) takes a value; `None`
@@ -137,13 +273,16 @@ impl PatchSolver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::halfspace::coupling::pair::PairCoupling;
+    use crate::halfspace::layer::tests::film;
+    use crate::problem::{Layer, Material};
 
     #[test]
     fn paraboloid_is_hertz() {
         // Johnson, Contact Mechanics, eq. 4.22 to 4.24 with E* = 1: a^2 = R zeta,
         // F = 4 a^3/(3R), q = p0 mu^2 with p0 = 2a/(pi R).
         let lens: f64 = 700.0;
-        let solver = PatchSolver::new(0.0);
+        let solver = PatchSolver::new(0.0, &[]);
         for radius in [0.2, 0.5, 0.8] {
             let patch = solver.with_radius(radius, |r| r * r / (2.0 * lens));
             assert!((patch.indentation * lens / (radius * radius) - 1.0).abs() < 1e-13);
@@ -151,9 +290,78 @@ mod tests {
         }
     }
 
+    /// The influence of the modes against that of a pillar on itself, which is tabulated for lattices on layers.
+    #[test]
+    fn layers_act_on_the_patch_as_on_a_pillar() {
+        let film = film();
+        let solver = PatchSolver::of_degree(8, 0.0, &[film]);
+        let pair = PairCoupling::new(8, 4.0).with_layers(&[film]);
+        let block = pair.own_block().unwrap();
+        let count = solver.places.len();
+        let influence = solver.influence(1.0);
+        for (column, place) in solver.places.iter().enumerate() {
+            for (row, other) in solver.places.iter().enumerate().skip(column) {
+                let own = if row == column {
+                    solver.compliance[row]
+                } else {
+                    0.0
+                };
+                let expected = own + block[other * mode_count(8) + place];
+                let found = influence[column * count + row];
+                assert!(
+                    (found - expected).abs() < 1e-12,
+                    "{row} {column}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    /// Clapeyron's theorem: `dU/dzeta = F` along contacts that are in equilibrium without adhesion.
+    #[test]
+    fn energy_is_the_work_of_the_force() {
+        let film = film();
+        for layers in [&[][..], &[film]] {
+            let solver = PatchSolver::new(0.7, layers);
+            let sag = |r: f64| r * r / 1400.0;
+            let [low, middle, high] = [0.4999, 0.5, 0.5001].map(|a| solver.with_radius(a, sag));
+            let work = solver.energy(&high) - solver.energy(&low);
+            let force = work / (high.indentation - low.indentation);
+            assert!(
+                (force / middle.force - 1.0).abs() < 1e-6,
+                "{force} {}",
+                middle.force
+            );
+        }
+    }
+
+    /// A contact much larger than the thickness of a compressible layer is as on independent springs: `F = pi M zeta^2 R/t`, `a^2 = 2 R zeta`, with the confined
+    /// modulus `M` (K. L. Johnson, Contact Mechanics, section 5.8).
+    #[test]
+    fn a_thin_layer_is_a_bed_of_springs() {
+        let layer = (Material::new(1.0, 0.3), Some(Layer::new(0.02)));
+        let thin = WeightedLayer::among(&[layer], 1.0)[0];
+        let solver = PatchSolver::new(0.0, &[thin]);
+        let lens = 700.0;
+        let patch = solver.with_radius(0.5, |r| r * r / (2.0 * lens));
+        let squeezed = 0.5 * 0.5 / (2.0 * lens);
+        let force = PI * squeezed * squeezed * lens / thin.squeeze();
+        assert!(
+            (patch.indentation / squeezed - 1.0).abs() < 0.05,
+            "{}",
+            patch.indentation / squeezed
+        );
+        assert!(
+            (patch.force / force - 1.0).abs() < 0.1,
+            "{}",
+            patch.force / force
+        );
+        let [error, _] = solver.errors(&patch, |r| r * r / (2.0 * lens));
+        assert!(error < 0.01, "{error}");
+    }
+
     #[test]
     fn finds_nothing_among_undefined_numbers() {
-        let solver = PatchSolver::new(0.4);
+        let solver = PatchSolver::new(0.4, &[]);
         let sag = |r: f64| r * r / 1400.0;
         let find = |measure: &dyn Fn(&Patch) -> f64, value| solver.find(1.0, sag, measure, value);
         assert!(find(&|patch| patch.force, 1e-4).is_some());
@@ -171,7 +379,7 @@ mod tests {
     #[test]
     fn finds_the_radius_of_an_indentation() {
         let lens: f64 = 700.0;
-        let solver = PatchSolver::new(0.4);
+        let solver = PatchSolver::new(0.4, &[]);
         let sag = |r: f64| r * r / (lens + (lens * lens - r * r).sqrt());
         let wanted = solver.with_radius(0.37, sag);
         let found = solver

@@ -1,0 +1,565 @@
+//! One top in contact inside its rim: a disc around the lens axis that grows and shrinks as the contact of a sphere on a flat does.
+//!
+//! The pressure is expanded on the disc itself ([`PatchSolver`]), whose edge bears `q = -q_c`, `q_c = sqrt(2 w/(pi a))`, while it advances or
+//! recedes (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). Where the works of adhesion differ it is pinned in between.
+//! The path goes on with fronts as soon as the disc comes to the rim of the top or another top is touched, and comes from fronts when
+//! the rim of the last top in contact detaches.
+
+use super::{Change, ChangedTop, End, HeldTop, Path, Stop};
+use crate::halfspace::disc::exterior::Exterior;
+use crate::numerics::roots;
+use crate::problem::Point;
+use crate::problem::pillar_field::ListedPillar;
+use crate::solve::floor::{Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs};
+use crate::solve::rules::fronts::{Course, Domain, critical_edge_coefficient};
+use crate::solve::rules::patch::{Patch, PatchSolver};
+use crate::solve::spectral::LARGEST_CONTACT;
+use crate::state::{Run, SolveError, Stage};
+use std::convert::Infallible;
+use std::f64::consts::PI;
+
+/// A lens axis so near the middle of a top, in its radii, is there: the disc fills the top.
+const CENTRED: f64 = 1e-6;
+
+/// The smallest radius at which a disc is followed, over the largest: without adhesion it bears the third power of that then.
+const SMALLEST: f64 = 1e-6;
+
+/// Golden sections in the logarithm of the radius where the disc is about to detach.
+const SECTIONS: usize = 60;
+
+/// A disc that detaches within this part of the radius of the top detaches at the rim.
+const AT_RIM: f64 = 1e-3;
+
+/// A disc is followed so much beyond the largest contact that a lens may have.
+const FARTHER: f64 = 1.01;
+
+/// A smaller change of the part of a top in contact is none.
+const NO_CHANGE: f64 = 1e-4;
+
+/// A step changes the radius by this part of itself at the most, or of a top's at a start from nothing.
+const STEP: f64 = 0.05;
+const FIRST_STEP: f64 = 0.02;
+
+/// Relative tolerance of the place where the floor is reached.
+const FLOOR_TOLERANCE: f64 = 1e-9;
+
+/// The disc of contact and the top that it is on.
+pub(crate) struct InsideTop {
+    solver: PatchSolver,
+    exterior: Exterior,
+    index: (i64, i64),
+    pub(crate) centre: Point,
+    pub(crate) raised: f64,
+    /// Radius at which it comes to the rim.
+    largest: f64,
+    /// The disc, its indentation from the height of the top.
+    patch: Patch,
+}
+
+impl InsideTop {
+    pub(crate) fn force(&self) -> f64 {
+        self.patch.force
+    }
+
+    pub(crate) fn radius(&self) -> f64 {
+        self.patch.radius
+    }
+
+    /// The disc as the one that bears a load.
+    pub(super) fn with_discs<R>(
+        &self,
+        run: &Run<'_>,
+        ask: impl FnOnce(&LoadedDiscs<'_>) -> R,
+    ) -> R {
+        self.with_patch(&self.patch, run, ask)
+    }
+
+    fn with_patch<R>(
+        &self,
+        patch: &Patch,
+        run: &Run<'_>,
+        ask: impl FnOnce(&LoadedDiscs<'_>) -> R,
+    ) -> R {
+        let bears = |_: usize, mode: usize| patch.coefficients[mode];
+        let discs = LoadedDiscs {
+            exterior: &self.exterior,
+            discs: Discs::new(
+                [1, patch.coefficients.len()],
+                |_| [0.0; 2],
+                |_| patch.radius,
+                [None, Some(&bears)],
+            ),
+            run,
+        };
+        ask(&discs)
+    }
+
+    pub(super) fn area(&self) -> f64 {
+        PI * self.patch.radius * self.patch.radius
+    }
+
+    pub(super) fn energy(&self) -> f64 {
+        self.solver.energy(&self.patch)
+    }
+
+    /// As a top in contact.
+    pub(super) fn held_top(&self) -> HeldTop {
+        HeldTop {
+            index: self.index,
+            centre: self.centre,
+            raised: self.raised,
+            domain: Domain::OUT,
+            coefficients: self.patch.coefficients.clone(),
+            disc: Some(self.patch.radius),
+        }
+    }
+
+    fn is_centred(&self) -> bool {
+        self.centre[0].hypot(self.centre[1]) < CENTRED
+    }
+
+    /// Indentation from the common height.
+    fn indentation(&self, patch: &Patch) -> f64 {
+        patch.indentation - self.raised
+    }
+}
+
+/// What holds the disc of a top in equilibrium.
+#[derive(Clone, Copy)]
+struct Edge<'a> {
+    inside: &'a InsideTop,
+    sag: &'a dyn Fn(f64) -> f64,
+    work: f64,
+}
+
+impl Edge<'_> {
+    fn at(&self, radius: f64) -> Patch {
+        let edge = -critical_edge_coefficient(self.work / radius);
+        self.inside.solver.with_edge(radius, self.sag, edge)
+    }
+
+    /// The radius at which a measure is least.
+    fn least(&self, measure: impl Fn(&Patch) -> f64) -> f64 {
+        let largest = self.inside.largest;
+        let of_logarithm = |logarithm: f64| measure(&self.at(logarithm.exp()));
+        let ends = [SMALLEST * largest, largest].map(f64::ln);
+        roots::least(ends, SECTIONS, of_logarithm).exp()
+    }
+
+    /// The radius between two at which a measure that rises with it takes a value.
+    fn find(&self, [low, high]: [f64; 2], value: f64, measure: impl Fn(&Patch) -> f64) -> f64 {
+        let excess = |radius: f64| measure(&self.at(radius)) - value;
+        let ends = [low, high].map(|position| roots::Point {
+            position,
+            value: excess(position),
+        });
+        let root = roots::find(ends, 0.0, |radius| Ok::<_, Infallible>(excess(radius)));
+        let root = root.unwrap_or_else(|never| match never {});
+        root.map_or(high, |root| root.closest().position)
+    }
+}
+
+impl Path<'_> {
+    /// The top under the lens axis, if a disc may be in contact inside it.
+    fn top_under_axis(&self) -> Option<InsideTop> {
+        let (index, ListedPillar { centre, body }) = self.scene.field.under([0.0, 0.0])?;
+        let from_centre = centre[0].hypot(centre[1]);
+        if body.column.rocking > 0.0 && from_centre > CENTRED {
+            // It leans, which moves the disc off the axis.
+            return None;
+        }
+        // A contact that is too large for the lens is refused before it comes to the rim.
+        let too_large = FARTHER * LARGEST_CONTACT * self.scene.lens.sphere_radius();
+        let largest = (1.0 - from_centre).min(too_large);
+        let solver = PatchSolver::new(body.column.shortening, &[]);
+        (largest > 0.0).then(|| InsideTop {
+            exterior: Exterior::new(solver.degree()),
+            patch: solver.with_radius(largest, |_| 0.0),
+            solver,
+            index,
+            centre,
+            raised: body.raised,
+            largest,
+        })
+    }
+
+    /// What the drive holds, of a disc.
+    fn held_by(&self, inside: &InsideTop, patch: &Patch) -> f64 {
+        let [alpha, beta] = self.held.weights();
+        alpha * inside.indentation(patch) + beta * patch.force
+    }
+
+    fn sag_at(&self) -> impl Fn(f64) -> f64 + use<'_> {
+        |radius: f64| self.scene.lens.sag([radius, 0.0])
+    }
+
+    /// The radius at which a disc detaches as a whole: there what the drive holds is least.
+    fn detaching_radius(&self, edge: Edge<'_>) -> f64 {
+        edge.least(|patch| self.held_by(edge.inside, patch))
+    }
+
+    /// Where the lens first touches a top inside its rim: the disc to which it snaps, if that is inside too. Returns whether it is.
+    pub(super) fn snap_inside(&mut self, end: End) -> Result<bool, SolveError> {
+        if self.counts()[0] > 0 || self.floor.is_some() {
+            return Ok(false);
+        }
+        let Some(mut inside) = self.top_under_axis() else {
+            return Ok(false);
+        };
+        let touched_at = -inside.raised;
+        let first_touch = self.scene.first_touch();
+        if touched_at > first_touch + f64::EPSILON * first_touch.abs()
+            || touched_at < self.indentation()
+            || matches!(end, End::Indentation(indentation) if indentation <= touched_at)
+        {
+            return Ok(false);
+        }
+        let sag = self.sag_at();
+        let edge = Edge {
+            inside: &inside,
+            sag: &sag,
+            work: self.works.advancing,
+        };
+        let [alpha, _] = self.held.weights();
+        let held = alpha * touched_at;
+        let measure = |patch: &Patch| self.held_by(&inside, patch);
+        if measure(&edge.at(inside.largest)) <= held {
+            return Ok(false);
+        }
+        let least = self.detaching_radius(edge);
+        let radius = edge.find([least, inside.largest], held, measure);
+        let patch = edge.at(radius);
+        drop(sag);
+        self.advance(touched_at - self.indentation());
+        self.record(Course::Loading);
+        let before = [touched_at, self.force()];
+        inside.patch = patch;
+        self.move_disc(inside);
+        self.account_disc(Course::Loading, before, 0.0, [0.0, radius * radius]);
+        Ok(true)
+    }
+
+    /// Where the rim of the one top in contact is about to detach, and a disc inside it would not: that disc. Returns whether it is so.
+    pub(super) fn recede_inside(&mut self) -> Result<bool, SolveError> {
+        if self.counts() != [1, 0] || self.floor.is_some() {
+            return Ok(false);
+        }
+        let Some(mut inside) = self.top_under_axis() else {
+            return Ok(false);
+        };
+        let Some(pillar) = self.sites.find(inside.index) else {
+            return Ok(false);
+        };
+        if !self.tops.domains[pillar].is_full() {
+            return Ok(false);
+        }
+        // The energy is that of the present loads.
+        self.find_loads();
+        let sag = self.sag_at();
+        let edge = Edge {
+            inside: &inside,
+            sag: &sag,
+            work: self.works.receding,
+        };
+        let least = self.detaching_radius(edge);
+        let [alpha, beta] = self.held.weights();
+        let (start, energy) = ([self.indentation(), self.force()], self.elastic_energy());
+        let held = alpha * start[0] + beta * start[1];
+        let measure = |patch: &Patch| self.held_by(&inside, patch);
+        // A whole rim that detaches leaves a disc, if only for as long as it takes to detach. A rim that does so on one side leaves a front.
+        let is_stable = least < (1.0 - AT_RIM) * inside.largest && measure(&edge.at(least)) <= held;
+        if !(inside.is_centred() || is_stable) {
+            return Ok(false);
+        }
+        let patch = if measure(&edge.at(inside.largest)) < held {
+            // Pinned at the rim, which a disc as large is not held by yet.
+            let own = held + alpha * inside.raised;
+            let solver = &inside.solver;
+            solver.with_held(inside.largest, &sag, [alpha, beta], own)
+        } else {
+            edge.at(edge.find([least, inside.largest], held, measure))
+        };
+        drop(sag);
+        let area = patch.radius * patch.radius;
+        inside.patch = patch;
+        self.tops.domains[pillar] = Domain::OUT;
+        self.solve_unit()?;
+        self.solve_present(Course::Unloading)?;
+        self.move_disc(inside);
+        self.account_disc(Course::Unloading, start, energy, [1.0, area]);
+        Ok(true)
+    }
+
+    /// Takes a disc with its indentation.
+    fn move_disc(&mut self, inside: InsideTop) {
+        self.contact.move_to(inside.indentation(&inside.patch));
+        self.inside = Some(inside);
+    }
+
+    /// Adds an event by which the disc came, or went: with the part of the top in contact before and after it.
+    fn account_disc(&mut self, course: Course, start: [f64; 2], energy: f64, parts: [f64; 2]) {
+        let [before, after] = parts;
+        let Some(inside) = &self.inside else { return };
+        let top = ChangedTop {
+            index: inside.index,
+            centre: inside.centre,
+            parts,
+            levels: 0,
+        };
+        let change = Change {
+            gained: PI * (after - before).max(0.0),
+            lost: PI * (before - after).max(0.0),
+            tops: Vec::from_iter(((after - before).abs() > NO_CHANGE).then_some(top)),
+        };
+        self.account(course, start, energy, &change);
+    }
+
+    /// One step with a disc inside a top. What it ended at, if it is the end.
+    pub(super) fn step_inside(
+        &mut self,
+        course: Course,
+        end: End,
+        watch_floor: bool,
+    ) -> Result<Option<Stop>, SolveError> {
+        self.report(Stage::Cycle, self.events.len());
+        self.run.check_cancelled()?;
+        match course {
+            Course::Loading => self.grow_inside(end, watch_floor),
+            Course::Unloading => self.shrink_inside(end),
+        }
+    }
+
+    fn grow_inside(&mut self, end: End, watch_floor: bool) -> Result<Option<Stop>, SolveError> {
+        let Some(inside) = &self.inside else {
+            return Ok(None);
+        };
+        let sag = self.sag_at();
+        let edge = Edge {
+            inside,
+            sag: &sag,
+            work: self.works.advancing,
+        };
+        let (present, radius) = (self.indentation(), inside.patch.radius);
+        let target = present + self.longest_step(Course::Loading);
+        let target = match end {
+            End::Indentation(indentation) => target.min(indentation),
+            _ => target,
+        };
+        let depth = |patch: &Patch| inside.indentation(patch);
+        let force = |patch: &Patch| patch.force;
+        let farthest = ((1.0 + STEP) * radius).max(FIRST_STEP * inside.largest);
+        let farthest = farthest.min(inside.largest);
+        let last = edge.at(farthest);
+        let passes = depth(&last) > target;
+        let mut leaves = !passes && farthest == inside.largest;
+        let mut next = if passes {
+            edge.find([radius, farthest], target, depth)
+        } else {
+            farthest
+        };
+        let mut stop = match end {
+            End::Indentation(indentation) if passes || depth(&last) == indentation => {
+                (target == indentation).then_some(Stop::End)
+            }
+            End::Force(wanted) if edge.at(next).force >= wanted => {
+                if inside.patch.force < wanted {
+                    next = edge.find([radius, next], wanted, force);
+                }
+                Some(Stop::End)
+            }
+            _ => None,
+        };
+        if watch_floor {
+            let reached = |radius: f64| {
+                let patch = edge.at(radius);
+                let lowest = self.floor_under(inside, &patch);
+                (
+                    lowest,
+                    lowest.map_or(-1.0, |it| depth(&patch) - it.indentation),
+                )
+            };
+            let (lowest, past) = reached(next);
+            if past >= 0.0 {
+                // The way past the floor rises with the radius.
+                let ends = [(radius, reached(radius).1), (next, past)];
+                let ends = ends.map(|(position, value)| roots::Point { position, value });
+                let find = |radius| Ok::<_, Infallible>(reached(radius).1);
+                let root = roots::find(ends, FLOOR_TOLERANCE * next, find);
+                let root = root.unwrap_or_else(|never| match never {});
+                next = root.map_or(next, |root| root.closest().position);
+                stop = reached(next).0.or(lowest).map(Stop::Floor);
+            }
+        }
+        if stop.is_some() {
+            leaves = false;
+        }
+        let patch = edge.at(next);
+        drop(sag);
+        if next > LARGEST_CONTACT * self.scene.lens.sphere_radius() {
+            return Err(self.too_large(next));
+        }
+        self.move_to_patch(Course::Loading, patch);
+        if stop.is_none() && (leaves || self.touches_another()) {
+            self.leave_inside(leaves)?;
+        }
+        Ok(stop)
+    }
+
+    fn shrink_inside(&mut self, end: End) -> Result<Option<Stop>, SolveError> {
+        let Some(inside) = &self.inside else {
+            return Ok(None);
+        };
+        let sag = self.sag_at();
+        let edge = Edge {
+            inside,
+            sag: &sag,
+            work: self.works.receding,
+        };
+        let (present, radius) = (self.indentation(), inside.patch.radius);
+        let farthest = match end {
+            End::Indentation(indentation) => indentation,
+            _ => f64::NEG_INFINITY,
+        };
+        let target = farthest.max(present - self.longest_step(Course::Unloading));
+        let stop = |at: f64| (at == farthest).then_some(Stop::End);
+        let depth = |patch: &Patch| inside.indentation(patch);
+        // It is pinned until its edge bears what detaches it.
+        let recedes_at = depth(&edge.at(radius));
+        if present > recedes_at + f64::EPSILON * present.abs() {
+            let at = target.max(recedes_at);
+            let own = at + inside.raised;
+            let patch = inside.solver.with_held(radius, &sag, [1.0, 0.0], own);
+            drop(sag);
+            self.move_to_patch(Course::Unloading, patch);
+            return Ok(stop(at));
+        }
+        // A station is where the pull is strongest.
+        let detaching = self.detaching_radius(edge).min(radius);
+        let strongest = edge.least(|patch| patch.force);
+        let mut next = detaching.max((1.0 - STEP) * radius);
+        if next < strongest && strongest < radius {
+            next = strongest;
+        }
+        if depth(&edge.at(next)) < target {
+            next = edge.find([next, radius], target, depth);
+        }
+        let patch = edge.at(next);
+        drop(sag);
+        self.move_to_patch(Course::Unloading, patch);
+        if next <= detaching {
+            self.detach_disc()?;
+        }
+        Ok(stop(self.indentation()))
+    }
+
+    /// The disc detaches as a whole, and nothing is in contact.
+    fn detach_disc(&mut self) -> Result<(), SolveError> {
+        let start = [self.indentation(), self.force()];
+        let energy = self.elastic_energy();
+        let Some(inside) = self.inside.take() else {
+            return Ok(());
+        };
+        let (index, centre, radius) = (inside.index, inside.centre, inside.patch.radius);
+        let [alpha, beta] = self.held.weights();
+        if alpha > 0.0 {
+            // A machine moves the lens until it bears nothing.
+            let held = alpha * start[0] + beta * start[1];
+            self.contact.move_to(held / alpha);
+        }
+        self.respond()?;
+        let change = Change {
+            gained: 0.0,
+            lost: PI * radius * radius,
+            tops: vec![ChangedTop {
+                index,
+                centre,
+                parts: [radius * radius, 0.0],
+                levels: 0,
+            }],
+        };
+        self.account(Course::Unloading, start, energy, &change);
+        Ok(())
+    }
+
+    /// Moves to another disc in equilibrium, along which the force counts as linear.
+    fn move_to_patch(&mut self, course: Course, patch: Patch) {
+        let start = [self.indentation(), self.force()];
+        let Some(inside) = &mut self.inside else {
+            return;
+        };
+        let lost = inside.area();
+        inside.patch = patch;
+        let lost = lost - inside.area();
+        let indentation = inside.indentation(&inside.patch);
+        self.contact.move_to(indentation);
+        self.energies.receded += lost.max(0.0);
+        self.add_work(indentation - start[0], [start[1], self.force()]);
+        self.record(course);
+    }
+
+    /// The lowest point of the floor under a disc.
+    fn floor_under(&self, inside: &InsideTop, patch: &Patch) -> Option<FloorPoint> {
+        let floor = self.uncovered(patch.radius);
+        inside.with_patch(patch, self.run, |discs| {
+            FloorSearch::default().lowest(&floor, discs, &self.run.cancel)
+        })
+    }
+
+    /// Whether the lens touches another top.
+    fn touches_another(&self) -> bool {
+        let Some(inside) = &self.inside else {
+            return false;
+        };
+        let (lens, indentation) = (&self.scene.lens, self.indentation());
+        let reached = self.scene.farthest_reached(indentation);
+        inside.with_discs(self.run, |discs| {
+            (0..self.sites.len()).any(|site| {
+                let centre = self.sites.centres()[site];
+                let distance = centre[0].hypot(centre[1]);
+                if self.sites.index(site) == inside.index || distance > reached {
+                    return false;
+                }
+                let raised = self.sites.body(site).raised;
+                [-1.0, 0.0, 1.0].iter().any(|part: &f64| {
+                    let at = centre.map(|x| x * (1.0 + part / distance));
+                    let [_, displaced] = discs.displacement(at);
+                    lens.sag_with_brim(at) + displaced.value - raised <= indentation
+                })
+            })
+        })
+    }
+
+    /// Goes on with a front in place of the disc, or with the whole top if the disc fills it.
+    fn leave_inside(&mut self, at_rim: bool) -> Result<(), SolveError> {
+        let start = [self.indentation(), self.force()];
+        let energy = self.elastic_energy();
+        let Some(inside) = self.inside.take() else {
+            return Ok(());
+        };
+        let Some(pillar) = self.sites.find(inside.index) else {
+            return Ok(());
+        };
+        let fills = at_rim && inside.is_centred();
+        self.tops.domains[pillar] = if fills {
+            Domain::FULL
+        } else {
+            self.find_loads();
+            let modes = self.contact.modes();
+            let load = &self.loads[pillar * modes..][..modes];
+            self.tops.fronts.nearest(inside.area(), load)
+        };
+        self.solve_present(Course::Loading)?;
+        self.respond()?;
+        let area = self.tops.fronts.area(self.tops.domains[pillar]);
+        let change = Change {
+            gained: (area - inside.area()).max(0.0),
+            lost: 0.0,
+            tops: Vec::new(),
+        };
+        self.account(Course::Loading, start, energy, &change);
+        if !fills {
+            self.cascade(Course::Loading)?;
+        }
+        Ok(())
+    }
+}

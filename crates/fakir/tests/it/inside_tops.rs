@@ -1,0 +1,290 @@
+//! One pillar whose top is from far smaller to far larger than the contact, against closed forms: the flat punch, the contact inside the top, and the
+//! contact pinned at its rim, with adhesion and on layers.
+
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng as _, SeedableRng as _};
+use fakir::problem::{
+    Adhesion, Base, Control, CyclePlan, Drive, FloorModel, Layer, Lens, LensShape, ListedPillar,
+    Material, Method, Pillar, PillarCompliance, PillarList, ShapedLens, System, Texture, Turn,
+};
+use fakir::state::{Cycle, PillarStatus, Run, Termination};
+use fakir::theory::adhesion::{
+    StickySphere, sphere_pull_off_by_force, sticky_sphere, sticky_sphere_at_indentation,
+};
+use fakir::theory::layer::Layers;
+
+/// One pillar under a lens, without a column.
+fn one_pillar(lens: ShapedLens, substrate: Material, diameter: f64, centre: [f64; 2]) -> System {
+    let pillar = Pillar {
+        diameter,
+        height: 0.1 * diameter,
+        compliance: PillarCompliance::None,
+    };
+    let listed = ListedPillar {
+        centre,
+        diameter,
+        height: pillar.height,
+    };
+    let list = PillarList::new(vec![listed]).unwrap();
+    System::new(lens, substrate, Texture::new(pillar, list)).unwrap()
+}
+
+/// A number between two, evenly in its logarithm.
+fn between(random: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
+    let part = random.next_u32() as f64 / f64::from(u32::MAX);
+    low * (high / low).powf(part)
+}
+
+const LENS: f64 = 2e-3;
+const RUBBER: Material = Material {
+    young_modulus: 1e6,
+    poisson_ratio: 0.5,
+};
+
+fn sticky(diameter: f64, work: f64, centre: [f64; 2]) -> System {
+    let lens = Lens {
+        radius: LENS,
+        material: Material::new(70e9, 0.2),
+    };
+    let system = one_pillar(lens.into(), RUBBER, diameter, centre);
+    system.with_adhesion(Adhesion::new(work)).unwrap()
+}
+
+fn cycle(system: &System, depth: f64, drive: Drive) -> Cycle {
+    let plan = CyclePlan {
+        turn: Turn::Indentation(depth),
+        drive,
+        ..CyclePlan::default()
+    };
+    let cycle = fakir::cycle(system, plan, Method::default(), &Run::default()).unwrap();
+    assert!(cycle.converged());
+    cycle
+}
+
+/// The contact at an indentation from the loading on: as JKR inside the top, and pinned at its rim beyond. The lens is a paraboloid there.
+fn exact(modulus: f64, work: f64, radius: f64, indentation: f64) -> StickySphere {
+    let rim = sticky_sphere(modulus, LENS, work, radius);
+    if indentation <= rim.indentation {
+        let inside = sticky_sphere_at_indentation(modulus, LENS, work, indentation).unwrap();
+        return inside.unwrap();
+    }
+    StickySphere {
+        force: rim.force + 2.0 * radius * modulus * (indentation - rim.indentation),
+        ..rim
+    }
+}
+
+/// K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971), pinned at the rim of the top.
+#[test]
+fn a_top_wider_than_an_adhesive_contact() {
+    let mut random = ChaCha8Rng::seed_from_u64(44);
+    for number in 0..100 {
+        let work = between(&mut random, [1e-4, 0.2]);
+        let modulus = sticky(1e-6, work, [0.0; 2]).reduced_modulus();
+        let natural = sphere_pull_off_by_force(modulus, LENS, work).radius;
+        let radius = natural * between(&mut random, [0.01, 20.0]);
+        if radius > 0.02 * LENS {
+            continue;
+        }
+        let system = sticky(2.0 * radius, work, [0.0; 2]);
+        let depth = natural * natural / LENS * between(&mut random, [0.05, 20.0]);
+        let depth = depth.min(0.05 * radius);
+        let expected = exact(modulus, work, radius, depth);
+        let control = Control::Indentation(depth);
+        let contact = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
+        assert_eq!(contact.termination, Termination::Converged);
+        let scale = expected.force.abs().max(work * LENS);
+        // A sphere differs from a paraboloid by the square of the slope.
+        let allowed = contact.error.force + 5.0 * (expected.radius / LENS).powi(2) + 1e-5;
+        let off = (contact.force - expected.force).abs() / scale;
+        assert!(
+            off < allowed,
+            "{number}: R_top {radius:e}, {depth:e}: {:e} {:e}, {off:e} beside {allowed:e}",
+            contact.force,
+            expected.force
+        );
+        assert!((contact.contact_radius / expected.radius - 1.0).abs() < 1e-4 + allowed);
+    }
+}
+
+/// The pull-off force does not depend on the drive, and joins that of a sphere on a flat where the top is wider than that contact.
+#[test]
+fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
+    let work = 50e-3;
+    for diameter in [20e-6, 60e-6, 100e-6, 160e-6, 200e-6, 300e-6, 1e-3] {
+        let system = sticky(diameter, work, [0.0; 2]);
+        let modulus = system.reduced_modulus();
+        let natural = sphere_pull_off_by_force(modulus, LENS, work);
+        let radius = (0.5 * diameter).min(natural.radius);
+        let expected = sticky_sphere(modulus, LENS, work, radius).force;
+        for drive in [Drive::Displacement, Drive::Force, Drive::Machine(10.0)] {
+            let cycle = cycle(&system, 1e-6, drive);
+            let pull = cycle.pull_off.as_ref().unwrap();
+            let off = (pull.force / expected - 1.0).abs();
+            let error = cycle.errors.pull_off_force.numerical() + 2e-4;
+            assert!(off < error, "{diameter:e} {drive:?}: {off:e}, {error:e}");
+        }
+        let cycle = cycle(&system, 1e-6, Drive::Displacement);
+        let certificate = cycle.certificate().unwrap();
+        assert!(certificate < 1e-2, "{diameter:e}: {certificate:e}");
+        // The last contact is that from which a sphere detaches at its indentation, unless the rim detaches before.
+        let last = (0.5 * diameter).min(natural.radius / 9f64.cbrt());
+        let expected = sticky_sphere(modulus, LENS, work, last).indentation;
+        let separation = cycle.separation.unwrap();
+        assert!((separation / expected - 1.0).abs() < 1e-3, "{diameter:e}");
+    }
+}
+
+/// The force at an indentation, and the pull-off, rise without a step while the top grows past the contact.
+#[test]
+fn the_diameter_may_pass_the_contact() {
+    let work = 10e-3;
+    let modulus = sticky(1e-6, work, [0.0; 2]).reduced_modulus();
+    let depth = 0.2e-6;
+    let contact = sticky_sphere_at_indentation(modulus, LENS, work, depth)
+        .unwrap()
+        .unwrap();
+    let force = |part: f64| {
+        let system = sticky(2.0 * part * contact.radius, work, [0.0; 2]);
+        let control = Control::Indentation(depth);
+        fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
+    };
+    let [smaller, larger] = [0.99, 1.01].map(force);
+    assert_eq!(smaller.pillars[0].status, PillarStatus::Full);
+    assert_eq!(larger.pillars[0].status, PillarStatus::Partial);
+    let pinned = exact(modulus, work, 0.99 * contact.radius, depth).force;
+    assert!(
+        (smaller.force / pinned - 1.0).abs() < 5e-3,
+        "{} {pinned}",
+        smaller.force
+    );
+    assert!((larger.force / contact.force - 1.0).abs() < 5e-3);
+    let far = force(30.0);
+    assert!((far.force / larger.force - 1.0).abs() < 1e-6);
+}
+
+/// The lens axis need not be in the middle of the top.
+#[test]
+fn an_adhesive_contact_anywhere_inside_a_top() {
+    let (work, depth) = (10e-3, 0.2e-6);
+    let pressed = |centre| {
+        let control = Control::Indentation(depth);
+        let system = sticky(400e-6, work, centre);
+        fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
+    };
+    let [middle, beside] = [[0.0; 2], [60e-6, -50e-6]].map(pressed);
+    assert!((middle.force / beside.force - 1.0).abs() < 1e-9);
+    let centre = beside.fields.as_ref().unwrap();
+    let expected = middle.fields.as_ref().unwrap().pressure([0.0; 2]);
+    assert!((centre.pressure([0.0; 2]) / expected - 1.0).abs() < 1e-6);
+    let system = sticky(400e-6, work, [60e-6, -50e-6]);
+    let cycle = cycle(&system, depth, Drive::Displacement);
+    let pull = cycle.pull_off.as_ref().unwrap().force;
+    let expected = sphere_pull_off_by_force(system.reduced_modulus(), LENS, work).force;
+    assert!((pull / expected - 1.0).abs() < 1e-3, "{pull} {expected}");
+}
+
+/// Another work of adhesion on unloading pins the contact until its edge bears that.
+#[test]
+fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
+    let (advancing, receding, depth) = (2e-3, 40e-3, 0.5e-6);
+    let adhesion = Adhesion {
+        work_receding: Some(receding),
+        ..Adhesion::new(advancing)
+    };
+    let system = sticky(600e-6, advancing, [0.0; 2])
+        .with_adhesion(adhesion)
+        .unwrap();
+    let modulus = system.reduced_modulus();
+    let cycle = cycle(&system, depth, Drive::Displacement);
+    let turn = sticky_sphere_at_indentation(modulus, LENS, advancing, depth)
+        .unwrap()
+        .unwrap();
+    let off = (cycle.turn.force / turn.force - 1.0).abs();
+    assert!(off < 1e-3, "{off:e}");
+    // Pinned at the radius of the turn, smaller than that of the free pull-off, until it detaches.
+    let natural = sphere_pull_off_by_force(modulus, LENS, receding);
+    let radius = turn.radius.min(natural.radius);
+    let expected = sticky_sphere(modulus, LENS, receding, radius).force;
+    let pull = cycle.pull_off.as_ref().unwrap().force;
+    assert!((pull / expected - 1.0).abs() < 1e-3, "{pull} {expected}");
+    assert!(cycle.certificate().unwrap() < 1e-2);
+}
+
+fn layered(diameter: f64, layer: Option<Layer>) -> System {
+    let lens = ShapedLens::new(
+        LensShape::Paraboloid { radius: LENS },
+        Material::new(70e9, 0.2),
+    );
+    let system = one_pillar(lens, RUBBER, diameter, [0.0; 2]);
+    system.with_layers(layer, None).unwrap()
+}
+
+/// Pressed onto a film, against the integral equation of the axisymmetric contact.
+#[test]
+fn a_top_of_any_width_on_a_layer() {
+    let mut random = ChaCha8Rng::seed_from_u64(17);
+    for number in 0..100 {
+        let contact = between(&mut random, [5e-6, 60e-6]);
+        let thickness = contact * between(&mut random, [0.3, 30.0]);
+        let base = match number % 3 {
+            0 => Base::Rigid,
+            1 => Base::Frictionless,
+            _ => Base::Elastic(Material::new(3e6, 0.4)),
+        };
+        let layer = Layer { thickness, base };
+        let layers = Layers::new([(Material::new(70e9, 0.2), None), (RUBBER, Some(layer))]);
+        // A top is four times as wide as the layer is thick at the most.
+        let radius = contact * between(&mut random, [0.05, 20.0]);
+        let radius = radius.min(1.99 * thickness);
+        let (inside, rim) = (layers.sphere(LENS, contact), layers.sphere(LENS, radius));
+        let expected = if radius > contact {
+            inside.force
+        } else {
+            let stiffness = layers.flat_punch_stiffness(radius);
+            rim.force + stiffness * (inside.indentation - rim.indentation)
+        };
+        let system = layered(2.0 * radius, Some(layer)).with_floor(FloorModel::Ignored);
+        let control = Control::Indentation(inside.indentation);
+        let found = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
+        assert!(found.converged());
+        let off = (found.force / expected - 1.0).abs();
+        let allowed = found.error.force + 1e-6;
+        assert!(
+            off < allowed,
+            "{number}: top {:.2}, layer {:.2} of {contact:e}: {off:e} beside {allowed:e}",
+            radius / contact,
+            thickness / contact
+        );
+        assert!(allowed < 0.05, "{number}: {allowed}");
+        if radius > contact {
+            assert!((found.contact_radius / contact - 1.0).abs() < allowed);
+            // A force gives the indentation back.
+            let control = Control::Force(found.force);
+            let back = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
+            assert!((back.indentation / inside.indentation - 1.0).abs() < 1e-6);
+        }
+    }
+}
+
+/// Layers that are much thicker than the contact are half-spaces, and the floor is reached inside the top as it is on these.
+#[test]
+fn a_thick_layer_is_a_half_space() {
+    let critical = |layer| {
+        let system = layered(60e-6, layer);
+        fakir::transition(&system, Method::default(), &Run::default()).unwrap()
+    };
+    let half_space = critical(None).contact;
+    let thick = critical(Some(Layer::new(1.0))).contact;
+    assert!((thick.force / half_space.force - 1.0).abs() < 1e-3);
+    let pressed = |layer| {
+        let control = Control::Indentation(20e-9);
+        let system = layered(60e-6, layer);
+        fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
+    };
+    let [half_space, thick] = [None, Some(Layer::new(1.0))].map(pressed);
+    assert!((thick.force / half_space.force - 1.0).abs() < 1e-4);
+    let fields = thick.fields.as_ref().unwrap();
+    let edge = [0.5 * thick.contact_radius, 0.0];
+    assert!(fields.gap(edge).abs() < 1e-6 * thick.indentation);
+}
