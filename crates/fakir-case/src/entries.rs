@@ -11,7 +11,10 @@ use toml::de::{DeFloat, DeInteger, DeString, DeTable, DeValue};
 #[derive(Debug, Clone)]
 pub(crate) enum Value {
     Text(String),
+    /// A number as it is written, without a unit.
     Number(f64),
+    /// A number in SI units that is written nowhere.
+    InSi(f64),
     Flag(bool),
     /// A kind of value that no key takes, by its name in TOML: a list, say, or a date.
     Other(&'static str),
@@ -34,7 +37,7 @@ impl Entry {
                 source: Source::new(name, &text),
             },
             value: match setting {
-                Setting::Number(number) => Value::Number(number),
+                Setting::Number(number) => Value::InSi(number),
                 Setting::Word(word) => Value::Text(word),
             },
         }
@@ -215,7 +218,7 @@ pub(crate) fn unknown_key(place: &Place, path: &str) -> CaseError {
 pub(crate) fn kind_name(value: &Value) -> String {
     match value {
         Value::Text(_) => "a string".to_owned(),
-        Value::Number(_) => "a number".to_owned(),
+        Value::Number(_) | Value::InSi(_) => "a number".to_owned(),
         Value::Flag(_) => "a boolean".to_owned(),
         Value::Other(name) => with_article(name),
     }

@@ -30,6 +30,14 @@ pub(crate) struct Place {
     pub(crate) span: Range<usize>,
 }
 
+impl Place {
+    /// What is written there.
+    pub(crate) fn text(&self) -> &str {
+        let text = self.source.text().get(self.span.clone());
+        text.unwrap_or_default()
+    }
+}
+
 /// Why a case file or an override cannot be used.
 ///
 /// It knows the file, the line and the key, what is wrong and what would be accepted. As a

@@ -18,6 +18,7 @@ use fakir::problem::{
     Adhesion, Arrangement, FloorModel, InvalidQuantity, LensProfile, LensShape, Method, PillarList,
     Quantity, Requirement, ShapedLens, System, Texture,
 };
+use std::ops::Bound;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -196,7 +197,7 @@ impl CaseFile {
     /// [`CaseError`] for a value that is no such number.
     pub fn given(&self, key: Key) -> Result<Option<f64>, CaseError> {
         match self.entry(key) {
-            Some(entry) => quantity(key.path(), key.dimension(), entry).map(Some),
+            Some(entry) => quantity(&Measured::by(key), entry).map(Some),
             None => Ok(None),
         }
     }
@@ -491,10 +492,8 @@ impl CaseFile {
                 .accepted("give one length; resample a map of other cells"));
         }
         match row.field {
-            Field::Number {
-                dimension, place, ..
-            } => {
-                let value = quantity(key.path(), dimension, entry)?;
+            Field::Number { place, .. } => {
+                let value = quantity(&Measured::by(key), entry)?;
                 // The solver and the patterns of pillars check the quantities that they know.
                 let is_checked_later = row.quantity.is_some() || row.pattern_quantity.is_some();
                 if !is_checked_later {
@@ -675,10 +674,62 @@ fn replaced_by(key: Key, value: &Value) -> Vec<Key> {
     idle.chain(key.alternative()).collect()
 }
 
-/// The number in SI units that an entry stands for, at a key of that path.
-pub(crate) fn quantity(path: &str, dimension: Dimension, entry: &Entry) -> Result<f64, CaseError> {
+/// What a number in a file stands for.
+#[derive(Debug, Clone)]
+pub(crate) struct Measured {
+    /// Where it is given: the path of a key, or of an entry of a study.
+    pub(crate) path: String,
+    /// What errors call it.
+    pub(crate) label: String,
+    pub(crate) dimension: Dimension,
+    /// Its usual sizes, in SI units, by which a number without a unit is judged.
+    pub(crate) usual: Option<[f64; 2]>,
+    /// Whether it can be below zero.
+    pub(crate) is_signed: bool,
+}
+
+impl Measured {
+    /// The number of a key.
+    pub(crate) fn by(key: Key) -> Self {
+        Self {
+            label: key.label(),
+            usual: key.judged_by(),
+            is_signed: matches!(key.bounds(), (Bound::Unbounded, _)),
+            ..Self::of(key.path(), key.dimension())
+        }
+    }
+
+    /// A number above zero of that path, of which only the dimension is known.
+    pub(crate) fn of(path: &str, dimension: Dimension) -> Self {
+        Self {
+            path: path.to_owned(),
+            label: path.to_owned(),
+            dimension,
+            usual: dimension.usual(),
+            is_signed: false,
+        }
+    }
+}
+
+/// The number in SI units that an entry stands for. A number without a unit must be plausible.
+pub(crate) fn quantity(measured: &Measured, entry: &Entry) -> Result<f64, CaseError> {
+    let dimension = measured.dimension;
+    let error = |problem| CaseError::at(&entry.place, problem).key(&measured.path);
     let problem = match &entry.value {
-        Value::Number(value) => return Ok(*value),
+        Value::InSi(value) => return Ok(*value),
+        Value::Number(value) => {
+            let is_judged = measured.is_signed || *value >= 0.0;
+            if let (Some(usual), true) = (measured.usual, is_judged) {
+                let text = entry.place.text().replace('_', "");
+                dimension
+                    .check_bare(&text, *value, usual)
+                    .map_err(|implausible| {
+                        let problem = format!("invalid {} {}", measured.label, implausible.read);
+                        error(problem).accepted(implausible.advice)
+                    })?;
+            }
+            return Ok(*value);
+        }
         Value::Text(text) if dimension != Dimension::Number => {
             match parse_quantity(text, dimension) {
                 Ok(value) => return Ok(value),
@@ -688,9 +739,7 @@ pub(crate) fn quantity(path: &str, dimension: Dimension, entry: &Entry) -> Resul
         Value::Text(text) => format!("expected a number, found the string \"{text}\""),
         other => format!("expected {dimension}, found {}", kind_name(other)),
     };
-    Err(CaseError::at(&entry.place, problem)
-        .key(path)
-        .accepted(dimension.accepted()))
+    Err(error(problem).accepted(dimension.accepted()))
 }
 
 /// The error for two entries of which only one can be given; it stands at the later one.

@@ -151,6 +151,12 @@ impl Key {
         self.row().usual.or(allowed)
     }
 
+    /// The usual numbers, in SI units, by which a number without a unit is judged: its own, or those of its dimension.
+    #[must_use]
+    pub fn judged_by(self) -> Option<[f64; 2]> {
+        self.usual().or(self.dimension().usual())
+    }
+
     /// Whether its numbers are above zero and need not be whole, as those of sizes and moduli are.
     #[must_use]
     pub fn is_positive(self) -> bool {

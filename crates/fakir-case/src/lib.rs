@@ -35,7 +35,7 @@
 //! # Ok::<(), fakir_case::CaseError>(())
 //! ```
 //!
-//! * A quantity is a string with a [unit](mod@unit), or a bare number in SI units.
+//! * A quantity is a string with a [unit](mod@unit), or a bare number in SI units, which must be plausible in them.
 //! * Exactly one of `texture.surface_fraction` and `texture.pitch` is given.
 //! * [`reference`](reference()) lists all keys: what each can be, whether it may be left out, and
 //!   what holds then. `fakir init --keys` prints it.

@@ -223,13 +223,13 @@ keys! {
                 .otherwise("the file has one array");
         HeightUnit = "surface.height_unit" is
             length("what a height of 1 in the file stands for", |p| &mut p.surface.height_unit)
-                .range(Range::NotZero).optional();
+                .usual(1e-9, 1.0).range(Range::NotZero).optional();
         CellSize = "surface.cell_size" is
             length("distance of neighbouring points of the map; or give width instead", |p| &mut p.surface.cell_size)
                 .positive().or(Key::MapWidth);
         MapWidth = "surface.width" is
             length("extent of the map along x; or give cell_size instead", |p| &mut p.surface.width)
-                .positive().or(Key::CellSize);
+                .usual(1e-7, 1e-1).positive().or(Key::CellSize);
     }
     Pattern {
         Arrangement = "surface.arrangement" is

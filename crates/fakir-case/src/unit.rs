@@ -5,6 +5,7 @@
 //! digits that identify a number, with the point moved.
 
 use crate::entries::with_article;
+use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
 /// What a quantity measures, and with it the units it can have.
@@ -99,6 +100,11 @@ impl Unit {
         UNITS
             .into_iter()
             .find(|unit| unit.symbol.eq_ignore_ascii_case(&ascii))
+    }
+
+    /// Whether it is the SI unit.
+    fn is_si(self) -> bool {
+        self.scale == Scale::PowerOfTen(0)
     }
 
     /// SI units in one of this unit.
@@ -210,6 +216,89 @@ impl fmt::Display for Dimension {
     }
 }
 
+/// Beyond this many times the usual numbers, a number without a unit is not plausible.
+const GENEROUS: f64 = 5.0;
+
+/// Suggestions in one error, at most.
+const SUGGESTIONS: usize = 2;
+
+/// Why a number without a unit is refused: its reading in SI units is not plausible.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{read} is not plausible; {advice}")]
+pub struct Implausible {
+    /// How it was read: ``20 m (read from `20`, no unit: SI)``.
+    pub read: String,
+    /// What was probably meant, and how to write the number that was read.
+    pub advice: String,
+}
+
+impl Dimension {
+    /// The usual sizes of a quantity of which only the dimension is known, in SI units; `None` where every number without a unit is
+    /// plausible.
+    #[must_use]
+    pub fn usual(self) -> Option<[f64; 2]> {
+        match self {
+            Self::Length => Some([1e-8, 2e-3]),
+            Self::Pressure => Some([1e3, 1e11]),
+            Self::Force => Some([1e-7, 0.1]),
+            Self::EnergyPerArea => Some([1e-3, 0.5]),
+            Self::Angle => Some([0.0, FRAC_PI_2]),
+            Self::Stiffness | Self::Fraction | Self::Number => None,
+        }
+    }
+
+    /// Refuses a number without a unit, written `text`, whose reading in SI units is not plausible for a quantity that usually is between
+    /// two numbers.
+    ///
+    /// A forgotten unit makes a modulus too small, as all units in use are larger than a pascal, and every other quantity too large. Zero
+    /// and what is no finite number are left to the checks of ranges.
+    ///
+    /// # Errors
+    /// [`Implausible`], with what was probably meant.
+    pub fn check_bare(self, text: &str, value: f64, usual: [f64; 2]) -> Result<(), Implausible> {
+        let generous = [usual[0] / GENEROUS, GENEROUS * usual[1]];
+        let is_plausible = match self {
+            Self::Pressure => value <= 0.0 || value >= usual[0],
+            Self::Stiffness | Self::Fraction | Self::Number => true,
+            Self::Length | Self::Force | Self::EnergyPerArea | Self::Angle => {
+                value.abs() <= generous[1]
+            }
+        };
+        let si = self.units().find(|unit| unit.is_si());
+        let (false, true, Some(si)) = (is_plausible, value.is_finite(), si) else {
+            return Ok(());
+        };
+        let written = format!("{text} {}", si.symbol);
+        let meant = [usual, generous].map(|sizes| self.meant(text, value, sizes));
+        let advice = match meant.into_iter().find(|meant| !meant.is_empty()) {
+            Some(meant) => format!("did you mean {}?", meant.join(" or ")),
+            None => format!("give it with its unit: {}.", self.unit_list()),
+        };
+        Err(Implausible {
+            read: format!("{written} (read from `{text}`, no unit: SI)"),
+            advice: format!("{advice} `{written}`, with the unit, is accepted too"),
+        })
+    }
+
+    /// A number with each unit that puts it between two sizes, that nearest to their middle first.
+    fn meant(self, text: &str, value: f64, sizes: [f64; 2]) -> Vec<String> {
+        let centre = (sizes[0] * sizes[1]).sqrt();
+        let mut meant: Vec<(f64, Unit)> = Vec::new();
+        for unit in self.units().filter(|unit| !unit.is_si()) {
+            let size = value.abs() * unit.in_si();
+            let is_new = meant.iter().all(|(_, other)| other.scale != unit.scale);
+            if is_new && (sizes[0]..=sizes[1]).contains(&size) {
+                meant.push(((size / centre).ln().abs(), unit));
+            }
+        }
+        meant.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+        let meant = meant.iter().take(SUGGESTIONS);
+        meant
+            .map(|(_, unit)| format!("`{text} {}`", unit.symbol))
+            .collect()
+    }
+}
+
 /// Why a text is not a quantity of the dimension wanted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum QuantityError {
@@ -240,6 +329,9 @@ pub enum QuantityError {
         /// What was wanted.
         wanted: Dimension,
     },
+    /// A number without a unit that is not plausible.
+    #[error(transparent)]
+    Implausible(#[from] Implausible),
 }
 
 /// Reads a number with a unit, such as `"2200 um"`, as a value in SI units.
@@ -279,6 +371,24 @@ pub fn parse_argument(text: &str, dimension: Dimension) -> Result<f64, QuantityE
         Ok(value) => Ok(value),
         Err(_) => parse_quantity(text, dimension),
     }
+}
+
+/// Reads a command-line argument as [`parse_argument`], and refuses a bare number that is not plausible for a quantity that usually is
+/// between two numbers (SI units).
+///
+/// # Errors
+/// [`QuantityError`].
+pub fn parse_plausible(
+    text: &str,
+    dimension: Dimension,
+    usual: Option<[f64; 2]>,
+) -> Result<f64, QuantityError> {
+    let value = parse_argument(text, dimension)?;
+    let bare = text.trim();
+    if let (Some(usual), true) = (usual, bare.parse::<f64>().is_ok()) {
+        dimension.check_bare(bare, value, usual)?;
+    }
+    Ok(value)
 }
 
 /// The longest part at the front that is a number, and the rest, both trimmed.
@@ -418,6 +528,58 @@ mod tests {
             "% is a unit of fraction, not of length"
         );
         assert!(parse_argument("6", Dimension::Length).is_ok());
+    }
+
+    /// A forgotten unit: each number with what it probably stands for, of the quantity alone.
+    #[test]
+    fn bare_numbers_that_are_not_plausible() {
+        let read = |text: &str, dimension: Dimension| {
+            parse_plausible(text, dimension, dimension.usual()).map_err(|error| error.to_string())
+        };
+        for (text, dimension, meant) in [
+            ("3", Dimension::Length, "did you mean `3 um`?"),
+            (
+                "-20",
+                Dimension::Length,
+                "did you mean `-20 um` or `-20 nm`?",
+            ),
+            ("120", Dimension::Angle, "did you mean `120 deg`?"),
+            ("20", Dimension::Force, "did you mean `20 uN` or `20 mN`?"),
+            ("2", Dimension::Pressure, "did you mean `2 MPa` or `2 GPa`?"),
+            ("50", Dimension::EnergyPerArea, "did you mean `50 mJ/m2`?"),
+            ("30", Dimension::Angle, "did you mean `30 deg`?"),
+            (
+                "1e30",
+                Dimension::Length,
+                "give it with its unit: m, mm, um or nm",
+            ),
+        ] {
+            let error = read(text, dimension).unwrap_err();
+            let si = dimension.units().find(|unit| unit.is_si()).unwrap();
+            let start = format!("{text} {} (read from `{text}`, no unit: SI)", si.symbol);
+            assert!(error.starts_with(&start), "{error}");
+            assert!(error.contains(meant), "{error}");
+            let with_unit = format!("{text} {}", si.symbol);
+            assert!(read(&with_unit, dimension).is_ok());
+        }
+        for (text, dimension) in [
+            ("2e-5", Dimension::Length),
+            ("0", Dimension::Length),
+            ("1e-25", Dimension::Length),
+            ("inf", Dimension::Length),
+            ("0.01", Dimension::Force),
+            ("2e6", Dimension::Pressure),
+            ("1e15", Dimension::Pressure),
+            ("0", Dimension::Pressure),
+            ("-2", Dimension::Pressure),
+            ("0.05", Dimension::EnergyPerArea),
+            ("1.57", Dimension::Angle),
+            ("200", Dimension::Stiffness),
+            ("20", Dimension::Fraction),
+            ("20", Dimension::Number),
+        ] {
+            assert!(read(text, dimension).is_ok(), "{text} {dimension}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{Control, CyclePlan, Drive, Turn};
-use fakir_case::unit::{Dimension, QuantityError, parse_argument};
+use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_inverse::design::{Wanted, free_key};
 use fakir_inverse::fit::{FitOptions, Measurements, NamedColumn, Parameter};
@@ -357,7 +357,7 @@ pub(crate) struct Approach {
     machine_stiffness: Option<f64>,
     /// With --retract: the range of the attraction between lens and pillar tops (m, mm, um, nm), which tells
     /// whether it counts as small, as the model has it
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, requires = "retract")]
+    #[arg(long, value_name = "LENGTH", value_parser = attraction, allow_hyphen_values = true, requires = "retract")]
     attraction_range: Option<f64>,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
@@ -710,7 +710,7 @@ pub(crate) struct Fit {
     pub(crate) free: Vec<Parameter>,
     /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or where to
     /// begin; 0, or found in the data, unless given
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = reading, allow_hyphen_values = true)]
     contact_point: Option<f64>,
     /// How far the instrument gives way, in m/N, or where to begin
     #[arg(
@@ -1092,7 +1092,7 @@ impl LimitArguments {
 pub(crate) struct RangeArguments {
     /// Range of the attraction between lens and pillar tops that stick (m, mm, um, nm), which tells whether it
     /// counts as small, as the model has it
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = attraction, allow_hyphen_values = true)]
     attraction_range: Option<f64>,
 }
 
@@ -1159,20 +1159,37 @@ pub(crate) struct RunArguments {
     pub(crate) memory_limit: usize,
 }
 
+/// A quantity of that dimension; a number without a unit must be plausible.
+fn quantity(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
+    parse_plausible(text, dimension, dimension.usual())
+}
+
 fn length(text: &str) -> Result<f64, QuantityError> {
-    parse_argument(text, Dimension::Length)
+    quantity(text, Dimension::Length)
+}
+
+/// A reading of an instrument, which counts from anywhere within its travel.
+fn reading(text: &str) -> Result<f64, QuantityError> {
+    const USUAL: [f64; 2] = [1e-8, 0.1];
+    parse_plausible(text, Dimension::Length, Some(USUAL))
+}
+
+/// The range of an attraction, from the size of an atom on.
+fn attraction(text: &str) -> Result<f64, QuantityError> {
+    const USUAL: [f64; 2] = [1e-10, 1e-7];
+    parse_plausible(text, Dimension::Length, Some(USUAL))
 }
 
 fn force(text: &str) -> Result<f64, QuantityError> {
-    parse_argument(text, Dimension::Force)
+    quantity(text, Dimension::Force)
 }
 
 fn stiffness(text: &str) -> Result<f64, QuantityError> {
-    parse_argument(text, Dimension::Stiffness)
+    quantity(text, Dimension::Stiffness)
 }
 
 fn fraction(text: &str) -> Result<f64, QuantityError> {
-    parse_argument(text, Dimension::Fraction)
+    quantity(text, Dimension::Fraction)
 }
 
 /// Points across a map: at least the two ends.

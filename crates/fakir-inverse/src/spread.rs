@@ -8,7 +8,7 @@ use crate::derivative::ByKey;
 use chacha20::ChaCha12Rng;
 use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, LatticeForm, Point};
 use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError};
-use fakir_case::unit::{Dimension, QuantityError, parse_argument, parse_quantity};
+use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
 use fakir_study::{Column, Table, Values};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
@@ -34,7 +34,8 @@ pub enum Deviation {
 }
 
 impl Deviation {
-    /// Reads the deviation of a key: `"0.05 um"`, or `"3 %"` of its value.
+    /// Reads the deviation of a key: `"0.05 um"`, or `"3 %"` of its value. A number without a unit must be plausible: a deviation may be much
+    /// smaller than the value.
     ///
     /// # Errors
     /// [`QuantityError`]
@@ -42,7 +43,8 @@ impl Deviation {
         if text.trim_end().ends_with('%') {
             parse_quantity(text, Dimension::Fraction).map(Self::Relative)
         } else {
-            parse_argument(text, key.dimension()).map(Self::Absolute)
+            let usual = key.judged_by().map(|[least, most]| [1e-3 * least, most]);
+            parse_plausible(text, key.dimension(), usual).map(Self::Absolute)
         }
     }
 }

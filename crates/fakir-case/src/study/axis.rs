@@ -1,5 +1,6 @@
 //! What a study varies, and over which values.
 
+use crate::file::Measured;
 use crate::key::{Key, Kind, root};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
@@ -54,6 +55,14 @@ impl Variable {
             },
             Self::Indentation => Some(Dimension::Length),
             Self::Force => Some(Dimension::Force),
+        }
+    }
+
+    /// What its numbers stand for; plain numbers if they are words.
+    pub(crate) fn measured(self) -> Measured {
+        match self {
+            Self::Key(key) => Measured::by(key),
+            load => Measured::of(load.path(), load.dimension().unwrap_or(Dimension::Number)),
         }
     }
 

@@ -383,7 +383,7 @@ impl StudyFile {
             let coordinate = varied.axis.value(step);
             let entry = Entry {
                 value: match &coordinate {
-                    Coordinate::Number(number) => Value::Number(*number),
+                    Coordinate::Number(number) => Value::InSi(*number),
                     Coordinate::Word(word) => Value::Text(word.clone()),
                 },
                 place: varied.place(step).clone(),
@@ -484,8 +484,9 @@ impl StudyFile {
 
 /// The load of an entry.
 fn prescribed(variable: Variable, entry: &Entry) -> Result<Control, CaseError> {
-    let dimension = variable.dimension().unwrap_or(Dimension::Number);
-    let value = quantity(variable.path(), dimension, entry)?;
+    let measured = variable.measured();
+    let value = quantity(&measured, entry)?;
+    let dimension = measured.dimension;
     if !(value.is_finite() && value >= 0.0) {
         return Err(CaseError::at(
             &entry.place,

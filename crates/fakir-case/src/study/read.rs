@@ -8,7 +8,7 @@ use crate::entries::{
     plain_value, with_article,
 };
 use crate::error::{CaseError, Place, Source};
-use crate::file::{both_given, quantity};
+use crate::file::{Measured, both_given, quantity};
 use crate::key::{Key, is_table, join, names_in, nearest};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
@@ -233,7 +233,8 @@ impl Reader<'_> {
                 "combine" => settings.combine = word(&path, &entry)?,
                 "drive" => settings.driven.name = Some((word(&path, &entry)?, entry.place)),
                 "machine_stiffness" => {
-                    let stiffness = quantity(&path, Dimension::Stiffness, &entry)?;
+                    let measured = Measured::of(&path, Dimension::Stiffness);
+                    let stiffness = quantity(&measured, &entry)?;
                     if !(stiffness > 0.0 && stiffness.is_finite()) {
                         let written = format_quantity(stiffness, Dimension::Stiffness);
                         return Err(CaseError::at(&entry.place, format!("cannot be {written}"))
@@ -387,8 +388,9 @@ impl Reader<'_> {
                 .accepted("give at least one value, or leave the axis out"));
         }
         let values = match variable.dimension() {
-            Some(dimension) => {
-                let numbers = entries.iter().map(|entry| quantity(path, dimension, entry));
+            Some(_) => {
+                let measured = variable.measured();
+                let numbers = entries.iter().map(|entry| quantity(&measured, entry));
                 Values::Numbers(numbers.collect::<Result<_, _>>()?)
             }
             None => Values::Words(
@@ -447,9 +449,10 @@ impl Reader<'_> {
             Some(value) => word(path, &self.entry(value))?,
             None => PointSpacing::Linear,
         };
+        let measured = variable.measured();
         let range = Range {
-            from: finite(path, dimension, &from)?,
-            to: finite(path, dimension, &to)?,
+            from: finite(&measured, &from)?,
+            to: finite(&measured, &to)?,
             points: number_of_points(path, &points)?,
             spacing,
         };
@@ -544,18 +547,18 @@ fn word<T: Words>(path: &str, entry: &Entry) -> Result<T, CaseError> {
         .accepted(one_of(&T::all())))
 }
 
-fn finite(path: &str, dimension: Dimension, entry: &Entry) -> Result<f64, CaseError> {
-    let value = quantity(path, dimension, entry)?;
+fn finite(measured: &Measured, entry: &Entry) -> Result<f64, CaseError> {
+    let value = quantity(measured, entry)?;
     if value.is_finite() {
         return Ok(value);
     }
     Err(CaseError::at(&entry.place, format!("cannot be {value}"))
-        .key(path)
+        .key(&measured.path)
         .accepted("a range has finite ends"))
 }
 
 fn number_of_points(path: &str, entry: &Entry) -> Result<usize, CaseError> {
-    let points = quantity(path, Dimension::Number, entry)?;
+    let points = quantity(&Measured::of(path, Dimension::Number), entry)?;
     if points.fract() == 0.0 && (2.0..=MAXIMUM_CASES as f64).contains(&points) {
         return Ok(points as usize);
     }

@@ -177,6 +177,52 @@ fn the_reference_as_written() {
     insta::assert_snapshot!(reference);
 }
 
+/// The SI unit of the numbers of a key; none of words, fractions and plain numbers.
+fn si_unit(key: Key) -> &'static str {
+    match key.dimension() {
+        Dimension::Length => "m",
+        Dimension::Pressure => "Pa",
+        Dimension::Force => "N",
+        Dimension::EnergyPerArea => "J/m2",
+        Dimension::Stiffness => "N/m",
+        Dimension::Angle => "rad",
+        Dimension::Fraction | Dimension::Number => "",
+    }
+}
+
+/// A forgotten unit, at every key that has one: refused without it, read with it.
+#[test]
+fn numbers_without_a_unit_are_plausible_or_refused() {
+    let mut judged = 0;
+    for key in Key::ALL {
+        let Some([least, most]) = key.judged_by().filter(|_| !si_unit(key).is_empty()) else {
+            continue;
+        };
+        judged += 1;
+        let (plausible, wrong) = match key.dimension() {
+            Dimension::Pressure => ([least, 1e15], 2.0),
+            _ => ([0.0, most], 20.0),
+        };
+        let given = |value: String| {
+            let mut file = case_for(key);
+            file.set(&format!("{key}={value}")).unwrap();
+            file.given(key)
+        };
+        for value in plausible {
+            assert_eq!(given(value.to_string()).unwrap(), Some(value), "{key}");
+        }
+        let unit = si_unit(key);
+        let error = given(wrong.to_string()).unwrap_err();
+        let read = format!("{wrong} {unit} (read from `{wrong}`, no unit: SI)");
+        assert_eq!(error.key_path(), Some(key.path()));
+        assert!(error.problem().ends_with(&read), "{error}");
+        let advice = error.what_is_accepted().unwrap();
+        assert!(advice.starts_with("did you mean `"), "{key}: {advice}");
+        assert_eq!(given(format!("{wrong} {unit}")).unwrap(), Some(wrong));
+    }
+    assert!(judged > 35, "{judged}");
+}
+
 /// A value that may make sense or not.
 fn any_value() -> impl Strategy<Value = Setting> {
     let known: Vec<String> = Key::ALL
@@ -208,6 +254,10 @@ proptest! {
         settings.retain(|key, _| !left_out.contains(key));
         let lines = settings.iter().map(|(key, setting)| {
             let value = match setting {
+                // With its unit: a number without one must be plausible too.
+                Setting::Number(number) if !si_unit(*key).is_empty() => {
+                    toml::Value::from(format!("{number:e} {}", si_unit(*key)))
+                }
                 Setting::Number(number) => toml::Value::from(*number),
                 Setting::Word(word) => toml::Value::from(word.as_str()),
             };

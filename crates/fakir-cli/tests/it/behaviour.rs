@@ -303,6 +303,54 @@ fn loads_too_small_for_a_contact_are_refused() {
     }
 }
 
+/// A forgotten unit: a number that is not plausible in SI units is refused with its reading and what was probably meant, by every option
+/// with a unit, and with the unit it is accepted.
+#[test]
+fn loads_without_a_unit_are_plausible_or_refused() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let attempts: [(&[&str], &str); 12] = [
+        (&["press", &case, "--indentation=3"], "`3 um`"),
+        (&["press", &case, "--force=20"], "`20 uN` or `20 mN`"),
+        (&["verify", &case, "--indentation=3"], "`3 um`"),
+        (&["approach", &case, "--step=0.5"], "`0.5 um`"),
+        (&["approach", &case, "--to=18"], "`18 um`"),
+        (&["approach", &case, "--to-force=20"], "`20 uN`"),
+        (&["theory", &case, "--attraction-range=5"], "`5 nm`"),
+        (
+            &["design", &case, "--free=pitch", "--critical-force=1"],
+            "`1 mN`",
+        ),
+        (
+            &["design", &case, "--tolerance=texture.pillar.height=0.05"],
+            "`0.05 um`",
+        ),
+        (
+            &["design", &case, "--tolerance=substrate.young_modulus=0.1"],
+            "`0.1 MPa`",
+        ),
+        (&["transition", &case, "--set=texture.pitch=20"], "`20 um`"),
+        (
+            &["transition", &case, "--set=texture.offset_angle=30"],
+            "`30 deg`",
+        ),
+    ];
+    for (arguments, meant) in attempts {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stdout);
+        let words = outcome.stderr.split_whitespace().collect::<Vec<_>>();
+        let words = words.join(" ").replace("│ ", "");
+        assert!(words.contains("no unit: SI)"), "{arguments:?}: {words}");
+        assert!(
+            words.contains("did you mean") && words.contains(meant),
+            "{arguments:?}: {words}"
+        );
+    }
+    for setting in ["texture.pitch=2e-5", "lens.radius=0.002", "lens.radius=2m"] {
+        bench.result(&["theory", &case, "--set", setting, "--quiet"]);
+    }
+}
+
 #[test]
 fn what_cannot_be_cited_is_status_2() {
     let bench = Bench::new();
