@@ -226,6 +226,14 @@ fn limit_words(name: &'static str) -> &'static str {
     }
 }
 
+/// The value of a limit in the fewest digits, from this number on, with which it is on the same side of the threshold as it is.
+fn limit_value(limit: &Limit, digits: usize) -> String {
+    let side = |value: f64| limit.threshold.map(|threshold| value.total_cmp(&threshold));
+    let mut written = (digits..=17).map(|digits| significant(limit.value, digits));
+    let shown = written.find(|text| text.parse().ok().and_then(side) == side(limit.value));
+    shown.unwrap_or_else(|| significant(limit.value, digits))
+}
+
 /// What is to be told of limits that are strained where that is not to be.
 pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
     let strained = limits.iter().filter(|limit| limit.strained);
@@ -233,7 +241,7 @@ pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
         Some(format!(
             "{}: {}, where the model is doubtful {}",
             limit_words(limit.name),
-            significant(limit.value, 3),
+            limit_value(limit, 3),
             match limit.threshold? {
                 threshold if limit.value < threshold => format!("below {threshold}"),
                 threshold => format!("from {threshold} on"),
@@ -400,7 +408,7 @@ impl QuantityList {
                 (_, false) => format!("below {threshold}, where the model is doubtful"),
             };
             let digits = if limit.strained { 3 } else { 2 };
-            self.row(name, significant(limit.value, digits), "", &remark);
+            self.row(name, limit_value(limit, digits), "", &remark);
         }
         self
     }
@@ -429,7 +437,7 @@ impl QuantityList {
             let remark = format!(
                 "nearest: {} {}, doubtful from {}",
                 limit_words(limit.name),
-                significant(limit.value, 2),
+                limit_value(limit, 2),
                 limit.threshold.unwrap_or(f64::NAN)
             );
             self.row("limits of the model", "kept".to_owned(), "", &remark);
@@ -515,5 +523,30 @@ pub(crate) fn error_remark(error: f64) -> String {
         format!(", estimated error {}", significant(error, 1))
     } else {
         String::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A value that is rounded to its threshold would be strained and kept in the same digits.
+    #[test]
+    fn limits_are_shown_on_their_side_of_the_threshold() {
+        for (value, shown) in [
+            (0.3004, "0.3004"),
+            (0.299_96, "0.29996"),
+            (0.3, "0.30"),
+            (0.42, "0.42"),
+            (1.234e-5, "1.2e-5"),
+        ] {
+            let limit = Limit {
+                name: "slope",
+                value,
+                threshold: Some(0.3),
+                strained: value > 0.3,
+            };
+            assert_eq!(limit_value(&limit, 2), shown);
+        }
     }
 }
