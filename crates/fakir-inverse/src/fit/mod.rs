@@ -160,8 +160,8 @@ pub enum FitError {
     NotFinite(&'static str),
     /// Fewer data than a fit takes.
     #[error(
-        "{name}: {values} measured values before the transition are too few for {parameters} \
-         parameters{}", if *.estimated { " and their scatter: one more is needed, or errors" } else { "" }
+        "{name}: {} before the transition {} too few for {}{}", counted(*.values, "measured value"), are(*.values),
+        counted(*.parameters, "parameter"), if *.estimated { " and their scatter: one more is needed, or errors" } else { "" }
     )]
     TooFewData {
         /// The file.
@@ -175,8 +175,8 @@ pub enum FitError {
     },
     /// Too few values to estimate their errors.
     #[error(
-        "{name}: {values} values of the {quantity} are too few to estimate their scatter: give their \
-         errors"
+        "{name}: {} of the {quantity} {} too few to estimate their scatter: give their errors",
+        counted(*.values, "value"), are(*.values)
     )]
     NoScatter {
         /// The file.
@@ -200,6 +200,16 @@ pub enum FitError {
     /// Numbers that are not finite.
     #[error("the model has no derivatives where the fit has come to: give other starting values")]
     NoDerivatives,
+}
+
+/// A number of things: `1 value`, `3 values`.
+fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The verb for so many things.
+fn are(count: usize) -> &'static str {
+    if count == 1 { "is" } else { "are" }
 }
 
 fn parameter_names() -> String {
@@ -1619,6 +1629,27 @@ fn quantile(freedom: Option<usize>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn too_few_data_are_counted_in_words_that_agree() {
+        let told = |values, parameters| {
+            let name = "data".to_owned();
+            let estimated = false;
+            FitError::TooFewData {
+                name,
+                values,
+                parameters,
+                estimated,
+            }
+            .to_string()
+        };
+        let start = "data: 1 measured value before the transition is too few for";
+        assert_eq!(told(1, 2), format!("{start} 2 parameters"));
+        assert!(
+            told(2, 1)
+                .ends_with("2 measured values before the transition are too few for 1 parameter")
+        );
+    }
 
     #[test]
     fn quantiles_of_the_tables() {
