@@ -94,6 +94,12 @@ pub enum OutputError {
         /// Where the old results are.
         old: PathBuf,
     },
+    /// A file where a folder is needed.
+    #[error("{} is a file, not a folder: name a folder that is empty or to be made", path.display())]
+    NoFolder {
+        /// The file.
+        path: PathBuf,
+    },
     /// There is a file already, which may not be replaced.
     #[error("{} is there already", path.display())]
     Exists {
@@ -150,7 +156,15 @@ pub(crate) fn is_empty(folder: &Path) -> Result<bool, OutputError> {
     match folder.read_dir() {
         Ok(mut entries) => Ok(entries.next().is_none()),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(true),
-        Err(error) => Err(OutputError::system("cannot read the folder", folder, error)),
+        Err(error) => {
+            let file = folder.ancestors().find(|ancestor| ancestor.is_file());
+            Err(match file {
+                Some(file) => OutputError::NoFolder {
+                    path: file.to_owned(),
+                },
+                None => OutputError::system("cannot read the folder", folder, error),
+            })
+        }
     }
 }
 

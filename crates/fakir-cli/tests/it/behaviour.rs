@@ -52,7 +52,7 @@ fn bad_input_is_status_2_with_an_explanation_and_no_files() {
     bench.write("broken.toml", "[lens]\nradius = 2200 um\n");
     let surface = example("square-pillars.toml");
     bench.write("file", "");
-    let attempts: [(&[&str], &str); 18] = [
+    let attempts: [(&[&str], &str); 19] = [
         (&["transition", "broken.toml"], "broken.toml:2:10"),
         (&["transition", "missing.toml"], "cannot read missing.toml"),
         (
@@ -65,7 +65,14 @@ fn bad_input_is_status_2_with_an_explanation_and_no_files() {
         ),
         (&["transition", &case, "--threads", "many"], "invalid value"),
         (&["transition", &case, "--memory-limit", "8"], "such as 8GB"),
-        (&["transition", &case, "--output", "file"], "file"),
+        (
+            &["transition", &case, "--output", "file"],
+            "file is a file, not a folder",
+        ),
+        (
+            &["transition", &case, "--output", "file/results"],
+            "file is a file, not a folder",
+        ),
         (&["transition", &case, "--field-points", "1"], "2 to 2048"),
         (
             &["transition", &surface, "--field-points", "9"],
