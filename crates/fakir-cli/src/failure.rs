@@ -1,7 +1,9 @@
 //! Why there is no result, what the user is told, and with which exit status.
 
+use fakir::problem::{InvalidQuantity, Quantity};
 use fakir::state::SolveError;
 use fakir_case::CaseError;
+use fakir_case::unit::{Dimension, format_quantity};
 use fakir_figure::FigureError;
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::{DataError, FitError};
@@ -140,6 +142,10 @@ impl Failure {
             Self::Study(StudyError::Case(error)) => {
                 tell(&format!("{:?}", miette::Report::new(error.clone())));
             }
+            Self::Solve(SolveError::InvalidQuantity(invalid))
+            | Self::Design(DesignError::Solve(SolveError::InvalidQuantity(invalid))) => {
+                tell(&format!("error: {}", load_words(invalid)));
+            }
             other => tell(&format!("error: {other}")),
         }
     }
@@ -151,6 +157,7 @@ impl Failure {
             #[cfg(feature = "explore")]
             Self::Explore(_) => 2,
             Self::Solve(SolveError::InvalidQuantity(_))
+            | Self::Design(DesignError::Solve(SolveError::InvalidQuantity(_)))
             | Self::Case(_)
             | Self::Output(_)
             | Self::Study(_)
@@ -174,6 +181,23 @@ impl Failure {
             Self::Design(_) | Self::Spread(_) | Self::Fit(_) | Self::Heights(_) => 2,
         }
     }
+}
+
+/// Why a load is refused, with its unit. How small a load can be does not matter to one below zero.
+fn load_words(invalid: &InvalidQuantity) -> String {
+    let dimension = match invalid.quantity {
+        Quantity::Force => Dimension::Force,
+        Quantity::Indentation => Dimension::Length,
+        _ => return invalid.to_string(),
+    };
+    let (quantity, value) = (invalid.quantity, format_quantity(invalid.value, dimension));
+    if invalid.value < 0.0 {
+        return format!(
+            "{quantity} cannot be {value}: it must be 0 or greater (fakir approach --retract pulls the lens off tops that stick)"
+        );
+    }
+    let requirement = invalid.requirement;
+    format!("{quantity} cannot be {value}: it must be {requirement}")
 }
 
 /// How the command ends, as shells see it.

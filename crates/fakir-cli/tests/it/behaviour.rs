@@ -88,7 +88,10 @@ fn bad_input_is_status_2_with_an_explanation_and_no_files() {
             &["press", &case, "--force", "1um"],
             "um is a unit of length, not of force",
         ),
-        (&["press", &case, "--force", "-1uN"], "force cannot be"),
+        (
+            &["press", &case, "--force", "-1uN"],
+            "force cannot be -1 uN: it must be 0 or greater",
+        ),
         (
             &["press", &case, "--indentation", "nan"],
             "indentation cannot be",
