@@ -90,6 +90,15 @@ impl CaseError {
 
     pub(crate) fn is_of_memory(&self) -> bool {
         self.0.is_of_memory
+    /// Adds what would be accepted besides.
+    pub(crate) fn or(mut self, other: &str) -> Self {
+        self.0.accepted = match self.0.accepted {
+            Some(accepted) => Some(format!("{accepted}; or {other}")),
+            None => Some(other.to_owned()),
+        };
+        self
+    }
+
     }
 
     pub(crate) fn label(mut self, span: Range<usize>, text: &str) -> Self {

@@ -493,7 +493,13 @@ impl CaseFile {
         }
         match row.field {
             Field::Number { place, .. } => {
-                let value = quantity(&Measured::by(key), entry)?;
+                let read = quantity(&Measured::by(key), entry);
+                let value = read.map_err(|error| match (row.presence, &entry.value) {
+                    (Presence::Otherwise(words), Value::Text(_)) => {
+                        error.or(&format!("leave it out: {words}"))
+                    }
+                    _ => error,
+                })?;
                 // The solver and the patterns of pillars check the quantities that they know.
                 let is_checked_later = row.quantity.is_some() || row.pattern_quantity.is_some();
                 if !is_checked_later {

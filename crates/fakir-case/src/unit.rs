@@ -391,14 +391,20 @@ pub fn parse_plausible(
     Ok(value)
 }
 
-/// The longest part at the front that is a number, and the rest, both trimmed.
+/// The longest part at the front that is a number, and the rest, both trimmed. A letter directly after a number that is a word, such as
+/// `inf` or `nan`, makes it another word.
 fn split_number(text: &str) -> Option<(&str, &str)> {
+    let is_number = |(number, rest): &(&str, &str)| {
+        let is_word =
+            number.ends_with(char::is_alphabetic) && rest.starts_with(char::is_alphanumeric);
+        number.trim().parse::<f64>().is_ok() && !is_word
+    };
     text.char_indices()
         .map(|(start, character)| start + character.len_utf8())
         .rev()
         .map(|end| text.split_at(end))
+        .find(is_number)
         .map(|(number, rest)| (number.trim(), rest.trim()))
-        .find(|(number, _)| number.parse::<f64>().is_ok())
 }
 
 /// The value of a decimal number in a unit, rounded once. `number` must be one.
@@ -507,6 +513,7 @@ mod tests {
 
     #[test]
     fn what_is_not_a_quantity() {
+        let length_of = |text| parse_quantity(text, Dimension::Length).unwrap();
         let length = |text| parse_quantity(text, Dimension::Length).unwrap_err();
         assert!(matches!(length("wide"), QuantityError::NotANumber(_)));
         assert!(matches!(length(""), QuantityError::NotANumber(_)));
@@ -528,6 +535,13 @@ mod tests {
             "% is a unit of fraction, not of length"
         );
         assert!(parse_argument("6", Dimension::Length).is_ok());
+        for word in ["infinite", "nanometre", "Infinity3 m"] {
+            assert!(
+                matches!(length(word), QuantityError::NotANumber(_)),
+                "{word}"
+            );
+        }
+        assert!(length_of("inf m").is_infinite() && length_of("inf  um").is_infinite());
     }
 
     /// A forgotten unit: each number with what it probably stands for, of the quantity alone.
