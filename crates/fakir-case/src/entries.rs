@@ -2,6 +2,7 @@
 
 use crate::error::{CaseError, Place, Source};
 use crate::key::{Key, Kind, Setting, is_table, join, names_in, similar};
+use crate::unit::parse_quantity;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::Spanned;
@@ -201,17 +202,66 @@ fn syntax_error(source: &Source, error: &toml::de::Error) -> CaseError {
 
 pub(crate) fn unknown_key(place: &Place, path: &str) -> CaseError {
     let (table, _) = path.rsplit_once('.').unwrap_or(("", path));
+    let meant = similar(path).map(|meant| did_you_mean(place, path, &meant));
+    if !table.is_empty() && !is_table(table) {
+        let error = CaseError::at(place, format!("there is no table [{table}]")).key(path);
+        let tables = format!("known tables: {}", names_in("").join(", "));
+        return error.accepted(meant.unwrap_or(tables));
+    }
     let place_in_file = match table {
         "" => "at the top level".to_owned(),
-        _ if is_table(table) => format!("in [{table}]"),
-        _ => return CaseError::at(place, format!("there is no table [{table}]")).key(path),
+        _ => format!("in [{table}]"),
     };
     let known = format!("known {place_in_file}: {}", names_in(table).join(", "));
-    let help = match similar(path) {
-        Some(meant) => format!("did you mean {meant}? {known}"),
+    let help = match meant {
+        Some(meant) => format!("{meant} {known}"),
         None => known,
     };
     CaseError::at(place, "unknown key").key(path).accepted(help)
+}
+
+/// Advice to give another key. In a file a key without its table lacks the heading above it.
+fn did_you_mean(place: &Place, path: &str, meant: &str) -> String {
+    match meant.rsplit_once('.') {
+        Some((table, name)) if name == path && !place.is_override() && Key::at(meant).is_some() => {
+            format!("did you mean {meant}, below a heading [{table}]?")
+        }
+        _ => format!("did you mean {meant}?"),
+    }
+}
+
+/// The error for a table that is given a value, as in `method=love`, with the keys that can have it.
+pub(crate) fn table_for_key(place: &Place, name: &str, surface: bool, value: &str) -> CaseError {
+    let read = override_value(value);
+    let inside = Key::ALL.into_iter().filter(|key| key.table() == name);
+    let takes = |key: &Key| match (&read, key.kind()) {
+        (Value::Text(text), Kind::Number(dimension)) => parse_quantity(text, dimension).is_ok(),
+        (Value::Text(text), Kind::Word) => key.words().contains(&text.as_str()),
+        (Value::Number(_), Kind::Number(_)) => true,
+        (Value::Flag(_), Kind::Word) => key.is_flag(),
+        _ => false,
+    };
+    let meant: Vec<String> = inside
+        .chain(Key::named(name, surface))
+        .filter(takes)
+        .map(|key| format!("{key}={value}"))
+        .collect();
+    let keys = format!("keys of [{name}]: {}", names_in(name).join(", "));
+    let advice = match &meant[..] {
+        [] => keys,
+        _ => format!("did you mean {}? {keys}", meant.join(" or ")),
+    };
+    CaseError::at(place, "this is a table of keys, not a key")
+        .key(name)
+        .accepted(advice)
+}
+
+/// The error for a name that several keys have.
+pub(crate) fn ambiguous_key(place: &Place, name: &str, keys: &[Key]) -> CaseError {
+    let paths: Vec<&str> = keys.iter().map(|key| key.path()).collect();
+    CaseError::at(place, format!("{} keys have this name", keys.len()))
+        .key(name)
+        .accepted(format!("give {}", paths.join(" or ")))
 }
 
 /// What kind of thing a value is, for "found ...".

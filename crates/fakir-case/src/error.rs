@@ -5,6 +5,9 @@ use std::fmt::{self, Display};
 use std::ops::Range;
 use std::sync::Arc;
 
+/// What errors call the argument of an override.
+pub(crate) const OVERRIDE: &str = "--set";
+
 /// A text that a case was read from: a file, or the argument of an override.
 #[derive(Debug, Clone)]
 pub(crate) struct Source(Arc<NamedSource<String>>);
@@ -35,6 +38,11 @@ impl Place {
     pub(crate) fn text(&self) -> &str {
         let text = self.source.text().get(self.span.clone());
         text.unwrap_or_default()
+    }
+
+    /// Whether it is in an override, not in a file.
+    pub(crate) fn is_override(&self) -> bool {
+        self.source.name() == OVERRIDE
     }
 }
 
@@ -82,14 +90,6 @@ impl CaseError {
         self
     }
 
-    /// Says that more memory would be enough.
-    pub(crate) fn of_memory(mut self) -> Self {
-        self.0.is_of_memory = true;
-        self
-    }
-
-    pub(crate) fn is_of_memory(&self) -> bool {
-        self.0.is_of_memory
     /// Adds what would be accepted besides.
     pub(crate) fn or(mut self, other: &str) -> Self {
         self.0.accepted = match self.0.accepted {
@@ -99,6 +99,14 @@ impl CaseError {
         self
     }
 
+    /// Says that more memory would be enough.
+    pub(crate) fn of_memory(mut self) -> Self {
+        self.0.is_of_memory = true;
+        self
+    }
+
+    pub(crate) fn is_of_memory(&self) -> bool {
+        self.0.is_of_memory
     }
 
     pub(crate) fn label(mut self, span: Range<usize>, text: &str) -> Self {

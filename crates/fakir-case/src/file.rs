@@ -3,11 +3,12 @@
 use crate::case::{Case, PillarsOrigin, Spacing};
 use crate::columns::TableError;
 use crate::entries::{
-    Entries, Entry, NAME_IN_QUOTES, Value, accepted, kind_name, one_of, override_value, unknown_key,
+    Entries, Entry, NAME_IN_QUOTES, Value, accepted, ambiguous_key, kind_name, one_of,
+    override_value, table_for_key, unknown_key,
 };
-use crate::error::{CaseError, Place, Source};
+use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
-use crate::key::{Key, Setting};
+use crate::key::{Key, Setting, is_table};
 use crate::parts::{Parts, ShapeForm, TRUE_OR_FALSE, TextureArrangement, TextureParts};
 use crate::pillars::read_pillars;
 use crate::profile::read_profile;
@@ -136,7 +137,7 @@ impl CaseFile {
     }
 
     /// Overrides one key: `texture.surface_fraction=0.2`, with a value in TOML or a bare word or
-    /// quantity (`lens.radius=2.2mm`).
+    /// quantity (`lens.radius=2.2mm`). The last name of a key is enough where no other key of such a case has it (`pitch=20um`).
     ///
     /// Of several overrides of a key the last one counts. An override takes the place of what the
     /// file gives for the same choice: `texture.pitch` replaces the file's `surface_fraction` and the
@@ -146,7 +147,7 @@ impl CaseFile {
     /// [`CaseError`] for an argument that is not `key=value` or a key that no case file has; it
     /// points into the argument.
     pub fn set(&mut self, argument: &str) -> Result<(), CaseError> {
-        let source = Source::new("--set", argument);
+        let source = Source::new(OVERRIDE, argument);
         let Some((path, text)) = argument.split_once('=') else {
             return Err(
                 CaseError::new(&source, "an override has the form key=value")
@@ -161,12 +162,21 @@ impl CaseFile {
                 span: start..start + text.trim().len(),
             }
         };
-        let key = Key::at(path.trim()).ok_or_else(|| unknown_key(&place(0, path), path.trim()))?;
+        let name = path.trim();
+        let key = match self.named(name)[..] {
+            [key] => key,
+            [] if is_table(name) => {
+                let surface = self.is_surface();
+                return Err(table_for_key(&place(0, path), name, surface, text.trim()));
+            }
+            [] => return Err(unknown_key(&place(0, path), name)),
+            ref several => return Err(ambiguous_key(&place(0, path), name, several)),
+        };
         let value = override_value(text.trim());
         for other in replaced_by(key, &value) {
             self.entries
                 .keys
-                .retain(|key, entry| *key != other || entry.place.source.name() == "--set");
+                .retain(|key, entry| *key != other || entry.place.is_override());
         }
         let entry = Entry {
             value,
@@ -174,6 +184,14 @@ impl CaseFile {
         };
         self.entries.keys.insert(key, entry);
         Ok(())
+    }
+
+    /// The keys that an override can name so: by the path, or by the last name. The name of a table is that of no key.
+    pub(crate) fn named(&self, name: &str) -> Vec<Key> {
+        if is_table(name) {
+            return Vec::new();
+        }
+        Key::named(name, self.is_surface())
     }
 
     /// Sets a key to a number in SI units, in place of what the file gives for the same choice, as
@@ -323,7 +341,7 @@ impl CaseFile {
     /// Where a file that a key names is: next to the case file, or in the current folder if an override named it.
     pub(crate) fn named_file(&self, key: Key, name: &str) -> PathBuf {
         match self.entry(key) {
-            Some(entry) if entry.place.source.name() == "--set" => PathBuf::from(name),
+            Some(entry) if entry.place.is_override() => PathBuf::from(name),
             _ => self.folder.join(name),
         }
     }

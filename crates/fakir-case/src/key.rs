@@ -60,6 +60,20 @@ impl Key {
         Self::ALL.into_iter().find(|key| key.path() == path)
     }
 
+    /// The keys that `name` can stand for: the one of that path, or those of that last name among the keys of a case with a general
+    /// surface, or of one with a texture.
+    #[must_use]
+    pub fn named(name: &str, surface: bool) -> Vec<Self> {
+        match Self::at(name) {
+            Some(key) => vec![key],
+            None => Self::ALL
+                .into_iter()
+                .filter(|key| key.name() == name)
+                .filter(|key| key.is_of_bodies() || key.is_of_surface() == surface)
+                .collect(),
+        }
+    }
+
     /// The table it is in: `"texture.pillar"`.
     #[must_use]
     pub fn table(self) -> &'static str {
@@ -318,6 +332,16 @@ pub(crate) fn is_table(path: &str) -> bool {
     Key::ALL.into_iter().any(|key| below(key).is_some())
 }
 
+/// The tables of that last name: `texture.pillar` and `surface.pillar` are called `pillar`.
+fn tables_named(name: &str) -> Vec<&'static str> {
+    let tables = Key::ALL.into_iter().map(Key::table);
+    let mut tables: Vec<&str> = tables
+        .filter(|table| table.rsplit('.').next() == Some(name))
+        .collect();
+    tables.dedup();
+    tables
+}
+
 /// Names that can stand in the table `path`, tables included; the top level is `""`.
 pub(crate) fn names_in(path: &str) -> Vec<&'static str> {
     let mut names: Vec<&'static str> = Key::ALL
@@ -343,8 +367,17 @@ pub(crate) fn similar(path: &str) -> Option<String> {
     }
     let namesakes = || Key::ALL.into_iter().filter(|key| key.name() == name);
     let close_by = namesakes().find(|key| root(key.path()) == root(path));
-    let elsewhere = close_by.or_else(|| namesakes().next());
-    elsewhere.map(|key| key.path().to_owned())
+    // A path without its outermost table, as `pillar.diameter`.
+    let ending = format!(".{path}");
+    let inner = Key::ALL
+        .into_iter()
+        .map(Key::path)
+        .filter(|known| !table.is_empty() && known.ends_with(&ending));
+    let whole: Vec<&str> = inner.chain(tables_named(path)).collect();
+    match close_by.or_else(|| namesakes().next()) {
+        _ if !whole.is_empty() => Some(whole.join(" or ")),
+        key => key.map(|key| key.path().to_owned()),
+    }
 }
 
 /// The one of some names that `name` is a misspelling of: at most one letter, and one more for
@@ -409,6 +442,14 @@ mod tests {
             "surface.pillar.diameter"
         );
         assert_eq!(similar("lense").unwrap(), "lens");
+        assert_eq!(
+            similar("pillar").unwrap(),
+            "texture.pillar or surface.pillar"
+        );
+        assert_eq!(
+            similar("pillar.height").unwrap(),
+            "texture.pillar.height or surface.pillar.height"
+        );
         assert_eq!(similar("lens.colour"), None);
     }
 

@@ -814,10 +814,17 @@ impl Fit {
 
 /// A parameter that can be fitted.
 fn fitted(text: &str) -> Result<Parameter, String> {
-    Parameter::named(text.trim()).ok_or_else(|| {
-        let names = Parameter::ALL.map(Parameter::name);
-        format!("give one of {}", names.join(", "))
-    })
+    let named = Parameter::all_named(text.trim());
+    match named[..] {
+        [parameter] => Ok(parameter),
+        [] => Err(one_of(Parameter::ALL.into_iter().map(Parameter::name))),
+        _ => Err(one_of(named.into_iter().map(Parameter::name))),
+    }
+}
+
+/// Advice to give one of some names.
+fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    format!("give one of {}", names.collect::<Vec<_>>().join(", "))
 }
 
 /// `KEY=DEVIATION`, the deviation as a quantity or in per cent.
@@ -826,7 +833,11 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
         .split_once('=')
         .ok_or("give KEY=DEVIATION, as in texture.pillar.height=3%")?;
     let path = path.trim();
-    let key = Key::at(path).ok_or_else(|| format!("{path} is no key of a case file"))?;
+    let key = match Key::named(path, false)[..] {
+        [key] => key,
+        [] => return Err(format!("{path} is no key of a case file")),
+        ref several => return Err(one_of(several.iter().map(|key| key.path()))),
+    };
     if !matches!(key.kind(), Kind::Number(_)) {
         return Err(format!("{path} is no number"));
     }
@@ -1000,7 +1011,7 @@ pub(crate) struct CaseArguments {
     pub(crate) case: PathBuf,
     /// Override a key of the case file, as in texture.pitch=20um; may be repeated
     ///
-    /// The value is TOML, or a bare word or quantity. A pitch replaces the surface fraction of the
+    /// The value is TOML, or a bare word or quantity. The last name of a key is enough where no other has it, as in pitch=20um. A pitch replaces the surface fraction of the
     /// file and the other way round; method.name replaces the whole table.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,

@@ -164,10 +164,17 @@ pub(crate) fn fit(
     options: Options,
 ) -> PyResult<Fitted> {
     let free = free.iter().map(|name| {
-        Parameter::named(name).ok_or_else(|| {
-            let names = Parameter::ALL.map(Parameter::name).join(", ");
-            value_error(format!("{name} cannot be fitted: give some of {names}"))
-        })
+        let named = Parameter::all_named(name);
+        let listed = match named[..] {
+            [parameter] => return Ok(parameter),
+            [] => &Parameter::ALL[..],
+            _ => &named,
+        };
+        let names: Vec<&str> = listed.iter().map(|parameter| parameter.name()).collect();
+        let names = names.join(", ");
+        Err(value_error(format!(
+            "{name} cannot be fitted: give some of {names}"
+        )))
     });
     let free = free.collect::<PyResult<Vec<_>>>()?;
     let (contact_point, machine_compliance, force_offset, displacement_drift, force_drift) =

@@ -35,7 +35,7 @@ pub use posed::StudiedCase;
 
 use crate::case::{Case, write_tables};
 use crate::entries::{Entry, STUDY_TABLES, Value};
-use crate::error::{CaseError, Place, Source};
+use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::file::{CaseFile, not_utf8, quantity};
 use crate::input::{self, LARGEST_STUDY};
 use crate::key::{Key, root};
@@ -188,7 +188,7 @@ impl StudyFile {
         let (path, _) = argument.split_once('=').unwrap_or((argument, ""));
         if STUDY_TABLES.contains(&root(path.trim())) {
             return Err(CaseError::new(
-                &Source::new("--set", argument),
+                &Source::new(OVERRIDE, argument),
                 "only keys of the case can be overridden",
             )
             .key(path.trim())
@@ -196,7 +196,7 @@ impl StudyFile {
             .accepted("for example texture.pillar.height=2um"));
         }
         self.case.set(argument)?;
-        let Some(key) = Key::at(path.trim()) else {
+        let [key] = self.case.named(path.trim())[..] else {
             return Ok(());
         };
         let variable = Variable::Key(key);
@@ -207,7 +207,7 @@ impl StudyFile {
         {
             None => Ok(()),
             Some(axis) => Err(CaseError::new(
-                &Source::new("--set", argument),
+                &Source::new(OVERRIDE, argument),
                 format!("{} is an axis of the study", axis.path()),
             )
             .key(key.path())
@@ -434,7 +434,7 @@ impl StudyFile {
                 };
                 let has_it = |word: &String| owners.contains(&word.as_str());
                 let is_of_study = words.iter().any(has_it);
-                let is_override = entry.place.source.name() == "--set";
+                let is_override = entry.place.is_override();
                 !has_it(&words[*step]) && (is_of_study || !is_override)
             };
             file.entries.keys.retain(|key, entry| !idle(key, entry));

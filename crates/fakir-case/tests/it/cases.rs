@@ -65,6 +65,19 @@ fn examples_are_the_systems_of_the_paper() {
     assert_eq!(Case::example().system, intermediate);
 }
 
+/// The last name of a key is enough where no other key of such a case has it.
+#[test]
+fn overrides_by_the_last_name_of_a_key() {
+    for (short, whole) in [
+        ("pitch=25um", "texture.pitch=25um"),
+        ("diameter=5um", "texture.pillar.diameter=5um"),
+        ("work=20mJ/m2", "adhesion.work=20mJ/m2"),
+        ("accuracy=accurate", "method.accuracy=accurate"),
+    ] {
+        assert_eq!(with(&[short]).unwrap(), with(&[whole]).unwrap());
+    }
+}
+
 /// 50 mJ/m^2 is 0.05 J/m^2, whichever way it is written, and without the table nothing sticks.
 #[test]
 fn works_of_adhesion() {

@@ -124,7 +124,12 @@ fn every_malformed_override_is_explained() {
     let overrides: &[(&str, &[&str])] = &[
         ("no equals sign", &["texture.pitch"]),
         ("unknown key", &["texture.pitsch=20um"]),
-        ("key without its table", &["radius=2mm"]),
+        ("key without its table", &["young_modulus=2MPa"]),
+        ("table for a key", &["method=love"]),
+        ("table for one of two keys", &["lens=2mm"]),
+        ("table for no key", &["lens=blue"]),
+        ("table of pillars", &["pillar.diameter=6um"]),
+        ("word for a thickness", &["substrate.thickness=infinite"]),
         ("unknown table", &["sphere.radius=2mm"]),
         ("empty", &[""]),
         ("empty value", &["lens.radius="]),

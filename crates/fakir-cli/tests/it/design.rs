@@ -65,6 +65,29 @@ fn last_names_are_enough_where_one_key_has_them() {
     assert!(free_key("young_modulus").is_err_and(|told| told.contains("lens.young_modulus")));
     assert_eq!(Parameter::named("pitch"), Parameter::named("texture.pitch"));
     assert!(Parameter::named("pitch").is_some() && Parameter::named("young_modulus").is_none());
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let names = ["pitch=25um", "texture.pitch=25um"];
+    let [short, whole] = names.map(|set| bench.result(&["theory", &case, "--set", set]));
+    assert_eq!(short, whole);
+    for arguments in [
+        ["fit", "data.csv", "--case", &case, "--free=young_modulus"],
+        [
+            "design",
+            &case,
+            "--samples",
+            "5",
+            "--tolerance=young_modulus=3%",
+        ],
+    ] {
+        let outcome = bench.run(&arguments);
+        assert_eq!(outcome.status, Some(2));
+        let both = ["substrate.young_modulus", "lens.young_modulus"];
+        for key in both {
+            assert!(outcome.stderr.contains(key), "{}", outcome.stderr);
+        }
+        assert!(!outcome.stderr.contains("contact_point"));
+    }
 }
 
 #[test]

@@ -59,12 +59,20 @@ impl Parameter {
     /// The parameter of that name, or of that last name of a key if only one has it.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
+        match Self::all_named(name)[..] {
+            [parameter] => Some(parameter),
+            _ => None,
+        }
+    }
+
+    /// The parameters of that name, or of that last name of a key.
+    #[must_use]
+    pub fn all_named(name: &str) -> Vec<Self> {
         let is_named = |parameter: &Self| {
             let last = matches!(parameter, Self::Key(key) if key.name() == name);
             last || parameter.name() == name
         };
-        let mut named = Self::ALL.into_iter().filter(is_named);
-        named.next().filter(|_| named.next().is_none())
+        Self::ALL.into_iter().filter(is_named).collect()
     }
 
     /// What its columns and JSON keys end in: `"_Pa"`, `"_m_per_N"`.
