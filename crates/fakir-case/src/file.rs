@@ -588,6 +588,8 @@ impl CaseFile {
             // A rounded top may be an asperity of the half-space itself.
             Presence::Required if key == Key::PillarDiameter && self.is_rounded() => Ok(()),
             Presence::Required => Err(self.missing(key)),
+            // The file may state it.
+            Presence::OneOf(_) if key.part() == Part::HeightMap => Ok(()),
             Presence::OneOf(other) if other.idle_with(parts).is_some() => Err(self.missing(key)),
             Presence::OneOf(other) if self.entry(other).is_none() => Err(self
                 .missing(key)

@@ -4,18 +4,24 @@
 //! |---|---|
 //! | `.npy` | an array of two dimensions, rows and columns, of floating-point numbers (4 or 8 bytes) or integers, in C or Fortran order |
 //! | `.npz` | one such array of an archive: the one named, or the only one |
-//! | any other | rows of numbers separated by blanks, commas or semicolons; `#` begins a comment; an ESRI ASCII grid header is understood |
+//! | any other | rows of numbers separated by blanks, commas or semicolons, or numbers with decimal commas separated by blanks or semicolons; `#` begins a comment; an ESRI ASCII grid header is understood, and what Gwyddion writes before a matrix (`# Width: 10 um`) |
+//! | any other | three columns x, y, z of all points of a grid, in any order |
+//!
+//! A size or a unit of heights that the file states must be that which is given, and counts where none is given. Of an ESRI ASCII grid
+//! and of a list of points the unit of lengths is not known: they must be apart by as much as is given in m, mm, um or nm.
 //!
 //! The first row of an array or text is that of smallest y; that of an ESRI ASCII grid, as its
 //! format has it, that of largest y. The size of an array is known from its header and checked
 //! before its elements are read, unpacked as they come; that of a text is checked while it is read. The lens axis is put on the centre of the map;
 //! [`HeightMap::with_axis_at`] moves it.
 
+use crate::height_text::{self, HeightUnit, Stated};
 use crate::npy::{self, Header};
 use crate::npz::{Archive, PackedArray};
+use crate::unit::{Dimension, format_quantity};
 use fakir::problem::{Grid, HeightMap, InvalidGrid, InvalidHeightMap};
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 /// Memory that every point of a map takes, bytes: its height and pillar on cells of three sizes,
@@ -23,7 +29,7 @@ use std::path::Path;
 pub(crate) const BYTES_PER_POINT: f64 = 64.0;
 
 /// Longest line of a text, bytes: millions of numbers.
-const LONGEST_LINE: u64 = 64_000_000;
+pub(crate) const LONGEST_LINE: u64 = 64_000_000;
 
 /// The physical size of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +50,24 @@ pub enum MapSize {
     Extent([f64; 2]),
     /// Extent of the whole map along x, m, in the same way; pixels are squares.
     Width(f64),
+}
+
+/// The physical size of a map as far as it is given. What is not given is taken from a file that states it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct GivenScale {
+    /// Size in the plane.
+    pub size: Option<MapSize>,
+    /// What a height of 1 in the file stands for, m; negative where the file has depths. 1 m if the file does not state it either.
+    pub height_unit: Option<f64>,
+}
+
+impl From<MapScale> for GivenScale {
+    fn from(scale: MapScale) -> Self {
+        Self {
+            size: Some(scale.size),
+            height_unit: Some(scale.height_unit),
+        }
+    }
 }
 
 /// Why a height map cannot be read.
@@ -116,8 +140,71 @@ pub enum HeightMapError {
         /// The word that is no number.
         text: String,
     },
+    /// Commas that may separate numbers, or the digits of one.
+    #[error(
+        "{file}, line {line}: the commas may separate numbers, or stand for decimal points: write \".\" as the decimal point, or separate \
+         the numbers by tabs or semicolons alone"
+    )]
+    AmbiguousComma {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+    },
+    /// A file of another kind.
+    #[error(
+        "{file} is {format}: export it as a matrix of numbers in text, or as an array of NumPy (.npy)"
+    )]
+    OtherFormat {
+        /// The file.
+        file: String,
+        /// What it is.
+        format: &'static str,
+    },
+    /// Points that are no grid.
+    #[error(
+        "{file} has {rows} rows of 3 numbers: a list of points x, y, z must have every point of an evenly spaced grid, each once; \
+         a map of 3 columns is read from a .npy file"
+    )]
+    NotAGrid {
+        /// The file.
+        file: String,
+        /// Its rows.
+        rows: usize,
+    },
+    /// What the file states is not what is given.
+    #[error("{file} states {what} of {stated}, and {given} is given")]
+    Contradiction {
+        /// The file.
+        file: String,
+        /// What it states.
+        what: &'static str,
+        /// As it states it.
+        stated: String,
+        /// As it is given.
+        given: String,
+    },
+    /// A size that is neither given nor stated by the file.
+    #[error("{file} does not state its size: give that of a cell, or the width")]
+    NoSize {
+        /// The file.
+        file: String,
+    },
+    /// Values of another dimension than a length.
+    #[error(
+        "{file} has values in {unit:?}, which is no unit of length: give what a value of 1 stands for as a height"
+    )]
+    NotHeights {
+        /// The file.
+        file: String,
+        /// Their unit.
+        unit: String,
+    },
     /// The rows of a text differ in length.
-    #[error("{file}, line {line}: {found} numbers, but {expected} in the rows before")]
+    #[error(
+        "{file}, line {line}: {found} number{}, but {expected} in the rows before",
+        if *.found == 1 { "" } else { "s" }
+    )]
     RaggedRow {
         /// The file.
         file: String,
@@ -212,16 +299,17 @@ fn list(names: &[String]) -> String {
 }
 
 /// Heights as they are in a file, row-major.
-struct Table {
-    columns: usize,
-    rows: usize,
-    values: Vec<f64>,
+pub(crate) struct Table {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    pub(crate) values: Vec<f64>,
+    pub(crate) stated: Stated,
 }
 
 /// What is being read.
-struct Source<'a> {
+pub(crate) struct Source<'a> {
     /// What errors call it.
-    file: &'a str,
+    pub(crate) file: &'a str,
     /// The most memory that the map may take, bytes.
     memory_limit: usize,
 }
@@ -234,7 +322,7 @@ impl Source<'_> {
         }
     }
 
-    fn unreadable(&self, source: io::Error) -> HeightMapError {
+    pub(crate) fn unreadable(&self, source: io::Error) -> HeightMapError {
         HeightMapError::Read {
             file: self.file.to_owned(),
             source,
@@ -242,7 +330,7 @@ impl Source<'_> {
     }
 
     /// Whether so many points fit the memory allowed; `words` says how many they are.
-    fn check_memory(
+    pub(crate) fn check_memory(
         &self,
         count: u64,
         words: impl FnOnce() -> String,
@@ -273,6 +361,19 @@ pub fn read_height_map(
     scale: &MapScale,
     memory_limit: usize,
 ) -> Result<HeightMap, HeightMapError> {
+    read_scaled_map(path, array, &(*scale).into(), memory_limit)
+}
+
+/// Reads a height map as [`read_height_map`], with what is not given of its size from the file.
+///
+/// # Errors
+/// As [`read_height_map`]; [`HeightMapError::NoSize`] if the file does not state its size either.
+pub fn read_scaled_map(
+    path: &Path,
+    array: Option<&str>,
+    scale: &GivenScale,
+    memory_limit: usize,
+) -> Result<HeightMap, HeightMapError> {
     let file = path.display().to_string();
     let source = Source {
         file: &file,
@@ -300,7 +401,11 @@ pub fn read_height_map(
                 Err(error) => Err(source.damaged(&error)),
             }
         }
-        _ => place(&file, parse_text(&source, BufReader::new(opened))?, scale),
+        _ => place(
+            &file,
+            height_text::parse(&source, BufReader::new(opened))?,
+            scale,
+        ),
     }
 }
 
@@ -316,35 +421,137 @@ pub fn to_npy(grid: &Grid, values: &[f64]) -> Vec<u8> {
 }
 
 /// Gives a table its physical size.
-fn place(file: &str, table: Table, scale: &MapScale) -> Result<HeightMap, HeightMapError> {
+fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, HeightMapError> {
     let Table {
         columns,
         rows,
         values,
+        stated,
     } = table;
-    if !scale.height_unit.is_finite() || scale.height_unit == 0.0 {
-        return Err(HeightMapError::HeightUnit(scale.height_unit));
+    let height_unit = stated.height_unit(file, scale.height_unit)?;
+    if !height_unit.is_finite() || height_unit == 0.0 {
+        return Err(HeightMapError::HeightUnit(height_unit));
     }
     if values.is_empty() {
         return Err(HeightMapError::Empty {
             file: file.to_owned(),
         });
     }
-    let (columns_f, rows_f) = (columns as f64, rows as f64);
-    let cell = match scale.size {
+    let counts = [columns as f64, rows as f64];
+    let size = scale.size.or(stated.size());
+    let size = size.ok_or_else(|| HeightMapError::NoSize {
+        file: file.to_owned(),
+    })?;
+    let cell = match size {
         MapSize::Pixel(cell) => cell,
-        MapSize::Extent([width, height]) => [width / columns_f, height / rows_f],
-        MapSize::Width(width) => [width / columns_f; 2],
+        MapSize::Extent([width, height]) => [width / counts[0], height / counts[1]],
+        MapSize::Width(width) => [width / counts[0]; 2],
     };
-    let origin = [-0.5 * columns_f * cell[0], -0.5 * rows_f * cell[1]];
-    // An impossible cell size is the better explanation of an impossible origin.
+    // An impossible cell size is the better explanation of what follows from it.
     Grid::new(1, 1, cell, [0.0, 0.0])?;
+    let cell = stated.checked(file, cell, counts)?;
+    let origin = [0, 1].map(|axis| -0.5 * counts[axis] * cell[axis]);
     let grid = Grid::new(columns, rows, cell, origin)?;
-    let heights = values.into_iter().map(|value| scale.height_unit * value);
+    let heights = values.into_iter().map(|value| height_unit * value);
     HeightMap::new(grid, heights.collect()).map_err(|problem| HeightMapError::Heights {
         file: file.to_owned(),
         problem,
     })
+}
+
+/// What a contradiction of the unit of heights is called.
+pub(crate) const HEIGHT_UNIT: &str = "a unit of heights";
+
+/// Relative difference of sizes that are the same: files state them in few digits.
+const SAME_SIZE: f64 = 0.01;
+
+/// Units that lengths of a file can have where it does not state them, m.
+const LENGTH_UNITS: [f64; 4] = [1.0, 1e-3, 1e-6, 1e-9];
+
+fn is_same_size(size: f64, other: f64) -> bool {
+    (size - other).abs() <= SAME_SIZE * other.abs()
+}
+
+impl Stated {
+    /// The size in the plane, if the file states it.
+    fn size(&self) -> Option<MapSize> {
+        match self.extent {
+            [Some(width), Some(height)] => Some(MapSize::Extent([width, height])),
+            [Some(width), None] => Some(MapSize::Width(width)),
+            [None, _] => None,
+        }
+    }
+
+    /// What a height of 1 stands for, m: the given length, which must be that of the file, or that of the file.
+    fn height_unit(&self, file: &str, given: Option<f64>) -> Result<f64, HeightMapError> {
+        match (given, &self.height_unit) {
+            (None, None) => Ok(1.0),
+            (None, Some(HeightUnit::Length(unit))) => Ok(*unit),
+            (None, Some(HeightUnit::Other(unit))) => Err(HeightMapError::NotHeights {
+                file: file.to_owned(),
+                unit: unit.clone(),
+            }),
+            (Some(given), Some(HeightUnit::Length(unit))) if !is_same_size(given.abs(), *unit) => {
+                Err(HeightMapError::Contradiction {
+                    file: file.to_owned(),
+                    what: HEIGHT_UNIT,
+                    stated: shown(*unit),
+                    given: shown(given),
+                })
+            }
+            (Some(given), _) => Ok(given),
+        }
+    }
+
+    /// The sides of a cell (m), if they are as the file states them; of a list of points those of the file, in the unit that makes
+    /// them what is given.
+    fn checked(
+        &self,
+        file: &str,
+        cell: [f64; 2],
+        counts: [f64; 2],
+    ) -> Result<[f64; 2], HeightMapError> {
+        let contradiction = |what, stated, given| HeightMapError::Contradiction {
+            file: file.to_owned(),
+            what,
+            stated,
+            given,
+        };
+        for (axis, what) in ["a width", "a height"].into_iter().enumerate() {
+            let given = cell[axis] * counts[axis];
+            if let Some(stated) = self.extent[axis].filter(|stated| !is_same_size(given, *stated)) {
+                return Err(contradiction(what, shown(stated), shown(given)));
+            }
+        }
+        let is_square = is_same_size(cell[0], cell[1]);
+        let Some(spacing) = self.spacing.filter(|_| self.is_list || is_square) else {
+            return Ok(cell);
+        };
+        // The width of a list may be that between its outermost points.
+        let inner = cell[0] * counts[0] / (counts[0] - 1.0);
+        let fits = |unit: &f64| {
+            let distance = unit * spacing[0];
+            is_same_size(cell[0], distance) || (self.is_list && is_same_size(inner, distance))
+        };
+        let unit = LENGTH_UNITS.into_iter().find(fits).ok_or_else(|| {
+            let stated = format!("{} (in a unit of length)", significant(spacing[0]));
+            contradiction("a distance of points", stated, shown(cell[0]))
+        })?;
+        Ok(match self.is_list {
+            true => spacing.map(|distance| unit * distance),
+            false => cell,
+        })
+    }
+}
+
+/// A number in four digits.
+fn significant(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// A length in four digits.
+pub(crate) fn shown(length: f64) -> String {
+    format_quantity(significant(length), Dimension::Length)
 }
 
 /// The array of an archive that is to be read.
@@ -421,134 +628,6 @@ fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMa
         columns: column_count,
         rows: row_count,
         values,
+        stated: Stated::default(),
     })
-}
-
-/// The header of an ESRI ASCII grid, as far as it matters here.
-#[derive(Default)]
-struct EsriHeader {
-    columns: Option<usize>,
-    rows: Option<usize>,
-    no_data: Option<f64>,
-    found: bool,
-}
-
-impl EsriHeader {
-    /// Reads a line of the header. False if the line is none.
-    fn take<'w>(&mut self, mut words: impl Iterator<Item = &'w str>) -> bool {
-        let (Some(key), Some(value), None) = (words.next(), words.next(), words.next()) else {
-            return false;
-        };
-        match key.to_ascii_lowercase().as_str() {
-            "ncols" => self.columns = value.parse().ok(),
-            "nrows" => self.rows = value.parse().ok(),
-            "nodata_value" => self.no_data = value.parse().ok(),
-            // The caller says where the map is and how large it is.
-            "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" | "cellsize" | "dx" | "dy" => {}
-            _ => return false,
-        }
-        self.found = true;
-        true
-    }
-}
-
-fn parse_text(source: &Source<'_>, mut text: impl BufRead) -> Result<Table, HeightMapError> {
-    let mut header = EsriHeader::default();
-    let (mut columns, mut values) = (0, Vec::new());
-    let mut bytes = Vec::new();
-    for line in 1.. {
-        bytes.clear();
-        let read = text
-            .by_ref()
-            .take(LONGEST_LINE)
-            .read_until(b'\n', &mut bytes);
-        let length = read.map_err(|error| source.unreadable(error))?;
-        if length == 0 {
-            break;
-        }
-        if length as u64 == LONGEST_LINE {
-            return Err(HeightMapError::LongLine {
-                file: source.file.to_owned(),
-                line,
-            });
-        }
-        let content = String::from_utf8_lossy(&bytes);
-        let content = content.split('#').next().unwrap_or_default();
-        let words = || {
-            content
-                .split(|c: char| c.is_whitespace() || c == ',' || c == ';')
-                .filter(|word| !word.is_empty())
-        };
-        let found = words().count();
-        if found == 0 || (values.is_empty() && header.take(words())) {
-            continue;
-        }
-        if values.is_empty() {
-            columns = found;
-        }
-        if found != columns {
-            return Err(HeightMapError::RaggedRow {
-                file: source.file.to_owned(),
-                line,
-                found,
-                expected: columns,
-            });
-        }
-        let points = values.len() + found;
-        source.check_memory(points as u64, || format!("{points} points or more"))?;
-        for (column, word) in (1..).zip(words()) {
-            values.push(height(source, line, column, word, header.no_data)?);
-        }
-    }
-    let rows = values.len().checked_div(columns).unwrap_or(0);
-    let (said_columns, said_rows) = (
-        header.columns.unwrap_or(columns),
-        header.rows.unwrap_or(rows),
-    );
-    if (said_columns, said_rows) != (columns, rows) {
-        return Err(HeightMapError::HeaderSize {
-            file: source.file.to_owned(),
-            columns: said_columns,
-            rows: said_rows,
-            found_columns: columns,
-            found_rows: rows,
-        });
-    }
-    if header.found {
-        values = values
-            .rchunks_exact(columns.max(1))
-            .flatten()
-            .copied()
-            .collect();
-    }
-    Ok(Table {
-        columns,
-        rows,
-        values,
-    })
-}
-
-/// A height of a text.
-fn height(
-    source: &Source<'_>,
-    line: usize,
-    column: usize,
-    word: &str,
-    no_data: Option<f64>,
-) -> Result<f64, HeightMapError> {
-    let file = || source.file.to_owned();
-    let value: f64 = word.parse().map_err(|_| HeightMapError::NotANumber {
-        file: file(),
-        line,
-        column,
-        text: word.to_owned(),
-    })?;
-    if no_data.is_some_and(|marker| value.total_cmp(&marker).is_eq()) {
-        return Err(HeightMapError::NoData {
-            file: file(),
-            line,
-            column,
-        });
-    }
-    Ok(value)
 }

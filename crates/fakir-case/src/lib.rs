@@ -87,6 +87,7 @@ mod entries;
 mod error;
 mod file;
 pub mod height_map;
+mod height_text;
 pub mod input;
 mod key;
 mod npy;

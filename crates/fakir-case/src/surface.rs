@@ -3,13 +3,15 @@
 use crate::case::write_toml;
 use crate::error::{CaseError, Place};
 use crate::file::{CaseFile, both_given};
-use crate::height_map::{BYTES_PER_POINT, HeightMapError, MapScale, MapSize, read_height_map};
+use crate::height_map::{
+    BYTES_PER_POINT, GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, read_scaled_map, shown,
+};
 use crate::key::{Key, root};
 use crate::parts::{
     IndenterForm, OutlineForm, OutlineParts, Parts, Placement, SurfaceParts, TopForm,
 };
 use crate::table::Part;
-use crate::unit::{Dimension, format_quantity};
+use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::pattern::{
     Arrangement, CrossSection, InvalidPattern, Pattern, PillarShape, Top,
 };
@@ -91,6 +93,12 @@ impl SurfaceExample {
         setting.map(|(_, value)| value.clone())
     }
 }
+
+/// Least difference of heights of a map that is not flat, m: a hundredth of an atom.
+const LOWEST_RELIEF: f64 = 1e-12;
+
+/// Largest difference of heights over the extent of a map: beyond it there are no contacts but of towers that buckle.
+const HIGHEST_RELIEF: f64 = 2.0;
 
 /// The number of cells along each side of a grid is a multiple of this, so that the same surface
 /// can be solved on cells twice and four times as large.
@@ -276,21 +284,83 @@ impl CaseFile {
         path: &Path,
         memory_limit: usize,
     ) -> Result<HeightMap, CaseError> {
-        let scale = MapScale {
-            size: match self.entry(Key::CellSize) {
-                Some(_) => MapSize::Pixel([parts.cell_size; 2]),
-                None => MapSize::Width(parts.width),
-            },
-            height_unit: parts.height_unit,
+        let cell_size = self.entry(Key::CellSize);
+        let width = self.entry(Key::MapWidth);
+        let scale = GivenScale {
+            size: cell_size
+                .map(|_| MapSize::Pixel([parts.cell_size; 2]))
+                .or(width.map(|_| MapSize::Width(parts.width))),
+            height_unit: self.entry(Key::HeightUnit).map(|_| parts.height_unit),
         };
         let array = self.entry(Key::Array).map(|_| parts.array.as_str());
-        read_height_map(path, array, &scale, memory_limit).map_err(|error| match error {
+        read_scaled_map(path, array, &scale, memory_limit).map_err(|error| match error {
             HeightMapError::TooLarge { points, bytes, .. } => {
                 let points = format!("a map of {points}");
                 self.too_large(Key::HeightMap, bytes, memory_limit, &points)
             }
+            HeightMapError::NoSize { .. } => {
+                let (key, other) = (Key::CellSize, Key::MapWidth);
+                let accepted = format!("give exactly one of {key} and {other}");
+                self.missing(key).accepted(accepted)
+            }
+            HeightMapError::Contradiction { what, .. } => {
+                let key = match (what, cell_size) {
+                    (HEIGHT_UNIT, _) => Key::HeightUnit,
+                    (_, Some(_)) => Key::CellSize,
+                    (_, None) => Key::MapWidth,
+                };
+                self.problem(key, error.to_string()).accepted(
+                    "give what the file states; what it states with a unit can be left out",
+                )
+            }
+            HeightMapError::NotHeights { .. } => self
+                .problem(Key::HeightMap, error.to_string())
+                .accepted(format!("give {}", Key::HeightUnit)),
             error => self.problem(Key::HeightMap, error.to_string()),
         })
+    }
+
+    /// Refuses a height map whose heights make no sense beside its extent: their unit is another one.
+    ///
+    /// # Errors
+    /// [`CaseError`] with the unit that was probably meant.
+    pub fn refuse_absurd_heights(&self, case: &SurfaceCase) -> Result<(), CaseError> {
+        let SurfaceOrigin::HeightMap(_) = case.origin else {
+            return Ok(());
+        };
+        let surface = case.system.surface();
+        let (grid, range) = (surface.grid(), surface.highest() - surface.lowest());
+        let [width, height] = grid.cell();
+        let extent = (width * grid.columns() as f64).max(height * grid.rows() as f64);
+        if range == 0.0 || (LOWEST_RELIEF..=HIGHEST_RELIEF * extent).contains(&range) {
+            return Ok(());
+        }
+        let unit = match self.given(Key::HeightUnit)? {
+            Some(unit) => unit.abs(),
+            None => 1.0,
+        };
+        let is_usual = |unit_meant: &&str| {
+            let meant = parse_quantity(&format!("1 {unit_meant}"), Dimension::Length);
+            let relief = meant.map_or(f64::NAN, |meant| range / unit * meant);
+            relief >= 10.0 * LOWEST_RELIEF && relief <= 0.25 * HIGHEST_RELIEF * extent
+        };
+        let units = ["m", "mm", "um", "nm"].into_iter().filter(is_usual);
+        let units: Vec<String> = units.take(2).map(|unit| format!("\"1 {unit}\"")).collect();
+        let key = match self.entry(Key::HeightUnit) {
+            Some(_) => Key::HeightUnit,
+            None => Key::HeightMap,
+        };
+        let [range, extent, unit] = [range, extent, unit].map(shown);
+        let problem = format!(
+            "heights differ by {range} on a map of {extent}, where a height of 1 in the file stands for {unit}"
+        );
+        Err(self.problem(key, problem).accepted(match &units[..] {
+            [] => format!(
+                "give {}, and the size of the map, as the file has them",
+                Key::HeightUnit
+            ),
+            _ => format!("did you mean {} = {}?", Key::HeightUnit, units.join(" or ")),
+        }))
     }
 
     /// The error for a surface that needs more memory than is allowed.
@@ -432,7 +502,7 @@ impl CaseFile {
                 } else {
                     Key::PatternFraction
                 };
-                let [pitch, across] = [*pitch, *outer_diameter].map(rounded);
+                let [pitch, across] = [*pitch, *outer_diameter].map(shown);
                 let problem = format!(
                     "neighbouring pillars overlap: at a pitch of {pitch} they are {across} across"
                 );
@@ -446,7 +516,7 @@ impl CaseFile {
             } => {
                 let problem = format!(
                     "only {placed} of {wanted} pillars found a place {} from the others",
-                    rounded(*minimum_distance)
+                    shown(*minimum_distance)
                 );
                 self.problem(Key::PatternFraction, problem)
                     .accepted("lower the surface fraction or the minimum distance")
@@ -530,10 +600,4 @@ fn period_grid(
     });
     let cell = [0, 1].map(|axis| sides[axis] / counts[axis] as f64);
     Grid::new(counts[0], counts[1], cell, origin)
-}
-
-/// A length in four digits.
-fn rounded(length: f64) -> String {
-    let value = format!("{length:.3e}").parse().unwrap_or(length);
-    format_quantity(value, Dimension::Length)
 }

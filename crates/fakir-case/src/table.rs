@@ -225,7 +225,7 @@ keys! {
             length("what a height of 1 in the file stands for", |p| &mut p.surface.height_unit)
                 .usual(1e-9, 1.0).range(Range::NotZero).optional();
         CellSize = "surface.cell_size" is
-            length("distance of neighbouring points of the map; or give width instead", |p| &mut p.surface.cell_size)
+            length("distance of neighbouring points of the map; or give width instead, or neither where the file states its size", |p| &mut p.surface.cell_size)
                 .positive().or(Key::MapWidth);
         MapWidth = "surface.width" is
             length("extent of the map along x; or give cell_size instead", |p| &mut p.surface.width)

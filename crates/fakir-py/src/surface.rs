@@ -363,6 +363,8 @@ impl Surface {
         };
         let case = file.surface_case(run.memory_limit());
         let case = case.map_err(|error| case_error(&error))?;
+        file.refuse_absurd_heights(&case)
+            .map_err(|error| case_error(&error))?;
         Ok(Self {
             text: Some(case.to_toml()),
             system: case.system,

@@ -36,6 +36,7 @@ pub fn on_wide_enough_a_grid<T, E: From<CaseError>>(
     let mut widened = None;
     loop {
         let case = file.surface_case(memory_limit)?;
+        file.refuse_absurd_heights(&case)?;
         let error = match ask(&case) {
             Ok(answer) => {
                 return Ok(Answered {

@@ -94,6 +94,7 @@ pub(super) fn looked_at(
         Err(error) if error.is_of_memory() => return Ok((example, 0)),
         case => case?,
     };
+    file.refuse_absurd_heights(&case)?;
     if asked == Asked::Transition && case.system.floor().is_none() {
         return Err(file.missing(Key::Floor).accepted(
             "a height map has no pillars that would tell which part of it is the floor: give the \

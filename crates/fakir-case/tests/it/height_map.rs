@@ -2,7 +2,9 @@
 //! (numpy.lib.format), and files that are wrong.
 
 use fakir::problem::HeightMap;
-use fakir_case::height_map::{HeightMapError, MapScale, MapSize, read_height_map};
+use fakir_case::height_map::{
+    GivenScale, HeightMapError, MapScale, MapSize, read_height_map, read_scaled_map,
+};
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use rawzip::{CompressionMethod, ZipArchiveWriter};
@@ -169,6 +171,146 @@ fn rows_of_numbers() {
     ] {
         std::fs::write(&path, text).expect("a file for the test");
         expect(&path);
+    }
+}
+
+/// A text, read with what is given of its scale.
+fn read_text(text: impl AsRef<[u8]>, scale: &GivenScale) -> Result<HeightMap, HeightMapError> {
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    let path = folder.path().join("map.txt");
+    std::fs::write(&path, text).expect("a file for the test");
+    read_scaled_map(&path, None, scale, MEMORY)
+}
+
+/// Commas stand for decimal points where blanks or semicolons separate the numbers, and separate them where nothing else does.
+#[test]
+fn decimal_commas() {
+    let given = SCALE.into();
+    for text in [
+        "0,0 1,0 2,0 3,0\n10,0 11,0 12,0 13,0\n20,0 21,0 22,0 2,3e1\n",
+        "0;1,0;2;3,00\n10;11;12;13\n20,0;21;22;23\n",
+        "0,0\t1,0\t2,0\t3,0\r\n10\t11\t12\t13\r\n20\t21\t22\t23\r\n",
+        "\u{feff}0,1,2,3\n10,11,12,13\n20.0,21,22,23,\n",
+    ] {
+        check(&read_text(text, &given).expect(text));
+    }
+    for (text, line) in [
+        ("0,1, 0,2\n", 1),
+        ("1,2,3;4,5,6\n", 1),
+        ("1,234.5 2,5\n", 1),
+        ("0 1\n0,5 1,5\n1,2\n", 3),
+        ("1,2\n1,5;2,5\n", 2),
+    ] {
+        let error = read_text(text, &given).expect_err(text);
+        assert!(
+            matches!(error, HeightMapError::AmbiguousComma { line: at, .. } if at == line),
+            "{text}: {error}"
+        );
+    }
+}
+
+/// All points of a grid in any order: x is 2 um apart and y 1 um, as the scale has it.
+#[test]
+fn lists_of_points() {
+    let given = SCALE.into();
+    let points = |unit: f64| -> Vec<String> {
+        let cells = (0..12).map(|place| (7 * place) % 12);
+        let point = |cell: i32| {
+            let [x, y] = [2 * (cell % 4), cell / 4].map(|place| f64::from(place) * unit + unit);
+            format!("{x:.7e} {y:.7e} {}", 10 * (cell / 4) + cell % 4)
+        };
+        cells.map(point).collect()
+    };
+    for unit in [1.0, 1e-3, 1e-6, 1e3] {
+        check(&read_text(points(unit).join("\n"), &given).unwrap());
+    }
+    let headed = format!("X Y Z\n{}", points(1.0).join("\n"));
+    check(&read_text(headed, &given).unwrap());
+    // The width of the outermost points is as good as that of the cells.
+    for width in [8.0e-6, 6.0e-6] {
+        let scale = GivenScale {
+            size: Some(MapSize::Width(width)),
+            ..given
+        };
+        check(&read_text(points(1.0).join("\n"), &scale).unwrap());
+    }
+    let error = read_text(points(1.5).join("\n"), &given).unwrap_err();
+    assert!(
+        matches!(error, HeightMapError::Contradiction { .. }),
+        "{error}"
+    );
+    let unknown = GivenScale::default();
+    let error = read_text(points(1.0).join("\n"), &unknown).unwrap_err();
+    assert!(matches!(error, HeightMapError::NoSize { .. }), "{error}");
+    // A point too few: three columns, which are a map only where they are short.
+    let error = read_text(points(1.0)[1..].join("\n"), &given);
+    assert_eq!(error.unwrap().grid().rows(), 11);
+    let scattered = (0..200).map(|point| format!("{} {} 1\n", point, (point * point) % 97));
+    let error = read_text(scattered.collect::<String>(), &given).unwrap_err();
+    assert!(
+        matches!(error, HeightMapError::NotAGrid { rows: 200, .. }),
+        "{error}"
+    );
+}
+
+/// What Gwyddion writes before a matrix counts where nothing is given, and must be what is given.
+#[test]
+fn sizes_that_a_file_states() {
+    let rows = "0\t1\t2\t3\n10\t11\t12\t13\n20\t21\t22\t23\n";
+    let stated = |width: &str, unit: &str| {
+        format!(
+            "# Channel: Height\n# Width: {width}\n# Height: 3.0 \u{b5}m\n# Value units: {unit}\n{rows}"
+        )
+    };
+    let nothing = GivenScale::default();
+    let given = SCALE.into();
+    for scale in [&nothing, &given] {
+        for width in ["8.0 \u{b5}m", "8,0 um", "8000 nm"] {
+            check(&read_text(stated(width, "nm"), scale).unwrap());
+        }
+        // A micro sign in Latin-1.
+        let mut bytes = stated("8.0 @m", "nm").into_bytes();
+        let sign = bytes.iter().position(|byte| *byte == b'@').unwrap();
+        bytes[sign] = 0xb5;
+        check(&read_text(bytes, scale).unwrap());
+    }
+    for (width, unit, what) in [
+        ("10.0 um", "nm", "a width of 10 um, and 8 um is given"),
+        ("8.0 um", "m", "a unit of heights of 1 m, and 1 nm is given"),
+    ] {
+        let error = read_text(stated(width, unit), &given).unwrap_err();
+        assert!(error.to_string().contains(what), "{error}");
+    }
+    let error = read_text(stated("8.0 um", "V"), &nothing).unwrap_err();
+    assert!(
+        matches!(error, HeightMapError::NotHeights { .. }),
+        "{error}"
+    );
+    check(&read_text(stated("8.0 um", "V"), &given).unwrap());
+    // An ESRI ASCII grid has cells of an unknown unit.
+    let esri = |cell| format!("ncols 4\nnrows 3\ncellsize {cell}\n{rows}");
+    let squares = |size: f64| GivenScale {
+        size: Some(MapSize::Pixel([size; 2])),
+        ..given
+    };
+    assert!(read_text(esri("0.5"), &squares(0.5e-6)).is_ok());
+    let error = read_text(esri("0.5"), &squares(1e-6)).unwrap_err();
+    assert!(
+        matches!(error, HeightMapError::Contradiction { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn files_of_other_formats_are_named() {
+    for (start, format) in [
+        (&b"GWYPsomething"[..], "Gwyddion"),
+        (b"II*\0....", "TIFF"),
+        (b"\xff\xfe0\0", "UTF-16"),
+    ] {
+        let error = read_text(start, &SCALE.into()).unwrap_err().to_string();
+        assert!(error.contains(format), "{error}");
+        assert!(error.contains("export it as a matrix"), "{error}");
     }
 }
 

@@ -238,6 +238,67 @@ fn a_height_map_has_its_size_and_unit() {
     survives(&case);
 }
 
+/// Heights up to 23 on a map of 8 um: no metres, no millimetres and no micrometres.
+#[test]
+fn absurd_heights_are_refused_with_the_unit_that_was_meant() {
+    let refused = |more: &str| {
+        let file = map(more);
+        let case = file.surface_case(MEMORY).unwrap();
+        file.refuse_absurd_heights(&case).err()
+    };
+    let error = refused("cell_size = \"2 um\"").unwrap();
+    assert_eq!(error.key_path(), Some(Key::HeightMap.path()));
+    assert!(
+        error
+            .problem()
+            .starts_with("heights differ by 23 m on a map of 8 um"),
+        "{error}"
+    );
+    let meant = error.what_is_accepted().unwrap();
+    assert_eq!(meant, "did you mean surface.height_unit = \"1 nm\"?");
+    let error = refused("cell_size = \"200 um\"\nheight_unit = \"1 m\"").unwrap();
+    assert_eq!(error.key_path(), Some(Key::HeightUnit.path()));
+    let meant = error.what_is_accepted().unwrap();
+    assert!(meant.contains("= \"1 um\" or \"1 nm\"?"), "{meant}");
+    let error = refused("cell_size = \"2 um\"\nheight_unit = 1e-15").unwrap();
+    assert!(error.what_is_accepted().unwrap().contains("\"1 nm\""));
+    for fine in ["1 nm", "-1 nm", "0.1 um"] {
+        let more = format!("cell_size = \"2 um\"\nheight_unit = \"{fine}\"");
+        assert!(refused(&more).is_none(), "{fine}");
+    }
+}
+
+/// A size that the file states need not be given, and one that contradicts it is refused at its key.
+#[test]
+fn a_height_map_may_state_its_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.txt");
+    let heading = "# Width: 8 um\n# Height: 6 um\n# Value units: m\n";
+    std::fs::write(
+        &path,
+        format!("{heading}0 1e-9\t0 1e-9\n0 0 0 0\n0 0 0 1e-9\n"),
+    )
+    .unwrap();
+    let with_size = |more: &str| {
+        let mut file = map(more);
+        file.set(&format!("surface.height_map={}", path.display()))
+            .unwrap();
+        file.surface_case(MEMORY)
+    };
+    let case = with_size("").unwrap();
+    assert_eq!(case.system.surface().grid().cell(), [2e-6; 2]);
+    survives(&case);
+    for (more, key) in [
+        ("cell_size = \"1 um\"", Key::CellSize),
+        ("width = \"8 mm\"", Key::MapWidth),
+        ("height_unit = \"1 um\"", Key::HeightUnit),
+    ] {
+        let error = with_size(more).unwrap_err();
+        assert_eq!(error.key_path(), Some(key.path()), "{error}");
+        assert!(error.problem().contains("states a"), "{error}");
+    }
+}
+
 #[test]
 fn height_maps_are_sought_next_to_the_case_file() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,0 +1,398 @@
+//! Height maps from text: matrices of numbers, ESRI ASCII grids, matrices with the heading of Gwyddion, and lists of points.
+
+use crate::height_map::{HeightMapError, LONGEST_LINE, Source, Table};
+use crate::unit::{Dimension, parse_quantity};
+use std::io::{BufRead, Read};
+
+/// What a file states of the size of its map and of its heights.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Stated {
+    /// Extent along x and y, m.
+    pub(crate) extent: [Option<f64>; 2],
+    /// What a height of 1 stands for.
+    pub(crate) height_unit: Option<HeightUnit>,
+    /// Distance of neighbouring points along x and y, in a unit that is not stated.
+    pub(crate) spacing: Option<[f64; 2]>,
+    /// Whether the points are a list, in which the distances along x and y may differ.
+    pub(crate) is_list: bool,
+}
+
+/// What a height of 1 stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum HeightUnit {
+    /// A length, m.
+    Length(f64),
+    /// Something else, by its unit.
+    Other(String),
+}
+
+/// Beginnings of files that are no text of numbers.
+const OTHER_FORMATS: [(&[u8], &str); 19] = [
+    (b"GWYP", "a Gwyddion file"),
+    (b"GWYO", "a Gwyddion file"),
+    (b"\\*File list", "a NanoScope file"),
+    (b"PK\x03\x04", "a ZIP archive"),
+    (b"\x93NUMPY", "a NumPy array, whose name should end in .npy"),
+    (b"\x89HDF", "an HDF5 file"),
+    (b"MATLAB", "a MATLAB file"),
+    (b"DIGITAL SURF", "a Digital Surf file"),
+    (b"DSCOMPRESSED", "a Digital Surf file"),
+    (b"DSAA", "a Surfer grid"),
+    (b"DSBB", "a Surfer grid"),
+    (b"DSRB", "a Surfer grid"),
+    (b"aISO", "an SDF file"),
+    (b"bISO", "an SDF file"),
+    (b"\x89PNG", "a PNG image"),
+    (b"\xff\xd8\xff", "a JPEG image"),
+    (b"II*\0", "a TIFF image"),
+    (b"\xff\xfe", "text in UTF-16"),
+    (b"\xfe\xff", "text in UTF-16"),
+];
+
+/// The mark at the beginning of some texts in UTF-8.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// Fewest points of a list that are taken for a grid: two by three.
+const FEWEST_POINTS: usize = 6;
+
+/// Rows of three numbers from which on they are no map of three columns.
+const FEWEST_ROWS_OF_A_LIST: usize = 100;
+
+/// Coordinates of a list are the same if they differ by this part of their range.
+const SAME: f64 = 1e-6;
+
+/// Distance of a coordinate from its place in an evenly spaced grid, over the spacing: few digits round it.
+const UNEVEN: f64 = 0.25;
+
+/// Reads a text.
+pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table, HeightMapError> {
+    let start = text.fill_buf().map_err(|error| source.unreadable(error))?;
+    let other = OTHER_FORMATS.iter();
+    if let Some((_, format)) = other
+        .into_iter()
+        .find(|(magic, _)| start.starts_with(magic))
+    {
+        let file = source.file.to_owned();
+        return Err(HeightMapError::OtherFormat { file, format });
+    }
+    let mut reader = Reader {
+        source,
+        header: EsriHeader::default(),
+        stated: Stated::default(),
+        commas: Commas::Unknown,
+        columns: 0,
+        values: Vec::new(),
+    };
+    let mut bytes = Vec::new();
+    for line in 1.. {
+        bytes.clear();
+        let read = text
+            .by_ref()
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut bytes);
+        let length = read.map_err(|error| source.unreadable(error))?;
+        if length == 0 {
+            break;
+        }
+        if length as u64 == LONGEST_LINE {
+            return Err(HeightMapError::LongLine {
+                file: source.file.to_owned(),
+                line,
+            });
+        }
+        reader.line(line, &String::from_utf8_lossy(&bytes))?;
+    }
+    reader.table()
+}
+
+/// What commas are in a text.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Commas {
+    /// There were none so far, or none that says so.
+    Unknown,
+    /// Between the whole part and the fraction of a number.
+    Decimal,
+    /// Between numbers.
+    Separators,
+}
+
+/// A text that is being read.
+struct Reader<'a> {
+    source: &'a Source<'a>,
+    header: EsriHeader,
+    stated: Stated,
+    commas: Commas,
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl Reader<'_> {
+    fn line(&mut self, line: usize, text: &str) -> Result<(), HeightMapError> {
+        let text = text.trim_start_matches(BYTE_ORDER_MARK);
+        let (content, comment) = text.split_once('#').unwrap_or((text, ""));
+        if self.values.is_empty() && content.trim().is_empty() {
+            self.stated.take(comment);
+        }
+        let words = self.words(line, content)?;
+        if words.is_empty() || (self.values.is_empty() && self.is_heading(&words)) {
+            return Ok(());
+        }
+        if self.values.is_empty() {
+            self.columns = words.len();
+        }
+        if words.len() != self.columns {
+            return Err(HeightMapError::RaggedRow {
+                file: self.source.file.to_owned(),
+                line,
+                found: words.len(),
+                expected: self.columns,
+            });
+        }
+        let points = self.values.len() + words.len();
+        self.source
+            .check_memory(points as u64, || format!("{points} points or more"))?;
+        for (column, word) in (1..).zip(words) {
+            let height = self.height(line, column, word)?;
+            self.values.push(height);
+        }
+        Ok(())
+    }
+
+    /// The numbers of a line. Commas separate them, unless blanks or semicolons do and a comma is inside of a number; a text has commas of
+    /// one kind only.
+    fn words<'t>(&mut self, line: usize, content: &'t str) -> Result<Vec<&'t str>, HeightMapError> {
+        let between = |c: char| c.is_whitespace() || c == ';';
+        let parts: Vec<&str> = content.split(between).filter(|w| !w.is_empty()).collect();
+        let found = if !content.contains(',') {
+            None
+        } else if parts.len() > 1 && parts.iter().all(|part| is_decimal(part)) {
+            Some(Commas::Decimal)
+        } else if parts.len() == 1
+            || parts
+                .iter()
+                .all(|part| !part.trim_matches(',').contains(','))
+        {
+            Some(Commas::Separators)
+        } else {
+            return Err(self.ambiguous(line));
+        };
+        if let Some(found) = found {
+            if self.commas != Commas::Unknown && self.commas != found {
+                return Err(self.ambiguous(line));
+            }
+            self.commas = found;
+        }
+        if found != Some(Commas::Separators) {
+            return Ok(parts);
+        }
+        let numbers = parts.iter().flat_map(|part| part.split(','));
+        Ok(numbers.filter(|word| !word.is_empty()).collect())
+    }
+
+    fn ambiguous(&self, line: usize) -> HeightMapError {
+        HeightMapError::AmbiguousComma {
+            file: self.source.file.to_owned(),
+            line,
+        }
+    }
+
+    /// Whether a line before the heights is a heading: a line of an ESRI header, or names of coordinates.
+    fn is_heading(&mut self, words: &[&str]) -> bool {
+        let names = ["x", "y", "z"];
+        let names_coordinates = words.len() == names.len()
+            && names
+                .iter()
+                .zip(words)
+                .all(|(name, word)| word.eq_ignore_ascii_case(name));
+        names_coordinates || self.header.take(words)
+    }
+
+    /// A height of the text.
+    fn height(&self, line: usize, column: usize, word: &str) -> Result<f64, HeightMapError> {
+        let file = || self.source.file.to_owned();
+        // Only a decimal comma is left in a word.
+        let number = word.replace(',', ".").parse();
+        let value: f64 = number.map_err(|_| HeightMapError::NotANumber {
+            file: file(),
+            line,
+            column,
+            text: word.to_owned(),
+        })?;
+        let no_data = self.header.no_data;
+        if no_data.is_some_and(|marker| value.total_cmp(&marker).is_eq()) {
+            return Err(HeightMapError::NoData {
+                file: file(),
+                line,
+                column,
+            });
+        }
+        Ok(value)
+    }
+
+    fn table(self) -> Result<Table, HeightMapError> {
+        let Self {
+            source,
+            header,
+            mut stated,
+            columns,
+            mut values,
+            ..
+        } = self;
+        let rows = values.len().checked_div(columns).unwrap_or(0);
+        let said_columns = header.columns.unwrap_or(columns);
+        let said_rows = header.rows.unwrap_or(rows);
+        if (said_columns, said_rows) != (columns, rows) {
+            return Err(HeightMapError::HeaderSize {
+                file: source.file.to_owned(),
+                columns: said_columns,
+                rows: said_rows,
+                found_columns: columns,
+                found_rows: rows,
+            });
+        }
+        if header.found {
+            stated.spacing = header.cell.map(|cell| [cell; 2]);
+            let upside_down = values.rchunks_exact(columns.max(1));
+            values = upside_down.flatten().copied().collect();
+        } else if columns == 3 && stated.extent == [None; 2] {
+            if let Some(mut table) = grid_of_points(&values) {
+                table.stated.height_unit = stated.height_unit;
+                return Ok(table);
+            }
+            if rows >= FEWEST_ROWS_OF_A_LIST {
+                return Err(HeightMapError::NotAGrid {
+                    file: source.file.to_owned(),
+                    rows,
+                });
+            }
+        }
+        Ok(Table {
+            columns,
+            rows,
+            values,
+            stated,
+        })
+    }
+}
+
+/// Whether a word is a number, with a comma in place of its decimal point or without a fraction.
+fn is_decimal(word: &str) -> bool {
+    let (whole, fraction) = word.split_once(',').unwrap_or((word, "0"));
+    let ends_in_digit = whole.ends_with(|c: char| c.is_ascii_digit());
+    let begins_with_digit = fraction.starts_with(|c: char| c.is_ascii_digit());
+    ends_in_digit && begins_with_digit && !fraction.contains(',') && !word.contains('.')
+}
+
+impl Stated {
+    /// Reads a comment before the heights, as Gwyddion writes it: `Width: 10 um`, `Height: 10 um`, `Value units: m`.
+    fn take(&mut self, comment: &str) {
+        let Some((name, value)) = comment.split_once(':') else {
+            return;
+        };
+        // A micro sign of another encoding is no UTF-8.
+        let value = value.trim().replace('\u{fffd}', "u").replace(',', ".");
+        match name.trim() {
+            "Width" => self.extent[0] = parse_quantity(&value, Dimension::Length).ok(),
+            "Height" => self.extent[1] = parse_quantity(&value, Dimension::Length).ok(),
+            "Value units" => {
+                let unit = parse_quantity(&format!("1 {value}"), Dimension::Length);
+                let unit = unit.map(HeightUnit::Length);
+                self.height_unit = Some(unit.unwrap_or(HeightUnit::Other(value)));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The header of an ESRI ASCII grid, as far as it matters here.
+#[derive(Default)]
+struct EsriHeader {
+    columns: Option<usize>,
+    rows: Option<usize>,
+    cell: Option<f64>,
+    no_data: Option<f64>,
+    found: bool,
+}
+
+impl EsriHeader {
+    /// Reads a line of the header. False if the line is none.
+    fn take(&mut self, words: &[&str]) -> bool {
+        let [key, value] = words else {
+            return false;
+        };
+        match key.to_ascii_lowercase().as_str() {
+            "ncols" => self.columns = value.parse().ok(),
+            "nrows" => self.rows = value.parse().ok(),
+            "cellsize" => self.cell = value.replace(',', ".").parse().ok(),
+            "nodata_value" => self.no_data = value.replace(',', ".").parse().ok(),
+            // The caller says where the map is.
+            "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" | "dx" | "dy" => {}
+            _ => return false,
+        }
+        self.found = true;
+        true
+    }
+}
+
+/// The map of a list of points x, y, z, if they are all points of a grid, in any order.
+fn grid_of_points(values: &[f64]) -> Option<Table> {
+    let count = values.len() / 3;
+    if count < FEWEST_POINTS {
+        return None;
+    }
+    let [along_x, along_y] = [0, 1].map(|axis| Levels::of(values.iter().skip(axis).step_by(3)));
+    let (along_x, along_y) = (along_x?, along_y?);
+    let (columns, rows) = (along_x.count, along_y.count);
+    if columns * rows != count {
+        return None;
+    }
+    let mut heights = vec![None; count];
+    for point in values.chunks_exact(3) {
+        let cell = along_y.place(point[1]) * columns + along_x.place(point[0]);
+        if heights[cell].replace(point[2]).is_some() {
+            return None;
+        }
+    }
+    Some(Table {
+        columns,
+        rows,
+        values: heights.into_iter().collect::<Option<_>>()?,
+        stated: Stated {
+            spacing: Some([along_x.step, along_y.step]),
+            is_list: true,
+            ..Stated::default()
+        },
+    })
+}
+
+/// Evenly spaced coordinates, two or more.
+struct Levels {
+    first: f64,
+    step: f64,
+    count: usize,
+}
+
+impl Levels {
+    /// Those that some coordinates have; none if they are not evenly spaced.
+    fn of<'v>(coordinates: impl Iterator<Item = &'v f64>) -> Option<Self> {
+        let mut levels: Vec<f64> = coordinates.copied().collect();
+        levels.sort_by(f64::total_cmp);
+        let (first, last) = (*levels.first()?, *levels.last()?);
+        let range = last - first;
+        if !(range > 0.0 && range.is_finite()) {
+            return None;
+        }
+        levels.dedup_by(|later, earlier| *later - *earlier <= SAME * range);
+        let count = levels.len();
+        let step = range / (count - 1) as f64;
+        let is_even = (0..).zip(&levels).all(|(place, level): (u32, _)| {
+            (level - first - step * f64::from(place)).abs() <= UNEVEN * step
+        });
+        is_even.then_some(Self { first, step, count })
+    }
+
+    fn place(&self, coordinate: f64) -> usize {
+        // Levels are evenly spaced, so that this is one of them.
+        (((coordinate - self.first) / self.step).round() as usize).min(self.count - 1)
+    }
+}
