@@ -17,7 +17,7 @@ from . import _fakir
 from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
-from ._state import FIELDS, ErrorEstimate
+from ._state import FIELDS, ErrorEstimate, Limit
 from ._loading import Loading, checked_path
 from ._system import Lens, Overrides, Substrate, _refuse_layers, _settings, load
 from ._verification import Opinion, checked_cells
@@ -356,6 +356,11 @@ class SurfaceContact:
     def warnings(self) -> list[str]:
         """What to be careful about."""
         return self._contact.warnings
+
+    @property
+    def limits(self) -> list[Limit]:
+        """The conditions of the model, and how near the contact comes to where they end."""
+        return [Limit(**limit) for limit in self._summary["limits"]]
 
     def to_dict(self) -> dict[str, Any]:
         """The object that ``fakir press --json`` prints: same names, same numbers."""

@@ -127,8 +127,10 @@ def height_map(folder, *, floor=True):
 def test_a_height_map_gives_the_same_object(tmp_path, floor):
     case, surface = height_map(tmp_path, floor=floor)
     expected = program("press", case, "--force=1uN")
-    pressed = surface.press(force="1 uN").to_dict()
+    contact = surface.press(force="1 uN")
+    pressed = contact.to_dict()
     assert timeless(pressed) == timeless(expected)
+    assert {limit.name for limit in contact.limits} >= {"contact_stress", "cells_in_contact"}
     assert (pressed["tops"] is None) == (not floor)
     if floor:
         assert pressed["tops"]["contact_area_m2"] > 0.0

@@ -1091,7 +1091,7 @@ impl LimitArguments {
     /// Refuses it where limits are not told.
     pub(crate) fn refuse_without_limits(self) -> Result<(), Failure> {
         if self.strict {
-            let problem = "--strict is for flat pillars of a [texture]: of other surfaces the limits of the model are not told";
+            let problem = "--strict is for flat pillars of a [texture] and for a [surface]: with rounded tops the limits of the model are not told";
             return Err(Failure::Argument(problem.to_owned()));
         }
         Ok(())

@@ -51,7 +51,6 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
-                options.limits.refuse_without_limits()?;
                 return deliver(command, &options.case, move || {
                     commands::surface::transition(&file, options.maps(), &session)
                 });
@@ -75,7 +74,6 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
-                options.limits.refuse_without_limits()?;
                 return deliver(command, &options.case, move || {
                     commands::surface::press(&file, options.control(), options.maps(), &session)
                 });

@@ -217,7 +217,9 @@ fn limit_words(name: &'static str) -> &'static str {
         "lens_thickness_over_radius" => "lens thickness over radius",
         "indentation_over_thickness" => "indentation over thickness",
         "thickness_over_diameter" => "thickness over diameter",
-        "pillar_stress" => "stress over modulus",
+        "pillar_stress" | "contact_stress" => "stress over modulus",
+        "surface_slope" => "slope of the surface",
+        CELLS => "cells in contact",
         "buckling" => "force over buckling load",
         "pillar_compliance" => "error of the columns",
         ELASTIC_ERROR => "error of the pillars",
@@ -228,6 +230,9 @@ fn limit_words(name: &'static str) -> &'static str {
 
 /// The value of a limit in the fewest digits, from this number on, with which it is on the same side of the threshold as it is.
 fn limit_value(limit: &Limit, digits: usize) -> String {
+    if limit.name == CELLS {
+        return limit.value.to_string();
+    }
     let side = |value: f64| limit.threshold.map(|threshold| value.total_cmp(&threshold));
     let mut written = (digits..=17).map(|digits| significant(limit.value, digits));
     let shown = written.find(|text| text.parse().ok().and_then(side) == side(limit.value));
@@ -253,6 +258,9 @@ pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
 
 /// What elastic pillars are known to.
 const ELASTIC_ERROR: &str = "elastic_pillar_error";
+
+/// The limit that is a number of cells.
+const CELLS: &str = "cells_in_contact";
 
 /// The limit that the range of the attraction sets.
 const RANGE: &str = "tabor_number";
@@ -434,11 +442,16 @@ impl QuantityList {
         let with_nearness = limits.iter().filter_map(|l| Some((l, l.nearness()?)));
         let nearest = with_nearness.max_by(|(_, one), (_, other)| one.total_cmp(other));
         if let Some((limit, _)) = nearest {
+            let threshold = limit.threshold.unwrap_or(f64::NAN);
+            let side = if limit.value > threshold {
+                "below"
+            } else {
+                "from"
+            };
             let remark = format!(
-                "nearest: {} {}, doubtful from {}",
+                "nearest: {} {}, doubtful {side} {threshold}",
                 limit_words(limit.name),
                 limit_value(limit, 2),
-                limit.threshold.unwrap_or(f64::NAN)
             );
             self.row("limits of the model", "kept".to_owned(), "", &remark);
         }

@@ -1,7 +1,9 @@
 //! Reports of contacts with general surfaces.
 
 use super::maps::Maps;
-use super::state::{QuantityList, difference, further_on, loading_remark, radius_digits};
+use super::state::{
+    QuantityList, difference, further_on, loading_remark, radius_digits, strained_words,
+};
 use super::table::{Column, table};
 use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
@@ -42,6 +44,7 @@ pub(crate) fn pressed(
     if let Some(shares) = contact.shares {
         add_shares(&mut list, &shares, contact);
     }
+    list.model(&contact.limits(&case.system));
     add_solution(&mut list, contact, wall_time);
     let text = format!(
         "Contact under load\n{}\n\n{}",
@@ -82,6 +85,7 @@ pub(crate) fn reached(
             String::new(),
         ),
     };
+    list.model(&contact.limits(&case.system));
     add_solution(&mut list, contact, wall_time);
     let indenter = indenter_name(case.system.indenter());
     let first = match critical.regime {
@@ -276,7 +280,7 @@ fn report(
         tables,
         warnings,
         converged: contact.converged(),
-        strained: Vec::new(),
+        strained: strained_words(&contact.limits(&case.system)),
     }
 }
 

@@ -651,8 +651,8 @@ fn strained_models_fail_where_that_is_asked_for() {
         light.stdout.contains("limits of the model")
             && light.stdout.contains("error of the pillars")
     );
-    let surface = example("square-pillars.toml");
-    let refused = bench.run(&["press", &surface, "--force=1uN", "--strict"]);
+    let rounded = example("asperities.toml");
+    let refused = bench.run(&["press", &rounded, "--force=1uN", "--strict"]);
     assert_eq!(refused.status, Some(2));
     assert!(refused.stderr.contains("--strict is for flat pillars"));
 }

@@ -284,6 +284,52 @@ fn a_surface_is_loaded_step_by_step() {
     assert!(shown.trim_end().ends_with("critical"), "{shown}");
 }
 
+/// Heights in micrometres that are read as metres are refused; a spike is solved, and beyond every limit of the model.
+#[test]
+fn limits_of_the_model_are_in_results_of_surfaces() {
+    let folder = tempfile::TempDir::new().expect("a folder for the test");
+    let mut rows = vec![vec!["0"; 24]; 24];
+    rows[12][12] = "2";
+    let rows: Vec<String> = rows.iter().map(|row| row.join(" ")).collect();
+    std::fs::write(folder.path().join("spike.txt"), rows.join("\n")).expect("a map");
+    let case = folder.path().join("case.toml");
+    let text_of_case = "lens = { radius = \"1 mm\", young_modulus = \"2 MPa\", poisson_ratio = 0.5 }\n\
+         substrate = { young_modulus = \"2 MPa\", poisson_ratio = 0.5 }\n\
+         surface = { height_map = \"spike.txt\", cell_size = \"1 um\" }\n";
+    std::fs::write(&case, text_of_case).expect("a case for the test");
+    let run = |arguments: &[&str]| {
+        let mut fakir = Command::new(env!("CARGO_BIN_EXE_fakir"));
+        let output = fakir.arg("press").arg(&case).args(arguments).output();
+        output.expect("the binary runs")
+    };
+    let refused = run(&["--force", "1uN"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let explained = text(&refused.stderr);
+    assert!(
+        explained.contains("did you mean surface.height_unit = \"1 um\""),
+        "{explained}"
+    );
+    let spike = ["--force", "0.8uN", "--set", "surface.height_unit=1um"];
+    let strained = |found: &Value, name: &str| {
+        let limits = found["limits"].as_array().expect("limits");
+        let limit = limits.iter().find(|limit| limit["name"] == name);
+        limit.expect(name)["strained"].as_bool().expect("a flag")
+    };
+    let found = json(&run(&[&spike[..], &["--json"]].concat()));
+    for name in ["contact_stress", "cells_in_contact"] {
+        assert!(strained(&found, name), "{name}: {found}");
+    }
+    assert!(!strained(&found, "slope"));
+    let strict = run(&[&spike[..], &["--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(1));
+    assert!(text(&strict.stdout).contains("limits of the model"));
+    assert!(text(&strict.stderr).contains("cells in contact: 1,"));
+    // The flat part under a lens: Hertz, within all limits.
+    let flat = ["--force", "0.1uN", "--set", "surface.height_unit=0.01nm"];
+    let flat = run(&[&flat[..], &["--strict"]].concat());
+    assert_eq!(flat.status.code(), Some(0), "{}", text(&flat.stderr));
+}
+
 /// A height map without a floor has no critical state: a loading on it must be told where to end.
 #[test]
 fn a_loading_without_a_floor_ends_where_it_is_told_to() {

@@ -1,6 +1,6 @@
 //! Contacts with height maps and pillars of any form.
 
-use super::RelativeErrors;
+use super::{LimitObject, RelativeErrors};
 use crate::VERSION;
 use fakir::problem::{Boundary, Grid, Indenter, Point, SurfaceSystem};
 use fakir::state::{Certificate, Share, SurfaceContact, SurfaceTransition};
@@ -72,6 +72,7 @@ struct Common {
     grid: GridObject,
     certificate: CertificateObject,
     relative_error_estimate: Option<RelativeErrors>,
+    limits: Vec<LimitObject>,
     converged: bool,
     iterations: usize,
     wall_time_s: f64,
@@ -88,6 +89,7 @@ impl Common {
             relative_error_estimate: contact
                 .error
                 .map(|error| RelativeErrors::new(error, contact.relative_contact_radius_error())),
+            limits: LimitObject::all(contact.limits(system)),
             converged: contact.converged(),
             iterations: contact.products,
             wall_time_s: wall_time,

@@ -1,11 +1,14 @@
 //! How near a contact comes to where its model ends, and what of the model would change it: estimates from the contact alone, in closed form.
 
 use super::layer::Layers;
-use crate::problem::{Layer, LensShape, Material, Method, PillarCompliance, System};
+use crate::problem::{
+    HeightMap, Indenter, Layer, LensShape, Material, Method, PillarCompliance, SurfaceSystem,
+    System,
+};
 use crate::state::limit::{
     DEEPEST_IN_LAYER, DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, THINNEST_LAYER, limits_of_adhesion,
 };
-use crate::state::{ContactState, PillarState};
+use crate::state::{ContactState, PillarState, SurfaceContact};
 use std::f64::consts::PI;
 
 /// Force on a pillar over that under which it buckles from which on small imperfections are no longer small: half of it doubles them.
@@ -17,6 +20,9 @@ const WIDEST_ON_LENS: f64 = 1.0;
 /// Thickness of a spherical cap over its radius from which on it is nearly half a sphere, and a flat layer no longer stands for it: finite elements
 /// make it softer by a tenth of what it shifts, and by a quarter near the radius ([`cap_reduction`](super::layer::cap_reduction)).
 const THICKEST_CAP: f64 = 0.5;
+
+/// Cells in contact below which elements do not resolve it: a disc of four across, the fewest that a pillar can have.
+const FEWEST_CELLS: f64 = 12.0;
 
 /// Relative difference of compliance or force that does not matter beside what moduli and lengths are known to.
 const SMALL: f64 = 0.01;
@@ -188,6 +194,86 @@ impl ContactState {
             "work_of_adhesion_of_one_percent_J_per_m2",
             work,
         ))
+    }
+}
+
+impl SurfaceContact {
+    /// The conditions of the model, and how near this contact with a system's surface comes to where they end.
+    ///
+    /// * `slope`: of the lens at the edge of the contact; `contact_radius_over_lens_radius`.
+    /// * `surface_slope`: the largest between neighbouring cells in contact, of one pillar or beside all pillars.
+    /// * `pillar_stress`: mean stress on the top of the hardest pillar over Young's modulus of the substrate; without pillars
+    ///   `contact_stress`, that on all cells in contact.
+    /// * `cells_in_contact`: how many there are, doubtful below 12.
+    #[must_use]
+    pub fn limits(&self, system: &SurfaceSystem) -> Vec<Limit> {
+        let mut limits = Vec::new();
+        if let (Indenter::Lens(lens), Some(radius)) = (system.indenter(), self.contact_radius) {
+            // That of a sphere, as results have it.
+            let slope = radius / lens.radius;
+            for name in ["slope", "contact_radius_over_lens_radius"] {
+                limits.push(Limit::at_most(name, slope, DOUBTFUL_CONTACT));
+            }
+        }
+        let surface = system.surface();
+        let slope = self.steepest(surface);
+        limits.push(Limit::at_most("surface_slope", slope, DOUBTFUL_CONTACT));
+        let (name, stress) = match surface.pillars() {
+            Some(pillars) => (
+                "pillar_stress",
+                self.hardest(surface, pillars.compliance.len()),
+            ),
+            None => ("contact_stress", self.force / self.contact_area),
+        };
+        let strain = stress / system.substrate().young_modulus;
+        limits.push(Limit::at_most(name, strain, LARGEST_STRAIN));
+        let cells = self.pressure.iter().filter(|pressure| **pressure > 0.0);
+        let cells = cells.count() as f64;
+        if cells > 0.0 {
+            limits.push(Limit::at_least("cells_in_contact", cells, FEWEST_CELLS));
+        }
+        // Without load there is no stress.
+        limits.retain(|limit| limit.value.is_finite());
+        limits
+    }
+
+    /// The largest slope between neighbouring cells in contact that belong together.
+    fn steepest(&self, surface: &HeightMap) -> f64 {
+        let (columns, heights) = (self.grid.columns(), surface.heights());
+        let [width, height] = self.grid.cell();
+        let touched = |cell: usize| self.pressure[cell] > 0.0;
+        let slope = |cell: usize, next: usize, distance: f64| {
+            let belong = touched(next) && surface.label(cell) == surface.label(next);
+            let rise = (heights[next] - heights[cell]).abs();
+            if belong { rise / distance } else { 0.0 }
+        };
+        let cells = 0..self.grid.cell_count();
+        cells.filter(|cell| touched(*cell)).fold(0.0, |most, cell| {
+            let across = match (cell + 1) % columns {
+                0 => 0.0,
+                _ => slope(cell, cell + 1, width),
+            };
+            let up = match cell + columns < heights.len() {
+                true => slope(cell, cell + columns, height),
+                false => 0.0,
+            };
+            across.max(up).max(most)
+        })
+    }
+
+    /// The largest mean stress on the top of a pillar, Pa.
+    fn hardest(&self, surface: &HeightMap, pillars: usize) -> f64 {
+        let mut tops = vec![(0.0, 0.0); pillars];
+        for (cell, pressure) in self.pressure.iter().enumerate() {
+            let label = surface.label(cell);
+            if label != HeightMap::NO_PILLAR {
+                let (sum, count) = &mut tops[label as usize];
+                *sum += pressure;
+                *count += 1.0;
+            }
+        }
+        let stresses = tops.iter().map(|(sum, count)| sum / f64::max(*count, 1.0));
+        stresses.fold(0.0, f64::max)
     }
 }
 
