@@ -88,6 +88,7 @@ mod error;
 mod file;
 pub mod height_map;
 mod height_text;
+mod idle;
 pub mod input;
 mod key;
 mod npy;

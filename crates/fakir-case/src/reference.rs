@@ -1,6 +1,7 @@
 //! The reference of all keys, made from their table.
 
 use crate::entries::one_of;
+use crate::idle::{IDLE, Idle};
 use crate::key::{Key, Kind};
 use crate::row::Presence;
 use crate::table::Part;
@@ -26,6 +27,10 @@ pub fn reference() -> String {
             presence(key),
             key.summary()
         );
+    }
+    text.push_str(WITHOUT_EFFECT);
+    for Idle { key, reason, .. } in &IDLE {
+        let _ = writeln!(text, "| `{key}` | {reason} |");
     }
     text
 }
@@ -87,4 +92,14 @@ const HEADER: &str = "\
 A case has `[lens]` and `[substrate]`, and either `[texture]`, with or without `[floor]`, `[adhesion]` and `[method]`, or
 `[surface]`. Quantities have a unit, as in `\"6 um\"`; bare numbers are in SI units. Fractions can be in per
 cent, as in `\"3 %\"`.
+";
+
+const WITHOUT_EFFECT: &str = "
+## Keys without effect
+
+A key that does not apply to a case is refused. These keys are accepted and have no effect in some cases; a warning on standard error and
+`case_warnings` of the JSON results name them:
+
+| key | reason |
+|---|---|
 ";

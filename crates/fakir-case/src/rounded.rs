@@ -276,25 +276,35 @@ impl CaseFile {
 
     /// Refuses what rounded tops do not have.
     fn refuse_with_rounded(&self, parts: &Parts) -> Result<(), CaseError> {
-        if parts.texture.adhesion.work > 0.0 {
+        let adhesion = &parts.texture.adhesion;
+        let sticks = [
+            (Key::WorkOfAdhesion, adhesion.work != 0.0),
+            (
+                Key::RecedingWorkOfAdhesion,
+                self.entry(Key::RecedingWorkOfAdhesion).is_some(),
+            ),
+            (Key::FloorSticks, adhesion.floor.0),
+        ];
+        if let Some((key, _)) = sticks.into_iter().find(|(_, sticks)| *sticks) {
             return Err(self
-                .problem(Key::WorkOfAdhesion, "rounded pillar tops do not stick here")
+                .problem(key, "rounded pillar tops do not stick here")
                 .accepted(format!("leave it out, or leave {} out", Key::TopRadius)));
         }
-        let layers = [
-            Key::SubstrateThickness,
-            Key::SubstrateBase,
-            Key::LensThickness,
-            Key::LensBase,
-        ];
-        if let Some(key) = layers.into_iter().find(|key| self.entry(*key).is_some()) {
+        let mut given = self.entries.keys.keys().copied();
+        if let Some(key) = given.find(|key| key.is_of_layers()) {
             return Err(self
                 .problem(key, "under rounded pillar tops both bodies are half-spaces")
                 .accepted(format!("leave it out, or leave {} out", Key::TopRadius)));
         }
         if parts.method.name != MethodName::Spectral {
             return Err(self
-                .problem(Key::MethodName, "this method has flat pillar tops only")
+                .problem(
+                    Key::MethodName,
+                    format!(
+                        "this method has flat pillar tops only, and {} is given",
+                        Key::TopRadius
+                    ),
+                )
                 .accepted(format!(
                     "{} = \"spectral\" has rounded ones",
                     Key::MethodName
@@ -333,7 +343,10 @@ impl CaseFile {
             && parts.texture.pillar.compliance == PillarCompliance::Column
             && self.entry(Key::Pillars).is_none();
         if needs_diameter && self.entry(Key::PillarDiameter).is_none() {
-            return Err(self.missing(Key::PillarDiameter));
+            return Err(self.missing(Key::PillarDiameter).accepted(format!(
+                "give it, as {} = \"column\" shortens pillars by it; or \"none\"",
+                Key::PillarCompliance
+            )));
         }
         Ok(())
     }
@@ -344,7 +357,11 @@ impl CaseFile {
         let diameter = texture.pillar.diameter;
         let spacing = self.spacing(texture)?;
         if matches!(spacing, Spacing::SurfaceFraction(_)) && diameter.is_nan() {
-            return Err(self.missing(Key::PillarDiameter));
+            return Err(self.missing(Key::PillarDiameter).accepted(format!(
+                "give it, as {} needs it; or give {}",
+                Key::SurfaceFraction,
+                Key::Pitch
+            )));
         }
         let pitch = spacing.pitch(texture.arrangement, diameter);
         let Some(lattice) = texture.plane_lattice(pitch) else {
@@ -360,7 +377,7 @@ impl CaseFile {
                 .map_err(|invalid| self.impossible(&invalid))?;
             let Some(pillars) = pillars else {
                 return Err(self.missing(Key::Columns).accepted(
-                    "rounded tops are those of a finite lattice, or of texture.pillars",
+                    "rounded tops, texture.top_radius, are those of a finite lattice, or of texture.pillars",
                 ));
             };
             let row =

@@ -172,7 +172,7 @@ impl CaseFile {
     }
 
     /// Whether it is a height map or a pattern, and the values of all keys.
-    fn surface_parts(&self) -> Result<(Part, Parts), CaseError> {
+    pub(crate) fn surface_parts(&self) -> Result<(Part, Parts), CaseError> {
         self.refuse_texture()?;
         let kind = self.kind_of_surface()?;
         let parts = self.parts(&[Part::Bodies, Part::Surface, kind])?;
@@ -205,39 +205,46 @@ impl CaseFile {
         {
             return Err(texture_and_surface(surface, texture));
         }
-        let of_shape = [
-            Key::LensShape,
-            Key::LensAngle,
-            Key::LensTilt,
-            Key::LensTiltDirection,
-            Key::LensProfile,
+        let tables = [
+            (
+                "floor",
+                "the floor of a [surface] is always in contact where it is touched",
+                "leave [floor] out: surface.floor says what is floor",
+            ),
+            (
+                "adhesion",
+                "a [surface] is solved without adhesion",
+                "leave [adhesion] out, or describe round pillars as a [texture], which supports adhesion",
+            ),
+            (
+                "method",
+                "a [surface] has no choice of methods",
+                "leave [method] out: surfaces are solved by elements, on [surface.grid]",
+            ),
         ];
-        if let Some(key) = of_shape.into_iter().find(|key| self.entry(*key).is_some()) {
-            return Err(self
-                .problem(key, "only a [texture] has lenses of other shapes")
+        for (table, problem, accepted) in tables {
+            if let Some(place) = self.place_of(table) {
+                return Err(CaseError::at(place, problem).key(table).accepted(accepted));
+            }
+        }
+        let mut given = self.entries.keys.keys().copied();
+        let Some(key) = given.find(|key| key.part() == Part::Texture) else {
+            return Ok(());
+        };
+        let error = if key.is_of_layers() {
+            self.problem(key, "under a [surface] both bodies are half-spaces")
+                .accepted(format!(
+                    "leave out the thickness and the base of the {}, or describe round pillars as a [texture], which supports them",
+                    root(key.path())
+                ))
+        } else {
+            self.problem(key, "only a [texture] has lenses of other shapes")
                 .accepted(format!(
                     "leave it out: a [surface] is touched by a sphere, or by a plate with {} = \"plate\"",
                     Key::Indenter
-                )));
-        }
-        if let Some(floor) = self.place_of("floor") {
-            return Err(CaseError::at(
-                floor,
-                "the floor of a [surface] is always in contact where it is touched",
-            )
-            .key("floor")
-            .accepted("leave [floor] out: surface.floor says what is floor"));
-        }
-        match self.place_of("method") {
-            Some(method) => Err(
-                CaseError::at(method, "a [surface] has no choice of methods")
-                    .key("method")
-                    .accepted(
-                        "leave [method] out: surfaces are solved by elements, on [surface.grid]",
-                    ),
-            ),
-            None => Ok(()),
-        }
+                ))
+        };
+        Err(error)
     }
 
     /// Whether the surface is a height map or a pattern; refuses the keys of the other.
@@ -293,6 +300,16 @@ impl CaseFile {
             height_unit: self.entry(Key::HeightUnit).map(|_| parts.height_unit),
         };
         let array = self.entry(Key::Array).map(|_| parts.array.as_str());
+        let extension = path.extension().unwrap_or_default();
+        if array.is_some() && !extension.eq_ignore_ascii_case("npz") {
+            let problem = format!(
+                "only .npz files have named arrays, and this is {}",
+                path.display()
+            );
+            return Err(self
+                .problem(Key::Array, problem)
+                .accepted("leave it out, or name an .npz file as surface.height_map"));
+        }
         read_scaled_map(path, array, &scale, memory_limit).map_err(|error| match error {
             HeightMapError::TooLarge { points, bytes, .. } => {
                 let points = format!("a map of {points}");

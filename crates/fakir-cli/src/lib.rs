@@ -51,7 +51,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
-                return deliver(command, &options.case, move || {
+                return deliver(command, &options.case, file.warnings(), move || {
                     commands::surface::transition(&file, options.maps(), &session)
                 });
             }
@@ -67,14 +67,14 @@ fn run(command: &Command) -> Result<Status, Failure> {
             if file.is_rounded() && !file.is_surface() {
                 options.refuse_with_rounded()?;
                 options.limits.refuse_without_limits()?;
-                return deliver(command, &options.case, move || {
+                return deliver(command, &options.case, file.warnings(), move || {
                     commands::rounded::press(&file, options.control(), options.maps(), &session)
                 });
             }
             let gradient = options.gradient.of(&file)?;
             if file.is_surface() {
                 options.adhesion.refuse_surface(&file)?;
-                return deliver(command, &options.case, move || {
+                return deliver(command, &options.case, file.warnings(), move || {
                     commands::surface::press(&file, options.control(), options.maps(), &session)
                 });
             }
@@ -103,7 +103,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
                 });
             }
             if file.is_surface() {
-                return deliver(command, &options.case, move || {
+                return deliver(command, &options.case, file.warnings(), move || {
                     commands::surface::approach(&file, &path, saves, &session)
                 });
             }
@@ -116,7 +116,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
             if file.is_surface() {
-                return deliver(command, &options.case, move || {
+                return deliver(command, &options.case, file.warnings(), move || {
                     commands::surface::verify(&file, options.control(), options.cells, &session)
                 });
             }
@@ -166,7 +166,9 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
         None => commands::design::run(&file, options, &session)?,
     };
     drop(session);
-    let status = deliver(command, &options.case, || Ok(designed.report))?;
+    let status = deliver(command, &options.case, file.warnings(), || {
+        Ok(designed.report)
+    })?;
     Ok(if designed.found {
         status
     } else {
@@ -180,7 +182,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let session = Session::start(&options.run, case.quiet)?;
     let data = options.measurements()?;
     let file = read_case(&case)?;
-    deliver(command, &case, move || {
+    deliver(command, &case, file.warnings(), move || {
         commands::fit::run(&file, &data, options, &session)
     })
 }
@@ -194,20 +196,21 @@ fn answer(
     ask: impl FnOnce(&Case) -> Result<Report, Failure>,
 ) -> Result<Status, Failure> {
     let case = file.case()?;
-    deliver(command, options, || ask(&case))
+    deliver(command, options, file.warnings(), || ask(&case))
 }
 
 /// Asks (a session in `ask` ends with it, and clears its progress away), and delivers the report:
-/// saved first, so that what is printed is safe.
+/// saved first, so that what is printed is safe. `case_warnings` are about the case as it is written.
 fn deliver(
     command: &Command,
     options: &CaseArguments,
+    case_warnings: Vec<String>,
     ask: impl FnOnce() -> Result<Report, Failure>,
 ) -> Result<Status, Failure> {
     if let Some(folder) = &options.output {
         fakir_study::output::check_folder(folder, options.replace())?;
     }
-    let report = ask()?;
+    let report = ask()?.with_case_warnings(case_warnings);
     if let Some(folder) = &options.output {
         let files = report.files(command.name());
         fakir_study::output::save_results(folder, &files, options.replace())?;

@@ -223,6 +223,27 @@ fn numbers_without_a_unit_are_plausible_or_refused() {
     assert!(judged > 35, "{judged}");
 }
 
+/// What changes nothing is named with the reason, unless it is the default, or counts.
+#[test]
+fn keys_without_effect_are_named() {
+    let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+    assert!(file.warnings().is_empty());
+    file.set("texture.seed=7").unwrap();
+    file.set("texture.offset_angle=10deg").unwrap();
+    let told = file.warnings().join("; ");
+    assert!(
+        told.contains("texture.offset_angle has no effect: the lens axis is on"),
+        "{told}"
+    );
+    assert!(
+        told.contains("texture.seed has no effect: nothing is random"),
+        "{told}"
+    );
+    file.set("texture.missing=0.1").unwrap();
+    file.set("texture.offset=0.1").unwrap();
+    assert!(file.warnings().is_empty());
+}
+
 /// A value that may make sense or not.
 fn any_value() -> impl Strategy<Value = Setting> {
     let known: Vec<String> = Key::ALL

@@ -115,6 +115,18 @@ fn what_rounded_tops_do_not_have_is_refused() {
             "rounded pillar tops do not stick",
         ),
         (
+            with("[adhesion]\nfloor = true\n"),
+            "adhesion.floor: rounded pillar tops do not stick",
+        ),
+        (
+            with("[adhesion]\nwork_receding = \"50 mJ/m2\"\n"),
+            "adhesion.work_receding: rounded pillar tops do not stick",
+        ),
+        (
+            set("substrate.base_young_modulus=1MPa"),
+            "substrate.base_young_modulus: ",
+        ),
+        (
             with("[method]\nname = \"punch\"\n"),
             "has flat pillar tops only",
         ),

@@ -363,3 +363,51 @@ fn a_height_map_that_cannot_be_read_is_named() {
     assert!(error.to_string().starts_with(wanted), "{error}");
     assert_eq!(error.position(), Some((1, 20)));
 }
+
+/// What is not solved on a surface is refused where it is given, in the file or as an override.
+#[test]
+fn layers_and_adhesion_are_refused() {
+    for (setting, words) in [
+        (
+            "substrate.thickness=5um",
+            "substrate.thickness: under a [surface] both bodies are half-spaces",
+        ),
+        (
+            "substrate.base=frictionless",
+            "substrate.base: under a [surface]",
+        ),
+        ("lens.thickness=5um", "lens.thickness: under a [surface]"),
+        (
+            "lens.base_young_modulus=1MPa",
+            "lens.base_young_modulus: under a [surface]",
+        ),
+        (
+            "adhesion.work=1J/m2",
+            "adhesion: a [surface] is solved without adhesion",
+        ),
+        (
+            "adhesion.floor=true",
+            "adhesion: a [surface] is solved without adhesion",
+        ),
+        (
+            "surface.array=heights",
+            "surface.array: only a height map has this key",
+        ),
+    ] {
+        let told = with(&[setting]).unwrap_err().one_line();
+        assert!(
+            told.starts_with("--set:1:") && told.contains(words),
+            "{told}"
+        );
+        assert!(told.contains("leave"), "{told}");
+    }
+    let map = "lens = { radius = 1e-3, young_modulus = 2e6, poisson_ratio = 0.5 }\n\
+               substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }\n\
+               surface = { height_map = 'tests/height_maps/savetxt.txt', array = 'heights', cell_size = 1e-6 }";
+    let file = CaseFile::parse("case.toml", map).unwrap();
+    let told = file.surface_case(MEMORY).unwrap_err().one_line();
+    assert!(
+        told.contains("surface.array: only .npz files have named arrays"),
+        "{told}"
+    );
+}

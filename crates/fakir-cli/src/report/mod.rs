@@ -9,6 +9,7 @@ pub(crate) mod table;
 
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
+use fakir_study::result::with_case_warnings;
 
 /// The result of a command, in every form it is wanted in.
 #[derive(Debug)]
@@ -31,6 +32,15 @@ pub(crate) struct Report {
 }
 
 impl Report {
+    /// The same with warnings about the case as it is written: before its own, and in the JSON object.
+    pub(crate) fn with_case_warnings(mut self, warnings: Vec<String>) -> Self {
+        if !warnings.is_empty() {
+            self.json = with_case_warnings(&self.json, &warnings);
+            self.warnings.splice(0..0, warnings);
+        }
+        self
+    }
+
     /// The exit status that goes with it: 1 unless it converged.
     pub(crate) fn status(&self) -> u8 {
         u8::from(!self.converged)

@@ -692,3 +692,29 @@ fn elastic_pillars_are_refused_at_their_key() {
         refused.stderr
     );
 }
+
+/// A key that changes nothing is named on standard error, and in the JSON object whether that is quiet or not.
+#[test]
+fn keys_without_effect_are_named() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let press = ["press", &case, "--indentation=50nm", "--json"];
+    let set = ["--set", "texture.seed=3"];
+    let warning = "texture.seed has no effect: nothing is random";
+    let ask = |more: &[&str]| {
+        let outcome = bench.run(&[&press[..], more].concat());
+        assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+        let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+        (outcome.stderr, json)
+    };
+    let (told, json) = ask(&set);
+    assert!(told.starts_with(&format!("warning: {warning}")), "{told}");
+    let listed = json["case_warnings"][0].as_str().unwrap();
+    assert!(listed.starts_with(warning), "{listed}");
+    let (told, quiet) = ask(&[&set[..], &["--quiet"]].concat());
+    assert_eq!(told, "");
+    assert_eq!(quiet["case_warnings"], json["case_warnings"]);
+    let (told, without) = ask(&[]);
+    assert!(told.is_empty() && without["case_warnings"].is_null());
+    assert_eq!(without["force_N"], json["force_N"]);
+}

@@ -523,3 +523,25 @@ fn a_study_points_at_the_axis_that_is_wrong() {
         assert!(told.contains(words), "{told}");
     }
 }
+
+/// Films and adhesion change nothing on a surface, so that every question refuses them.
+#[test]
+fn films_and_adhesion_are_refused() {
+    let case = example("square-pillars.toml");
+    let load = ["--indentation", "1um"];
+    for (command, arguments) in [
+        ("press", &load[..]),
+        ("transition", &[]),
+        ("approach", &[]),
+        ("verify", &load),
+    ] {
+        for key in ["substrate.thickness=5um", "adhesion.work=1J/m2"] {
+            let output = fakir(command, &case, &[arguments, &["--set", key]].concat());
+            let told = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{command} {key}: {told}");
+            assert!(output.stdout.is_empty());
+            let table = key.split('.').next().unwrap_or_default();
+            assert!(told.contains(table) && told.contains("leave"), "{told}");
+        }
+    }
+}

@@ -50,6 +50,20 @@ pub fn json(result: &impl Serialize) -> String {
     serde_json::to_string_pretty(result).expect("structs with named fields are JSON objects")
 }
 
+/// A result as a JSON object that has warnings about the case as it is written besides: its last key, `case_warnings`.
+#[must_use]
+pub fn with_case_warnings(object: &str, warnings: &[String]) -> String {
+    #[derive(Serialize)]
+    struct Warnings<'a> {
+        case_warnings: &'a [String],
+    }
+    let last = json(&Warnings {
+        case_warnings: warnings,
+    });
+    let own = object.strip_suffix('}').unwrap_or(object).trim_end();
+    format!("{own},{}", last.trim_start_matches('{'))
+}
+
 /// Rows of a result as CSV, with the names of their fields as heading.
 ///
 /// # Panics

@@ -4,5 +4,6 @@
 
 mod collapse;
 mod cycles;
+mod keys;
 mod surfaces;
 mod sweeps;

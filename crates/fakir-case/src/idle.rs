@@ -1,0 +1,102 @@
+//! Keys that are given but change no answer of their case, and why.
+
+use crate::error::CaseError;
+use crate::file::CaseFile;
+use crate::key::Key;
+use crate::parts::{OutlineForm, Parts, Placement};
+use crate::table::Part;
+
+/// A key that changes no answer of a case.
+pub(crate) struct Idle {
+    pub(crate) key: Key,
+    /// Whether it changes nothing in a case with these values.
+    holds: fn(&Parts) -> bool,
+    pub(crate) reason: &'static str,
+}
+
+/// Every key that may change nothing where it is accepted. What else changes nothing is refused.
+pub(crate) static IDLE: [Idle; 8] = [
+    Idle {
+        key: Key::LensTiltDirection,
+        holds: |parts| parts.shape.tilt == 0.0,
+        reason: "the plate is level: lens.tilt is 0",
+    },
+    Idle {
+        key: Key::OffsetAngle,
+        holds: |parts| parts.texture.lattice.offset == 0.0,
+        reason: "the lens axis is on a pillar centre: texture.offset is 0",
+    },
+    Idle {
+        key: Key::TextureSeed,
+        holds: |parts| {
+            let scatter = parts.texture.disorder;
+            scatter.height_spread == 0.0 && scatter.missing == 0.0
+        },
+        reason: "nothing is random: texture.height_spread and texture.missing are 0",
+    },
+    Idle {
+        key: Key::PillarCompliance,
+        holds: |parts| {
+            let texture = &parts.texture;
+            let has_diameters = texture.pillar.diameter.is_finite() || !texture.pillars.is_empty();
+            texture.top_radius.is_finite() && !has_diameters
+        },
+        reason: "rounded tops without texture.pillar.diameter are part of the half-space and do not shorten",
+    },
+    Idle {
+        key: Key::FloorContact,
+        holds: |parts| parts.texture.top_radius.is_finite(),
+        reason: "floor contact is not computed under rounded tops: a warning says where the floor may be reached",
+    },
+    Idle {
+        key: Key::PatternOffsetAngle,
+        holds: |parts| parts.surface.lattice.offset == 0.0,
+        reason: "the lens axis is on a pillar centre: surface.offset is 0",
+    },
+    Idle {
+        key: Key::Seed,
+        holds: |parts| {
+            let surface = &parts.surface;
+            surface.placement != Placement::Random
+                && surface.height_spread == 0.0
+                && surface.missing == 0.0
+        },
+        reason: "nothing is random: surface.arrangement is a lattice, surface.height_spread and surface.missing are 0",
+    },
+    Idle {
+        key: Key::Orientation,
+        holds: |parts| parts.outline.form == OutlineForm::Circle,
+        reason: "a circle is the same in every direction",
+    },
+];
+
+impl CaseFile {
+    /// Keys that are given with another value than their default, and change no answer of the case, each with the reason.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a value that cannot be read.
+    pub fn without_effect(&self) -> Result<Vec<(Key, &'static str)>, CaseError> {
+        let mut parts = if self.is_surface() {
+            self.surface_parts()?.1
+        } else {
+            self.parts(&[Part::Bodies, Part::Texture])?
+        };
+        let mut idle = Vec::new();
+        for Idle { key, holds, reason } in &IDLE {
+            let is_set = self.entry(*key).is_some() && Some(key.get(&mut parts)) != key.default();
+            if is_set && holds(&parts) {
+                idle.push((*key, *reason));
+            }
+        }
+        Ok(idle)
+    }
+
+    /// What to be careful about in the case as it is written: keys without effect. None of a case that is refused.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let idle = self.without_effect().unwrap_or_default();
+        let told = idle.into_iter();
+        told.map(|(key, reason)| format!("{key} has no effect: {reason}"))
+            .collect()
+    }
+}

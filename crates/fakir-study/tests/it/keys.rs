@@ -1,0 +1,509 @@
+//! Every key in every kind of case, by every method: it changes the answer, or is refused by its name, or is in a list of keys without
+//! effect with the reason. A key that a solver does not read falls through, and fails here.
+
+use fakir::problem::{Control, CyclePlan};
+use fakir::state::{Run, SolveError};
+use fakir_case::unit::Dimension;
+use fakir_case::{Case, CaseFile, Key, Kind, Setting};
+use fakir_study::result::RoundedPressSummary;
+use fakir_study::{Critical, Pressed, SurfaceCritical, SurfacePressed};
+use serde::Serialize;
+use serde_json::Value;
+use std::cell::RefCell;
+use std::path::Path;
+use std::{fs, iter};
+use tempfile::TempDir;
+
+const BODIES: &str = "[lens]\nradius = \"500 um\"\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.45\n\
+    [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.45\n";
+const PILLAR: &str = "[texture.pillar]\ndiameter = \"6 um\"\nheight = \"0.2 um\"\n";
+const ENDLESS: &str = "[texture]\npitch = \"20 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n";
+const FINITE: &str = "[texture]\nlattice = \"square\"\npitch = \"11 um\"\noffset = 0.3\n\
+    offset_angle = \"20 deg\"\ncolumns = 2\n";
+const SPECTRAL: &str = "name = \"spectral\"";
+const LOVE: &str = "name = \"love\"\ncells_per_diameter = 8";
+const LISTED: &str = "[texture]\nlattice = \"listed\"\npillars = \"pillars.csv\"\n";
+const ROUNDED: &str = "[texture]\npitch = \"6 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n\
+    columns = 2\ntop_radius = \"20 um\"\n[texture.pillar]\nheight = \"0.14 um\"\n";
+const MAP: &str = "[surface]\nheight_map = \"map.txt\"\ncell_size = \"3 um\"\nfloor = \"0.1 um\"\n";
+const PATTERN: &str = "[surface]\narrangement = \"square\"\npitch = \"12 um\"\noffset = 0.3\n\
+    offset_angle = \"20 deg\"\nmissing = 0.2\n[surface.pillar]\ncross_section = \"square\"\nside = \"6 um\"\n\
+    height = \"0.3 um\"\n[surface.grid]\nwidth = \"48 um\"\ncells_per_diameter = 4\n";
+
+/// Before the critical state of all of them, m; of rounded tops just past the height.
+const INDENTATION: f64 = 0.15e-6;
+
+/// A folder with the files that cases name.
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
+    for (name, shift, number) in [("", 0.0, 5), ("other_", 1e-6, 9)] {
+        let pillars = format!(
+            "x_m,y_m,height_m,diameter_m\n{shift:e},0,2e-7,6e-6\n1.3e-5,2e-6,1.9e-7,6e-6\n-4e-6,1.2e-5,1.95e-7,6e-6\n"
+        );
+        write(&format!("{name}pillars.csv"), pillars);
+        let profile = (0..60).map(|k| {
+            let radius = 2e-6 * f64::from(k);
+            format!("{radius:e},{:e}\n", radius * radius / (1e-3 + 1e2 * shift))
+        });
+        let profile = profile.collect::<String>();
+        write(
+            &format!("{name}profile.csv"),
+            format!("radius_m,height_m\n{profile}"),
+        );
+        let map = (0..24).map(|row| {
+            let heights = (0..24).map(|column| {
+                let top = (row + column) % 7 < 4 && (row * column) % number < 4;
+                let height = if top { 2e-7 } else { 0.0 };
+                format!("{height:e} ")
+            });
+            heights.chain(["\n".to_owned()]).collect::<String>()
+        });
+        write(&format!("{name}map.txt"), map.collect());
+    }
+    folder
+}
+
+/// What goes with a word of a key.
+fn companions(key: Key, word: &str, folder: &Path) -> Vec<String> {
+    let named = |key: Key, name: &str| {
+        let path = folder.join(name);
+        vec![format!("{key}={:?}", path.display().to_string())]
+    };
+    let settings: &[&str] = match (key, word) {
+        (Key::Lattice, "hexagonal" | "square") => &["texture.pitch=13um"],
+        (Key::Lattice, "rectangular") => &["texture.pitch=12um", "texture.pitch_y=12.5um"],
+        (Key::Lattice, "oblique") => &[
+            "texture.pitch=12um",
+            "texture.pitch_y=12.5um",
+            "texture.lattice_angle=70deg",
+        ],
+        (Key::Lattice, "listed") => return named(Key::Pillars, "pillars.csv"),
+        (Key::LensShape, "profile") => return named(Key::LensProfile, "profile.csv"),
+        (Key::SubstrateBase, "elastic") => &[
+            "substrate.base_young_modulus=1MPa",
+            "substrate.base_poisson_ratio=0.3",
+        ],
+        (Key::LensBase, "elastic") => &[
+            "lens.base_young_modulus=1MPa",
+            "lens.base_poisson_ratio=0.3",
+        ],
+        (Key::Arrangement, "random") => &["surface.surface_fraction=0.2"],
+        (Key::CrossSection, "circle") => &["surface.pillar.diameter=6um"],
+        (Key::CrossSection, "polygon") => {
+            &["surface.pillar.diameter=6um", "surface.pillar.sides=6"]
+        }
+        (Key::CrossSection, "ellipse") => {
+            &["surface.pillar.length=8um", "surface.pillar.width=5um"]
+        }
+        (Key::Top, "cone") => &["surface.pillar.drop=0.1um"],
+        (Key::Top, "chamfer") => &[
+            "surface.pillar.drop=0.1um",
+            "surface.pillar.chamfer_width=1.6um",
+        ],
+        (Key::Top, "rounded") => &["surface.pillar.edge_radius=0.2um"],
+        _ => &[],
+    };
+    settings.iter().map(|&setting| setting.to_owned()).collect()
+}
+
+/// What a key is tried with besides, so that it counts, or does not.
+fn contexts(key: Key) -> &'static [&'static [&'static str]] {
+    match key {
+        Key::TextureSeed => &[&["texture.height_spread=0.1"]],
+        Key::OffsetAngle => &[&["texture.offset=0"]],
+        Key::LensTiltDirection => &[&["lens.tilt=1deg"]],
+        Key::PillarCompliance => &[&["texture.pillar.diameter=5um"]],
+        Key::SubstrateBase | Key::SubstrateBaseYoungModulus | Key::SubstrateBasePoissonRatio => {
+            &[&["substrate.thickness=5um"]]
+        }
+        Key::LensBase | Key::LensBaseYoungModulus | Key::LensBasePoissonRatio => {
+            &[&["lens.thickness=5um"]]
+        }
+        Key::RecedingWorkOfAdhesion => &[&["adhesion.work=0.1mJ/m2"]],
+        // A floor of few holes, which takes little time.
+        Key::FloorSticks => &[&["adhesion.work=0.1mJ/m2", "texture.columns=2"]],
+        Key::PatternOffsetAngle => &[&["surface.offset=0"]],
+        Key::Seed => &[&["surface.missing=0"]],
+        Key::Orientation => &[&[
+            "surface.pillar.cross_section=circle",
+            "surface.pillar.diameter=6um",
+        ]],
+        _ => &[],
+    }
+}
+
+/// A number that a key does not have in a case.
+fn other_number(key: Key, file: &CaseFile) -> f64 {
+    let default = match key.default() {
+        Some(Setting::Number(value)) => Some(value),
+        _ => None,
+    };
+    match (key, file.given(key).unwrap().or(default)) {
+        (Key::WorkOfAdhesion, _) => 1e-4,
+        (Key::RecedingWorkOfAdhesion, _) => 2e-4,
+        (Key::TextureMissing, _) => 0.88,
+        (Key::Columns, None) => 2.0,
+        (Key::MinimumDistance, _) => 1e-5,
+        (Key::MapWidth, _) => 9e-5,
+        // All of the surface is floor.
+        (Key::Floor, _) => 0.31e-6,
+        (_, Some(value)) if key.is_whole() => value + 1.0,
+        (_, Some(value)) if value != 0.0 => 1.1 * value,
+        (_, None) if key.is_whole() => 3.0,
+        _ => match key.dimension() {
+            Dimension::Length => 5e-6,
+            Dimension::Pressure => 1e6,
+            _ => 0.2,
+        },
+    }
+}
+
+/// Numbers and flags of an answer, without what it took to find it.
+fn numbers(answer: &impl Serialize) -> Vec<f64> {
+    fn add(value: &Value, all: &mut Vec<f64>) {
+        match value {
+            Value::Number(number) => all.push(number.as_f64().unwrap()),
+            Value::Bool(flag) => all.push(f64::from(u8::from(*flag))),
+            Value::Array(items) => items.iter().for_each(|item| add(item, all)),
+            Value::Object(fields) => {
+                let cost = ["iterations", "wall_time_s", "energy_bound"];
+                let echo = ["surface_fraction", "pitch_m"];
+                let left_out = [&cost[..], &echo[..]].concat();
+                let fields = fields.iter();
+                let fields = fields.filter(|(name, _)| !left_out.contains(&name.as_str()));
+                fields.for_each(|(_, value)| add(value, all));
+            }
+            _ => {}
+        }
+    }
+    let mut all = Vec::new();
+    add(&serde_json::to_value(answer).unwrap(), &mut all);
+    all
+}
+
+/// What is asked to see whether a key counts, one after the other until it does.
+fn questions(key: Key) -> &'static [Question] {
+    match key {
+        Key::RecedingWorkOfAdhesion | Key::FloorSticks => &[Question::Cycle],
+        Key::FloorContact => &[Question::Press, Question::PastTransition],
+        _ => &[Question::Press, Question::Transition],
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Question {
+    Press,
+    Transition,
+    PastTransition,
+    Cycle,
+}
+
+/// What a case answers, or why it is refused.
+fn answer(file: &CaseFile, question: Question) -> Result<Vec<f64>, String> {
+    let run = Run::default();
+    let load = Control::Indentation(INDENTATION);
+    let refused = |error: SolveError| error.to_string();
+    if file.is_surface() {
+        let case = file.surface_case(1_000_000_000).map_err(|e| e.one_line())?;
+        return match question {
+            Question::Press => {
+                let contact = case.system.press(load, &run).map_err(refused)?;
+                Ok(numbers(&SurfacePressed::from(&contact)))
+            }
+            _ => {
+                let critical = case.system.transition(&run).map_err(refused)?;
+                Ok(numbers(&SurfaceCritical::from(&critical)))
+            }
+        };
+    }
+    if file.is_rounded() {
+        let case = file.rounded_case().map_err(|e| e.one_line())?;
+        let contact = case
+            .field
+            .press(load, case.accuracy, &run)
+            .map_err(refused)?;
+        let summary = RoundedPressSummary::new(&case.field, case.height, &contact, 0.0);
+        // And where the force acts: it turns with the lattice.
+        let pillars = case.field.caps().iter().zip(&contact.caps);
+        let moment: f64 = pillars.map(|(cap, state)| cap.apex[0] * state.force).sum();
+        return Ok([numbers(&summary), vec![moment]].concat());
+    }
+    let Case { system, method, .. } = file.case().map_err(|e| e.one_line())?;
+    let press = |load| fakir::press(&system, load, method, &run).map_err(refused);
+    match question {
+        Question::Press => Ok(numbers(&Pressed::from(&press(load)?))),
+        Question::Transition => {
+            let critical = fakir::transition(&system, method, &run).map_err(refused)?;
+            Ok(numbers(&Critical::from(&critical)))
+        }
+        Question::PastTransition => {
+            let critical = press(Control::FloorContact)?.indentation;
+            let past = press(Control::Indentation(1.1 * critical))?;
+            Ok(numbers(&Pressed::from(&past)))
+        }
+        Question::Cycle => {
+            let cycle = fakir::cycle(&system, CyclePlan::default(), method, &run);
+            let cycle = cycle.map_err(refused)?;
+            let pull_off = cycle.pull_off.map_or(0.0, |it| it.force);
+            Ok(vec![pull_off, cycle.turn.force, cycle.loop_area])
+        }
+    }
+}
+
+fn differ(one: &[f64], other: &[f64]) -> bool {
+    let pairs = || one.iter().zip(other);
+    one.len() != other.len() || pairs().any(|(a, b)| (a - b).abs() > 1e-9 * a.abs().max(b.abs()))
+}
+
+/// Whether a key may change nothing, of which no warning tells but the answer itself.
+fn is_told_elsewhere(key: Key, file: &CaseFile) -> bool {
+    let method = file.case().map_or("", |case| case.method.name());
+    // Only the spectral method has floor contact; the others give a negative gap, and a warning with the critical load.
+    key == Key::FloorContact && method != "spectral"
+}
+
+/// What becomes of a key that is given.
+enum Effect {
+    /// The answer changes, or the case is refused by the name of the key.
+    Seen,
+    /// Nothing, and that is listed.
+    Listed,
+    /// Nothing.
+    Ignored,
+    /// The case is refused in words that do not name the key.
+    Unnamed(String),
+}
+
+/// A case, and what it has answered so far.
+struct Base {
+    file: CaseFile,
+    answers: RefCell<Vec<(Question, Result<Vec<f64>, String>)>>,
+}
+
+impl Base {
+    fn answer(&self, question: Question) -> Result<Vec<f64>, String> {
+        let known = self
+            .answers
+            .borrow()
+            .iter()
+            .find(|(it, _)| *it == question)
+            .cloned();
+        let (_, answer) = known.unwrap_or_else(|| {
+            let new = (question, answer(&self.file, question));
+            self.answers.borrow_mut().push(new.clone());
+            new
+        });
+        answer
+    }
+
+    /// The case with other settings besides.
+    fn with<S: AsRef<str>>(&self, settings: &[S]) -> Self {
+        let mut file = self.file.clone();
+        for setting in settings {
+            file.set(setting.as_ref()).unwrap();
+        }
+        Self {
+            file,
+            answers: RefCell::default(),
+        }
+    }
+
+    /// Gives a key another value.
+    fn effect(&self, key: Key, value: Option<&str>, folder: &Path) -> Effect {
+        let mut changed = self.file.clone();
+        match value {
+            Some(value) => {
+                changed.set(&format!("{key}={value}")).unwrap();
+                for setting in companions(key, value, folder) {
+                    changed.set(&setting).unwrap();
+                }
+            }
+            None => changed.set_number(key, other_number(key, &self.file)),
+        }
+        for question in questions(key) {
+            match (self.answer(*question), answer(&changed, *question)) {
+                // It was refused before.
+                (Err(before), Err(words)) if before == words => return Effect::Seen,
+                (_, Err(words)) => {
+                    let mut names = words_of(key).into_iter().chain(value.map(str::to_owned));
+                    return match names.any(|name| words.contains(&name)) {
+                        true => Effect::Seen,
+                        false => Effect::Unnamed(words),
+                    };
+                }
+                (Err(_), Ok(_)) => return Effect::Seen,
+                (Ok(one), Ok(other)) if differ(&one, &other) => return Effect::Seen,
+                (Ok(_), Ok(_)) => {}
+            }
+        }
+        let idle = changed.without_effect().unwrap();
+        let is_warned_of = idle.iter().any(|(idle, _)| *idle == key);
+        match is_warned_of || is_told_elsewhere(key, &changed) {
+            true => Effect::Listed,
+            false => Effect::Ignored,
+        }
+    }
+}
+
+/// What an error may say of a key: its name, that of its table, that of the key that it depends on, or what it stands for.
+fn words_of(key: Key) -> Vec<String> {
+    let table = key.path().split('.').next().unwrap();
+    let mut words = vec![
+        key.name().to_owned(),
+        format!("{table}:"),
+        format!("[{table}]"),
+    ];
+    words.extend(key.goes_with().map(|(choice, _)| choice.to_string()));
+    let stands_for = match key {
+        Key::Rotation => "that is not turned",
+        Key::Columns => "endless",
+        Key::TextureHeightSpread | Key::TextureMissing | Key::TextureSeed => "equal pillars",
+        Key::WorkOfAdhesion => "adhesion is known",
+        Key::RecedingWorkOfAdhesion => "adhesion.work",
+        _ => key.path(),
+    };
+    words.push(stands_for.to_owned());
+    words
+}
+
+/// The values to try: every word but the default one where that holds already, another file, or a number.
+fn values(key: Key, is_given: bool, folder: &Path) -> Vec<Option<String>> {
+    let named = |name: &str| {
+        let path = folder.join(name);
+        vec![Some(format!("{:?}", path.display().to_string()))]
+    };
+    match (key.kind(), key) {
+        (Kind::Number(_), _) => vec![None],
+        (Kind::Word, _) => {
+            let default = match key.default() {
+                Some(Setting::Word(word)) if !is_given => word,
+                _ => String::new(),
+            };
+            let words = key.words().into_iter().filter(|word| *word != default);
+            words.map(|word| Some(word.to_owned())).collect()
+        }
+        (Kind::Text, Key::Pillars) => named("other_pillars.csv"),
+        (Kind::Text, Key::LensProfile) => named("other_profile.csv"),
+        (Kind::Text, Key::HeightMap) => named("other_map.txt"),
+        (Kind::Text, _) => vec![Some("other".to_owned())],
+    }
+}
+
+/// What is wrong with the keys in a case.
+fn faults(text: &str) -> Vec<String> {
+    let folder = folder();
+    let folder = folder.path();
+    let path = folder.join("case.toml");
+    fs::write(&path, text).unwrap();
+    let plain = Base {
+        file: CaseFile::read(&path).unwrap(),
+        answers: RefCell::default(),
+    };
+    assert!(
+        plain.answer(Question::Press).is_ok(),
+        "{:?}",
+        plain.answer(Question::Press)
+    );
+    let mut faults = Vec::new();
+    for key in Key::ALL {
+        let is_given = text.contains(&format!("{} = ", key.name()));
+        let more = contexts(key).iter().map(|settings| plain.with(settings));
+        let mut bases: Vec<Base> = more.collect();
+        // And with the word that it goes with, unless a case of that kind is tried by itself.
+        let choice = key.goes_with().filter(|(choice, words)| match choice {
+            Key::MethodName => false,
+            Key::Lattice => !["hexagonal", "listed"].contains(&words[0]),
+            _ => true,
+        });
+        if let Some((choice, words)) = choice {
+            let word = format!("{choice}={}", words[0]);
+            let settings = [vec![word], companions(choice, words[0], folder)].concat();
+            let with_word = iter::once(&plain).chain(&bases);
+            let with_word: Vec<Base> = with_word.map(|base| base.with(&settings)).collect();
+            bases.extend(with_word);
+        }
+        for (place, base) in iter::once(&plain).chain(&bases).enumerate() {
+            let mut ignored = 0;
+            for value in values(key, is_given, folder) {
+                match base.effect(key, value.as_deref(), folder) {
+                    Effect::Seen | Effect::Listed => {}
+                    Effect::Ignored => ignored += 1,
+                    Effect::Unnamed(words) => faults.push(format!("{key}: {words}")),
+                }
+            }
+            // One of the words is the one that is given.
+            if ignored > usize::from(key.kind() == Kind::Word && is_given) {
+                faults.push(format!("{key} is accepted and ignored, place {place}"));
+            }
+        }
+    }
+    faults
+}
+
+fn check(cases: &[(&str, String)]) {
+    let faults: Vec<String> = cases
+        .iter()
+        .flat_map(|(name, text)| {
+            let faults = faults(text).into_iter();
+            faults.map(move |fault| format!("{name}: {fault}"))
+        })
+        .collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+fn texture(arrangement: &str, method: &str) -> String {
+    format!("{BODIES}{arrangement}{PILLAR}[method]\n{method}\n")
+}
+
+#[test]
+fn endless_lattices_by_the_spectral_method() {
+    check(&[("endless", texture(ENDLESS, SPECTRAL))]);
+}
+
+#[test]
+fn finite_lattices_by_the_spectral_method() {
+    check(&[("finite", texture(FINITE, SPECTRAL))]);
+}
+
+#[test]
+fn listed_pillars_by_the_spectral_method() {
+    check(&[("listed", texture(LISTED, SPECTRAL))]);
+}
+
+#[test]
+fn endless_lattices_by_elements() {
+    check(&[("endless", texture(ENDLESS, LOVE))]);
+}
+
+#[test]
+fn finitely_many_pillars_by_elements() {
+    check(&[
+        ("finite", texture(FINITE, LOVE)),
+        ("listed", texture(LISTED, LOVE)),
+    ]);
+}
+
+/// These methods are for endless hexagonal lattices, and refuse the keys of other arrangements.
+#[test]
+fn endless_lattices_by_approximate_methods() {
+    check(&[
+        ("punch", texture(ENDLESS, "name = \"punch\"")),
+        ("homogenised", texture(ENDLESS, "name = \"homogenised\"")),
+    ]);
+}
+
+#[test]
+fn rounded_tops() {
+    // Under a lens that is wide enough to touch several.
+    let bodies = BODIES.replace("500 um", "2 mm");
+    check(&[("rounded", format!("{bodies}{ROUNDED}"))]);
+}
+
+#[test]
+fn general_surfaces() {
+    check(&[
+        ("height map", format!("{BODIES}{MAP}")),
+        ("pattern", format!("{BODIES}{PATTERN}")),
+    ]);
+}
