@@ -582,17 +582,13 @@ class Pillars:
             si(axis[0], "length", "texture.axis_x"),
             si(axis[1], "length", "texture.axis_y"),
         )
-        some = len(self.x) > 0
-        height_of_all = float(np.max(self.height)) if some else 1.0
-        diameter_of_all = float(np.mean(self.diameter)) if some else 1.0
-        self.reference = (
-            height_of_all
-            if reference_height is None
-            else si(reference_height, "length", "texture.pillar.height"),
-            diameter_of_all
-            if reference_diameter is None
-            else si(reference_diameter, "length", "texture.pillar.diameter"),
+        common = (
+            ("texture.pillar.height", reference_height),
+            ("texture.pillar.diameter", reference_diameter),
         )
+        self.reference = [
+            (key, None if value is None else si(value, "length", key)) for key, value in common
+        ]
         self.compliance = compliance
 
     def __len__(self) -> int:
@@ -712,9 +708,7 @@ class System:
             words.append(("adhesion.floor", "true"))
         pillars = None
         if isinstance(texture, Pillars):
-            height, diameter = texture.reference
-            numbers.append(("texture.pillar.height", height))
-            numbers.append(("texture.pillar.diameter", diameter))
+            numbers += texture.reference
             numbers.append(("texture.axis_x", texture.axis[0]))
             numbers.append(("texture.axis_y", texture.axis[1]))
             words.append(("texture.lattice", "listed"))

@@ -166,6 +166,16 @@ def test_older_names_of_arguments_are_told():
         fakir.design(system(), "pitch", force="50 uN", critical_force="50 uN")
 
 
+def test_pillars_without_a_reference_count_from_the_highest():
+    x = np.arange(7) * 1e-5
+    pillars = fakir.Pillars(x, 0.0 * x, 1e-6, 0.1e-6 * 3.0)
+    lens, substrate = fakir.Lens("2.2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
+    common = fakir.System(lens, substrate, pillars)._pillar
+    assert common == (0.1e-6 * 3.0, 1e-6)
+    given = fakir.Pillars(x, 0.0 * x, 1e-6, 3e-7, reference_height="2 um")
+    assert fakir.System(lens, substrate, given)._pillar == (pytest.approx(3e-7, rel=1e-15), 2e-6)
+
+
 @pytest.mark.slow
 def test_spread_draws_what_the_command_line_draws(tmp_path):
     import json

@@ -45,6 +45,8 @@ pub(crate) struct Columns<const N: usize> {
 pub(crate) struct Table<const N: usize> {
     name: String,
     heading_line: u64,
+    /// Which of the columns it has.
+    pub(crate) has: [bool; N],
     pub(crate) rows: Vec<[f64; N]>,
     lines: Vec<u64>,
 }
@@ -148,6 +150,7 @@ impl<const N: usize> Columns<N> {
         Ok(Table {
             name: name.to_owned(),
             heading_line,
+            has: places.map(|place| place.is_some()),
             rows,
             lines,
         })

@@ -1,7 +1,7 @@
 //! A case file and its overrides, resolved into a [`Case`].
 
 use crate::case::{Case, PillarsOrigin, Spacing};
-use crate::columns::TableError;
+use crate::columns::{Table, TableError};
 use crate::entries::{
     Entries, Entry, NAME_IN_QUOTES, Value, accepted, ambiguous_key, kind_name, one_of,
     override_value, table_for_key, unknown_key,
@@ -10,7 +10,7 @@ use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting, is_table};
 use crate::parts::{Parts, ShapeForm, TRUE_OR_FALSE, TextureArrangement, TextureParts};
-use crate::pillars::read_pillars;
+use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
 use crate::row::{Field, Presence, Range};
 use crate::table::Part;
@@ -242,12 +242,13 @@ impl CaseFile {
         self.refuse_rounded()?;
         let texture = &parts.texture;
         let spacing = self.spacing(texture)?;
-        let pillar = texture.pillar;
+        let mut pillar = texture.pillar;
         let pitch = spacing.pitch(texture.arrangement, pillar.diameter);
         let (arrangement, pillars) = match texture.plane_lattice(pitch) {
             Some(lattice) => (Arrangement::from(lattice), None),
             None => {
                 let (list, origin) = self.listed_pillars(texture)?;
+                pillar = common_pillar(pillar, &list);
                 (Arrangement::from(list), Some(origin))
             }
         };
@@ -321,18 +322,50 @@ impl CaseFile {
             .accepted("a table next to the case file, of columns x_m, y_m, height_m and diameter_m")
     }
 
-    /// The pillars of a table next to the case file, or in the current folder if an override named it.
+    /// Refuses a height or a diameter of pillars that cannot be.
+    pub(crate) fn check_common_pillar(&self) -> Result<(), CaseError> {
+        for key in [Key::PillarHeight, Key::PillarDiameter] {
+            if let Some(value) = self.given(key)? {
+                self.check_range(key, value)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The table of pillars next to the case file, or in the current folder if an override named it, and its path. It has a height for every
+    /// pillar, and a diameter if tops are flat.
+    pub(crate) fn pillar_table(
+        &self,
+        texture: &TextureParts,
+    ) -> Result<(Table<4>, PathBuf), CaseError> {
+        let path = self.named_file(Key::Pillars, &texture.pillars);
+        let table = read_pillars(&path, &texture.pillar);
+        let table = table.map_err(|error| self.no_pillars(&error))?;
+        for (key, column) in [(Key::PillarHeight, HEIGHT), (Key::PillarDiameter, DIAMETER)] {
+            let is_needed = key == Key::PillarHeight || !self.is_rounded();
+            if is_needed && self.entry(key).is_none() && !table.has[column] {
+                return Err(self.missing(key).accepted(format!(
+                    "give it for all pillars, or a column {}_m in {}",
+                    key.name(),
+                    path.display()
+                )));
+            }
+        }
+        Ok((table, path))
+    }
+
+    /// The pillars of a table, or those that come from no file.
     fn listed_pillars(
         &self,
         texture: &TextureParts,
     ) -> Result<(PillarList, PillarsOrigin), CaseError> {
+        self.check_common_pillar()?;
         let axis = texture.axis;
         if let (Some(list), None) = (&self.pillars, self.entry(Key::Pillars)) {
             return Ok((list.seen_from(axis), PillarsOrigin { path: None, axis }));
         }
-        let path = self.named_file(Key::Pillars, &texture.pillars);
-        let list = read_pillars(&path, &texture.pillar);
-        let list = list.map_err(|error| self.no_pillars(&error))?;
+        let (table, path) = self.pillar_table(texture)?;
+        let list = listed(&table).map_err(|error| self.no_pillars(&error))?;
         // As it is found from everywhere.
         let path = Some(std::path::absolute(&path).unwrap_or(path));
         Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
@@ -587,6 +620,13 @@ impl CaseFile {
             Presence::Required if key == Key::LensProfile && self.profile.is_some() => Ok(()),
             // A rounded top may be an asperity of the half-space itself.
             Presence::Required if key == Key::PillarDiameter && self.is_rounded() => Ok(()),
+            // Listed pillars may each have their own.
+            Presence::Required
+                if key.is_of_listed_pillars()
+                    && parts.texture.arrangement == TextureArrangement::Listed =>
+            {
+                Ok(())
+            }
             Presence::Required => Err(self.missing(key)),
             // The file may state it.
             Presence::OneOf(_) if key.part() == Part::HeightMap => Ok(()),

@@ -125,6 +125,11 @@ impl Key {
         )
     }
 
+    /// Whether a table of pillars may have it of every pillar, so that it need not be given.
+    pub(crate) fn is_of_listed_pillars(self) -> bool {
+        matches!(self, Self::PillarHeight | Self::PillarDiameter)
+    }
+
     /// What kind of value it takes.
     #[must_use]
     pub fn kind(self) -> Kind {

@@ -11,21 +11,54 @@ const COLUMNS: Columns<4> = Columns {
     told: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m",
 };
 
+/// Where a table of pillars has their heights and diameters.
+pub(crate) const HEIGHT: usize = 2;
+pub(crate) const DIAMETER: usize = 3;
+
 /// Reads a table of pillars: values separated by commas under a line with the names of the columns, `x_m` and `y_m`, and optionally
 /// `height_m` and `diameter_m` (m), which are those of the common pillar where they are not given. Lines that begin with `#` are left out.
 ///
 /// # Errors
-/// A file that cannot be read, columns that are not known or missing, values that are no numbers, and pillars that cannot stand so,
-/// with the line.
-pub(crate) fn read_pillars(path: &Path, common: &Pillar) -> Result<PillarList, TableError> {
-    listed(&COLUMNS.read(path, otherwise(common))?)
+/// A file that cannot be read, columns that are not known or missing, and values that are no numbers, with the line.
+pub(crate) fn read_pillars(path: &Path, common: &Pillar) -> Result<Table<4>, TableError> {
+    COLUMNS.read(path, otherwise(common))
 }
 
 fn otherwise(common: &Pillar) -> [f64; 4] {
     [f64::NAN, f64::NAN, common.height, common.diameter]
 }
 
-fn listed(table: &Table<4>) -> Result<PillarList, TableError> {
+/// The common pillar of a list: where its height is not given that of the highest one, and where its diameter is not given the mean.
+pub(crate) fn common_pillar(given: Pillar, list: &PillarList) -> Pillar {
+    let pillars = list.pillars();
+    let highest = || {
+        pillars
+            .iter()
+            .map(|pillar| pillar.height)
+            .fold(0.0, f64::max)
+    };
+    let mean = || {
+        // From the first, so that equal diameters have themselves as their mean, to the bit.
+        let first = pillars[0].diameter;
+        let excess = pillars.iter().map(|pillar| pillar.diameter - first);
+        first + excess.sum::<f64>() / pillars.len() as f64
+    };
+    let or = |value: f64, otherwise: &dyn Fn() -> f64| match value.is_nan() {
+        true => otherwise(),
+        false => value,
+    };
+    Pillar {
+        height: or(given.height, &highest),
+        diameter: or(given.diameter, &mean),
+        ..given
+    }
+}
+
+/// The pillars of a table.
+///
+/// # Errors
+/// Pillars that cannot stand so, with the line.
+pub(crate) fn listed(table: &Table<4>) -> Result<PillarList, TableError> {
     let pillar = |[x, y, height, diameter]: &[f64; 4]| ListedPillar {
         centre: [*x, *y],
         height: *height,
@@ -75,11 +108,8 @@ pub(crate) fn overlap(
     table.wrong(Some(other), problem)
 }
 
-/// Reads x, y, height and diameter (m) of pillars with rounded tops, of which some may have no diameter. The common height and diameter are those of
-/// pillars of which the table does not say it.
-pub(crate) fn read_rounded(path: &Path, common: [f64; 2]) -> Result<Table<4>, TableError> {
-    let [height, diameter] = common;
-    let table = COLUMNS.read(path, [f64::NAN, f64::NAN, height, diameter])?;
+/// Refuses what rounded tops cannot have: some may have no diameter.
+pub(crate) fn check_rounded(table: &Table<4>) -> Result<(), TableError> {
     if table.rows.is_empty() {
         return Err(table.wrong(None, InvalidPillars::Empty.to_string()));
     }
@@ -96,7 +126,7 @@ pub(crate) fn read_rounded(path: &Path, common: [f64; 2]) -> Result<Table<4>, Ta
             }
         }
     }
-    Ok(table)
+    Ok(())
 }
 
 #[cfg(test)]

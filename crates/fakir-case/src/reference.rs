@@ -48,6 +48,12 @@ fn value(key: Key) -> String {
 /// When a key must be given, and what holds otherwise.
 fn presence(key: Key) -> String {
     let presence = match key.row().presence {
+        Presence::Required if key.is_of_listed_pillars() => {
+            format!(
+                "required, unless a table of pillars has a column `{}_m`",
+                key.name()
+            )
+        }
         Presence::Required => "required".to_owned(),
         Presence::Default => key.default().map_or_else(String::new, |value| {
             format!("default `{}`", key.written(&value))

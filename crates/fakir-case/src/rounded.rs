@@ -1,12 +1,11 @@
 //! Cases whose pillars have rounded tops.
 
 use crate::case::{Spacing, write_toml};
-use crate::columns::Table;
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
 use crate::parts::{MethodName, Parts, ShapeForm};
-use crate::pillars::{overlap, read_rounded};
+use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
     Accuracy, Cap, CapField, Indenter, InvalidCaps, Material, PillarCompliance, Point,
@@ -204,16 +203,12 @@ impl CaseFile {
         if !self.is_rounded() {
             return Err(self.missing(Key::TopRadius));
         }
-        for key in [Key::PillarHeight, Key::PillarDiameter] {
-            if let Some(value) = self.given(key)? {
-                self.check_range(key, value)?;
-            }
-        }
+        self.check_common_pillar()?;
         self.refuse_with_rounded(&parts)?;
         let top_radius = parts.texture.top_radius;
-        let cap = |[x, y, height, diameter]: [f64; 4]| Cap {
+        let cap = |[x, y, height, diameter]: [f64; 4], common: f64| Cap {
             apex: [x, y],
-            raised: height - pillar.height,
+            raised: height - common,
             top_radius,
             rim_radius: (!diameter.is_nan()).then_some(0.5 * diameter),
             column_compliance: column_compliance(
@@ -227,36 +222,47 @@ impl CaseFile {
             ShapeForm::Plate => Indenter::Flat(Some(parts.lens.material)),
             _ => Indenter::Lens(parts.lens),
         };
-        let field = |pillars: &[[f64; 4]]| {
-            let caps = pillars.iter().map(|values| cap(*values)).collect();
-            CapField::new(indenter, parts.substrate, caps)
+        let field = |pillars: &[[f64; 4]], common: f64| {
+            let caps = pillars.iter().map(|values| cap(*values, common));
+            CapField::new(indenter, parts.substrate, caps.collect())
         };
-        let field = match self.lattice_pillars(&parts)? {
+        let (field, height) = match self.lattice_pillars(&parts)? {
             Some(pillars) => {
                 self.check_number(Key::Columns, pillars.len())?;
-                field(&pillars).map_err(|invalid| self.no_caps(&invalid))?
+                let field = field(&pillars, pillar.height);
+                (
+                    field.map_err(|invalid| self.no_caps(&invalid))?,
+                    pillar.height,
+                )
             }
             None => {
-                let table = self.pillar_table(&parts)?;
+                let (table, _) = self.pillar_table(&parts.texture)?;
+                check_rounded(&table).map_err(|error| self.no_pillars(&error))?;
+                let height = match pillar.height {
+                    given if given.is_finite() => given,
+                    _ => table.rows.iter().map(|row| row[HEIGHT]).fold(0.0, f64::max),
+                };
                 self.check_number(Key::Pillars, table.rows.len())?;
                 let [x, y] = parts.texture.axis;
                 let moved = table.rows.iter();
                 let moved =
                     moved.map(|[a, b, height, diameter]| [a - x, b - y, *height, *diameter]);
-                field(&moved.collect::<Vec<_>>()).map_err(|invalid| match invalid {
+                let field = field(&moved.collect::<Vec<_>>(), height);
+                let field = field.map_err(|invalid| match invalid {
                     InvalidCaps::TooClose {
                         caps,
                         distance,
                         least,
                     } => self.no_pillars(&overlap(&table, caps, distance, least)),
                     other => self.no_caps(&other),
-                })?
+                })?;
+                (field, height)
             }
         };
         Ok(RoundedCase {
             field,
             accuracy: parts.method.accuracy,
-            height: pillar.height,
+            height,
             compliance: pillar.compliance,
             settings: self.settings(parts),
         })
@@ -386,12 +392,6 @@ impl CaseFile {
         }
         self.check_number(Key::Columns, usize::MAX)?;
         Ok(None)
-    }
-
-    fn pillar_table(&self, parts: &Parts) -> Result<Table<4>, CaseError> {
-        let path = self.named_file(Key::Pillars, &parts.texture.pillars);
-        let common = [parts.texture.pillar.height, parts.texture.pillar.diameter];
-        read_rounded(&path, common).map_err(|error| self.no_pillars(&error))
     }
 
     /// Refuses more pillars than are solved together.

@@ -293,3 +293,70 @@ proptest! {
         prop_assert_eq!(parse(&by_system.to_toml()), by_system);
     }
 }
+
+/// A table that has a height and a diameter for every pillar needs no common ones: indentations count from the highest pillar, and results
+/// are reduced by the mean diameter.
+#[test]
+fn a_table_of_whole_pillars_needs_no_common_one() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let read = |case: &str| {
+        write("case.toml", case);
+        CaseFile::read(&folder.path().join("case.toml")).unwrap()
+    };
+    let bodies = "lens = { radius = 2e-3, young_modulus = 2e6, poisson_ratio = 0.5 }\n\
+                  substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }\n";
+    let listed = format!("{bodies}texture = {{ pillars = \"pillars.csv\" }}\n");
+    let rounded = format!("{bodies}texture = {{ pillars = \"pillars.csv\", top_radius = 1e-5 }}\n");
+
+    write(
+        "pillars.csv",
+        "x_m,y_m,height_m,diameter_m\n0,0,2e-6,6e-6\n2e-5,0,2.2e-6,4e-6\n",
+    );
+    let case = read(&listed).case().unwrap();
+    assert_eq!(case.system.pillar().height, 2.2e-6);
+    assert!((case.system.pillar().diameter / 5e-6 - 1.0).abs() < 1e-15);
+    assert_eq!(parse(&case.to_toml()), case);
+    let case = read(&rounded).rounded_case().unwrap();
+    assert_eq!(case.height, 2.2e-6);
+    assert_eq!(case.heights(), [2e-6, 2.2e-6]);
+    // What is given counts, and has to be possible.
+    let given = |setting: &str| {
+        let mut file = read(&listed);
+        file.set(setting).unwrap();
+        file.case()
+    };
+    assert_eq!(
+        given("texture.pillar.height=3um")
+            .unwrap()
+            .system
+            .pillar()
+            .height,
+        3e-6
+    );
+    let wrong = given("texture.pillar.diameter=nan").unwrap_err();
+    assert_eq!(wrong.key_path(), Some("texture.pillar.diameter"));
+
+    // Equal diameters are the common one to the bit, as layers and adhesion take it.
+    let rows = (0..7).map(|k| format!("{k}e-5,0,1e-6,{:e}\n", 0.1e-6 * 3.0));
+    let rows = rows.collect::<String>();
+    write(
+        "pillars.csv",
+        &format!("x_m,y_m,height_m,diameter_m\n{rows}"),
+    );
+    let case = read(&listed).case().unwrap();
+    assert_eq!(case.system.pillar().diameter, 0.1e-6 * 3.0);
+
+    // A column that is not there is asked for, with what would do.
+    write("pillars.csv", "x_m,y_m,height_m\n0,0,2e-6\n");
+    let told = read(&listed).case().unwrap_err().one_line();
+    assert!(
+        told.contains("texture.pillar.diameter: this key is missing"),
+        "{told}"
+    );
+    assert!(told.contains("a column diameter_m in "), "{told}");
+    assert!(read(&rounded).rounded_case().is_ok());
+    write("pillars.csv", "x_m,y_m,diameter_m\n0,0,2e-6\n");
+    let told = read(&rounded).rounded_case().unwrap_err().one_line();
+    assert!(told.contains("a column height_m in "), "{told}");
+}
