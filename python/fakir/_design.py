@@ -363,7 +363,7 @@ def spread(
     force_at
         Indentations (m) at which the force on every sample is told too.
 
-    Every sample of a lattice with a ``height_spread`` or ``missing`` pillars draws its own pillars; ``seed`` of the
+    Every sample of a lattice with a ``height_standard_deviation`` or ``missing`` pillars draws its own pillars; ``seed`` of the
     texture is then not used.
     """
     if landing not in {"anywhere", "as_given"}:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike, fspath
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 Method = Literal["spectral", "love", "punch", "homogenised"]
 Overrides = Mapping[str, Quantity]
+
+_RENAMED_SPREAD = "height_spread is now called height_standard_deviation"
 
 
 def _set_material(body: object, keys: str, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
@@ -337,7 +340,7 @@ class _LatticeTexture:
     offset_angle: float
     rotation: float
     columns: int | None
-    height_spread: float
+    height_standard_deviation: float
     missing: float
     seed: int
     compliance: Literal["column", "elastic", "none"]
@@ -374,11 +377,28 @@ class _LatticeTexture:
         put("offset_angle", si(options.get("offset_angle", 0.0), "angle", "texture.offset_angle"))
         put("rotation", si(options.get("rotation", 0.0), "angle", "texture.rotation"))
         put("columns", options.get("columns"))
-        spread = options.get("height_spread", 0.0)
-        put("height_spread", si(spread, "fraction", "texture.height_spread"))
+        deviation = options.get("height_standard_deviation", 0.0)
+        if "height_spread" in options:
+            if "height_standard_deviation" in options:
+                raise TypeError(
+                    "height_spread is the older name of height_standard_deviation: "
+                    "give only height_standard_deviation"
+                )
+            warnings.warn(_RENAMED_SPREAD, FutureWarning, stacklevel=3)
+            deviation = options["height_spread"]
+        put(
+            "height_standard_deviation",
+            si(deviation, "fraction", "texture.height_standard_deviation"),
+        )
         put("missing", si(options.get("missing", 0.0), "fraction", "texture.missing"))
         put("seed", options.get("seed", 0))
         put("compliance", options.get("compliance", "column"))
+
+    @property
+    def height_spread(self) -> float:
+        """Deprecated name of ``height_standard_deviation``."""
+        warnings.warn(_RENAMED_SPREAD, FutureWarning, stacklevel=2)
+        return self.height_standard_deviation
 
     def _numbers(self) -> list[tuple[str, float | None]]:
         return [
@@ -390,7 +410,7 @@ class _LatticeTexture:
             ("texture.offset_angle", self.offset_angle),
             ("texture.rotation", self.rotation),
             ("texture.columns", self.columns),
-            ("texture.height_spread", self.height_spread),
+            ("texture.height_standard_deviation", self.height_standard_deviation),
             ("texture.missing", self.missing),
             ("texture.seed", self.seed),
         ]
@@ -407,8 +427,10 @@ class LatticeOptions(TypedDict, total=False):
     """By which the lattice is turned about the lens axis, anticlockwise (rad)."""
     columns: int | None
     """Pillars along each side of a finite lattice; without it the lattice has no end."""
-    height_spread: Quantity
+    height_standard_deviation: Quantity
     """Standard deviation of the heights over the height, up to 0.2: every pillar has its own."""
+    height_spread: Quantity
+    """Deprecated name of ``height_standard_deviation``."""
     missing: Quantity
     """Probability that a pillar is missing."""
     seed: int
@@ -433,9 +455,9 @@ class HexagonalTexture(_LatticeTexture):
         Distance of neighbouring pillars (m), or the fraction of the surface that is pillar top:
         exactly one of them.
     **options
-        `LatticeOptions`: ``offset``, ``offset_angle``, ``rotation``, ``columns``, ``height_spread``,
-        ``missing``, ``seed``, ``compliance``. The paper's texture has none of ``rotation`` to ``seed``; all methods,
-        floor contact and adhesion are for that one.
+        `LatticeOptions`: ``offset``, ``offset_angle``, ``rotation``, ``columns``,
+        ``height_standard_deviation``, ``missing``, ``seed``, ``compliance``. The paper's texture has none of
+        ``rotation`` to ``seed``; all methods, floor contact and adhesion are for that one.
     """
 
     _lattice = "hexagonal"
@@ -808,7 +830,7 @@ class System:
             "offset_angle": values["texture.offset_angle"],
             "rotation": values.get("texture.rotation", 0.0),
             "columns": None if columns is None else int(columns),
-            "height_spread": values.get("texture.height_spread", 0.0),
+            "height_standard_deviation": values.get("texture.height_standard_deviation", 0.0),
             "missing": values.get("texture.missing", 0.0),
             "seed": int(values.get("texture.seed", 0)),
             "compliance": compliance,

@@ -59,7 +59,7 @@ def test_a_square_lattice_with_scatter(explore, tmp_path):
     square = page.results()
     assert square != hexagonal
     page.enter("texture.missing", "0.1")
-    page.enter("texture.height_spread", "0.03")
+    page.enter("texture.height_standard_deviation", "0.03")
     page.enter("texture.seed", "5")
     found = page.results()
     assert found != square
@@ -73,7 +73,7 @@ def test_a_square_lattice_with_scatter(explore, tmp_path):
     assert float(found[0]) == pytest.approx(scale * force, rel=1e-3)
     assert "fakir.SquareTexture(" in page.text("python")
     page.page.select_option("#texture-lattice", "hexagonal")
-    for key in ("missing", "height_spread", "seed"):
+    for key in ("missing", "height_standard_deviation", "seed"):
         page.enter(f"texture.{key}", "0")
     assert page.results() == hexagonal
 

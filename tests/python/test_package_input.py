@@ -166,6 +166,22 @@ def test_older_names_of_arguments_are_told():
         fakir.design(system(), "pitch", force="50 uN", critical_force="50 uN")
 
 
+def test_older_names_of_the_scatter_of_heights_are_told():
+    def square(**options):
+        return fakir.SquareTexture("6 um", "2.2 um", pitch="20 um", **options)
+
+    newer = square(height_standard_deviation="3 %")
+    with pytest.warns(FutureWarning, match="height_spread is now called height_standard_deviation"):
+        assert square(height_spread="3 %") == newer
+    with pytest.warns(FutureWarning, match="height_spread is now called"):
+        assert newer.height_spread == 0.03
+    with pytest.raises(TypeError, match="give only height_standard_deviation"):
+        square(height_spread=0.03, height_standard_deviation=0.03)
+    with pytest.warns(FutureWarning, match="use texture.height_standard_deviation"):
+        older = system().replace({"texture.height_spread": 0.03})
+    assert older == system().replace({"texture.height_standard_deviation": 0.03})
+
+
 def test_pillars_without_a_reference_count_from_the_highest():
     x = np.arange(7) * 1e-5
     pillars = fakir.Pillars(x, 0.0 * x, 1e-6, 0.1e-6 * 3.0)

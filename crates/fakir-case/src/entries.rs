@@ -1,9 +1,10 @@
 //! A TOML document as a flat list of known keys, each with the place it was set.
 
 use crate::error::{CaseError, Place, Source};
+use crate::file::both_given;
 use crate::key::{Key, Kind, Setting, is_table, join, names_in, similar};
 use crate::unit::parse_quantity;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeFloat, DeInteger, DeString, DeTable, DeValue};
@@ -51,6 +52,8 @@ pub(crate) struct Entries {
     pub(crate) keys: BTreeMap<Key, Entry>,
     /// Where the header of each table stands, to point at when a key is missing.
     pub(crate) tables: BTreeMap<String, Place>,
+    /// Keys that were given by a deprecated path.
+    pub(crate) former: BTreeSet<Key>,
 }
 
 impl Entries {
@@ -97,7 +100,16 @@ impl Entries {
                 value: plain_value(value.get_ref()),
                 place: place(value.span()),
             };
-            self.keys.insert(key, entry);
+            if path != key.path() {
+                self.former.insert(key);
+            }
+            if let Some(first) = self.keys.insert(key, entry.clone()) {
+                let names = [key.path(), key.former().unwrap_or_default()];
+                let [a, b] = [(names[0], &first.place), (names[1], &entry.place)];
+                return Err(both_given(a, b, key.table()).accepted(format!(
+                    "give {key} alone: the other is its deprecated name"
+                )));
+            }
             return Ok(());
         }
         if STUDY_TABLES.contains(&path) {

@@ -172,6 +172,9 @@ impl CaseFile {
             [] => return Err(unknown_key(&place(0, path), name)),
             ref several => return Err(ambiguous_key(&place(0, path), name, several)),
         };
+        if key.former() == Some(name) {
+            self.entries.former.insert(key);
+        }
         let value = override_value(text.trim());
         for other in replaced_by(key, &value) {
             self.entries

@@ -32,7 +32,7 @@ pub(crate) static IDLE: [Idle; 8] = [
             let scatter = parts.texture.disorder;
             scatter.height_spread == 0.0 && scatter.missing == 0.0
         },
-        reason: "nothing is random: texture.height_spread and texture.missing are 0",
+        reason: "nothing is random: texture.height_standard_deviation and texture.missing are 0",
     },
     Idle {
         key: Key::PillarCompliance,
@@ -58,10 +58,10 @@ pub(crate) static IDLE: [Idle; 8] = [
         holds: |parts| {
             let surface = &parts.surface;
             surface.placement != Placement::Random
-                && surface.height_spread == 0.0
+                && surface.height_half_width == 0.0
                 && surface.missing == 0.0
         },
-        reason: "nothing is random: surface.arrangement is a lattice, surface.height_spread and surface.missing are 0",
+        reason: "nothing is random: surface.arrangement is a lattice, surface.height_half_width and surface.missing are 0",
     },
     Idle {
         key: Key::Orientation,
@@ -91,12 +91,21 @@ impl CaseFile {
         Ok(idle)
     }
 
-    /// What to be careful about in the case as it is written: keys without effect. None of a case that is refused.
+    /// Deprecated names that were used, with the names that replace them.
+    #[must_use]
+    pub fn deprecations(&self) -> Vec<String> {
+        let used = self.entries.former.iter();
+        let named = used.filter_map(|key| Some((key.former()?, key)));
+        named
+            .map(|(former, key)| format!("{former} is deprecated: use {key}"))
+            .collect()
+    }
+
+    /// What to be careful about in the case as it is written: deprecated names, and keys without effect unless it is refused.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let idle = self.without_effect().unwrap_or_default();
-        let told = idle.into_iter();
-        told.map(|(key, reason)| format!("{key} has no effect: {reason}"))
-            .collect()
+        let idle = self.without_effect().unwrap_or_default().into_iter();
+        let idle = idle.map(|(key, reason)| format!("{key} has no effect: {reason}"));
+        self.deprecations().into_iter().chain(idle).collect()
     }
 }

@@ -54,10 +54,17 @@ impl Key {
         self.entry().1
     }
 
-    /// The key named by `path`.
+    /// The key named by `path`, which may be a [former](Self::former) one.
     #[must_use]
     pub fn at(path: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|key| key.path() == path)
+        let mut keys = Self::ALL.into_iter();
+        keys.find(|key| key.path() == path || key.former() == Some(path))
+    }
+
+    /// The deprecated path of the key, which is still accepted with a warning.
+    #[must_use]
+    pub fn former(self) -> Option<&'static str> {
+        self.row().former
     }
 
     /// The keys that `name` can stand for: the one of that path, or those of that last name among the keys of a case with a general
@@ -121,7 +128,10 @@ impl Key {
     pub(crate) fn is_of_scatter(self) -> bool {
         matches!(
             self,
-            Self::Rotation | Self::TextureHeightSpread | Self::TextureMissing | Self::TextureSeed
+            Self::Rotation
+                | Self::HeightStandardDeviation
+                | Self::TextureMissing
+                | Self::TextureSeed
         )
     }
 
@@ -417,6 +427,7 @@ mod tests {
     fn every_key_is_found_by_its_path() {
         for key in Key::ALL {
             assert_eq!(Key::at(key.path()), Some(key));
+            assert!(key.former().is_none_or(|path| Key::at(path) == Some(key)));
             assert!(is_table(key.table()));
             assert!(names_in(key.table()).contains(&key.name()));
         }

@@ -19,6 +19,8 @@ pub(crate) struct Row {
     pub(crate) symbol: Option<&'static str>,
     /// The usual numbers, from the first to the second, in SI units.
     pub(crate) usual: Option<[f64; 2]>,
+    /// The path that it had before, which is still accepted.
+    pub(crate) former: Option<&'static str>,
     /// What kind of value it has, which values are allowed, and where the value belongs.
     pub(crate) field: Field,
     /// Whether it must be given.
@@ -174,6 +176,7 @@ impl Row {
             label: None,
             symbol: None,
             usual: None,
+            former: None,
             field,
             presence: Presence::Required,
             goes_with: None,
@@ -233,6 +236,12 @@ impl Row {
     /// The usual numbers, in SI units, where the allowed ones go much further.
     pub(super) const fn usual(mut self, first: f64, last: f64) -> Self {
         self.usual = Some([first, last]);
+        self
+    }
+
+    /// It had this path before.
+    pub(super) const fn formerly(mut self, path: &'static str) -> Self {
+        self.former = Some(path);
         self
     }
 

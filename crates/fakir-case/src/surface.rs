@@ -403,7 +403,7 @@ impl CaseFile {
     fn pattern(&self, parts: &Parts) -> Result<Pattern, CaseError> {
         let SurfaceParts {
             missing,
-            height_spread,
+            height_half_width,
             seed,
             ..
         } = parts.surface;
@@ -412,7 +412,7 @@ impl CaseFile {
             pillar,
             arrangement: self.arrangement(&parts.surface, &pillar.cross_section)?,
             missing,
-            height_spread,
+            height_half_width,
             seed: seed as u64,
         };
         pattern

@@ -172,9 +172,9 @@ keys! {
         Columns = "texture.columns" is
             number("pillars along each side of a finite lattice", |p| &mut p.texture.columns)
                 .range(Range::Whole(1, 10_000)).otherwise("the lattice has no end").with(Key::Lattice, PLANE_LATTICES);
-        TextureHeightSpread = "texture.height_spread" is
-            fraction("standard deviation of the heights of pillars over the height", |p| &mut p.texture.disorder.height_spread)
-                .label("height spread").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
+        HeightStandardDeviation = "texture.height_standard_deviation" is
+            fraction("standard deviation of the heights of pillars, which are normally distributed, over the height", |p| &mut p.texture.disorder.height_spread)
+                .formerly("texture.height_spread").label("standard deviation of heights").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::HeightSpread);
         TextureMissing = "texture.missing" is
             fraction("probability that a pillar is missing", |p| &mut p.texture.disorder.missing)
@@ -254,9 +254,9 @@ keys! {
         Missing = "surface.missing" is
             fraction("part of the pillars that are missing", |p| &mut p.surface.missing)
                 .range(FRACTION).optional().of_pattern(Q::Missing);
-        HeightSpread = "surface.height_spread" is
-            fraction("relative variation of the heights of pillars", |p| &mut p.surface.height_spread)
-                .range(FRACTION).optional().of_pattern(Q::HeightSpread);
+        HeightHalfWidth = "surface.height_half_width" is
+            fraction("half-width of the heights of pillars, which are uniformly distributed, over the height", |p| &mut p.surface.height_half_width)
+                .formerly("surface.height_spread").range(FRACTION).optional().of_pattern(Q::HeightHalfWidth);
         // The whole numbers that a number in a case file holds exactly.
         Seed = "surface.seed" is
             number("whole number that decides what is random", |p| &mut p.surface.seed)

@@ -130,7 +130,7 @@ fn arguments(case: &Case, table: &str) -> String {
         Key::Lattice => false,
         Key::Rotation
         | Key::Columns
-        | Key::TextureHeightSpread
+        | Key::HeightStandardDeviation
         | Key::TextureMissing
         | Key::TextureSeed => case.value(*key) != plain.value(*key),
         key => is_on_page(*key),

@@ -764,7 +764,7 @@ mod tests {
         file.set_number(Key::SurfaceFraction, 0.03);
         file.set_number(Key::Offset, 0.3);
         file.set_number(Key::OffsetAngle, 0.35);
-        file.set_number(Key::TextureHeightSpread, height_spread);
+        file.set_number(Key::HeightStandardDeviation, height_spread);
         file.set_number(Key::TextureMissing, missing);
         file
     }

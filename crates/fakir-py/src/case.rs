@@ -1,6 +1,6 @@
 //! A system and a method: what a case file describes.
 
-use crate::error::{PYTHON, case_error, value_error};
+use crate::error::{PYTHON, case_error, value_error, warn_of_deprecations};
 use crate::surface::Surface;
 use fakir::problem::{Arrangement, ListedPillar, PillarList};
 use fakir_case::unit::{Dimension, parse_argument};
@@ -107,6 +107,7 @@ impl Case {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
         let case = file.case().map_err(|error| case_error(&error))?;
+        warn_of_deprecations(&file)?;
         Ok(Self { case })
     }
 

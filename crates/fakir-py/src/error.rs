@@ -1,6 +1,7 @@
 //! Errors of the libraries as exceptions of `fakir.errors`, with the same words.
 
 use fakir::state::SolveError;
+use fakir_case::CaseFile;
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::FitError;
 use fakir_inverse::heights::HeightDesignError;
@@ -9,8 +10,9 @@ use fakir_inverse::spread::SpreadError;
 use fakir_study::StudyError;
 use fakir_study::approach::ApproachError;
 use fakir_study::surfaces::SurfaceVerifyError;
-use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::exceptions::{PyFutureWarning, PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
+use std::ffi::CString;
 
 mod exceptions {
     pyo3::import_exception!(fakir.errors, CaseError);
@@ -39,6 +41,18 @@ pub(crate) fn case_error(error: &fakir_case::CaseError) -> PyErr {
         place.map(|(_, column)| column),
         error.key_path().map(str::to_owned),
     ))
+}
+
+/// Warns the caller of the package, who is two calls up, of deprecated names in a file or in overrides.
+pub(crate) fn warn_of_deprecations(file: &CaseFile) -> PyResult<()> {
+    for text in file.deprecations() {
+        let text = CString::new(text).map_err(value_error)?;
+        Python::attach(|py| {
+            let category = py.get_type::<PyFutureWarning>();
+            PyErr::warn(py, &category, &text, 2)
+        })?;
+    }
+    Ok(())
 }
 
 /// Something given in Python that cannot be.

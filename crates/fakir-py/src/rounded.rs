@@ -1,6 +1,8 @@
 //! Pillars with rounded tops.
 
-use crate::error::{case_error, pillar_heights_error, solve_error, value_error};
+use crate::error::{
+    case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
+};
 use crate::state::load;
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
@@ -158,6 +160,7 @@ impl Rounded {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
         let case = file.rounded_case().map_err(|error| case_error(&error))?;
+        warn_of_deprecations(&file)?;
         Ok(Self { case })
     }
 }

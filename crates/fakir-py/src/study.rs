@@ -1,6 +1,6 @@
 //! Sweeps: studies, and the ledger their answers are kept in.
 
-use crate::error::{study_error, value_error};
+use crate::error::{study_error, value_error, warn_of_deprecations};
 use crate::watched::{check_signals, stoppable};
 use fakir::state::CancelToken;
 use fakir_case::StudyFile;
@@ -83,6 +83,7 @@ impl Study {
             let set = file.set(setting);
             set.map_err(|error| study_error(&error.into()))?;
         }
+        warn_of_deprecations(file.case())?;
         let study = file.study().map_err(|error| study_error(&error.into()))?;
         Ok(Self {
             study: Arc::new(study),

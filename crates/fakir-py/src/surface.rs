@@ -1,6 +1,9 @@
 //! A lens or a plate on a height map.
 
-use crate::error::{approach_error, case_error, solve_error, surface_verify_error, value_error};
+use crate::error::{
+    approach_error, case_error, solve_error, surface_verify_error, value_error,
+    warn_of_deprecations,
+};
 use crate::state::{control, load, path};
 use crate::watched::{Options, watched};
 use fakir::problem::{
@@ -365,6 +368,7 @@ impl Surface {
         let case = case.map_err(|error| case_error(&error))?;
         file.refuse_absurd_heights(&case)
             .map_err(|error| case_error(&error))?;
+        warn_of_deprecations(&file)?;
         Ok(Self {
             text: Some(case.to_toml()),
             system: case.system,

@@ -99,11 +99,11 @@ impl Variable {
 
     /// The variable of that path, or of that last name.
     pub(crate) fn named(name: &str, surface: bool) -> Result<Self, Unnamed> {
-        if let Some(variable) = Self::all(surface).find(|variable| variable.path() == name) {
+        if let Some(variable) = Self::all(surface).find(|variable| variable.is_at(name)) {
             return Ok(variable);
         }
         let namesakes: Vec<Self> = Self::all(surface)
-            .filter(|variable| variable.last_name() == name)
+            .filter(|variable| variable.last_name() == name || variable.former_name() == Some(name))
             .collect();
         let others: &[&str] = match surface {
             true => &["texture", "method"],
@@ -117,10 +117,25 @@ impl Variable {
         }
     }
 
-    fn last_name(self) -> &'static str {
-        let path = self.path();
-        path.rsplit_once('.').map_or(path, |(_, name)| name)
+    fn is_at(self, path: &str) -> bool {
+        self.path() == path || matches!(self, Self::Key(key) if key.former() == Some(path))
     }
+
+    /// The last part of its deprecated path.
+    pub(super) fn former_name(self) -> Option<&'static str> {
+        let Self::Key(key) = self else {
+            return None;
+        };
+        key.former().map(last_part)
+    }
+
+    fn last_name(self) -> &'static str {
+        last_part(self.path())
+    }
+}
+
+fn last_part(path: &'static str) -> &'static str {
+    path.rsplit_once('.').map_or(path, |(_, name)| name)
 }
 
 /// Why no variable has a name.

@@ -216,6 +216,12 @@ impl StudyFile {
         }
     }
 
+    /// The case that is varied.
+    #[must_use]
+    pub fn case(&self) -> &CaseFile {
+        &self.case
+    }
+
     /// The study that the file and its overrides describe, every case of it looked at.
     ///
     /// # Errors

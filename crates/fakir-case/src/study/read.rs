@@ -41,7 +41,7 @@ pub(super) fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseErro
         None => Settings::default(),
     };
     let entries = Entries::beside_study(source, document)?;
-    let case = match settings.case {
+    let mut case = match settings.case {
         None => CaseFile {
             source: source.clone(),
             entries,
@@ -61,6 +61,14 @@ pub(super) fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseErro
         ..reader
     };
     let varied = reader.axes(document)?;
+    for Varied { axis, name, .. } in &varied {
+        let written = &source.text()[name.span.clone()];
+        if let (Variable::Key(key), Some(former)) = (axis.variable, axis.variable.former_name())
+            && written.contains(former)
+        {
+            case.entries.former.insert(key);
+        }
+    }
     let file = StudyFile {
         source: source.clone(),
         case,

@@ -4,7 +4,7 @@
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use fakir_case::unit::Dimension;
-use fakir_case::{Case, CaseError, CaseFile, Key, Kind, Setting};
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind, Setting, StudyFile};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -221,6 +221,38 @@ fn numbers_without_a_unit_are_plausible_or_refused() {
         assert_eq!(given(format!("{wrong} {unit}")).unwrap(), Some(wrong));
     }
     assert!(judged > 35, "{judged}");
+}
+
+/// A deprecated path is the key in files, overrides and studies, and a warning names the new one.
+#[test]
+fn deprecated_names_are_accepted_with_a_warning() {
+    let warning = "texture.height_spread is deprecated: use texture.height_standard_deviation";
+    let example = Case::example().to_toml();
+    let with = |line: &str| example.replace("[texture]\n", &format!("[texture]\n{line}\n"));
+    let parse = |text: &str| CaseFile::parse("case.toml", text).unwrap();
+    let new = parse(&with("height_standard_deviation = 0.05"));
+    assert!(new.warnings().is_empty());
+    let old = parse(&with("height_spread = 0.05"));
+    assert_eq!(old.case().unwrap(), new.case().unwrap());
+    assert_eq!(old.warnings(), [warning]);
+    assert!(!old.case().unwrap().to_toml().contains("height_spread"));
+    let mut set = parse(&example);
+    set.set("texture.height_spread = 5 %").unwrap();
+    assert_eq!(set.case().unwrap(), new.case().unwrap());
+    assert_eq!(set.deprecations(), [warning]);
+    for name in ["\"texture.height_spread\"", "height_spread"] {
+        let axis = format!("[axes]\n{name} = [0.05, 0.1]\n{example}");
+        let study = StudyFile::parse("study.toml", &axis).unwrap();
+        assert_eq!(study.case().deprecations(), [warning]);
+        let study = study.study().unwrap();
+        assert_eq!(study.case(0).case.texture(), Some(&new.case().unwrap()));
+    }
+    let both = with("height_spread = 0.05\nheight_standard_deviation = 0.05");
+    let told = CaseFile::parse("case.toml", &both).unwrap_err().one_line();
+    assert!(
+        told.contains("texture.height_standard_deviation and texture.height_spread are both given"),
+        "{told}"
+    );
 }
 
 /// What changes nothing is named with the reason, unless it is the default, or counts.

@@ -80,7 +80,7 @@ fn every_form_top_and_arrangement() {
         "surface.pillar.compliance=none",
         "surface.pitch=15um",
         "surface.missing=0.1",
-        "surface.height_spread=0.2",
+        "surface.height_half_width=0.2",
         "surface.seed=7",
         "surface.grid.cells_per_diameter=8",
         "surface.floor=10nm",
@@ -106,7 +106,7 @@ fn every_form_top_and_arrangement() {
             offset_angle: 30f64.to_radians(),
         }),
         missing: 0.1,
-        height_spread: 0.2,
+        height_half_width: 0.2,
         seed: 7,
     };
     assert_eq!(pattern(&case), expected);

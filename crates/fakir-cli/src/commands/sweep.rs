@@ -115,6 +115,11 @@ fn read(arguments: &Sweep) -> Result<Study, Failure> {
     for argument in &arguments.set {
         file.set(argument)?;
     }
+    if !arguments.quiet {
+        for warning in file.case().deprecations() {
+            tell(&format!("warning: {warning}"));
+        }
+    }
     Ok(file.study()?)
 }
 

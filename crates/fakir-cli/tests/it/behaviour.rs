@@ -718,3 +718,29 @@ fn keys_without_effect_are_named() {
     assert!(told.is_empty() && without["case_warnings"].is_null());
     assert_eq!(without["force_N"], json["force_N"]);
 }
+
+/// The deprecated name of a key is accepted, and the new one is named.
+#[test]
+fn deprecated_names_of_keys_are_accepted() {
+    let bench = Bench::new();
+    let case = intermediate();
+    let ask = |name: &str| {
+        let set = format!("texture.{name}=1%");
+        let outcome = bench.run(&[
+            "press",
+            &case,
+            "--indentation=50nm",
+            "--set",
+            &set,
+            "--json",
+        ]);
+        assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+        let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+        (outcome.stderr, json["force_N"].clone())
+    };
+    let (told, force) = ask("height_spread");
+    let warning =
+        "warning: texture.height_spread is deprecated: use texture.height_standard_deviation\n";
+    assert_eq!(told, warning);
+    assert_eq!(ask("height_standard_deviation"), (String::new(), force));
+}

@@ -110,7 +110,7 @@ fn companions(key: Key, word: &str, folder: &Path) -> Vec<String> {
 /// What a key is tried with besides, so that it counts, or does not.
 fn contexts(key: Key) -> &'static [&'static [&'static str]] {
     match key {
-        Key::TextureSeed => &[&["texture.height_spread=0.1"]],
+        Key::TextureSeed => &[&["texture.height_standard_deviation=0.1"]],
         Key::OffsetAngle => &[&["texture.offset=0"]],
         Key::LensTiltDirection => &[&["lens.tilt=1deg"]],
         Key::PillarCompliance => &[&["texture.pillar.diameter=5um"]],
@@ -358,7 +358,7 @@ fn words_of(key: Key) -> Vec<String> {
     let stands_for = match key {
         Key::Rotation => "that is not turned",
         Key::Columns => "endless",
-        Key::TextureHeightSpread | Key::TextureMissing | Key::TextureSeed => "equal pillars",
+        Key::HeightStandardDeviation | Key::TextureMissing | Key::TextureSeed => "equal pillars",
         Key::WorkOfAdhesion => "adhesion is known",
         Key::RecedingWorkOfAdhesion => "adhesion.work",
         _ => key.path(),

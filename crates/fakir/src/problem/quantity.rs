@@ -131,7 +131,7 @@ impl fmt::Display for Quantity {
             Self::PitchY => "second pitch",
             Self::LatticeAngle => "angle of the lattice",
             Self::Rotation => "rotation",
-            Self::HeightSpread => "spread of the heights",
+            Self::HeightSpread => "standard deviation of the heights",
             Self::Missing => "share of missing pillars",
             Self::Columns => "number of columns",
             Self::Indentation => "indentation",

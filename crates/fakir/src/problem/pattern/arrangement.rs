@@ -63,8 +63,8 @@ pub struct Pattern {
     /// Fraction of the pillars that are missing; each is with this probability.
     pub missing: f64,
     /// Relative variation of heights: those of the pillars are spread evenly between
-    /// `1 - height_spread` and `1 + height_spread` times the height.
-    pub height_spread: f64,
+    /// `1 - height_half_width` and `1 + height_half_width` times the height.
+    pub height_half_width: f64,
     /// Decides everything that is random.
     pub seed: u64,
 }
@@ -77,7 +77,7 @@ impl Pattern {
             pillar,
             arrangement,
             missing: 0.0,
-            height_spread: 0.0,
+            height_half_width: 0.0,
             seed: 0,
         }
     }
@@ -165,7 +165,7 @@ impl Pattern {
             if random.uniform() < self.missing {
                 continue;
             }
-            let spread = self.height_spread * (2.0 * random.uniform() - 1.0);
+            let spread = self.height_half_width * (2.0 * random.uniform() - 1.0);
             let height = self.pillar.height * (1.0 + spread);
             let compliance = match self.pillar.compliance {
                 PillarCompliance::Column => {
@@ -210,8 +210,8 @@ impl Pattern {
             is_fraction(&self.missing),
             "from 0 to below 1",
         )?;
-        let spread = self.height_spread;
-        Q::HeightSpread.within(spread, is_fraction(&spread), "from 0 to below 1")?;
+        let spread = self.height_half_width;
+        Q::HeightHalfWidth.within(spread, is_fraction(&spread), "from 0 to below 1")?;
         self.pillar.check(spread)?;
         if self.pillar.compliance == PillarCompliance::Elastic {
             return Err(InvalidPattern::NotElastic);

@@ -37,7 +37,7 @@ pub enum PatternQuantity {
     /// Fraction of the pillars that are missing.
     Missing,
     /// Relative variation of heights.
-    HeightSpread,
+    HeightHalfWidth,
     /// Young's modulus of the substrate, Pa.
     YoungModulus,
 }
@@ -61,7 +61,7 @@ impl PatternQuantity {
             Self::SurfaceFraction => "surface fraction",
             Self::MinimumDistance => "minimum distance",
             Self::Missing => "fraction of missing pillars",
-            Self::HeightSpread => "spread of heights",
+            Self::HeightHalfWidth => "half-width of the heights",
             Self::YoungModulus => "Young's modulus of the substrate",
         }
     }

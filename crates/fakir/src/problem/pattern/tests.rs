@@ -154,7 +154,7 @@ fn symmetric_patterns_are_symmetric() {
 fn the_seed_decides_and_the_grid_does_not() {
     let pattern = Pattern {
         missing: 0.2,
-        height_spread: 0.1,
+        height_half_width: 0.1,
         seed: 11,
         ..Pattern::new(pillars()[0], hexagonal(9.0e-6))
     };
@@ -282,10 +282,10 @@ fn what_cannot_be_is_refused() {
         ),
         (
             Pattern {
-                height_spread: f64::NAN,
+                height_half_width: f64::NAN,
                 ..good
             },
-            Q::HeightSpread,
+            Q::HeightHalfWidth,
         ),
         (Pattern::new(circle, hexagonal(-1.0)), Q::Pitch),
         (with_top(Top::Cone { drop: 3.0e-6 }), Q::Drop),
@@ -340,7 +340,7 @@ proptest! {
         let arrangement = if on_square { square(pitch) } else { hexagonal(pitch) };
         let pattern = Pattern {
             missing,
-            height_spread: spread,
+            height_half_width: spread,
             seed,
             ..Pattern::new(pillars()[which], arrangement)
         };
