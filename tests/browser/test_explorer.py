@@ -281,6 +281,21 @@ def test_an_error_is_at_its_field_and_the_picture_stays(explore):
     assert page.results() == before
 
 
+def test_the_section_is_cut_by_its_frame(explore):
+    # Ten times as much exaggerated every height is ten times as far from the middle, outside of the picture too.
+    page = explore("#" + "&".join(paper(0.02)))
+    heights = []
+    for power in (1, 2):
+        page.slide("exaggeration", power)
+        outline = page.page.locator("#section path.outline").nth(1).get_attribute("d")
+        heights.append([float(place.split()[1]) for place in outline.removeprefix("M").split("L")])
+    size = page.page.locator("#section").bounding_box()["height"]
+    middle = 0.56 * size
+    assert min(heights[1]) < -2 * size
+    for once, tenfold in zip(*heights, strict=True):
+        assert tenfold - middle == pytest.approx(10 * (once - middle), abs=1)
+
+
 def test_an_address_that_is_entered_is_not_written_over(explore):
     """The page is told late of an address that was entered: after it would have put there what it shows itself."""
 

@@ -55,7 +55,7 @@ export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): v
   const [scale, ticks] = axes.linear ? [linear, evenTicks] : [logarithmic, decadeTicks];
   const across = scale(contents.x, frame.left, frame.right);
   const up = scale(contents.y, frame.bottom, frame.top);
-  const at = ([x, y]: Place): string => `${across(x).toFixed(1)} ${up(y).toFixed(1)}`;
+  const placed = ({ points }: Series): Place[] => points.map(([x, y]) => [across(x), up(y)]);
   const clip = `${svg.id}-frame`;
   const box = rectangle(frame.left, frame.top, frame.right, frame.bottom);
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -80,8 +80,8 @@ export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): v
   }
   for (const series of contents.series) {
     if (series.kind === "points") {
-      for (const point of series.points) {
-        const [cx, cy] = [across(point[0]).toFixed(1), up(point[1]).toFixed(1)];
+      for (const [x, y] of placed(series).filter(isPlace)) {
+        const [cx, cy] = [x.toFixed(1), y.toFixed(1)];
         inside.append(element("circle", { cx, cy, class: series.style, r: String(0.24 * em) }));
       }
     } else if (series.kind === "vertical") {
@@ -98,7 +98,7 @@ export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): v
       inside.append(path([...places].map((x) => `M${x} ${from}V${to}`).join(""), series.style));
     } else if (series.points.length > 0) {
       const close = series.kind === "area" ? "Z" : "";
-      inside.append(path(`M${series.points.map(at).join("L")}${close}`, series.style));
+      inside.append(path(`${through(placed(series))}${close}`, series.style));
     }
   }
   for (const { place, text: words, style } of contents.names ?? []) {
@@ -120,6 +120,23 @@ export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): v
   const clipping = element("clipPath", { id: clip });
   clipping.append(path(box, ""));
   svg.replaceChildren(clipping, grid, inside, path(box, "frame"), lettering);
+}
+
+/** Whether both axes have a place for a point: 0 is on no logarithmic one. */
+function isPlace(place: Place): boolean {
+  return place.every(Number.isFinite);
+}
+
+/** A path through the places, interrupted where there is none. */
+function through(places: readonly Place[]): string {
+  let step = "M";
+  return places
+    .map((place) => {
+      const drawn = isPlace(place) ? `${step}${place.map((value) => value.toFixed(1)).join(" ")}` : "";
+      step = drawn === "" ? "M" : "L";
+      return drawn;
+    })
+    .join("");
 }
 
 /** A number in words, as a power of ten where it would be long. */
@@ -157,7 +174,7 @@ function evenTicks([low, high]: Place, room: number): Tick[] {
 
 function logarithmic([low, high]: Place, first: number, last: number): (value: number) => number {
   const [start, length] = [Math.log(low), Math.log(high) - Math.log(low)];
-  return (value) => first + ((Math.log(Math.max(value, 1e-300)) - start) / length) * (last - first);
+  return (value) => first + ((Math.log(value) - start) / length) * (last - first);
 }
 
 interface Tick {

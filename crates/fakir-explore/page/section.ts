@@ -32,7 +32,8 @@ export function drawSection(state: State): void {
   const middle = (low + high) / 2;
   const place = (x: number, z: number): [string, string] => [
     ((x + half) * across).toFixed(1),
-    clamp(height * 0.56 - (z - middle) * up, height),
+    // What is above or below the picture is cut by its frame.
+    (height * 0.56 - (z - middle) * up).toFixed(1),
   ];
   const outline = (heights: readonly number[]): string =>
     section.x_m.map((x, k) => place(x, heights[k] ?? 0).join(" ")).join("L");
@@ -112,8 +113,4 @@ function span(section: Section, least: number): [number, number] {
   }
   const rest = Math.max(0, least - (high - low)) / 2;
   return [low - rest, high + rest];
-}
-
-function clamp(y: number, height: number): string {
-  return Math.min(height + 9, Math.max(-9, y)).toFixed(1);
 }

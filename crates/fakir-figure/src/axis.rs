@@ -11,6 +11,13 @@ pub enum Scale {
     Logarithmic,
 }
 
+impl Scale {
+    /// Whether an axis can show a value.
+    pub(crate) fn shows(self, value: f64) -> bool {
+        value.is_finite() && (self == Self::Linear || value > 0.0)
+    }
+}
+
 /// What is along one side of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
@@ -51,12 +58,15 @@ impl Axis {
         }
     }
 
+    /// The same axis over these values, with some room around.
+    pub(crate) fn around(self, values: impl Iterator<Item = f64>) -> Self {
+        let [first, last] = self.span(values).range;
+        self.over(first, last)
+    }
+
     /// The values shown on it: those asked for, or those of the data with some room around.
     pub(crate) fn span(&self, data: impl Iterator<Item = f64>) -> Span {
-        let shown = |value: &f64| match self.scale {
-            Scale::Linear => value.is_finite(),
-            Scale::Logarithmic => value.is_finite() && *value > 0.0,
-        };
+        let shown = |value: &f64| self.scale.shows(*value);
         let range = self
             .range
             .filter(|range| range.iter().all(shown) && range[0] < range[1]);

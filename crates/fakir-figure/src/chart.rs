@@ -83,10 +83,7 @@ impl Chart {
             label.rim = note.rim;
             data.push(Item::Label(label));
         }
-        let shades = Item::Clipped {
-            bounds: frame.bounds,
-            items: shades.collect(),
-        };
+        let shades = Item::clipped(frame.bounds, shades.collect());
         (vec![shades], data)
     }
 }

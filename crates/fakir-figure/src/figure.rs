@@ -159,8 +159,9 @@ impl Figure {
         labels
     }
 
-    /// What is wrong with its text: off the page, over other text or over data, too small to
-    /// read, or in characters that the font does not have. An empty list for a figure that is in order.
+    /// What is wrong with it: text that is off the page, over other text or over data, too small to
+    /// read, or in characters that the font does not have, and lines that are not clipped and leave the page. An empty list for a
+    /// figure that is in order.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let page = Bounds::new(0.0, 0.0, self.size[0], self.size[1]);
@@ -170,6 +171,14 @@ impl Figure {
             .filter_map(|label| Some((label, label.ink()?)))
             .collect();
         let mut faults = Vec::new();
+        for item in &self.items {
+            if let Item::Path { path, .. } = item {
+                let mut places = path.pieces.iter().flat_map(|piece| &piece.places);
+                if let Some(place) = places.find(|place| !page.contains(**place)) {
+                    faults.push(format!("a line leaves the page: {place:?}"));
+                }
+            }
+        }
         for (k, (label, ink)) in inked.iter().enumerate() {
             if !page.holds(ink) {
                 faults.push(format!("\"{}\" leaves the page: {ink:?}", label.text));
@@ -236,6 +245,7 @@ mod tests {
             (vec![label(10.0, 5.0)], "is too small"),
             (vec![label(10.0, 8.0), label(18.0, 8.0)], "is over"),
             (vec![line(28.0), label(10.0, 8.0)], "is crossed"),
+            (vec![line(51.0)], "a line leaves the page"),
         ] {
             let found = faults(items);
             assert!(found.len() == 1 && found[0].contains(fault), "{found:?}");

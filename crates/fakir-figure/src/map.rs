@@ -121,10 +121,7 @@ impl Window {
 
     /// The same items, of which only what is inside the window is seen.
     pub(crate) fn clipped(&self, items: Vec<Item>) -> Item {
-        Item::Clipped {
-            bounds: self.frame.bounds,
-            items,
-        }
+        Item::clipped(self.frame.bounds, items)
     }
 
     /// Border without ticks.

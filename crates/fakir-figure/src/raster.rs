@@ -178,7 +178,7 @@ fn outline(path: &Path) -> Option<tiny_skia::Path> {
     let mut builder = PathBuilder::new();
     for piece in &path.pieces {
         for (k, [x, y]) in piece.places.iter().enumerate() {
-            let (x, y) = (x.clamp(-1e5, 1e5) as f32, y.clamp(-1e5, 1e5) as f32);
+            let (x, y) = (*x as f32, *y as f32);
             if k == 0 {
                 builder.move_to(x, y);
             } else {

@@ -109,6 +109,24 @@ impl Path {
         }
     }
 
+    /// The path without what is outside of a box: lines end on its sides, polygons go along them.
+    fn within(&self, bounds: &Bounds) -> Self {
+        let mut path = Self::default();
+        for piece in &self.pieces {
+            if piece.closed {
+                path.pieces.push(Piece {
+                    places: polygon_within(&piece.places, bounds),
+                    closed: true,
+                });
+            } else {
+                for places in line_within(&piece.places, bounds) {
+                    path.push_line(places);
+                }
+            }
+        }
+        path
+    }
+
     pub(crate) fn push_line(&mut self, places: impl IntoIterator<Item = Place>) {
         self.pieces.push(Piece {
             places: places.into_iter().collect(),
@@ -220,7 +238,7 @@ pub(crate) enum Item {
         bounds: Bounds,
         pixels: Arc<Pixels>,
     },
-    /// Items of which only what is inside the box is seen.
+    /// Items of which only what is inside the box is seen; made by [`Item::clipped`].
     Clipped {
         bounds: Bounds,
         items: Vec<Item>,
@@ -242,6 +260,22 @@ impl Item {
             fill: Some(Fill::Colour(colour)),
             stroke: None,
         }
+    }
+
+    /// Items of which only what is inside the box is seen. Paths are cut a little outside of it:
+    /// renderers have single precision, and would bend a line that goes far beyond the page.
+    pub(crate) fn clipped(bounds: Bounds, items: Vec<Self>) -> Self {
+        let window = bounds.grown(BEYOND_CLIP);
+        let cut = |item| match item {
+            Self::Path { path, fill, stroke } => Self::Path {
+                path: path.within(&window),
+                fill,
+                stroke,
+            },
+            other => other,
+        };
+        let items = items.into_iter().map(cut).collect();
+        Self::Clipped { bounds, items }
     }
 
     /// Whether some of its lines, discs or text come into a box. What is only filled is ground
@@ -276,9 +310,14 @@ fn piece_enters(piece: &Piece, bounds: &Bounds) -> bool {
         || matches!(places.as_slice(), [only] if bounds.contains(*only))
 }
 
-/// Whether a straight line comes into a box (Y.-D. Liang, B. A. Barsky, ACM Trans. Graph. 3, 1,
-/// 1984).
+/// Whether a straight line comes into a box.
 fn line_enters(a: Place, b: Place, bounds: &Bounds) -> bool {
+    part_within(a, b, bounds).is_some()
+}
+
+/// The fractions of a straight line at which it enters and leaves a box; `None` if it is outside
+/// (Y.-D. Liang, B. A. Barsky, ACM Trans. Graph. 3, 1, 1984).
+fn part_within(a: Place, b: Place, bounds: &Bounds) -> Option<[f64; 2]> {
     let (mut enter, mut leave) = (0.0f64, 1.0f64);
     let sides = [
         (a[0] - b[0], a[0] - bounds.left),
@@ -289,7 +328,7 @@ fn line_enters(a: Place, b: Place, bounds: &Bounds) -> bool {
     for (step, room) in sides {
         if step == 0.0 {
             if room < 0.0 {
-                return false;
+                return None;
             }
         } else if step < 0.0 {
             enter = enter.max(room / step);
@@ -297,7 +336,63 @@ fn line_enters(a: Place, b: Place, bounds: &Bounds) -> bool {
             leave = leave.min(room / step);
         }
     }
-    enter <= leave
+    (enter <= leave).then_some([enter, leave])
+}
+
+/// How far beyond the box paths of clipped items go, points: more than the width of any line.
+const BEYOND_CLIP: f64 = 5.0;
+
+fn between(a: Place, b: Place, fraction: f64) -> Place {
+    [0, 1].map(|k| a[k] + fraction * (b[k] - a[k]))
+}
+
+/// The parts of a line from place to place that are inside a box.
+fn line_within(places: &[Place], bounds: &Bounds) -> Vec<Vec<Place>> {
+    let mut parts: Vec<Vec<Place>> = Vec::new();
+    let mut goes_on = false;
+    for pair in places.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let Some([enter, leave]) = part_within(a, b, bounds) else {
+            goes_on = false;
+            continue;
+        };
+        let end = if leave < 1.0 { between(a, b, leave) } else { b };
+        match parts.last_mut() {
+            Some(part) if goes_on && enter == 0.0 => part.push(end),
+            _ if enter > 0.0 => parts.push(vec![between(a, b, enter), end]),
+            _ => parts.push(vec![a, end]),
+        }
+        goes_on = leave == 1.0;
+    }
+    parts
+}
+
+/// A polygon cut along the sides of a box, one after the other (I. E. Sutherland, G. W. Hodgman,
+/// Commun. ACM 17, 32, 1974).
+fn polygon_within(places: &[Place], bounds: &Bounds) -> Vec<Place> {
+    let sides = [
+        (0, 1.0, bounds.left),
+        (0, -1.0, bounds.right),
+        (1, 1.0, bounds.top),
+        (1, -1.0, bounds.bottom),
+    ];
+    sides
+        .into_iter()
+        .fold(places.to_vec(), |corners, (direction, inwards, side)| {
+            let room = |place: Place| inwards * (place[direction] - side);
+            let mut kept = Vec::new();
+            let before = corners.iter().cycle().skip(corners.len().saturating_sub(1));
+            for (from, to) in before.zip(&corners) {
+                let (start, end) = (room(*from), room(*to));
+                if (start < 0.0) != (end < 0.0) {
+                    kept.push(between(*from, *to, start / (start - end)));
+                }
+                if end >= 0.0 {
+                    kept.push(*to);
+                }
+            }
+            kept
+        })
 }
 
 #[cfg(test)]
@@ -313,6 +408,86 @@ mod tests {
         assert!(!line_enters([-1.0, 1.5], [3.0, 1.5], &bounds));
         assert!(!line_enters([-1.0, 0.5], [-0.1, 0.5], &bounds));
         assert!(!line_enters([-1.0, 0.4], [0.4, -1.0], &bounds));
+    }
+
+    /// Distance of a place from a line from place to place.
+    fn distance(place: Place, line: &[Place]) -> f64 {
+        let from = |pair: &[Place]| {
+            let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+            let length = step[0].hypot(step[1]);
+            let off = [place[0] - pair[0][0], place[1] - pair[0][1]];
+            let along = (off[0] * step[0] + off[1] * step[1]) / length;
+            let beyond = (-along).max(along - length).max(0.0);
+            beyond.max((off[0] * step[1] - off[1] * step[0]).abs() / length)
+        };
+        line.windows(2).map(from).fold(f64::INFINITY, f64::min)
+    }
+
+    /// A line that goes in and out of a box, also far beyond what renderers can count to.
+    fn wild_line() -> Vec<Place> {
+        (0..200)
+            .map(|k| {
+                let k = f64::from(k);
+                let far = 10f64.powf(1.0 + 7.0 * (0.37 * k).sin().abs());
+                [0.5 * k, 20.0 + far * (1.7 * k).sin()]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn clipped_lines_are_cut_and_not_bent() {
+        let bounds = Bounds::new(10.0, 5.0, 70.0, 40.0);
+        let line = wild_line();
+        let stroke = Stroke::solid(Colour::BLACK, 1.0);
+        let item = Item::clipped(
+            bounds,
+            vec![Item::stroked(Path::line(line.clone()), stroke)],
+        );
+        let Item::Clipped { items, .. } = item else {
+            panic!("not clipped")
+        };
+        let [Item::Path { path, .. }] = items.as_slice() else {
+            panic!("not one path")
+        };
+        let window = bounds.grown(BEYOND_CLIP);
+        let drawn = || path.pieces.iter().flat_map(|piece| &piece.places);
+        for place in drawn() {
+            assert!(window.grown(1e-6).contains(*place), "{place:?}");
+            assert!(distance(*place, &line) < 1e-6, "{place:?}");
+        }
+        // Every place of the line inside the box is drawn.
+        for place in line.iter().filter(|place| window.contains(**place)) {
+            assert!(drawn().any(|other| other == place), "{place:?}");
+        }
+        assert!(path.pieces.len() > 50);
+    }
+
+    /// The area of a polygon.
+    fn area(corners: &[Place]) -> f64 {
+        let next = corners.iter().cycle().skip(1);
+        let twice = corners
+            .iter()
+            .zip(next)
+            .map(|(a, b)| a[0] * b[1] - a[1] * b[0]);
+        0.5 * twice.sum::<f64>().abs()
+    }
+
+    /// Areas by hand: a square half outside, a triangle that a corner of the box cuts, and a
+    /// polygon around the box.
+    #[test]
+    fn clipped_polygons_go_along_the_sides_of_the_box() {
+        let bounds = Bounds::new(0.0, 0.0, 2.0, 1.0);
+        for (corners, left) in [
+            (vec![[-1.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0]], 1.0),
+            (vec![[1.0, 0.0], [3.0, 0.0], [1.0, 2.0]], 1.0),
+            (
+                vec![[-1e8, -1e8], [1e8, -1e8], [1e8, 1e8], [-1e8, 1e8]],
+                2.0,
+            ),
+            (vec![[3.0, 3.0], [4.0, 3.0], [4.0, 4.0]], 0.0),
+        ] {
+            assert!((area(&polygon_within(&corners, &bounds)) - left).abs() < 1e-6);
+        }
     }
 
     #[test]

@@ -58,8 +58,7 @@ fn put(out: &mut String, arguments: std::fmt::Arguments<'_>) {
 
 /// A coordinate: hundredths of a point are 3.5 micrometres on paper.
 fn number(value: f64) -> String {
-    // Renderers count in single precision: far outside the page is far enough.
-    let rounded = (value.clamp(-1e5, 1e5) * 100.0).round() / 100.0;
+    let rounded = (value * 100.0).round() / 100.0;
     if rounded == 0.0 {
         "0".to_owned()
     } else {
@@ -327,8 +326,7 @@ fn strokes(stroke: Option<&Stroke>) -> String {
 fn path_data(path: &Path) -> String {
     let mut data = String::new();
     for piece in &path.pieces {
-        let hundredths =
-            |[x, y]: [f64; 2]| [x, y].map(|v| (v.clamp(-1e5, 1e5) * 100.0).round() as i64);
+        let hundredths = |place: [f64; 2]| place.map(|v| (v * 100.0).round() as i64);
         let mut places = piece.places.iter().map(|place| hundredths(*place));
         let Some(mut last) = places.next() else {
             continue;

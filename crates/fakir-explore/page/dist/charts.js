@@ -17,7 +17,7 @@ export function drawChart(svg, axes, contents) {
     const [scale, ticks] = axes.linear ? [linear, evenTicks] : [logarithmic, decadeTicks];
     const across = scale(contents.x, frame.left, frame.right);
     const up = scale(contents.y, frame.bottom, frame.top);
-    const at = ([x, y]) => `${across(x).toFixed(1)} ${up(y).toFixed(1)}`;
+    const placed = ({ points }) => points.map(([x, y]) => [across(x), up(y)]);
     const clip = `${svg.id}-frame`;
     const box = rectangle(frame.left, frame.top, frame.right, frame.bottom);
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -42,8 +42,8 @@ export function drawChart(svg, axes, contents) {
     }
     for (const series of contents.series) {
         if (series.kind === "points") {
-            for (const point of series.points) {
-                const [cx, cy] = [across(point[0]).toFixed(1), up(point[1]).toFixed(1)];
+            for (const [x, y] of placed(series).filter(isPlace)) {
+                const [cx, cy] = [x.toFixed(1), y.toFixed(1)];
                 inside.append(element("circle", { cx, cy, class: series.style, r: String(0.24 * em) }));
             }
         }
@@ -63,7 +63,7 @@ export function drawChart(svg, axes, contents) {
         }
         else if (series.points.length > 0) {
             const close = series.kind === "area" ? "Z" : "";
-            inside.append(path(`M${series.points.map(at).join("L")}${close}`, series.style));
+            inside.append(path(`${through(placed(series))}${close}`, series.style));
         }
     }
     for (const { place, text: words, style } of contents.names ?? []) {
@@ -85,6 +85,21 @@ export function drawChart(svg, axes, contents) {
     const clipping = element("clipPath", { id: clip });
     clipping.append(path(box, ""));
     svg.replaceChildren(clipping, grid, inside, path(box, "frame"), lettering);
+}
+/** Whether both axes have a place for a point: 0 is on no logarithmic one. */
+function isPlace(place) {
+    return place.every(Number.isFinite);
+}
+/** A path through the places, interrupted where there is none. */
+function through(places) {
+    let step = "M";
+    return places
+        .map((place) => {
+        const drawn = isPlace(place) ? `${step}${place.map((value) => value.toFixed(1)).join(" ")}` : "";
+        step = drawn === "" ? "M" : "L";
+        return drawn;
+    })
+        .join("");
 }
 /** A number in words, as a power of ten where it would be long. */
 function number(value) {
@@ -120,7 +135,7 @@ function evenTicks([low, high], room) {
 }
 function logarithmic([low, high], first, last) {
     const [start, length] = [Math.log(low), Math.log(high) - Math.log(low)];
-    return (value) => first + ((Math.log(Math.max(value, 1e-300)) - start) / length) * (last - first);
+    return (value) => first + ((Math.log(value) - start) / length) * (last - first);
 }
 /** Ticks at whole numbers of every decade; labels at as many as there is room for. */
 function decadeTicks([low, high], room) {

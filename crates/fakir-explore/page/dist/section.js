@@ -31,7 +31,8 @@ export function drawSection(state) {
     const middle = (low + high) / 2;
     const place = (x, z) => [
         ((x + half) * across).toFixed(1),
-        clamp(height * 0.56 - (z - middle) * up, height),
+        // What is above or below the picture is cut by its frame.
+        (height * 0.56 - (z - middle) * up).toFixed(1),
     ];
     const outline = (heights) => section.x_m.map((x, k) => place(x, heights[k] ?? 0).join(" ")).join("L");
     const lens = outline(section.lens_m);
@@ -94,7 +95,4 @@ function span(section, least) {
     }
     const rest = Math.max(0, least - (high - low)) / 2;
     return [low - rest, high + rest];
-}
-function clamp(y, height) {
-    return Math.min(height + 9, Math.max(-9, y)).toFixed(1);
 }

@@ -10,7 +10,7 @@ use crate::scene::{Colour, Item};
 use crate::series::{Marker, Series, Style};
 use crate::unit::Unit;
 use fakir::problem::{Method, PlacedPillar};
-use fakir::state::{Branch, Cycle, CycleEventKind, CycleStation};
+use fakir::state::{Branch, Cycle, CycleEventKind, CycleStation, PullOff};
 use std::collections::{BTreeMap, HashSet};
 
 /// A point in SI units: indentation (m), and force (N) or a number.
@@ -37,18 +37,10 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
     let across = Unit::of_length(sizes(|station| station.indentation));
     let x = || Axis::linear(format!("indentation *ζ* ({})", across.name));
     let force = Unit::of_force(sizes(|station| station.force));
-    let y = Axis::linear(format!("force *F* ({})", force.name));
-    let mut charts = vec![Chart::new(
-        x(),
-        y,
-        force_series(cycle, [across, force], None),
-    )];
+    let mut charts = vec![force_chart(cycle, x(), [across, force])];
     let mut heights = vec![122.0];
     if let Some(pull_off) = &cycle.pull_off {
-        let near = Unit::of_force(pull_off.force);
-        let y = Axis::linear(format!("force *F* ({})", near.name));
-        let series = force_series(cycle, [across, near], Some(-pull_off.force));
-        charts.push(Chart::new(x(), y, series));
+        charts.push(pull_off_chart(cycle, pull_off, x(), across));
         heights.push(122.0);
     }
     let mut of_branches = |name: &str, value: &dyn Fn(&CycleStation) -> f64| {
@@ -96,8 +88,34 @@ const BRANCHES: [NamedBranch; 2] = [
     }),
 ];
 
-/// Both branches with their events; where `largest` is given only as far as forces are no larger (N).
-fn force_series(cycle: &Cycle, [across, up]: [Unit; 2], largest: Option<f64>) -> Vec<Series> {
+fn force_chart(cycle: &Cycle, x: Axis, [across, up]: [Unit; 2]) -> Chart {
+    let y = Axis::linear(format!("force *F* ({})", up.name));
+    Chart::new(x, y, force_series(cycle, [across, up]))
+}
+
+/// The same chart over the part of the cycle where forces are at most the size of the pull-off force.
+fn pull_off_chart(cycle: &Cycle, pull_off: &PullOff, x: Axis, across: Unit) -> Chart {
+    let up = Unit::of_force(pull_off.force);
+    let seen = BRANCHES.map(|(branch, ..)| up_to(&curve(cycle, branch), -pull_off.force));
+    let seen = || seen.iter().flatten();
+    let whole = force_chart(cycle, x, [across, up]);
+    Chart {
+        x: whole
+            .x
+            .around(seen().map(|[indentation, _]| across.of(*indentation))),
+        y: whole.y.around(seen().map(|[_, force]| up.of(*force))),
+        ..whole
+    }
+}
+
+/// Force over indentation on a branch.
+fn curve(cycle: &Cycle, branch: Branch) -> Vec<Point> {
+    let on_branch = cycle.stations.iter().filter(|it| it.branch == branch);
+    on_branch.map(|it| [it.indentation, it.force]).collect()
+}
+
+/// Both branches with their events.
+fn force_series(cycle: &Cycle, [across, up]: [Unit; 2]) -> Vec<Series> {
     let at = |[indentation, force]: Point| [across.of(indentation), up.of(force)];
     let marks = |tint, marker| Style {
         tint,
@@ -106,16 +124,9 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2], largest: Option<f64>) ->
     };
     let mut series = Vec::new();
     for (branch, name, style) in BRANCHES {
-        let on_branch = cycle.stations.iter().filter(|it| it.branch == branch);
-        let points: Vec<Point> = on_branch.map(|it| [it.indentation, it.force]).collect();
-        let points = up_to(&points, largest);
-        series.push(Series::new(
-            name,
-            points.into_iter().map(at).collect(),
-            style(),
-        ));
+        let points = curve(cycle, branch).into_iter().map(at).collect();
+        series.push(Series::new(name, points, style()));
     }
-    let seen = |force: f64| largest.is_none_or(|largest| force <= largest);
     for (kind, name, style) in [
         (
             CycleEventKind::SnapIn,
@@ -130,7 +141,6 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2], largest: Option<f64>) ->
     ] {
         let events = cycle.events.iter().filter(|event| event.kind == kind);
         let mut places: Vec<Point> = events
-            .filter(|event| seen(event.force))
             .map(|event| at([event.indentation, event.force]))
             .collect();
         // Events of one cascade share their place.
@@ -140,7 +150,7 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2], largest: Option<f64>) ->
         }
     }
     let critical = cycle.critical.as_ref().map(|it| &it.contact);
-    if let Some(state) = critical.filter(|state| seen(state.force)) {
+    if let Some(state) = critical {
         let place = at([state.indentation, state.force]);
         let style = marks(Tint::Black, Marker::Diamond);
         series.push(Series::new("critical state", vec![place], style));
@@ -151,7 +161,7 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2], largest: Option<f64>) ->
         (jump, "jump onto the floor", Tint::Orange),
         (lost, "floor lost", Tint::Purple),
     ] {
-        if let Some(station) = station.filter(|station| seen(station.force)) {
+        if let Some(station) = station {
             let place = at([station.indentation, station.force]);
             let style = marks(tint, Marker::Triangle);
             series.push(Series::new(name, vec![place], style));
@@ -165,11 +175,8 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2], largest: Option<f64>) ->
     series
 }
 
-/// The curve where forces are at most `largest` (N), with its ends where it crosses that force.
-fn up_to(points: &[Point], largest: Option<f64>) -> Vec<Point> {
-    let Some(largest) = largest else {
-        return points.to_vec();
-    };
+/// The points of a curve where forces are at most `largest` (N), and where it crosses that force.
+fn up_to(points: &[Point], largest: f64) -> Vec<Point> {
     let mut seen = Vec::new();
     for (k, point) in points.iter().enumerate() {
         let before = k.checked_sub(1).map(|k| points[k]);
@@ -253,4 +260,56 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
             pulling.len()
         ),
     ))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use fakir::problem::{
+        Adhesion, CyclePlan, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System,
+        Texture,
+    };
+    use fakir::state::Run;
+
+    /// A force that rises out of the close-up, comes back and rises again is drawn as it is, and the
+    /// frame cuts it.
+    #[test]
+    fn the_close_up_shows_the_same_curve() {
+        let pillar = Pillar {
+            diameter: 6e-6,
+            height: 2.2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lens = Lens {
+            radius: 2.2e-3,
+            material: Material::new(2e6, 0.5),
+        };
+        let lattice = HexagonalLattice::with_surface_fraction(0.001, pillar.diameter);
+        let texture = Texture::new(pillar, lattice);
+        let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
+        let system = system.with_adhesion(Adhesion::new(50e-3)).unwrap();
+        let plan = CyclePlan::default();
+        let mut cycle = fakir::cycle(&system, plan, Method::default(), &Run::default()).unwrap();
+        let pull_off = cycle.pull_off.clone().unwrap();
+        for (k, station) in cycle.stations.iter_mut().enumerate() {
+            let times = [-1.0, 0.5, 9.0, 7.0, 0.2, 3.0][k % 6];
+            station.force = times * pull_off.force.abs();
+        }
+        let unit = Unit::of_length(1e-6);
+        let close_up = pull_off_chart(&cycle, &pull_off, Axis::linear("x"), unit);
+        let force = Unit::of_force(pull_off.force);
+        let drawn = close_up.series[..2]
+            .iter()
+            .flat_map(|series| &series.points);
+        let drawn: Vec<[f64; 2]> = drawn.copied().collect();
+        let computed: Vec<[f64; 2]> = BRANCHES
+            .iter()
+            .flat_map(|(branch, ..)| curve(&cycle, *branch))
+            .map(|[indentation, value]| [unit.of(indentation), force.of(value)])
+            .collect();
+        assert_eq!(drawn, computed);
+        let top = close_up.y.range.unwrap()[1];
+        assert!(top < 1.2 * force.of(pull_off.force.abs()), "{top}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::axis::Axis;
 use crate::chart::MARGIN;
-use crate::colour::{ColourMap, Tint};
+use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::Figure;
 use crate::font::Bounds;
@@ -10,7 +10,7 @@ use crate::frame::{ASCENT, DESCENT, Frame, Lettering, NOTE_SIZE};
 use crate::legend::Legend;
 use crate::map::{ARROW, ColourBar, Window};
 use crate::scene::{Anchor, Colour, Item, Label, Stroke};
-use crate::series::{Dash, Series, Style};
+use crate::series::{Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
 use fakir::problem::Point;
@@ -35,9 +35,9 @@ const SECTION: f64 = 136.0;
 /// along the line from the lens axis through each, and as maps.
 ///
 /// The rim pillar is, of those touched partially, the one that carries most; the farthest of all if
-/// there is none. Pressures are cut at twice the mean pressure on the top (along the line, that of
-/// the central pillar), because at the edge of a covered pillar top they are infinite; the
-/// figure says so. Grey is not in contact.
+/// there is none. Pressures are shown up to twice the mean pressure on the top (along the line, the
+/// larger of the two), because at the edge of a covered pillar top they are infinite. Grey is not
+/// in contact.
 ///
 /// # Errors
 /// [`FigureError::NoPillars`] from a state without fields; interruption.
@@ -85,7 +85,7 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
     Ok(figure.with_description(
         "Pressure within pillar tops",
         "Pressure on the top of the central pillar and of one at the rim of the contact, along a \
-         line through the lens axis and as maps, cut at twice the mean: at the edge of a covered \
+         line through the lens axis and as maps, up to twice the mean: at the edge of a covered \
          top it is infinite. Grey is not in contact.",
     ))
 }
@@ -156,22 +156,13 @@ impl Shown<'_> {
         let unit = Unit::of_pressure(cut);
         let mut series = Vec::new();
         for (k, (name, pillar)) in pillars.iter().enumerate() {
-            let points = self.along(pillar)?;
-            let cut = points
-                .into_iter()
-                .map(|[s, p]| [s, unit.of(p.min(cut))])
-                .collect();
-            series.push(Series::new(*name, cut, Style::line(k)));
+            let points = self.along(pillar)?.into_iter();
+            let points = points.map(|[s, p]| [s, unit.of(p)]).collect();
+            series.push(Series::new(*name, points, Style::line(k)));
         }
-        let (height, cut_text) = (SIDE, unit.text(cut, 3));
-        let cut = unit.of(cut);
-        series.push(Series::new(
-            format!("cut at {cut_text}"),
-            vec![[-1.0, cut], [1.0, cut]],
-            Style::line(0).in_tint(Tint::Grey).with_line(Dash::Dotted),
-        ));
+        let height = SIDE;
         let x = Axis::linear("2*s*/*d*, outwards").over(-1.08, 1.08);
-        let y = Axis::linear(format!("pressure ({})", unit.name)).over(0.0, 1.12 * cut);
+        let y = Axis::linear(format!("pressure ({})", unit.name)).over(0.0, unit.of(cut));
         let (x_span, y_span) = (x.span(std::iter::empty()), y.span(std::iter::empty()));
         let lettering = Lettering::All(&y.label);
         let room = Frame::left_room(y_span, height, lettering);
@@ -276,5 +267,59 @@ impl Shown<'_> {
             Anchor::Middle,
         )));
         Ok(())
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use fakir::problem::{
+        Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
+        Texture,
+    };
+
+    /// At the edges the lines leave the frame: no two neighbours along them have the same pressure
+    /// but 0.
+    #[test]
+    fn pressures_along_the_line_are_as_computed() {
+        let pillar = Pillar {
+            diameter: 6e-6,
+            height: 2.2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lens = Lens {
+            radius: 2.2e-3,
+            material: Material::new(2e6, 0.5),
+        };
+        let texture = Texture::new(pillar, HexagonalLattice::new(60e-6));
+        let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
+        let run = Run::default();
+        let load = Control::Force(2e-6);
+        let state = fakir::press(&system, load, Method::default(), &run).unwrap();
+        let figure = pillar_pressure(&state, &run).unwrap();
+        let lines: Vec<_> = figure
+            .items
+            .iter()
+            .filter_map(|item| match item {
+                Item::Clipped { bounds, items } => Some((bounds, items)),
+                _ => None,
+            })
+            .collect();
+        assert!(!lines.is_empty());
+        for (bounds, items) in lines {
+            for item in items {
+                let Item::Path { path, .. } = item else {
+                    panic!("not a line: {item:?}")
+                };
+                let neighbours = path.pieces.iter().flat_map(|piece| piece.places.windows(2));
+                for pair in neighbours {
+                    assert!(
+                        pair[0][1] != pair[1][1] || pair[0][1] == bounds.bottom,
+                        "{pair:?}"
+                    );
+                }
+            }
+        }
     }
 }

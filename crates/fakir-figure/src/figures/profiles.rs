@@ -249,10 +249,7 @@ impl Page {
         for contact in &section.floor_contacts {
             self.arrow(*contact, &mut inside);
         }
-        items.push(Item::Clipped {
-            bounds,
-            items: inside,
-        });
+        items.push(Item::clipped(bounds, inside));
     }
 
     /// Draws an arrow that points from below to where the floor is touched.
