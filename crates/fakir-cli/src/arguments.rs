@@ -24,9 +24,9 @@ Start with `fakir init`, which writes a case file, and `fakir transition case.to
 const EXIT_STATUS: &str = "\
 Exit status:
   0    done
-  1    a solution did not converge, cases of a sweep failed, verify found a disagreement or
-       cannot tell, or a limit of the model is strained with --strict; the result is still printed
-       and saved
+  1    a solution did not converge, an estimated relative error is above 0.5, cases of a sweep
+       failed, verify found a disagreement or cannot tell, or a limit of the model is strained with
+       --strict; the result is still printed and saved
   2    bad input: arguments, case file, or a file that cannot be read or written
   3    no answer: the contact is too large for the lens, for the surface or for memory, the method
        does not apply, or numbers became infinite

@@ -215,7 +215,8 @@ fn deliver(
         let files = report.files(command.name());
         fakir_study::output::save_results(folder, &files, options.replace())?;
     }
-    if !options.quiet {
+    // Why there is no answer is never kept quiet.
+    if !options.quiet || !report.converged {
         for warning in &report.warnings {
             failure::tell(&format!("warning: {warning}"));
         }

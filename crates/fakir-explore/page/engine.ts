@@ -345,6 +345,7 @@ export interface Line {
   readonly state?: ContactState;
   /** The summary of the state that came last, now with its errors. */
   readonly summary?: PressSummary;
+  readonly warnings?: readonly string[];
   readonly case?: Texts;
   readonly section?: Section | null;
   readonly formulas?: {

@@ -550,7 +550,8 @@ function contactLine(
   if (line.summary) {
     const { solved } = state;
     if (solved?.of.number !== of.number) return {};
-    return { solved: { of, is: { ...solved.is, summary: line.summary } } };
+    const warnings = line.warnings ?? solved.is.warnings;
+    return { solved: { of, is: { ...solved.is, summary: line.summary, warnings } } };
   }
   if (line.critical) {
     const critical = { of, is: line.critical };

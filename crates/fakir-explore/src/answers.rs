@@ -188,6 +188,7 @@ struct State {
 #[derive(Serialize)]
 struct SummaryLine {
     summary: PressSummary,
+    warnings: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -265,8 +266,10 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
         return Err(Failure::Cancelled);
     };
     if shown.load(Ordering::Relaxed) {
-        let summary = PressSummary::new(state, wall_time);
-        worker.send(&SummaryLine { summary });
+        worker.send(&SummaryLine {
+            summary: PressSummary::new(state, wall_time),
+            warnings: warnings(state),
+        });
     } else {
         // The answer, whatever it is.
         worker.send(&StateLine {

@@ -61,10 +61,9 @@ impl State {
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.state
-            .warnings
-            .iter()
-            .map(ToString::to_string)
+        let words = self.state.warnings.iter().map(ToString::to_string);
+        words
+            .chain(self.state.unresolved().map(|it| it.to_string()))
             .collect()
     }
 

@@ -206,10 +206,9 @@ impl SurfaceContact {
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.contact
-            .warnings
-            .iter()
-            .map(ToString::to_string)
+        let words = self.contact.warnings.iter().map(ToString::to_string);
+        words
+            .chain(self.contact.unresolved().map(|it| it.to_string()))
             .collect()
     }
 

@@ -228,7 +228,7 @@ pub struct Approach<P: Loadable> {
     pub critical: Option<Critical<P::Contact>>,
     /// How long that took, s.
     pub critical_time: f64,
-    /// Whether all states are solutions, the critical one too.
+    /// Whether all states are [answers](Contact::is_answer), the critical one too.
     pub converged: bool,
     /// How long all took, s.
     pub wall_time: f64,
@@ -270,7 +270,7 @@ pub fn approach<P: Loadable>(
         let beyond = critical_indentation.map(|reached| contact.indentation() > reached);
         P::row(contact, is_critical, beyond)
     };
-    let mut converged = reached.is_none_or(Contact::converged);
+    let mut converged = reached.is_none_or(Contact::is_answer);
     let mut warned = reached.map_or(Vec::new(), warnings);
     // The last state of a loading up to a force tells which indentations there are.
     let begun = Instant::now();
@@ -312,7 +312,7 @@ pub fn approach<P: Loadable>(
         };
         let of_contact = warnings(&contact);
         warned.extend(of_contact.iter().map(|text| at(indentation, text)));
-        converged &= contact.converged();
+        converged &= contact.is_answer();
         rows.push(row(&contact, false));
         keep(contact, time.as_secs_f64());
     }

@@ -2,9 +2,10 @@
 
 use crate::answer::Answer;
 use crate::numbers::{LENGTH_DIGITS, with_unit};
+use crate::sweep::problem_of;
 use fakir::numerics::convergence::larger;
 use fakir::problem::{Control, ElementMesh, Method};
-use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact, Termination};
+use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
 use fakir::{Difference, Doubt, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
@@ -75,7 +76,7 @@ pub(crate) fn answer(
     file: &CaseFile,
     control: Control,
     run: &Run<'_>,
-) -> Result<(Answer, Termination), SurfaceError> {
+) -> Result<(Answer, Option<String>), SurfaceError> {
     let needed = |error: &SurfaceError| match error {
         SurfaceError::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
         _ => None,
@@ -85,11 +86,12 @@ pub(crate) fn answer(
             Control::FloorContact => {
                 let critical = case.system.transition(run)?;
                 let answer = Answer::SurfaceTransition((&critical).into());
-                (answer, critical.contact.termination)
+                (answer, problem_of(&critical.contact))
             }
             load => {
                 let contact = case.system.press(load, run)?;
-                (Answer::SurfacePress((&contact).into()), contact.termination)
+                let problem = problem_of(&contact);
+                (Answer::SurfacePress((&contact).into()), problem)
             }
         })
     })?;

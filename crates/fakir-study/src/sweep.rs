@@ -7,7 +7,7 @@ use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
 use crate::surfaces::{self, SurfaceError};
 use fakir::problem::Control;
-use fakir::state::{CancelToken, Run, SolveError, Termination, Threads};
+use fakir::state::{CancelToken, Contact, Run, SolveError, Termination, Threads, Unresolved};
 use fakir_case::Study;
 use fakir_case::study::{Question, StudiedCase, StudyCase};
 use std::any::Any;
@@ -228,10 +228,7 @@ impl<'a> SharedSweep<'a> {
         // A defect that shows in one case of thousands is to be no reason to lose the others.
         let outcome = catch_unwind(AssertUnwindSafe(|| self.solve(&case)));
         let (answer, problem) = match outcome {
-            Ok(Ok((answer, Termination::Converged))) => (Some(answer), None),
-            Ok(Ok((answer, termination))) => {
-                (Some(answer), Some(termination.description().to_owned()))
-            }
+            Ok(Ok((answer, problem))) => (Some(answer), problem),
             Ok(Err(SurfaceError::Solve(SolveError::Interrupted))) => return None,
             Ok(Err(error)) => (None, Some(error.to_string())),
             Err(panic) => (None, Some(defect(panic.as_ref()))),
@@ -245,7 +242,8 @@ impl<'a> SharedSweep<'a> {
         })
     }
 
-    fn solve(&self, case: &StudyCase) -> Result<(Answer, Termination), SurfaceError> {
+    /// What a case answers, and why that is no answer if it is none.
+    fn solve(&self, case: &StudyCase) -> Result<(Answer, Option<String>), SurfaceError> {
         let run = Run {
             cancel: self.stop.clone(),
             memory_limit: self.memory_limit,
@@ -255,14 +253,15 @@ impl<'a> SharedSweep<'a> {
             (StudiedCase::Texture(texture), Question::Contact(control)) => (texture, control),
             (StudiedCase::Texture(texture), Question::Cycle(plan)) => {
                 let cycle = fakir::cycle(&texture.system, plan, texture.method, &run)?;
-                return Ok((Answer::Cycle(Cycled::from(&cycle)), cycle.termination));
+                let problem = problem(cycle.termination, cycle.unresolved());
+                return Ok((Answer::Cycle(Cycled::from(&cycle)), problem));
             }
             (StudiedCase::Surface(file), Question::Contact(control)) => {
                 return surfaces::answer(file, control, &run);
             }
             (StudiedCase::Texture(texture), Question::Collapse) => {
                 let (collapsed, termination) = collapse(&texture.system, texture.method, &run)?;
-                return Ok((Answer::Collapse(collapsed), termination));
+                return Ok((Answer::Collapse(collapsed), problem(termination, None)));
             }
             (StudiedCase::Surface(_), Question::Cycle(_) | Question::Collapse) => {
                 unreachable!("studies refuse adhesion on general surfaces")
@@ -273,13 +272,26 @@ impl<'a> SharedSweep<'a> {
             Control::FloorContact => {
                 let critical = fakir::transition(system, method, &run)?;
                 let answer = Answer::Transition(Critical::from(&critical));
-                Ok((answer, critical.contact.termination))
+                Ok((answer, problem_of(&critical.contact)))
             }
             load => {
                 let state = fakir::press(system, load, method, &run)?;
-                Ok((Answer::Press(Pressed::from(&state)), state.termination))
+                Ok((Answer::Press(Pressed::from(&state)), problem_of(&state)))
             }
         }
+    }
+}
+
+/// Why a contact is no answer.
+pub(crate) fn problem_of(contact: &impl Contact) -> Option<String> {
+    problem(contact.termination(), contact.unresolved())
+}
+
+/// Why numbers are no answer: they are not the solution, or not resolved.
+fn problem(termination: Termination, unresolved: Option<Unresolved>) -> Option<String> {
+    match termination {
+        Termination::Converged => unresolved.map(|it| it.to_string()),
+        _ => Some(termination.description().to_owned()),
     }
 }
 

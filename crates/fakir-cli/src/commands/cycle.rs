@@ -68,7 +68,7 @@ pub(crate) fn run(
         provenance,
         tables,
         warnings: [cycle_warnings(&cycle), strained_range(&cycle.limits(range))].concat(),
-        converged: cycle.converged(),
+        converged: cycle.converged() && cycle.unresolved().is_none(),
         strained: strained_words(&cycle.limits(range)),
     })
 }

@@ -10,7 +10,7 @@ use crate::report::state::{
 };
 use crate::session::Session;
 use fakir::problem::{Control, FloorModel, Method};
-use fakir::state::{ContactState, CriticalState, Normalized, SolveError};
+use fakir::state::{Contact, ContactState, CriticalState, Normalized, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
@@ -63,7 +63,7 @@ pub(crate) fn run(
         provenance,
         tables,
         warnings,
-        converged: state.converged(),
+        converged: state.is_answer(),
         strained: strained_words(&state.limits(range)),
     })
 }

@@ -58,7 +58,7 @@ pub(crate) fn press(
         provenance,
         tables,
         warnings: rounded_warnings(&case.field, case.height, &contact),
-        converged: contact.converged(),
+        converged: contact.converged() && contact.unresolved().is_none(),
         strained: Vec::new(),
     })
 }

@@ -10,7 +10,7 @@ use crate::report::state::{
 };
 use crate::session::Session;
 use fakir::problem::Control;
-use fakir::state::{CriticalState, Regime};
+use fakir::state::{Contact, CriticalState, Regime};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
@@ -58,7 +58,7 @@ pub(crate) fn run(
         provenance,
         tables,
         warnings: [warnings(state), strained_range(&state.limits(range))].concat(),
-        converged: state.converged(),
+        converged: state.is_answer(),
         strained: strained_words(&state.limits(range)),
     })
 }

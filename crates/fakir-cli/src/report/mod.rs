@@ -24,7 +24,7 @@ pub(crate) struct Report {
     pub(crate) tables: Vec<File>,
     /// What to be careful about.
     pub(crate) warnings: Vec<String>,
-    /// Whether the numbers are to be relied on: every solution converged, and where two methods
+    /// Whether the numbers are to be relied on: every solution converged, its numbers are resolved, and where two methods
     /// check each other they agree.
     pub(crate) converged: bool,
     /// Limits of the model that it strains.

@@ -163,7 +163,7 @@ fn plain(value: f64) -> String {
 /// What a row of a loading is.
 pub(crate) fn loading_remark(converged: bool, critical: bool, beyond: bool) -> &'static str {
     match (converged, critical, beyond) {
-        (false, ..) => "not converged",
+        (false, ..) => "no answer",
         (_, true, _) => "critical",
         (_, _, true) => "past it",
         _ => "",

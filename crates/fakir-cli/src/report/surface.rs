@@ -9,7 +9,7 @@ use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
 use fakir::problem::{Boundary, Control, Indenter, Point, SurfaceSystem};
-use fakir::state::{Regime, Shares, SurfaceContact, SurfaceTransition};
+use fakir::state::{Contact, Regime, Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
@@ -279,7 +279,7 @@ fn report(
         provenance,
         tables,
         warnings,
-        converged: contact.converged(),
+        converged: contact.is_answer(),
         strained: strained_words(&contact.limits(&case.system)),
     }
 }

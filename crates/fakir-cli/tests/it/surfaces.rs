@@ -545,3 +545,76 @@ fn films_and_adhesion_are_refused() {
         }
     }
 }
+
+/// The apex of a cone in a single cell: by cells twice and four times as large the force is off by as much as it is.
+const UNRESOLVED: [&str; 6] = [
+    "--set",
+    "surface.pillar.top=cone",
+    "--set",
+    "surface.pillar.drop=0.4um",
+    "--set",
+    "surface.grid.width=40um",
+];
+
+/// It is printed and saved with the reason, which is not kept quiet, and the exit status says that it is no answer.
+#[test]
+fn a_stated_error_above_a_half_is_no_answer() {
+    let (case, folder) = (example("square-pillars.toml"), tempfile::tempdir().unwrap());
+    let output = folder.path().join("o").display().to_string();
+    let load = [
+        "--indentation",
+        "60nm",
+        "--json",
+        "--quiet",
+        "--output",
+        &output,
+    ];
+    let pressed = fakir("press", &case, &[&UNRESOLVED[..], &load].concat());
+    let told = text(&pressed.stderr);
+    assert_eq!(pressed.status.code(), Some(1), "{told}");
+    assert!(
+        told.contains("warning: the force is not resolved"),
+        "{told}"
+    );
+    assert!(
+        told.contains("at most 0.5 is an answer: use smaller cells"),
+        "{told}"
+    );
+    let result: Value = serde_json::from_slice(&pressed.stdout).unwrap();
+    assert!(number(&result, "/relative_error_estimate/force") > 0.5);
+    assert_eq!(
+        (&result["converged"], &result["unresolved"]),
+        (&Value::from(true), &Value::from("force"))
+    );
+    let saved = std::fs::read(folder.path().join("o/summary.json")).unwrap();
+    assert_eq!(serde_json::from_slice::<Value>(&saved).unwrap(), result);
+    // Of a loading, every state by itself.
+    let path = ["--step", "30nm", "--to", "60nm", "--json"];
+    let loading = fakir("approach", &case, &[&UNRESOLVED[..], &path].concat());
+    assert_eq!(loading.status.code(), Some(1));
+    let told = text(&loading.stderr);
+    assert!(
+        told.contains("at an indentation of 60.0000 nm: the force is not"),
+        "{told}"
+    );
+    let result: Value = serde_json::from_slice(&loading.stdout).unwrap();
+    let answers = |row: usize| result["states"][row]["converged"].clone();
+    assert_eq!(
+        [answers(0), answers(2)],
+        [Value::from(true), Value::from(false)]
+    );
+    // And of a sweep every case.
+    let study = "[study]\nquestion = \"press\"\nindentation = \"60 nm\"\ncase = \"case.toml\"\n[axes]\n\"surface.pillar.height\" = [\"0.5 um\"]\n";
+    std::fs::copy(&case, folder.path().join("case.toml")).unwrap();
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    let study = folder.path().join("study.toml");
+    let swept = fakir("sweep", &study, &[&UNRESOLVED[..], &["--json"]].concat());
+    assert_eq!(swept.status.code(), Some(1), "{}", text(&swept.stderr));
+    let result: Value = serde_json::from_slice(&swept.stdout).unwrap();
+    assert_eq!(number(&result, "/failed"), 1.0);
+    let problem = result["problems"][0]["problem"].as_str().unwrap();
+    assert!(
+        problem.starts_with("the force is not resolved"),
+        "{problem}"
+    );
+}

@@ -356,7 +356,8 @@ function contactLine(state, { question: of, since }, line, now) {
         const { solved } = state;
         if (solved?.of.number !== of.number)
             return {};
-        return { solved: { of, is: { ...solved.is, summary: line.summary } } };
+        const warnings = line.warnings ?? solved.is.warnings;
+        return { solved: { of, is: { ...solved.is, summary: line.summary, warnings } } };
     }
     if (line.critical) {
         const critical = { of, is: line.critical };

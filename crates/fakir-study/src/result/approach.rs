@@ -6,7 +6,7 @@ use super::{SurfaceTransitionSummary, TransitionSummary};
 use crate::VERSION;
 use crate::approach::Approach;
 use fakir::problem::{Method, SurfaceSystem, System};
-use fakir::state::{ContactState, SurfaceContact};
+use fakir::state::{Contact, ContactState, SurfaceContact};
 use serde::Serialize;
 
 /// A state of the loading: a row of `approach.csv`.
@@ -45,7 +45,7 @@ pub struct LoadingRow {
     pub critical: bool,
     /// Whether the floor is touched, or would be if it was not to be ignored.
     pub beyond_transition: bool,
-    /// Whether the numbers are the solution.
+    /// Whether the numbers are the solution, and resolved.
     pub converged: bool,
 }
 
@@ -68,7 +68,7 @@ impl LoadingRow {
             floor_contact_area_error_estimate: state.floor.as_ref().map(|floor| floor.error.area),
             critical,
             beyond_transition: state.beyond_transition(),
-            converged: state.converged(),
+            converged: state.is_answer(),
         }
     }
 }
@@ -130,7 +130,7 @@ pub struct SurfaceLoadingRow {
     pub critical: bool,
     /// Whether it is past that; none where it is not known what the floor is.
     pub beyond_transition: Option<bool>,
-    /// Whether the numbers are the solution.
+    /// Whether the numbers are the solution, and resolved.
     pub converged: bool,
 }
 
@@ -155,7 +155,7 @@ impl SurfaceLoadingRow {
             contact_radius_error_estimate: contact.relative_contact_radius_error(),
             critical,
             beyond_transition,
-            converged: contact.converged(),
+            converged: contact.is_answer(),
         }
     }
 }

@@ -84,6 +84,9 @@ pub struct PressSummary {
     #[serde(skip_serializing_if = "Option::is_none")]
     gradient: Option<GradientObject>,
     converged: bool,
+    /// The quantity that is not resolved, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unresolved: Option<&'static str>,
     iterations: usize,
     wall_time_s: f64,
     fakir_version: &'static str,
@@ -111,6 +114,7 @@ impl PressSummary {
             limits: LimitObject::all(state.limits(None)),
             gradient: None,
             converged: state.converged(),
+            unresolved: state.unresolved().map(|it| it.quantity),
             iterations: state.iterations,
             wall_time_s: wall_time,
             fakir_version: VERSION,

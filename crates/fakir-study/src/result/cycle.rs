@@ -286,6 +286,9 @@ pub struct CycleSummary {
     events: Vec<EventRow>,
     warnings: Vec<String>,
     converged: bool,
+    /// The quantity that is not resolved, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unresolved: Option<&'static str>,
     wall_time_s: f64,
     fakir_version: &'static str,
 }
@@ -344,6 +347,7 @@ impl CycleSummary {
             events: cycle.events.iter().map(EventRow::from).collect(),
             warnings: cycle_warnings(cycle),
             converged: cycle.converged(),
+            unresolved: cycle.unresolved().map(|it| it.quantity),
             wall_time_s: wall_time,
             fakir_version: VERSION,
         }
@@ -362,5 +366,5 @@ impl CycleSummary {
 /// What to be careful about, of a cycle.
 #[must_use]
 pub fn cycle_warnings(cycle: &Cycle) -> Vec<String> {
-    warnings_of(&cycle.warnings, cycle.termination)
+    warnings_of(&cycle.warnings, cycle.termination, cycle.unresolved())
 }

@@ -37,7 +37,7 @@ pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
 use fakir::problem::Control;
-use fakir::state::{Contact, ErrorEstimate, Normalized, Termination, Warning};
+use fakir::state::{Contact, ErrorEstimate, Normalized, Termination, Unresolved, Warning};
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
 
@@ -80,15 +80,24 @@ pub fn csv<T: Serialize>(name: &'static str, rows: impl IntoIterator<Item = T>) 
 /// What to be careful about, of a contact of either kind.
 #[must_use]
 pub fn warnings(contact: &impl Contact) -> Vec<String> {
-    warnings_of(contact.warnings(), contact.termination())
+    warnings_of(
+        contact.warnings(),
+        contact.termination(),
+        contact.unresolved(),
+    )
 }
 
-/// Warnings in words, and how the solution ended unless it converged.
-fn warnings_of(warnings: &[Warning], termination: Termination) -> Vec<String> {
+/// Warnings in words, and why there is no answer if there is none.
+fn warnings_of(
+    warnings: &[Warning],
+    termination: Termination,
+    unresolved: Option<Unresolved>,
+) -> Vec<String> {
     let mut words: Vec<String> = warnings.iter().map(ToString::to_string).collect();
     if termination != Termination::Converged {
         words.push(format!("the solution {}", termination.description()));
     }
+    words.extend(unresolved.map(|it| it.to_string()));
     words
 }
 

@@ -1,6 +1,6 @@
 //! The contact with pillars that have rounded tops.
 
-use super::indenter_name;
+use super::{indenter_name, warnings_of};
 use crate::VERSION;
 use crate::numbers::{LENGTH_DIGITS, significant, with_unit};
 use crate::table::{Column, Table, Values};
@@ -40,6 +40,9 @@ pub struct RoundedPressSummary {
     /// None if there is no estimate.
     relative_error_estimate: Option<RoundedErrors>,
     converged: bool,
+    /// The quantity that is not resolved, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unresolved: Option<&'static str>,
     iterations: usize,
     wall_time_s: f64,
     fakir_version: &'static str,
@@ -81,6 +84,7 @@ impl RoundedPressSummary {
                 indentation_m: error.indentation,
             }),
             converged: contact.converged(),
+            unresolved: contact.unresolved().map(|it| it.quantity),
             iterations: contact.iterations,
             wall_time_s: wall_time,
             fakir_version: VERSION,
@@ -110,13 +114,8 @@ pub fn left_out_words(height: f64, contact: &CapContact) -> &'static str {
 /// What to be careful about.
 #[must_use]
 pub fn rounded_warnings(field: &CapField, height: f64, contact: &CapContact) -> Vec<String> {
-    let mut words = Vec::new();
-    if !contact.converged() {
-        words.push(format!(
-            "the solution {}",
-            contact.termination.description()
-        ));
-    } else if contact.error.is_none() {
+    let mut words = warnings_of(&[], contact.termination, contact.unresolved());
+    if contact.converged() && contact.error.is_none() {
         words.push("the error could not be estimated".to_owned());
     }
     if !is_out_of_reach(height, contact) {

@@ -74,6 +74,9 @@ struct Common {
     relative_error_estimate: Option<RelativeErrors>,
     limits: Vec<LimitObject>,
     converged: bool,
+    /// The quantity that is not resolved, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unresolved: Option<&'static str>,
     iterations: usize,
     wall_time_s: f64,
     fakir_version: &'static str,
@@ -91,6 +94,7 @@ impl Common {
                 .map(|error| RelativeErrors::new(error, contact.relative_contact_radius_error())),
             limits: LimitObject::all(contact.limits(system)),
             converged: contact.converged(),
+            unresolved: contact.unresolved().map(|it| it.quantity),
             iterations: contact.products,
             wall_time_s: wall_time,
             fakir_version: VERSION,

@@ -738,10 +738,7 @@ fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
         patches_agree: false,
         radius: patches.radius * scene.length,
         smallest_distance_to_rim: patches.rim_distance * scene.length,
-        error: FloorErrors {
-            share: 1.0, // until it is known
-            area: 1.0,
-        },
+        error: FloorErrors::UNKNOWN, // until it is known
         energy_bound: 0.0,
         cells,
         rotation: scene.rotation,

@@ -238,10 +238,7 @@ fn finish(
         // Met by an indentation as good as prescribed.
         Target::FloorShare { .. } => held,
     };
-    let mut of_floor = FloorErrors {
-        share: 1.0,
-        area: 1.0,
-    };
+    let mut of_floor = FloorErrors::UNKNOWN;
     let mut error = unknowns_only(prescribed, termination, [1.0; 2]);
     if termination == Termination::Converged {
         // At a prescribed indentation: all of the error is in the force.

@@ -1,9 +1,10 @@
 //! The contact with rounded tops.
 
 use super::checked::check_number;
-use super::contact::{PillarStatus, Termination};
+use super::contact::{PillarStatus, Termination, relative};
 use super::discs::Contacts;
 use super::error::SolveError;
+use super::resolution::Unresolved;
 use crate::problem::{Accuracy, Point};
 use std::sync::Arc;
 
@@ -96,6 +97,21 @@ impl CapContact {
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
+    }
+
+    /// The first number of a solution that is [not resolved](Unresolved), of force, contact area and indentation, where errors are estimated.
+    #[must_use]
+    pub fn unresolved(&self) -> Option<Unresolved> {
+        let error = self.error.filter(|_| self.converged())?;
+        let numbers = [
+            ("force", error.force),
+            ("contact area", error.area),
+            (
+                "indentation",
+                relative(error.indentation, self.indentation.abs()),
+            ),
+        ];
+        Unresolved::among(numbers, "use method.accuracy = \"accurate\"")
     }
 
     /// Number of caps that are touched.

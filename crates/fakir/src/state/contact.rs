@@ -1,9 +1,10 @@
 //! The contact under a load, pillar by pillar.
 
 use super::fields::Fields;
-use super::floor_contact::FloorContact;
+use super::floor_contact::{FloorContact, FloorErrors};
 use super::limit::DOUBTFUL_CONTACT;
-use crate::problem::{Method, Point, System};
+use super::resolution::{LARGEST_ERROR, Unresolved};
+use crate::problem::{Accuracy, Method, Point, System};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -281,6 +282,58 @@ impl ContactState {
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
+    }
+
+    /// The first number of a solution that is [not resolved](Unresolved), of force, indentation, and force and area on the floor. Where nothing is known of the floor its
+    /// numbers are not looked at. The contact radius is not among them: where a pillar is about to be touched it jumps, which its error says.
+    #[must_use]
+    pub fn unresolved(&self) -> Option<Unresolved> {
+        if !self.converged() {
+            return None;
+        }
+        let floor = self.floor.as_ref();
+        let on_floor = floor.map_or(0.0, |floor| floor.force);
+        let each = self.pillars.iter().map(|pillar| pillar.force);
+        // Where some pull and others press, a small difference of large forces has a large relative error.
+        let carried = each.chain([on_floor]).map(f64::abs).sum::<f64>();
+        let part = relative(self.force.abs(), carried.max(self.force.abs()));
+        let known = floor.filter(|floor| floor.error != FloorErrors::UNKNOWN);
+        // At an indentation of 0, and where nothing is known of the floor, none is estimated.
+        let estimated = self.indentation != 0.0 && known.is_some() == floor.is_some();
+        let of_whole = |error: f64| {
+            if estimated && part * error > LARGEST_ERROR {
+                error
+            } else {
+                0.0
+            }
+        };
+        let numbers = [
+            ("force", of_whole(self.error.force)),
+            ("indentation", of_whole(self.error.indentation)),
+            (
+                "force on the floor",
+                known.map_or(0.0, |floor| floor.error.share),
+            ),
+            (
+                "contact area on the floor",
+                known.map_or(0.0, |floor| floor.error.area),
+            ),
+        ];
+        Unresolved::among(numbers, self.method.finer())
+    }
+}
+
+impl Method {
+    /// What a result that is not resolved needs.
+    fn finer(self) -> &'static str {
+        match self {
+            Self::Spectral(Accuracy::Default) => "use method.accuracy = \"accurate\"",
+            Self::Spectral(Accuracy::Accurate) => {
+                "raise the load: the contact is too small for this method"
+            }
+            Self::Love(_) => "use more cells across a pillar, or method.name = \"spectral\"",
+            Self::Punch(_) | Self::Homogenised => "use method.name = \"spectral\"",
+        }
     }
 }
 

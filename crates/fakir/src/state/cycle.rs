@@ -5,6 +5,7 @@ use super::critical::CriticalState;
 use super::fields::Fields;
 use super::floor_contact::FloorContact;
 use super::limit::{Limit, limits_of_adhesion};
+use super::resolution::Unresolved;
 use crate::problem::{Accuracy, CyclePlan, Point, System};
 use std::sync::Arc;
 
@@ -353,6 +354,61 @@ impl Cycle {
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
+    }
+
+    /// The first number of a solution that is [not resolved](Unresolved), of critical state, pull-off, hysteresis, and of what a floor that sticks does. What is
+    /// not known of such a floor is not looked at: a warning says it.
+    #[must_use]
+    pub fn unresolved(&self) -> Option<Unresolved> {
+        if !self.converged() {
+            return None;
+        }
+        let errors = &self.errors;
+        let of = |there: bool, error: CycleError| if there { error.numerical() } else { 0.0 };
+        let critical = self.critical.is_some();
+        let numbers = [
+            ("critical force", of(critical, errors.critical_force)),
+            (
+                "critical indentation",
+                of(critical, errors.critical_indentation),
+            ),
+            (
+                "pull-off force",
+                of(self.pull_off.is_some(), errors.pull_off_force),
+            ),
+            (
+                "hysteresis",
+                of(self.separation.is_some(), errors.loop_area),
+            ),
+        ];
+        let floor = self
+            .floor
+            .map(|floor| floor.errors)
+            .filter(|it| *it != StuckFloorErrors::UNKNOWN);
+        let lost = self.floor_lost().is_some();
+        let of_floor = floor.into_iter().flat_map(|it| {
+            [
+                ("force at the end of loading", it.turn_force),
+                ("force on the floor at the end of loading", it.turn_share),
+                (
+                    "contact area on the floor at the end of loading",
+                    it.turn_area,
+                ),
+                ("force after the jump onto the floor", it.jump_force),
+                ("contact area after the jump onto the floor", it.jump_area),
+                (
+                    "indentation at which the floor is lost",
+                    if lost { it.lost_indentation } else { 0.0 },
+                ),
+            ]
+        });
+        let advice = match self.accuracy {
+            Accuracy::Default => "use method.accuracy = \"accurate\"",
+            Accuracy::Accurate => {
+                "these are orders of magnitude: compare fakir.theory.collapsed_cycle"
+            }
+        };
+        Unresolved::among(numbers.into_iter().chain(of_floor), advice)
     }
 
     /// The certificate of a closed path: difference between loop area and dissipation, over the loop area. It is made of

@@ -43,6 +43,14 @@ pub struct FloorErrors {
     pub area: f64,
 }
 
+impl FloorErrors {
+    /// Nothing is known of them.
+    pub(crate) const UNKNOWN: Self = Self {
+        share: 1.0,
+        area: 1.0,
+    };
+}
+
 impl FloorContact {
     /// Sides of a cell along x and y, m.
     #[must_use]

@@ -1,6 +1,7 @@
 //! What all contacts have in common, pillar by pillar or cell by cell.
 
 use super::contact::{ContactState, Termination, Warning};
+use super::resolution::Unresolved;
 use super::surface::SurfaceContact;
 
 /// A contact of a lens or plate with a texture or a general surface. Loadings, their figures and warnings ask for no more
@@ -17,9 +18,17 @@ pub trait Contact {
     /// What to be careful about.
     fn warnings(&self) -> &[Warning];
 
+    /// The first number of a solution that is not resolved, if there is one.
+    fn unresolved(&self) -> Option<Unresolved>;
+
     /// Whether the numbers are the solution.
     fn converged(&self) -> bool {
         self.termination() == Termination::Converged
+    }
+
+    /// Whether the numbers are an answer: the solution, and resolved.
+    fn is_answer(&self) -> bool {
+        self.converged() && self.unresolved().is_none()
     }
 }
 
@@ -38,6 +47,10 @@ impl Contact for ContactState {
 
     fn termination(&self) -> Termination {
         self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        ContactState::unresolved(self)
     }
 
     fn warnings(&self) -> &[Warning] {
@@ -60,6 +73,10 @@ impl Contact for SurfaceContact {
 
     fn termination(&self) -> Termination {
         self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        SurfaceContact::unresolved(self)
     }
 
     fn warnings(&self) -> &[Warning] {

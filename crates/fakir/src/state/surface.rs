@@ -4,6 +4,7 @@ use super::checked::check_number;
 use super::contact::{ErrorEstimate, Termination, Warning};
 use super::critical::Critical;
 use super::error::SolveError;
+use super::resolution::Unresolved;
 use crate::problem::{Grid, Point};
 
 /// The contact of an indenter with a surface. Fields have one value for every cell of the grid.
@@ -83,6 +84,18 @@ impl SurfaceContact {
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
+    }
+
+    /// The first number of a solution that is [not resolved](Unresolved), of force and indentation, where errors are estimated.
+    #[must_use]
+    pub fn unresolved(&self) -> Option<Unresolved> {
+        let error = self.error.filter(|_| self.converged())?;
+        let of = |value: f64, error: f64| if value == 0.0 { 0.0 } else { error };
+        let numbers = [
+            ("force", of(self.force, error.force)),
+            ("indentation", of(self.indentation, error.indentation)),
+        ];
+        Unresolved::among(numbers, "use smaller cells")
     }
 
     /// Estimated error of the contact radius relative to it: that of the cells, from corner to corner.

@@ -1,0 +1,135 @@
+//! Whether the numbers of a result are resolved.
+
+/// Largest estimated relative error of a number that counts as an answer: beyond, not even its first digit is known.
+pub const LARGEST_ERROR: f64 = 0.5;
+
+/// A number of a result that is not resolved: its estimated relative error is above [`LARGEST_ERROR`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unresolved {
+    /// What it measures.
+    pub quantity: &'static str,
+    /// Its estimated relative error.
+    pub error: f64,
+    /// What resolves it.
+    pub advice: &'static str,
+}
+
+impl std::fmt::Display for Unresolved {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "the {} is not resolved, with an estimated relative error of {:.2} where at most {LARGEST_ERROR} is an answer: {}",
+            self.quantity, self.error, self.advice
+        )
+    }
+}
+
+impl Unresolved {
+    /// The first that is not resolved of numbers, each with its name and its estimated relative error.
+    pub(crate) fn among(
+        numbers: impl IntoIterator<Item = (&'static str, f64)>,
+        advice: &'static str,
+    ) -> Option<Self> {
+        let (quantity, error) = numbers
+            .into_iter()
+            .find(|(_, error)| *error > LARGEST_ERROR)?;
+        Some(Self {
+            quantity,
+            error,
+            advice,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::problem::{
+        Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
+        Texture,
+    };
+    use crate::state::{Contact, ContactState, ErrorEstimate, FloorErrors, Run, Termination};
+
+    fn pressed(control: Control) -> ContactState {
+        let pillar = Pillar {
+            diameter: 6e-6,
+            height: 2.2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lens = Lens {
+            radius: 2.2e-3,
+            material: Material::new(2e6, 0.5),
+        };
+        let texture = Texture::new(pillar, HexagonalLattice::new(30e-6));
+        let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
+        crate::press(&system, control, Method::default(), &Run::default()).unwrap()
+    }
+
+    #[test]
+    fn numbers_without_a_first_digit_are_no_answer() {
+        let state = pressed(Control::Indentation(1e-6));
+        assert!(state.is_answer() && state.unresolved().is_none());
+        for (errors, quantity) in [([2.0, 0.0], "force"), ([0.0, 0.6], "indentation")] {
+            let error = ErrorEstimate {
+                force: errors[0],
+                indentation: errors[1],
+            };
+            let doubtful = ContactState {
+                error,
+                ..state.clone()
+            };
+            let found = doubtful.unresolved().unwrap();
+            assert!(doubtful.converged() && !doubtful.is_answer());
+            assert_eq!(
+                (found.quantity, found.error),
+                (quantity, errors[0].max(errors[1]))
+            );
+            assert!(found.to_string().contains("method.accuracy = \"accurate\""));
+            // What did not converge is told as that.
+            let stopped = ContactState {
+                termination: Termination::IterationLimit,
+                ..doubtful
+            };
+            assert!(!stopped.is_answer() && stopped.unresolved().is_none());
+        }
+    }
+
+    /// No error is known of a force that is zero.
+    #[test]
+    fn zero_is_an_answer() {
+        for load in [Control::Indentation(0.0), Control::Force(0.0)] {
+            assert!(pressed(load).is_answer());
+        }
+    }
+
+    #[test]
+    fn of_the_floor_what_is_estimated_counts() {
+        let state = pressed(Control::Indentation(8e-6));
+        assert!(state.is_answer());
+        let with = |share: f64, area: f64| {
+            let mut state = state.clone();
+            state.floor.as_mut().unwrap().error = FloorErrors { share, area };
+            state.unresolved().map(|found| found.quantity)
+        };
+        assert_eq!(with(0.4, 0.4), None);
+        assert_eq!(with(0.6, 0.4), Some("force on the floor"));
+        assert_eq!(with(0.1, 0.7), Some("contact area on the floor"));
+        // Nothing is known of it.
+        assert_eq!(with(1.0, 1.0), None);
+    }
+
+    /// Pillars that pull hold those that are pressed: the force is nearly zero, and so is its error beside what pillars carry.
+    #[test]
+    fn a_small_difference_of_large_forces_is_an_answer() {
+        let mut state = pressed(Control::Indentation(1e-6));
+        state.error.force = 5.0;
+        for (pillar, part) in state
+            .pillars
+            .iter_mut()
+            .zip([1.0, -0.99].into_iter().cycle())
+        {
+            pillar.force *= part;
+        }
+        state.force *= 1e-3;
+        assert_eq!(state.unresolved(), None);
+    }
+}
