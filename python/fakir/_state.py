@@ -109,8 +109,13 @@ class ContactState:
 
     @property
     def contact_radius(self) -> float:
-        """Distance from the lens axis of the farthest point of a pillar top in contact, m."""
+        """Distance from the lens axis of the farthest point in contact, on a pillar top or on the floor, m."""
         return float(self._summary["contact_radius_m"])
+
+    @property
+    def top_contact_radius(self) -> float:
+        """Distance from the lens axis of the farthest point of a pillar top in contact, m."""
+        return float(self._summary.get("top_contact_radius_m", self.contact_radius))
 
     @property
     def pillars_in_contact(self) -> int:
@@ -268,8 +273,7 @@ class ContactState:
     ) -> xarray.Dataset:
         """All fields on a square grid around the contact, with so many points along a side."""
         _fakir.check_points(points * points, memory_limit)
-        radius = self.contact_radius if self.floor is None else max(self.contact_radius, self.floor.radius)
-        reach = max(radius, 0.5 * self.system.pitch) + self.system.pitch
+        reach = max(self.contact_radius, 0.5 * self.system.pitch) + self.system.pitch
         axis = np.linspace(-reach, reach, points)
         return self.on_grid(axis, axis, threads=threads, memory_limit=memory_limit)
 

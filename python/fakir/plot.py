@@ -404,12 +404,12 @@ def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
     )
     collection.set_array(pillars["force_N"] / (np.pi * radii**2) / 1e3)
     axis.add_collection(collection)
-    edge = Circle((0, 0), MICRO * contact.contact_radius, fill=False, ls="--", lw=0.8, color="grey")
+    edge = Circle((0, 0), MICRO * contact.top_contact_radius, fill=False, ls="--", lw=0.8, color="grey")
     axis.add_patch(edge)
     if isinstance(state, CriticalState):
         x, y = state.floor_contact
         axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b")
-    _square(axis, 1.08 * contact.contact_radius + float(radii.max()))
+    _square(axis, 1.08 * contact.top_contact_radius + float(radii.max()))
     axis.figure.colorbar(collection, ax=axis, label="mean pressure on pillar top (kPa)")
     return axis
 
@@ -466,7 +466,7 @@ def phase_diagram(
     unit = height * diameter / theory.constants(system).internal_compliance
     loadings = [[state for state in path if state.force > 0.0] for path in paths]
     points = [state for state in critical if state.force > 0.0]
-    reached = [state.contact_radius / state.system.pitch for path in loadings for state in path]
+    reached = [state.top_contact_radius / state.system.pitch for path in loadings for state in path]
     reached += [point.top_contact_radius / point.system.pitch for point in points]
     ends = min([0.3, *(0.7 * a for a in reached)]), max([40.0, *(1.4 * a for a in reached)])
     radii = np.geomspace(*ends, 300)
@@ -476,7 +476,7 @@ def phase_diagram(
     axis.plot(radii, curve, "k", lw=1.0, label="transition, formula of the paper")
     axis.axvline(1.0, color="k", ls=":", lw=0.8)
     for loaded in loadings:
-        across = [state.contact_radius / state.system.pitch for state in loaded]
+        across = [state.top_contact_radius / state.system.pitch for state in loaded]
         axis.plot(across, [state.force / unit for state in loaded], ".-", ms=3, lw=0.8)
     if points:
         across = [point.top_contact_radius / point.system.pitch for point in points]

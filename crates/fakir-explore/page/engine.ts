@@ -83,6 +83,8 @@ export interface PressSummary {
   readonly force_N: number;
   readonly indentation_m: number;
   readonly contact_radius_m: number;
+  /** Only where the floor is in contact too. */
+  readonly top_contact_radius_m?: number;
   readonly pillars_in_contact: number;
   readonly pillars_partially_in_contact: number;
   readonly smallest_floor_gap_m: number;

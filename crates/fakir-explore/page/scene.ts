@@ -42,8 +42,9 @@ export function sceneOf(state: ContactState): Scene {
     return sceneOfPreview({ ...state, force_N, contact_radius_m });
   }
   const { pillars_in_contact: all, pillars_partially_in_contact: part } = summary;
+  const edge = summary.top_contact_radius_m ?? summary.contact_radius_m;
   const radius = engineeringText(
-    summary.contact_radius_m,
+    edge,
     "length",
     Math.min(3, radiusDigits(summary.relative_error_estimate.contact_radius)),
   );
@@ -52,7 +53,7 @@ export function sceneOf(state: ContactState): Scene {
     pitch_m: state.pitch_m,
     diameter_m: state.diameter_m,
     lattice: state.lattice,
-    contact_radius_m: summary.contact_radius_m,
+    contact_radius_m: edge,
     pillars: state.pillars,
     forces_N: state.pillar_forces_N,
     statuses: state.pillar_statuses,

@@ -342,7 +342,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
         normalized: [reduced.force, reduced.contact_radius, reduced.indentation],
         pitch_m: system.pitch(),
         diameter_m: system.pillar().diameter,
-        lattice: drawn_lattice(system, state.contact_radius),
+        lattice: drawn_lattice(system, state.whole_contact_radius()),
         pillars: indices(state),
         pillar_forces_N: state.pillars.iter().map(|pillar| pillar.force).collect(),
         pillar_statuses: state

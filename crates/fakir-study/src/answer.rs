@@ -210,7 +210,7 @@ impl From<&ContactState> for Pressed {
             method: state.method.name().to_owned(),
             force: state.force,
             indentation: state.indentation,
-            contact_radius: state.contact_radius,
+            contact_radius: state.whole_contact_radius(),
             pillars_in_contact: state.pillars_in_contact,
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             smallest_floor_gap: state.smallest_floor_gap,
@@ -218,7 +218,7 @@ impl From<&ContactState> for Pressed {
             floor: OnFloor::of(state),
             relative_error_estimate_force: state.error.force,
             relative_error_estimate_indentation: state.error.indentation,
-            relative_error_estimate_contact_radius: state.relative_contact_radius_error(),
+            relative_error_estimate_contact_radius: state.relative_whole_contact_radius_error(),
             converged: state.converged(),
             iterations: state.iterations,
         }

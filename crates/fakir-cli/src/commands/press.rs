@@ -96,12 +96,8 @@ fn critical_load(critical: &CriticalState) -> String {
 }
 
 fn text(state: &ContactState, range: Option<f64>, wall_time: f64) -> String {
-    let reduced = Normalized::new(
-        &state.system,
-        state.force,
-        state.contact_radius,
-        state.indentation,
-    );
+    let radius = state.whole_contact_radius();
+    let reduced = Normalized::new(&state.system, state.force, radius, state.indentation);
     let gap = if state.floor.is_some() {
         "in contact: past the transition"
     } else if state.beyond_transition() {
@@ -109,19 +105,27 @@ fn text(state: &ContactState, range: Option<f64>, wall_time: f64) -> String {
     } else {
         ""
     };
-    let radius_error = state.relative_contact_radius_error();
+    let radius_error = state.relative_whole_contact_radius_error();
     let mut list = QuantityList::default();
-    list.load(state, &reduced)
-        .radius(
-            "contact radius",
+    list.load(state, &reduced).radius(
+        "contact radius",
+        radius,
+        radius_error,
+        format!(
+            "a/e = {}",
+            significant(reduced.contact_radius, radius_digits(radius_error))
+        ),
+    );
+    if radius > state.contact_radius {
+        list.quantity(
+            "  on the pillar tops",
             state.contact_radius,
-            radius_error,
-            format!(
-                "a/e = {}",
-                significant(reduced.contact_radius, radius_digits(radius_error))
-            ),
-        )
-        .pillars(state)
+            Dimension::Length,
+            radius_digits(state.relative_contact_radius_error()),
+            String::new(),
+        );
+    }
+    list.pillars(state)
         .length(
             "smallest floor gap",
             state.smallest_floor_gap,

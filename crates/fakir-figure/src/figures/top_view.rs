@@ -56,7 +56,7 @@ pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figur
         View::Contact => 1.1,
         View::NewtonRings { .. } => 1.25,
     };
-    let half_width = (margin * state.contact_radius).max(1.4 * pitch);
+    let half_width = (margin * state.whole_contact_radius()).max(1.4 * pitch);
     let side = COLUMN - 2.0 * MARGIN;
     let window = Window::new([MARGIN, MARGIN], side, [0.0, 0.0], half_width);
     let inside = match view {

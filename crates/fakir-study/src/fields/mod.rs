@@ -260,8 +260,8 @@ fn on_pillar_variable(flags: Vec<i8>) -> Variable {
 
 fn axis_around(state: &ContactState, points: Option<usize>) -> Axis {
     let pitch = state.system.pitch();
-    let half_width = if state.pillars_in_contact > 0 {
-        state.contact_radius + pitch
+    let half_width = if state.whole_contact_radius() > 0.0 {
+        state.whole_contact_radius() + pitch
     } else {
         BARE_PITCHES * pitch
     };
@@ -282,7 +282,7 @@ fn positions(x: &[f64], y: &[f64]) -> impl Iterator<Item = Point> {
 mod tests {
     use super::*;
     use crate::citations::Topic;
-    use fakir::problem::{Control, Method};
+    use fakir::problem::{Control, LatticeForm, Method, PlaneLattice};
     use fakir_case::Case;
 
     fn stamp(case: &Case) -> Provenance {
@@ -319,6 +319,27 @@ mod tests {
         }
         let even = Axis::symmetric(1.0, 2).coordinates();
         assert_eq!(even, [-1.0, 1.0]);
+    }
+
+    /// Beside a single pillar the floor takes most of the load, farther out than that stands.
+    #[test]
+    fn the_map_holds_the_whole_contact() {
+        let mut case = Case::example();
+        let array = PlaneLattice {
+            columns: Some(1),
+            ..PlaneLattice::new(LatticeForm::Square { pitch: 10e-6 })
+        };
+        case.system = case.system.with_arrangement(array).unwrap();
+        let (load, run) = (Control::Indentation(5e-6), Run::default());
+        let state = fakir::press(&case.system, load, case.method, &run).unwrap();
+        let floor = state.floor.as_ref().unwrap();
+        assert!(floor.radius > 2.0 * state.contact_radius + 10e-6);
+        let map = FieldMap::of_contact(&state, Some(301), &run)
+            .unwrap()
+            .unwrap();
+        let sum: f64 = numbers(&map, "pressure").iter().sum();
+        let force = sum * map.x.spacing * map.y.spacing;
+        assert!((force / state.force - 1.0).abs() < 0.01, "{force}");
     }
 
     #[test]

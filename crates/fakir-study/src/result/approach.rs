@@ -54,7 +54,7 @@ impl LoadingRow {
         Self {
             indentation_m: state.indentation,
             force_N: state.force,
-            contact_radius_m: state.contact_radius,
+            contact_radius_m: state.whole_contact_radius(),
             pillars_in_contact: state.pillars_in_contact,
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             smallest_floor_gap_m: state.smallest_floor_gap,
@@ -63,7 +63,7 @@ impl LoadingRow {
             floor_contact_area_m2: of_floor(state, |floor| floor.area),
             floor_radius_m: of_floor(state, |floor| floor.radius),
             force_error_estimate: state.error.force,
-            contact_radius_error_estimate: state.relative_contact_radius_error(),
+            contact_radius_error_estimate: state.relative_whole_contact_radius_error(),
             floor_share_error_estimate: state.floor.as_ref().map(|floor| floor.error.share),
             floor_contact_area_error_estimate: state.floor.as_ref().map(|floor| floor.error.area),
             critical,

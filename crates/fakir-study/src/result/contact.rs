@@ -72,6 +72,9 @@ pub struct PressSummary {
     force_N: f64,
     indentation_m: f64,
     contact_radius_m: f64,
+    /// Of the pillar tops alone, where the floor is in contact too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    top_contact_radius_m: Option<f64>,
     pillars_in_contact: usize,
     pillars_partially_in_contact: usize,
     smallest_floor_gap_m: f64,
@@ -101,7 +104,8 @@ impl PressSummary {
             lens_shape: lens_shape(&state.system),
             force_N: state.force,
             indentation_m: state.indentation,
-            contact_radius_m: state.contact_radius,
+            contact_radius_m: state.whole_contact_radius(),
+            top_contact_radius_m: state.floor.as_ref().map(|_| state.contact_radius),
             pillars_in_contact: state.pillars_in_contact,
             pillars_partially_in_contact: state.pillars_partially_in_contact,
             smallest_floor_gap_m: state.smallest_floor_gap,
@@ -109,7 +113,7 @@ impl PressSummary {
             floor: state.floor.as_ref().map(FloorObject::from),
             relative_error_estimate: RelativeErrors::new(
                 state.error,
-                Some(state.relative_contact_radius_error()),
+                Some(state.relative_whole_contact_radius_error()),
             ),
             limits: LimitObject::all(state.limits(None)),
             gradient: None,

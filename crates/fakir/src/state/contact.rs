@@ -278,6 +278,25 @@ impl ContactState {
         relative(self.contact_radius_error, self.contact_radius)
     }
 
+    /// Distance from the lens axis of the farthest point in contact, on a pillar top or on the floor, m.
+    #[must_use]
+    pub fn whole_contact_radius(&self) -> f64 {
+        let floor = self.floor.as_ref().map_or(0.0, |floor| floor.radius);
+        self.contact_radius.max(floor)
+    }
+
+    /// Estimated error of [`whole_contact_radius`](Self::whole_contact_radius) relative to it: on the floor that of a cell, from corner to corner.
+    #[must_use]
+    pub fn relative_whole_contact_radius_error(&self) -> f64 {
+        match &self.floor {
+            Some(floor) if floor.radius > self.contact_radius => {
+                let [width, height] = floor.cell();
+                relative(width.hypot(height), floor.radius)
+            }
+            _ => self.relative_contact_radius_error(),
+        }
+    }
+
     /// Whether the numbers are the solution.
     #[must_use]
     pub fn converged(&self) -> bool {

@@ -453,7 +453,12 @@ impl Cycle {
     /// if it is known.
     #[must_use]
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
-        let farthest = self.stations.iter().map(|s| s.contact_radius);
+        let reach = |s: &CycleStation| {
+            s.floor
+                .map_or(0.0, |floor| floor.radius)
+                .max(s.contact_radius)
+        };
+        let farthest = self.stations.iter().map(reach);
         limits_of_adhesion(&self.system, farthest.fold(0.0, f64::max), range)
     }
 }

@@ -42,7 +42,7 @@ impl Contact for ContactState {
     }
 
     fn contact_radius(&self) -> Option<f64> {
-        Some(self.contact_radius)
+        Some(self.whole_contact_radius())
     }
 
     fn termination(&self) -> Termination {

@@ -55,14 +55,15 @@ impl ContactState {
     #[must_use]
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
         let system = &self.system;
+        let farthest = self.whole_contact_radius();
         let mut limits = if system.adhesion().is_none() {
-            let slope = system.lens().slope_at(self.contact_radius);
+            let slope = system.lens().slope_at(farthest);
             vec![Limit::at_most("slope", slope, DOUBTFUL_CONTACT)]
         } else {
-            limits_of_adhesion(system, self.contact_radius, range)
+            limits_of_adhesion(system, farthest, range)
         };
         if let Some(radius) = system.lens().radius() {
-            let ratio = self.contact_radius / radius;
+            let ratio = farthest / radius;
             let name = "contact_radius_over_lens_radius";
             limits.push(Limit::at_most(name, ratio, DOUBTFUL_CONTACT));
         }
@@ -110,11 +111,14 @@ impl ContactState {
         let mut limits = Vec::new();
         if let Some(film) = film {
             let name = "contact_radius_over_substrate_thickness";
-            limits.push(Limit::told(name, self.contact_radius / film.thickness));
+            limits.push(Limit::told(
+                name,
+                self.whole_contact_radius() / film.thickness,
+            ));
         }
         if let Some(lens) = lens {
             let name = "contact_radius_over_lens_thickness";
-            let ratio = self.contact_radius / lens.thickness;
+            let ratio = self.whole_contact_radius() / lens.thickness;
             limits.push(Limit::at_most(name, ratio, WIDEST_ON_LENS));
             if let LensShape::Sphere { radius } = system.lens().shape {
                 let ratio = lens.thickness / radius;

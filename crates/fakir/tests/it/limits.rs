@@ -2,8 +2,8 @@
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
-    Control, FloorModel, HexagonalLattice, Layer, Lens, Material, Method, Pillar, PillarCompliance,
-    System, Texture,
+    Control, FloorModel, HexagonalLattice, Layer, Lens, ListedPillar, Material, Method, Pillar,
+    PillarCompliance, PillarList, System, Texture,
 };
 use fakir::state::{ContactState, Limit, Run};
 use std::f64::consts::PI;
@@ -38,6 +38,37 @@ fn of_height(height: f64, phi: f64, modulus: f64) -> System {
         Texture::new(pillar, paper_lattice(phi, 0.0)),
     )
     .expect("a valid system")
+}
+
+/// Two pillars on a floor that takes most of the load: what is farthest from the axis is on the floor.
+#[test]
+fn the_floor_beyond_the_pillars_is_part_of_the_contact() {
+    let lens = Lens {
+        radius: 150e-6,
+        material: Material::new(INTERMEDIATE, 0.5),
+    };
+    let pillar = |x: f64| ListedPillar {
+        centre: [x, 0.0],
+        height: 2.2e-6,
+        diameter: 6e-6,
+    };
+    let list = PillarList::new(vec![pillar(-5e-6), pillar(5e-6)]).expect("pillars apart");
+    let texture = Texture::new(paper_pillar(COLUMN), list);
+    let system = System::new(lens, Material::new(INTERMEDIATE, 0.5), texture);
+    let state = press(
+        &system.expect("a valid system"),
+        Control::Indentation(30e-6),
+    );
+    let floor = state.floor.as_ref().expect("a floor in contact");
+    assert!(floor.radius > 3.0 * state.contact_radius);
+    assert_eq!(state.whole_contact_radius(), floor.radius);
+    let ratio = floor.radius / 150e-6;
+    let found = limit(&state, "contact_radius_over_lens_radius");
+    assert!(found.strained && (found.value / ratio - 1.0).abs() < 1e-12);
+    assert!(limit(&state, "slope").value > ratio);
+    // The error is that of a cell.
+    let error = state.relative_whole_contact_radius_error() * floor.radius;
+    assert!(error > floor.cell()[0] && error < 2.0 * floor.cell()[0]);
 }
 
 #[test]
