@@ -281,6 +281,21 @@ def test_an_error_is_at_its_field_and_the_picture_stays(explore):
     assert page.results() == before
 
 
+@pytest.mark.parametrize("load", [1, 0.5])
+def test_one_name_for_one_radius(explore, load):
+    # One pillar of 3 µm is pressed, and the floor is reached beside it.
+    page = explore("#" + "&".join(paper(0.001)))
+    page.slide("load", load)
+    above = f"{page.text('radius-value')} {page.text('radius-unit')}"
+    assert "on the tops 3.0" in page.text("radius-remark")
+    below = re.search(r"a = ([\d.]+ µm)(?:,  on the tops ([\d.]+ µm))?", page.text("load-numbers"))
+    if load == 1:
+        assert float(below.group(1).split()[0]) == pytest.approx(float(above.split()[0]), rel=1e-2)
+        assert below.group(2).startswith("3.0")
+    else:
+        assert float(below.group(1).split()[0]) < 3.01 and below.group(2) is None
+
+
 def test_the_section_is_cut_by_its_frame(explore):
     # Ten times as much exaggerated every height is ten times as far from the middle, outside of the picture too.
     page = explore("#" + "&".join(paper(0.02)))
@@ -375,6 +390,17 @@ def test_the_command_gives_the_same_result(explore, tmp_path):
     force = json.loads("{" + done.stdout.split("{", 1)[1])["critical_force_N"]
     number = float(page.results()[0]) * {"µN": 1e-6, "mN": 1e-3}[page.text("force-unit")]
     assert abs(force / number - 1) < 1e-5
+
+
+def test_the_command_asks_nothing_of_a_case_that_is_there(explore, tmp_path):
+    page = explore("#" + "&".join(paper(0.01)))
+    other = tmp_path / "case.toml"
+    subprocess.run([os.environ["FAKIR"], "init", str(other)], check=True, stdout=subprocess.DEVNULL)
+    other.write_text(other.read_text(encoding="utf-8").replace('"2.2 mm"', '"9 mm"'), encoding="utf-8")
+    command = page.text("command").replace("fakir ", os.environ["FAKIR"] + " ")
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and done.stdout == ""
+    assert "choose another name" in done.stderr
 
 
 def test_everything_is_reached_by_keyboard(explore):

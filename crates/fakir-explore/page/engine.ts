@@ -42,6 +42,8 @@ export interface ErrorEstimate {
   readonly force: number | null;
   readonly indentation: number | null;
   readonly contact_radius: number | null;
+  /** Of the critical state. */
+  readonly top_contact_radius?: number | null;
 }
 
 export interface TransitionSummary {
@@ -345,7 +347,7 @@ export interface Line {
   readonly preview?: Preview;
   readonly critical?: TransitionSummary;
   readonly state?: ContactState;
-  /** The summary of the state that came last, now with its errors. */
+  /** The summary of the state that came last, now with its errors, and what to be careful about. */
   readonly summary?: PressSummary;
   readonly warnings?: readonly string[];
   readonly case?: Texts;

@@ -85,6 +85,7 @@ function solved(summary: TransitionSummary): readonly Readout[] {
   };
   const reduced = summary.normalized;
   const ratio = significant(reduced.contact_radius, radiusDigits(error.contact_radius));
+  const tops = engineeringText(summary.top_contact_radius_m, "length", radiusDigits(error.top_contact_radius ?? null));
   return [
     {
       id: "force",
@@ -98,7 +99,7 @@ function solved(summary: TransitionSummary): readonly Readout[] {
       value: summary.critical_contact_radius_m,
       dimension: "length",
       digits: radiusDigits(error.contact_radius),
-      remark: `a/e = ${ratio},  ${words(error.contact_radius)}`,
+      remark: `a/e = ${ratio},  on the tops ${tops},  ${words(error.contact_radius)}`,
     },
     {
       id: "indentation",
@@ -277,10 +278,24 @@ export function drawLoad(state: State): void {
   const digits = (value: number | null): number => Math.min(4, digitsFor(value));
   const force = engineeringText(summary.force_N, "force", digits(error.force));
   const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
-  const radius = engineeringText(summary.contact_radius_m, "length", digits(error.contact_radius));
-  write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  a = ${radius}`);
+  const { contact_radius_m: reached, top_contact_radius_m: tops = reached } = summary;
+  const whole = isCritical(state.solved.is.fraction) ? criticalRadius(state, reached) : reached;
+  const radius = radiusWords(whole, tops, digits(error.contact_radius));
+  write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  ${radius}`);
   write(byId("floor-gap"), engineeringText(summary.smallest_floor_gap_m, "length", digits(error.indentation)));
   drawFloor(summary.floor);
+}
+
+/** The radius of the critical state, with the place where the lens reaches the floor; that on the tops until it is known. */
+function criticalRadius({ critical, question }: State, tops: number): number {
+  const isKnown = critical !== null && critical.of.name === question.name;
+  return isKnown ? Math.max(tops, critical.is.critical_contact_radius_m) : tops;
+}
+
+/** The contact radius, and that of the contact on the pillar tops where the floor is reached farther out. */
+function radiusWords(whole: number, tops: number, digits: number): string {
+  const [all, part] = [whole, tops].map((radius) => engineeringText(radius, "length", digits));
+  return `a = ${all}${whole > tops ? `,  on the tops ${part}` : ""}`;
 }
 
 /** The slider of the load: its steps, its end, where the critical state is, its value and that in words. */
@@ -333,9 +348,9 @@ function drawCycleLoad(state: State): void {
   const { indentation_m, force_N, contact_radius_m } = station;
   const pulled = shown.pillar_forces_N.filter((force) => force < 0).length;
   // The first contact is found a little beyond where it is.
-  const lengths = [Math.abs(indentation_m) < NO_LENGTH ? 0 : indentation_m, contact_radius_m].map((value) =>
-    engineeringText(value, "length", 4),
-  );
+  const zeta = engineeringText(Math.abs(indentation_m) < NO_LENGTH ? 0 : indentation_m, "length", 4);
+  const whole = isCriticalStation(solved, shown) ? criticalRadius(state, contact_radius_m) : contact_radius_m;
+  const radius = radiusWords(whole, contact_radius_m, 4);
   const force = engineeringText(force_N, "force", 4);
   const all = shown.pillar_forces_N.length;
   const holding = all === 0 ? "nothing in contact" : `${all} in contact, ${shown.parts.length} in part, ${pulled} pulled`;
@@ -345,7 +360,7 @@ function drawCycleLoad(state: State): void {
       ? ""
       : `\nfloor: ${holesWords(floor.filled_holes)} filled, ${areaText(floor.floor_contact_area_m2, 3)}, ` +
         engineeringText(floor.floor_force_N, "force", 2);
-  write(byId("load-numbers"), `F = ${force},  ζ = ${lengths[0]},  a = ${lengths[1]}\n${holding}${onFloor}`);
+  write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  ${radius}\n${holding}${onFloor}`);
 }
 
 /** The critical state, while the rest of the cycle is being solved: the lens jumps from it onto a floor that sticks. */
@@ -353,10 +368,11 @@ function drawCriticalBefore(state: State): void {
   const { solved, question } = state;
   if (solved === null || solved.of.number !== question.number) return;
   const { force_N, indentation_m, contact_radius_m, pillars_in_contact } = solved.is.summary;
-  const [zeta, radius] = [indentation_m, contact_radius_m].map((value) => engineeringText(value, "length", 4));
+  const zeta = engineeringText(indentation_m, "length", 4);
+  const radius = radiusWords(criticalRadius(state, contact_radius_m), contact_radius_m, 4);
   const force = engineeringText(force_N, "force", 4);
   write(byId("load-words"), `critical state, the rest ${isCalledOff(state) ? "called off" : "is being solved"}`);
-  write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  a = ${radius}\n${pillars_in_contact} in contact`);
+  write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  ${radius}\n${pillars_in_contact} in contact`);
 }
 
 function areaText(area_m2: number, digits: number): string {

@@ -46,7 +46,7 @@ enum Question {
 }
 
 /// The command that asks the same. It overrides each key that differs from the case that
-/// `fakir init` writes.
+/// `fakir init` writes, and does nothing where a file of that name, maybe of another case, is there already.
 fn command(case: &Case, question: Question) -> String {
     let example = Case::example();
     let question = match question {
@@ -64,7 +64,7 @@ fn command(case: &Case, question: Question) -> String {
         (!same).then(|| format!(" \\\n    --set {}", argument(key, &value)))
     });
     let changes: String = changes.collect();
-    format!("fakir init case.toml\n{question}{changes}\n")
+    format!("fakir init case.toml &&\n{question}{changes}\n")
 }
 
 /// `key=value` for a shell: a quantity without its space, a word without its quotes.
@@ -170,6 +170,11 @@ mod tests {
         }
         let case = file.case().unwrap();
         let command = command(&case, Question::Contact(Some(3e-6)));
+        // Nothing is asked of another case that a file of this name may hold.
+        assert!(
+            command.starts_with("fakir init case.toml &&\nfakir press"),
+            "{command}"
+        );
         assert!(
             command.contains("fakir press case.toml --indentation 3um \\\n"),
             "{command}"
