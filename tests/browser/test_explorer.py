@@ -281,6 +281,27 @@ def test_an_error_is_at_its_field_and_the_picture_stays(explore):
     assert page.results() == before
 
 
+def test_a_bare_number_has_the_unit_that_is_shown(explore):
+    page = explore("#" + "&".join(paper(0.02)))
+    for key, bare, shown in [
+        ("texture.pillar.height", "2.5", "2.5 µm"),
+        ("lens.radius", "3", "3 mm"),
+        ("substrate.young_modulus", "3", "3 MPa"),
+        ("texture.offset_angle", "30", "30 deg"),
+        # In the unit that was typed last.
+        ("texture.pillar.height", "2400 nm", "2400 nm"),
+        ("texture.pillar.height", "2300", "2300 nm"),
+        ("texture.surface_fraction", "0.03", "0.03"),
+    ]:
+        field = f"#{key.replace('.', '-')}"
+        page.enter(key, bare)
+        assert page.page.input_value(field) == shown
+    assert not page.page.is_visible("#problem")
+    case = tomllib.loads(page.text("case-file"))
+    assert case["texture"]["pillar"]["height"] == "2.3 um" and case["lens"]["radius"] == "3 mm"
+    assert case["texture"]["offset_angle"] == "30 deg" and case["substrate"]["young_modulus"] == "3 MPa"
+
+
 @pytest.mark.parametrize("load", [1, 0.5])
 def test_one_name_for_one_radius(explore, load):
     # One pillar of 3 µm is pressed, and the floor is reached beside it.

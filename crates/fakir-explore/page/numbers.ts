@@ -132,6 +132,16 @@ export function editable(value: number, dimension: Dimension): string {
 
 const NUMBER = /^\s*([+-]?(?:\d+\.?\d*|\.\d+))(?:e([+-]?\d+))?\s*(\S*)\s*$/i;
 
+/** The unit of a number in words; nothing if it has none. */
+export function unitOf(text: string): string {
+  return NUMBER.exec(text)?.[3] ?? "";
+}
+
+/** What was typed, with this unit if it is a number without one. */
+export function withUnit(text: string, unit: string): string {
+  return NUMBER.test(text.replace("−", "-")) && unitOf(text.replace("−", "-")) === "" ? `${text.trim()} ${unit}`.trim() : text;
+}
+
 /** The value in SI units of what was typed; null if that cannot be told here. */
 export function parse(text: string, dimension: Dimension): number | null {
   const parts = NUMBER.exec(text.replace("−", "-"));

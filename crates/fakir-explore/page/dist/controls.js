@@ -1,5 +1,5 @@
 // The quantities of a case: a slider and a field with unit for each, and what is wrong with it.
-import { editable, engineeringText, parse } from "./numbers.js";
+import { editable, engineeringText, parse, unitOf, withUnit } from "./numbers.js";
 import { FRACTION, PITCH, RECEDING, sticks, STUCK, WORK, withSpacing } from "./store.js";
 const DEGREE = Math.PI / 180;
 /** The tables of a case file that stand first on the page, before all others in their order. */
@@ -89,7 +89,11 @@ export class Controls {
         slider.max = String(STEPS);
         slider.setAttribute("aria-label", `${field.label}, slider`);
         slider.setAttribute("aria-describedby", describedBy);
+        // A bare number has the unit of the value that it replaces.
+        let unit = unitOf(editable(ends(field)[0], field.dimension));
         text.addEventListener("change", () => {
+            text.value = withUnit(text.value, unit);
+            unit = unitOf(text.value) || unit;
             const isEndless = field.endless && ["", ENDLESS, "∞"].includes(text.value.trim());
             const value = isEndless ? "" : (parse(text.value, field.dimension) ?? text.value);
             this.changed(field.key, value, true, performance.now());
@@ -121,8 +125,10 @@ export class Controls {
                 }
                 return;
             }
-            if (!typed)
+            if (!typed) {
                 text.value = editable(value, field.dimension);
+                unit = unitOf(text.value);
+            }
             if (document.activeElement !== slider || sliderPlace(field, value) !== slider.value) {
                 slider.value = sliderPlace(field, value);
             }

@@ -106,6 +106,14 @@ export function editable(value, dimension) {
     return `${Number(`${mantissa}e${Number(exponent) - unit.power}`)} ${unit.symbol}`;
 }
 const NUMBER = /^\s*([+-]?(?:\d+\.?\d*|\.\d+))(?:e([+-]?\d+))?\s*(\S*)\s*$/i;
+/** The unit of a number in words; nothing if it has none. */
+export function unitOf(text) {
+    return NUMBER.exec(text)?.[3] ?? "";
+}
+/** What was typed, with this unit if it is a number without one. */
+export function withUnit(text, unit) {
+    return NUMBER.test(text.replace("−", "-")) && unitOf(text.replace("−", "-")) === "" ? `${text.trim()} ${unit}`.trim() : text;
+}
 /** The value in SI units of what was typed; null if that cannot be told here. */
 export function parse(text, dimension) {
     const parts = NUMBER.exec(text.replace("−", "-"));
