@@ -493,19 +493,23 @@ fn in_unit(layers: &[WeightedLayer], unit: f64) -> Vec<WeightedLayer> {
     layers.iter().map(scaled).collect()
 }
 
+/// Degree of the pressure of a patch up to which it moves the floor, which is beyond the top: higher modes of layers fall off within that.
+const FLOOR_DEGREE: usize = 8;
+
 /// The displacement around a patch.
 fn around(scene: &Scene, patch: &Patch) -> Exterior {
-    let exterior = Exterior::new(degree_with(patch.coefficients.len()));
-    exterior.with_layers(&in_unit(&scene.layers, patch.radius))
+    let degree = degree_with(patch.coefficients.len()).min(FLOOR_DEGREE);
+    Exterior::new(degree).with_layers(&in_unit(&scene.layers, patch.radius))
 }
 
 /// Lowest point of the floor under a patch: its gap plus the indentation.
 fn patch_floor(scene: &Scene, patch: &Patch) -> Option<FloorPoint> {
     let bears = |_: usize, mode: usize| patch.coefficients[mode];
+    let exterior = around(scene, patch);
     let discs = LoadedDiscs {
-        exterior: &around(scene, patch),
+        exterior: &exterior,
         discs: Discs::new(
-            [1, patch.coefficients.len()],
+            [1, exterior.count()],
             |_| [0.0; 2],
             |_| patch.radius,
             [None, Some(&bears)],
