@@ -1088,10 +1088,10 @@ pub(crate) struct LimitArguments {
 }
 
 impl LimitArguments {
-    /// Refuses it where limits are not told.
+    /// Refuses it where results have no limits.
     pub(crate) fn refuse_without_limits(self) -> Result<(), Failure> {
         if self.strict {
-            let problem = "--strict is for flat pillars of a [texture] and for a [surface]: with rounded tops the limits of the model are not told";
+            let problem = "--strict is for flat pillars of a [texture] and for a [surface]: contacts with rounded tops have no limits of the model";
             return Err(Failure::Argument(problem.to_owned()));
         }
         Ok(())
