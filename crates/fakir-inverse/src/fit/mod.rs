@@ -25,7 +25,7 @@
 //! * The contact radius jumps from one ring of pillars to the next. The rings of a hexagonal
 //!   lattice are at most about half a pitch apart beyond the first, so a measured radius has an error of
 //!   at least `(e/2)/sqrt(12)` (uniform over half the pitch `e`), added in quadrature. A jump has no
-//!   derivative: that of the [homogenised lattice](fakir::theory::homogenised) serves instead, which
+//!   derivative: that of the spread of the forces on the pillars serves instead, which
 //!   changes how the data are weighed but not the answer to data without errors.
 //! * With adhesion the force jumps where pillars are released, and between jumps hardly depends on the work of adhesion. What is known of
 //!   a jump is between which rows it is. So a row of the unloading is compared with the straight line through the stretch of the computed curve
@@ -53,6 +53,7 @@ mod measurements;
 mod misfit;
 mod model;
 mod parameter;
+mod radius;
 mod reading;
 mod report;
 
@@ -1031,7 +1032,7 @@ impl<'a> Search<'a> {
     }
 
     /// Sum of squares at other states, with jumps of the contact radius held back: it changes
-    /// as that of the homogenised lattice does.
+    /// as the [radius without jumps](radius::smooth_radius) does.
     fn trial_chi_square(&self, states: &[State]) -> f64 {
         let terms = self.data.iter().zip(&self.errors).map(|(datum, error)| {
             let (from, to) = (&self.states[datum.row], &states[datum.row]);

@@ -4,11 +4,12 @@
 use super::curve::Curve;
 use super::measurements::{Measurement, Measurements, Position};
 use super::parameter::Parameter;
+use super::radius::smooth_radius;
 use super::{FitError, FitOptions};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{larger, within};
 use fakir::problem::{Control, CyclePlan, Drive, Method, Turn};
-use fakir::state::{Branch, ContactState, Cycle, Gradient, Run, SolveError};
+use fakir::state::{Branch, Cycle, Gradient, Run, SolveError};
 use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -46,7 +47,7 @@ pub(super) struct State {
     pub(super) slopes: [f64; 2],
     /// Contact radius, m.
     pub(super) contact_radius: f64,
-    /// Contact radius of the homogenised lattice, m, or of a line through a stretch: it has no jumps, and so a derivative.
+    /// [Contact radius without jumps](smooth_radius), m, or that of a line through a stretch.
     pub(super) smooth_radius: f64,
     /// Smallest gap between lens and floor, m; not known along a cycle.
     pub(super) smallest_floor_gap: Option<f64>,
@@ -712,13 +713,7 @@ impl<'a> Model<'a> {
             });
         }
         self.solved.fetch_add(1, Ordering::Relaxed);
-        let press = |method: Method| fakir::press(&case.system, load, method, &self.single);
-        let contact: ContactState = press(case.method)?;
-        let smooth_radius = if !self.wants_radius || case.method == Method::Homogenised {
-            contact.contact_radius
-        } else {
-            press(Method::Homogenised)?.contact_radius
-        };
+        let contact = fakir::press(&case.system, load, case.method, &self.single)?;
         Ok(State {
             indentation: contact.indentation,
             force: contact.force,
@@ -727,7 +722,7 @@ impl<'a> Model<'a> {
             sharing: 1.0,
             slopes: [0.0; 2],
             contact_radius: contact.contact_radius,
-            smooth_radius,
+            smooth_radius: smooth_radius(&contact),
             smallest_floor_gap: Some(contact.smallest_floor_gap),
             past_transition: contact.smallest_floor_gap < 0.0,
             converged: contact.converged(),
@@ -777,10 +772,7 @@ impl<'a> Model<'a> {
             let gradient = self.gradient(&settings.case, load, state)?;
             let along = match &gradient {
                 Some(gradient) => {
-                    let of = |factor| self.smooth_radius(&settings.case, scaled(load, factor));
-                    let radius = (of(1.0 + DIFFERENCE)? - of(1.0 - DIFFERENCE)?)
-                        / (2.0 * DIFFERENCE * value_of(load));
-                    [gradient.stiffness, radius]
+                    self.with_radius(gradient.stiffness, || self.along_load(&settings.case, load))?
                 }
                 None => self.along_load(&settings.case, load)?,
             };
@@ -806,14 +798,10 @@ impl<'a> Model<'a> {
                         let exact = gradient
                             .as_ref()
                             .and_then(|gradient| by_key.exactly(gradient.force.as_ref()?, *key));
+                        let differences = || self.between(sides, load);
                         let held = match exact {
-                            Some(slope) => {
-                                let of = |case: &Case| self.smooth_radius(case, load);
-                                let [below, above] = &sides.cases;
-                                let radius = (of(above)? - of(below)?) / sides.apart;
-                                [slope * unit, radius]
-                            }
-                            None => self.between(sides, load)?,
+                            Some(slope) => self.with_radius(slope * unit, differences)?,
+                            None => differences()?,
                         };
                         (held, -compliance * held[0] * follow)
                     }
@@ -865,13 +853,18 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The contact radius of the homogenised lattice, m, where contact radii were measured.
-    fn smooth_radius(&self, case: &Case, load: Control) -> Result<f64, SolveError> {
-        if !self.wants_radius {
-            return Ok(0.0);
-        }
-        let contact = fakir::press(&case.system, load, Method::Homogenised, &self.single)?;
-        Ok(contact.contact_radius)
+    /// A derivative of the force, and beside it that of the contact radius by differences where contact radii were measured.
+    fn with_radius(
+        &self,
+        force: f64,
+        differences: impl FnOnce() -> Result<[f64; 2], SolveError>,
+    ) -> Result<[f64; 2], SolveError> {
+        let radius = if self.wants_radius {
+            differences()?[1]
+        } else {
+            0.0
+        };
+        Ok([force, radius])
     }
 
     /// Derivatives by central differences of whole cycles.

@@ -136,6 +136,40 @@ fn contact_radius_under_a_force_gives_the_modulus() {
     assert!(high / low < 1.5, "{low} to {high}");
 }
 
+/// A fit of the modulus to contact radii under forces, with a texture and a lens that only the spectral method solves.
+fn fit_of_radii(overrides: &[&str]) -> Fit {
+    let kind = |modulus: &str| {
+        let common = ["texture.surface_fraction=0.015", SPECTRAL, modulus];
+        case_file(&[&common[..], overrides].concat())
+    };
+    let depths = [0.8e-6, 1.6e-6];
+    let [_, force, radius] = loading(&kind("substrate.young_modulus=1.3MPa"), &depths);
+    let columns = [(Column::Force, force), (Column::ContactRadius, radius)];
+    let data = Measurements::new(&columns).unwrap();
+    run_fit(&kind("substrate.young_modulus=1.6MPa"), &data, &[SUBSTRATE])
+}
+
+#[test]
+fn contact_radii_are_fitted_on_any_arrangement_under_any_lens() {
+    let scattered = [
+        "texture.lattice=square",
+        "texture.columns=7",
+        "texture.rotation=20 deg",
+        "texture.missing=0.1",
+        "texture.height_spread=0.02",
+    ];
+    for overrides in [&scattered[..], &["lens.shape=paraboloid"]] {
+        let fitted = fit_of_radii(overrides);
+        assert_eq!(fitted.termination, Termination::Converged, "{overrides:?}");
+        let [low, high] = fitted.estimates[0].interval.unwrap();
+        assert!(
+            low < 1.3e6 && 1.3e6 < high,
+            "{overrides:?}: {:?}",
+            fitted.estimates
+        );
+    }
+}
+
 #[test]
 fn moduli_that_force_cannot_tell_apart() {
     // Without columns the moduli count only by the compliance of both together.
