@@ -67,7 +67,11 @@ const CHECKS: [Check; 14] = [
     first("formatting", "cargo fmt", |cargo| {
         run_cargo(cargo, "fmt --all -- --check")
     }),
-    first("structure", "dependencies between files", structure::check),
+    first(
+        "structure",
+        "dependencies between files, comparisons",
+        structure::check,
+    ),
     first("tests", "tests of all crates", tests::quick),
     first(
         "python",

@@ -158,11 +158,11 @@ impl Case {
     }
 
     /// The number of a key of the texture, in SI units. Pitch and surface fraction both have one, whichever was given.
-    /// `None` if the key takes no number, or belongs to a general surface.
+    /// `None` if the key takes no number, has none in this case, or belongs to a general surface.
     #[must_use]
     pub fn number(&self, key: Key) -> Option<f64> {
         match key.get(&mut Parts::of(self)) {
-            Setting::Number(value) if !key.is_of_surface() => Some(value),
+            Setting::Number(value) if !key.is_of_surface() && value.is_finite() => Some(value),
             _ => None,
         }
     }

@@ -106,7 +106,7 @@ impl SurfaceState<'_> {
     pub(crate) fn section(&self) -> Result<Section, FigureError> {
         let grid = self.grid();
         let row = (-grid.origin()[1] / grid.cell()[1]).floor();
-        let row = row.clamp(0.0, (grid.rows() - 1) as f64) as usize;
+        let row = (row.max(0.0) as usize).min(grid.rows() - 1);
         let (centre, half_width) = self.view();
         let columns: Vec<usize> = (0..grid.columns())
             .filter(|column| (grid.centre(*column, row)[0] - centre[0]).abs() <= half_width)

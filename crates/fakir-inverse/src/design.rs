@@ -16,9 +16,9 @@
 //! solves: there is no estimate to begin with, and the range ends where a cycle has very many pillars. It is met to within its own
 //! numerical error, as pillars that are held in part move in steps.
 
-use fakir::numerics::convergence::within;
+use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{Control, CyclePlan, FloorModel, Method};
+use fakir::problem::{Control, CyclePlan, FloorModel, LensShape, Method};
 use fakir::state::{ContactState, CriticalState, Cycle, Run, SolveError};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key, TextureOnly};
@@ -114,11 +114,10 @@ impl Wanted {
         if !self.is_share() {
             return ratio.ln();
         }
-        let contact = reached.contact();
-        let to_the_floor = contact.smallest_floor_gap / contact.system.pillar().height;
-        match &contact.floor {
+        match &reached.contact().floor {
             Some(_) => ratio.powf(SHARE_POWER) - 1.0,
-            None => -1.0 - to_the_floor,
+            // A lens that is below the floor while that carries nothing is not nearer to the share.
+            None => -1.0 - larger(reached.to_the_floor(), 0.0),
         }
     }
 
@@ -169,6 +168,12 @@ impl Reached {
             Self::Pressed(contact) => contact,
             Self::PulledOff(cycle) => &cycle.turn,
         }
+    }
+
+    /// Smallest gap between lens and floor over the height of the pillars.
+    fn to_the_floor(&self) -> f64 {
+        let contact = self.contact();
+        contact.smallest_floor_gap / contact.system.pillar().height
     }
 
     fn is_converged(&self) -> bool {
@@ -521,6 +526,11 @@ pub fn design(
         if case.system.floor_model() == FloorModel::Ignored {
             return Err(DesignError::FloorIgnored);
         }
+        if let LensShape::Cylinder { .. } | LensShape::Plate { .. } = case.system.lens().shape {
+            let why =
+                "under a cylinder or a plate the floor carries no load; use another lens.shape";
+            return Err(SolveError::NoFloorShare { why }.into());
+        }
     }
     let mut search = Search {
         file,
@@ -581,7 +591,7 @@ pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseEr
 fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
     let case = file.case();
     let given = case.as_ref().ok().and_then(|case| case.number(free));
-    if let Some(value) = given.filter(|value| value.is_finite()) {
+    if let Some(value) = given {
         return Ok(value);
     }
     if let (Ok(case), Key::SubstrateThickness | Key::LensThickness) = (&case, free) {
@@ -629,10 +639,10 @@ fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
         Key::SubstrateThickness | Key::LensThickness => {
             [least, greatest.min(THICKEST * widest).max(first)]
         }
-        Key::Pitch | Key::PillarDiameter => [least, greatest.min(widest)],
+        Key::Pitch | Key::PillarDiameter => [least, greatest.min(widest.max(first))],
         Key::SurfaceFraction => {
             let part = case.system.pillar().diameter / widest;
-            [greatest * part * part, greatest]
+            [(greatest * part * part).min(first), greatest]
         }
         _ => [least, greatest],
     }
@@ -723,7 +733,7 @@ impl Search<'_> {
     }
 
     fn trial(&self, position: f64) -> Result<Trial, DesignError> {
-        let value = position.exp().clamp(self.range[0], self.range[1]);
+        let value = clamped(position.exp(), self.range[0], self.range[1]);
         if self.method.is_none()
             && !self.wanted.is_coarse()
             && let Ok(outline) = self.trial_by(Some(Method::Homogenised), value)
@@ -792,6 +802,7 @@ impl Search<'_> {
             }),
             Err(
                 error @ (SolveError::ContactExceedsLens { .. }
+                | SolveError::ProfileEnds { .. }
                 | SolveError::TooLarge { .. }
                 | SolveError::TextureTooDense { .. }),
             ) => Err(Limit::Solver(error)),
@@ -804,7 +815,7 @@ impl Search<'_> {
         let (excess, error) = match &outcome {
             // A method without a floor finds the transition, where the share begins.
             Ok(candidate) if self.wanted.is_share() && method.is_some() => {
-                (1.0 + self.wanted.excess(&candidate.reached), 0.0)
+                (-candidate.reached.to_the_floor(), 0.0)
             }
             Ok(candidate) => (
                 self.wanted.excess(&candidate.reached),
@@ -845,7 +856,10 @@ impl Search<'_> {
             }
             match self.trial_by(None, value)?.outcome {
                 Ok(candidate) => return Ok(candidate),
-                Err(Limit::Solver(error @ SolveError::ContactExceedsLens { .. })) => {
+                Err(Limit::Solver(
+                    error
+                    @ (SolveError::ContactExceedsLens { .. } | SolveError::ProfileEnds { .. }),
+                )) => {
                     failure = Some(error);
                 }
                 Err(limit) => return Err(no_contact(limit, self.free)),
@@ -855,7 +869,7 @@ impl Search<'_> {
     }
 
     fn find(&self, first: f64, stride: f64) -> Result<Ending, DesignError> {
-        let start = self.trial(first.clamp(self.range[0], self.range[1]).ln())?;
+        let start = self.trial(clamped(first, self.range[0], self.range[1]).ln())?;
         if start.is_met()
             && let Ok(candidate) = start.outcome
         {
@@ -903,7 +917,7 @@ impl Search<'_> {
                 Some(beyond) => f64::midpoint(front, beyond.position),
                 None => {
                     let sign = if side == 1 { 1.0 } else { -1.0 };
-                    (front + sign * strides[side]).clamp(ends[0], ends[1])
+                    clamped(front + sign * strides[side], ends[0], ends[1])
                 }
             };
             strides[side] *= 2.0;
@@ -1389,6 +1403,50 @@ mod tests {
             told.contains("it is from ") && told.contains("the nearest is"),
             "{told}"
         );
+    }
+
+    /// Under a cylinder or a plate the floor carries nothing, however low the lens is beside the pillars.
+    #[test]
+    fn a_floor_that_carries_nothing_has_no_share() {
+        for shape in ["cylinder", "plate"] {
+            let mut file = paper(0.03);
+            file.set("texture.columns=3").unwrap();
+            file.set(&format!("lens.shape={shape}")).unwrap();
+            let case = file.case().unwrap();
+            let load = Control::Indentation(8e-6);
+            let wanted = Wanted::FloorShare { share: 0.15, load };
+            let state = fakir::press(&case.system, load, case.method, &Run::default()).unwrap();
+            assert!(state.floor.is_none() && state.smallest_floor_gap < 0.0);
+            assert!(wanted.excess(&Reached::Pressed(state)) <= -1.0);
+            for free in [Key::PillarHeight, Key::Pitch] {
+                let told = design(&file, free, wanted, &Run::default()).unwrap_err();
+                assert!(matches!(
+                    told,
+                    DesignError::Solve(SolveError::NoFloorShare { .. })
+                ));
+            }
+        }
+    }
+
+    /// Of a lens without a radius, and of pillars wider than the lens.
+    #[test]
+    fn every_case_has_ranges() {
+        let mut wide = paper(0.03);
+        wide.set("lens.radius=50um").unwrap();
+        wide.set("texture.pillar.diameter=120um").unwrap();
+        let mut plate = paper(0.03);
+        for given in ["lens.shape=plate", "texture.columns=3"] {
+            plate.set(given).unwrap();
+        }
+        for file in [wide, plate] {
+            let case = file.case().unwrap();
+            for free in free_keys() {
+                if let Some(first) = case.number(free) {
+                    let [least, greatest] = range(free, first, &case);
+                    assert!(least <= first && first <= greatest, "{free}");
+                }
+            }
+        }
     }
 
     #[test]

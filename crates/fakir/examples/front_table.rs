@@ -14,6 +14,7 @@
 //! the size of a cell. Half of their difference is printed as the error.
 
 use fakir::halfspace::elements::{FreeSpaceConvolution, Operator, Preconditioned};
+use fakir::numerics::convergence::clamped;
 use fakir::problem::{Cells, Grid, Point};
 use std::error::Error;
 use std::f64::consts::PI;
@@ -84,7 +85,7 @@ fn place(level: usize, curvature: f64) -> f64 {
                 // y = sin t makes the ends of the strips smooth.
                 let t = PI * ((strip as f64 + 0.5) / STRIPS as f64 - 0.5);
                 let (y, half) = t.sin_cos();
-                let end = (s - curvature * y * y).clamp(-half, half);
+                let end = clamped(s - curvature * y * y, -half, half);
                 (end + half) * half * PI / STRIPS as f64
             })
             .sum()

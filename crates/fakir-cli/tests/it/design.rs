@@ -105,6 +105,27 @@ fn what_cannot_be_had_is_status_3_with_the_nearest() {
     );
 }
 
+/// A lens that is given by a table has no radius to which heights could be compared.
+#[test]
+fn heights_are_found_under_a_lens_without_a_radius() {
+    let bench = Bench::new();
+    let case = example("profile.toml");
+    let arguments = ["design", &case, "--free", "texture.pillar.height"];
+    let answer = bench.json(&[&arguments[..], &["--critical-force", "100uN"]].concat());
+    assert_eq!(answer["design"]["status"], "found");
+    let share = ["--floor-share", "15%", "--at-indentation", "8um"];
+    let plate = ["--set", "lens.shape=plate", "--set", "texture.columns=3"];
+    let flat = example("paper-intermediate.toml");
+    let outcome =
+        bench.run(&[&["design", &flat], &arguments[2..], &share[..], &plate[..]].concat());
+    assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains("the floor carries no load"),
+        "{}",
+        outcome.stderr
+    );
+}
+
 /// Designs a pitch for a floor share, then presses the case that was saved.
 #[test]
 fn what_is_designed_has_the_wanted_floor_share() {

@@ -7,7 +7,7 @@ use super::parameter::Parameter;
 use super::radius::smooth_radius;
 use super::{FitError, FitOptions};
 use crate::derivative::ByKey;
-use fakir::numerics::convergence::{larger, within};
+use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Control, CyclePlan, Drive, Method, Turn};
 use fakir::state::{Branch, Cycle, Gradient, Run, SolveError};
 use fakir_case::{Case, CaseFile, Key};
@@ -385,7 +385,6 @@ impl<'a> Model<'a> {
         match parameter {
             Parameter::Key(key) => {
                 let number = self.start.case.number(key);
-                let number = number.filter(|number| number.is_finite());
                 number.ok_or(FitError::NotGiven(parameter))
             }
             Parameter::ContactPoint => Ok(self.start.contact_point),
@@ -669,7 +668,11 @@ impl<'a> Model<'a> {
         }
         let excess = |state: &State| state.indentation + compliance * state.force - target;
         let met = |state: &State| within(excess(state).abs(), BALANCE * target);
-        let mut last = solve((target - compliance * likely_force).clamp(0.1 * target, target))?;
+        let mut last = solve(clamped(
+            target - compliance * likely_force,
+            0.1 * target,
+            target,
+        ))?;
         let mut state = solve(target - compliance * last.force)?;
         for _ in 0..MOST_STEPS {
             if met(&state) {

@@ -59,6 +59,20 @@ pub fn smaller(a: f64, b: f64) -> f64 {
     if a < b || a.is_nan() { a } else { b }
 }
 
+/// A number brought between two others, NaN if one of the three is, and `greatest` where that is below `least`: `f64::clamp` ends the program there.
+///
+/// ```
+/// use fakir::numerics::convergence::clamped;
+///
+/// assert_eq!(clamped(3.0, 1.0, 2.0), 2.0);
+/// assert!(clamped(3.0, 1.0, f64::NAN).is_nan());
+/// ```
+#[inline]
+#[must_use]
+pub fn clamped(value: f64, least: f64, greatest: f64) -> f64 {
+    smaller(larger(value, least), greatest)
+}
+
 /// The largest absolute value, NaN if one of them is, 0 if there are none.
 #[must_use]
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -87,6 +101,12 @@ mod tests {
         for (a, b) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::NAN, f64::NAN)] {
             assert!(larger(a, b).is_nan() && smaller(a, b).is_nan());
         }
+        for odd in 0..3 {
+            let [value, least, greatest] = [0, 1, 2].map(|k| if k == odd { f64::NAN } else { 1.0 });
+            assert!(clamped(value, least, greatest).is_nan());
+        }
+        let clamped = [(0.0, 1.0), (1.5, 1.5), (3.0, 2.0)].map(|(x, y)| clamped(x, 1.0, 2.0) - y);
+        assert!(clamped.iter().all(|off| *off == 0.0));
         for place in 0..3 {
             let mut values = [1.0, -7.0, 2.0];
             assert_eq!(largest(values).to_bits(), 7f64.to_bits());

@@ -4,7 +4,7 @@
 //! last points allow it, bisection elsewhere. It needs no derivative, never leaves the bracket, and takes some ten evaluations for all
 //! digits of a smooth function.
 
-use crate::numerics::convergence::within;
+use crate::numerics::convergence::{clamped, within};
 
 /// Evaluations before giving up. Bisection alone takes 52 per factor of two between the ends of the bracket.
 const LIMIT: usize = 2200;
@@ -137,7 +137,7 @@ pub fn find<E>(
         part = next_part(newest, opposite, before);
         // Never so close to an end that nothing is learned.
         let least = (0.5 * narrowest / width).min(0.5);
-        part = part.clamp(least, 1.0 - least);
+        part = clamped(part, least, 1.0 - least);
     }
     Ok(None)
 }

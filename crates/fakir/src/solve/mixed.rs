@@ -15,7 +15,7 @@ use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched,
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent};
 use crate::halfspace::floor::grid::{Division, FloorGrid};
-use crate::numerics::convergence::larger;
+use crate::numerics::convergence::{clamped, larger};
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::Control;
 use crate::problem::pillar_field::PillarField;
@@ -321,9 +321,7 @@ fn estimates(
     let error = of_pillars * fine.force + of_cells;
     let share = |level: &Level| level.floor_force / level.force;
     let [least, most] = FLOOR_PART;
-    let part = (contact.floor_stiffness() / stiffness)
-        .abs()
-        .clamp(least, most);
+    let part = clamped((contact.floor_stiffness() / stiffness).abs(), least, most);
     let changed = part_of * (share(fine) - share(coarse)).abs();
     let of_share = changed.max(part * error / fine.force) / share(fine);
     let border = BORDER_ERROR * fine.division.cell_area().sqrt() * fine.patches.border();

@@ -25,7 +25,7 @@ use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::floor::coupling::{FloorKernels, SurfaceCoupling};
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::halfspace::floor::load::FloorLoad;
-use crate::numerics::convergence::{Judgement, judge, larger, within};
+use crate::numerics::convergence::{Judgement, clamped, judge, larger, within};
 use crate::problem::scaled::Scene;
 use crate::problem::{Control, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
@@ -173,7 +173,8 @@ impl Tolerances {
 
     /// Of the response to a unit indentation, which is multiplied by the change of the indentation.
     fn unit(&self) -> f64 {
-        (self.present / self.change_of_indentation).clamp(self.present, UNIT_TOLERANCE)
+        let unit = self.present / self.change_of_indentation;
+        clamped(unit, self.present, UNIT_TOLERANCE)
     }
 
     /// Whether a step with these, whose unit response had the tolerance `unit`, is exact.

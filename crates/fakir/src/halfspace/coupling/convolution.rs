@@ -301,7 +301,7 @@ fn kernels(
     let mut kernel = Aligned::new(layout.strips() * layout.kernel_strip());
     // Rows of the lattice and the columns that are kept of them take as much room as the kernels: of large lattices a part of the columns at a time.
     let of_strip = size_of::<Complex64>() * layout.shape.0 * entries * COLUMNS;
-    let at_a_time = COLUMNS * (TRANSFORMED / of_strip).clamp(1, layout.strips());
+    let at_a_time = COLUMNS * (TRANSFORMED / of_strip).min(layout.strips()).max(1);
     let of_columns = at_a_time / COLUMNS * layout.kernel_strip();
     let mut transformed =
         vec![Complex64::default(); layout.shape.0 * entries * at_a_time.min(half)];

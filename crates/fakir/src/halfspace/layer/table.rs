@@ -101,7 +101,7 @@ impl RadialTable {
     #[inline(always)]
     fn cell(&self, distance: f64) -> (&[[f64; GROUP]], f64, f64) {
         let number = self.ends.partition_point(|end| *end <= distance);
-        let number = number.clamp(1, self.pieces.len()) - 1;
+        let number = number.min(self.pieces.len()).max(1) - 1;
         let piece = self.pieces[number].get_or_init(|| self.piece(number));
         let inverse = piece.half.recip();
         let place = (distance - piece.start) * inverse;

@@ -3,6 +3,7 @@
 use super::invalid::{InvalidPattern, PatternQuantity};
 use super::placement::{Random, Site};
 use super::shape::PillarShape;
+use crate::numerics::convergence::clamped;
 use crate::problem::column::PillarCompliance;
 use crate::problem::grid::Grid;
 use crate::problem::height_map::{HeightMap, PillarColumns};
@@ -332,8 +333,8 @@ impl<'a> Drawing<'a> {
         let count = [self.grid.columns(), self.grid.rows()][axis] as f64;
         let place =
             |coordinate: f64| (coordinate - self.grid.origin()[axis]) / self.grid.cell()[axis];
-        let first = place(centre - reach).floor().clamp(0.0, count);
-        let last = place(centre + reach).ceil().clamp(0.0, count);
+        let first = clamped(place(centre - reach).floor(), 0.0, count);
+        let last = clamped(place(centre + reach).ceil(), 0.0, count);
         first as usize..last as usize
     }
 

@@ -10,6 +10,7 @@ use super::load::{Layout, to_summit};
 use super::start::{PointForces, Target, pressed_with_column};
 use crate::halfspace::coupling::moving::PairBlock;
 use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::numerics::convergence::clamped;
 use crate::numerics::dense::Lu;
 use crate::numerics::vector::{add_scaled, dot};
 use crate::problem::Point;
@@ -304,7 +305,11 @@ impl Equations<'_> {
                 stepped.changed = true;
                 continue;
             }
-            let taken = wanted.clamp(SHRINKING * radius * radius, GROWING * radius * radius);
+            let taken = clamped(
+                wanted,
+                SHRINKING * radius * radius,
+                GROWING * radius * radius,
+            );
             stepped.changed |= taken.to_bits() != wanted.to_bits();
             disc.radius = taken.sqrt();
             match &mut disc.hold {

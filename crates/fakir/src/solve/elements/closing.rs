@@ -1,6 +1,6 @@
 //! The search for the indentation at which the lens just reaches the floor.
 
-use crate::numerics::convergence::{Judgement, judge};
+use crate::numerics::convergence::{Judgement, clamped, judge};
 
 /// Secants of the gap between lens and floor over the indentation, kept within a bracket once there is one.
 pub(super) struct Closing {
@@ -66,7 +66,7 @@ impl Closing {
             }
         } else {
             // No upper bound yet: at most double.
-            guess.clamp(1.001 * self.indentation, 2.0 * self.indentation)
+            clamped(guess, 1.001 * self.indentation, 2.0 * self.indentation)
         }
     }
 }

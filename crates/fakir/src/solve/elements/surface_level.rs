@@ -6,7 +6,7 @@ use super::pillars::missing_compliances;
 use super::solver::{Prescribed, Settings};
 use crate::halfspace::elements::half_space::HalfSpace;
 use crate::halfspace::elements::{Columns, Operator};
-use crate::numerics::convergence::Judgement;
+use crate::numerics::convergence::{Judgement, clamped};
 use crate::problem::scaled::RISING;
 use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Point, SurfaceSystem};
 use crate::solve::spectral::LARGEST_CONTACT;
@@ -618,7 +618,7 @@ impl<'a> Level<'a> {
         let grid = self.surface.grid();
         let [width, height] = grid.cell();
         let sides = [grid.columns() as f64 * width, grid.rows() as f64 * height];
-        let depth = (indentation - (highest - outside)).clamp(0.0, lens.radius);
+        let depth = clamped(indentation - (highest - outside), 0.0, lens.radius);
         let reach = (depth * (2.0 * lens.radius - depth)).sqrt();
         let reach = if self.rises() { RISING * reach } else { reach };
         let most = LARGEST_CONTACT * lens.radius;

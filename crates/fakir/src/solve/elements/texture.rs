@@ -111,7 +111,7 @@ fn drawn(
         let span = |axis: usize| {
             let place = |at: f64| (at - grid.origin()[axis]) / grid.cell()[axis];
             let (centre, reach) = (pillar.centre[axis], 0.5 * pillar.diameter);
-            let end = |at: f64| at.clamp(0.0, shape[axis] as f64) as usize;
+            let end = |at: f64| (at.max(0.0) as usize).min(shape[axis]);
             end(place(centre - reach).floor())..end(place(centre + reach).ceil())
         };
         let mut is_drawn = false;

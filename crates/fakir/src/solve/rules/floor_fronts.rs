@@ -22,6 +22,7 @@
 use super::floor::FloorCells;
 use super::fronts::Works;
 use crate::halfspace::floor::grid::{FloorGrid, Mirrors};
+use crate::numerics::convergence::clamped;
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -182,7 +183,11 @@ fn distance_of(smooth: f64) -> f64 {
 
 /// Between the values of a table from a first distance on.
 fn between(table: &[f64], first: f64, distance: f64) -> f64 {
-    let at = ((distance - first) / TABLE_STEP).clamp(0.0, table.len() as f64 - 1.001);
+    let at = clamped(
+        (distance - first) / TABLE_STEP,
+        0.0,
+        table.len() as f64 - 1.001,
+    );
     let place = at as usize;
     let part = at - place as f64;
     table[place] * (1.0 - part) + table[place + 1] * part
