@@ -92,6 +92,16 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
             Column::right("95 % interval", interval),
         ],
     );
+    for estimate in fitted
+        .estimates
+        .iter()
+        .filter(|estimate| estimate.one_sided)
+    {
+        text += &format!(
+            "{}: the interval is one-sided, as the data do not tell the value from the least that it can have\n",
+            estimate.parameter.name()
+        );
+    }
     text.push('\n');
     if let Some(pull_off) = &fitted.pull_off {
         text += &pull_off_words(pull_off);

@@ -14,7 +14,7 @@
 //! # Method
 //! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and
 //! Marquardt (K. Levenberg, Q. Appl. Math. 2, 164 (1944); D. W. Marquardt, J. SIAM 11, 431 (1963)), over
-//! the logarithms of moduli and sizes, with the exact derivatives of the contact, or central differences where it has none
+//! the logarithms of moduli, sizes and works of adhesion, of the latter linear near zero, with the exact derivatives of the contact, or central differences where it has none
 //! (floor in contact, adhesion, contact radius, other methods). Errors are renewed at every step:
 //!
 //! * An error of the load counts through the slope of the curve, `sigma^2 + (slope sigma_x)^2` (J. Orear,
@@ -36,7 +36,9 @@
 //! # Errors of the result
 //! The covariance is the inverse of the normal matrix, and the 95 % intervals follow from the normal
 //! distribution if all errors were given, or else from Student's with as many degrees of freedom
-//! as there are more values than parameters; those of logarithms are symmetric in the logarithm. What
+//! as there are more values than parameters; those of logarithms are symmetric in the logarithm. A work of adhesion can be zero, and the receding one as
+//! small as the other: a search that would go beyond stays there. An interval that would reach below zero ends there and is one-sided: its upper end is where
+//! the sum of squares has risen by the square of the quantile. What
 //! the data cannot determine, because the derivatives are linearly dependent or the error exceeds a
 //! factor of e (of a contact point or compliance: the range of the data), has no interval, but a
 //! [`Undetermined`] that says so.
@@ -69,7 +71,7 @@ use fakir::state::{Branch, Cycle, Run, SolveError, Termination};
 use fakir_case::{CaseError, CaseFile, Key, TextureOnly};
 use least_squares::Linear;
 use misfit::Score;
-use model::{Derivatives, Model, State};
+use model::{Derivatives, Model, RangeEnd, State};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::cell::Cell as StdCell;
 use std::convert::Infallible;
@@ -213,6 +215,27 @@ fn are(count: usize) -> &'static str {
     if count == 1 { "is" } else { "are" }
 }
 
+impl FitError {
+    fn is_interruption(&self) -> bool {
+        matches!(self, Self::Solve(SolveError::Interrupted))
+    }
+
+    /// Whether a state is too far for the model, which may solve others.
+    fn is_out_of_reach(&self) -> bool {
+        use SolveError as S;
+        matches!(
+            self,
+            Self::NoBalance { .. }
+                | Self::Solve(
+                    S::ContactExceedsLens { .. }
+                        | S::ProfileEnds { .. }
+                        | S::TooLarge { .. }
+                        | S::TooManyCells { .. }
+                )
+        )
+    }
+}
+
 fn parameter_names() -> String {
     Parameter::ALL.map(Parameter::name).join(", ")
 }
@@ -262,6 +285,9 @@ pub struct Estimate {
     pub standard_error: Option<f64>,
     /// Ends of the 95 % confidence interval; `None` if the data do not determine it.
     pub interval: Option<[f64; 2]>,
+    /// Whether the interval ends at the least value that the parameter can have, so that the data give an upper end alone: of a work of adhesion
+    /// that is compatible with zero.
+    pub one_sided: bool,
 }
 
 /// Parameters that the data do not tell apart, or one that they say nothing of.
@@ -323,8 +349,11 @@ pub struct FittedRow {
     /// Smallest gap between lens and floor, m; negative past the transition if the floor was to be ignored. It is not computed with
     /// adhesion.
     pub smallest_floor_gap: Option<f64>,
-    /// Whether it went into the fit: it did unless the lens is below a floor that was to be ignored, or on a floor with adhesion.
+    /// Whether it went into the fit: it did unless the lens is below a floor that was to be ignored, or on a floor with adhesion, or the state is
+    /// outside of the model.
     pub used: bool,
+    /// Whether the state is in the model; elsewhere there is nothing computed. [`Fit::not_modelled`] has the reason.
+    pub modelled: bool,
     /// Whether the contact was solved.
     pub converged: bool,
 }
@@ -420,6 +449,8 @@ pub struct Fit {
     pub pull_off: Option<FittedPullOff>,
     /// The case with the fitted values.
     pub file: CaseFile,
+    /// Rows that the model does not have, by their lines, each with the reason.
+    pub not_modelled: Vec<(u64, String)>,
     /// Why the search stopped.
     pub termination: Termination,
     /// Steps of the search.
@@ -436,7 +467,7 @@ impl Fit {
 
     /// Rows left out because they are past the transition, where the method or the case ignores the floor.
     pub fn past_transition(&self) -> impl Iterator<Item = &FittedRow> {
-        self.rows.iter().filter(|row| !row.used)
+        self.rows.iter().filter(|row| row.modelled && !row.used)
     }
 
     /// Whether an error was estimated, and intervals are those of Student's distribution.
@@ -534,9 +565,7 @@ pub fn fit(
                 }
                 starts.push(started);
             }
-            Err(FitError::Solve(SolveError::Interrupted)) => {
-                return Err(SolveError::Interrupted.into());
-            }
+            Err(error) if error.is_interruption() => return Err(error),
             // It began where no case or no contact can be.
             Err(_) => starts.push(StartedFit {
                 converged: false,
@@ -637,6 +666,13 @@ struct Datum {
     measured: Measured,
 }
 
+/// The interval of an unknown that ends at the least that it can be.
+#[derive(Debug, Clone, Copy)]
+struct OneSided {
+    least: f64,
+    upper: f64,
+}
+
 /// The search at some unknowns.
 struct Search<'a> {
     model: &'a Model<'a>,
@@ -684,9 +720,16 @@ impl<'a> Search<'a> {
         search.select();
         search.check_enough().or_else(|error| {
             // It may be the starting values that put too many states past the transition.
-            search.used.fill(true);
+            search.used = search
+                .states
+                .iter()
+                .map(|state| state.problem.is_none())
+                .collect();
             search.collect();
-            search.check_enough().map_err(|_| error)
+            search.check_enough().or_else(|_| {
+                model.first_problem(&search.unknowns)?;
+                Err(error)
+            })
         })?;
         search.linearise()?;
         Ok(search)
@@ -707,7 +750,7 @@ impl<'a> Search<'a> {
     fn select(&mut self) -> bool {
         // After many steps a row that was left out stays out, or a row at the transition might come and go for ever.
         let stays_out = |row: usize| self.iterations > PATIENCE && !self.used[row];
-        let above_floor = |state: &State| !state.past_transition;
+        let above_floor = |state: &State| !state.past_transition && state.problem.is_none();
         let used: Vec<bool> = self
             .states
             .iter()
@@ -785,11 +828,10 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    fn decompose(&mut self) -> Result<(), FitError> {
-        let rows: Vec<Vec<f64>> = self
-            .data
-            .iter()
-            .zip(&self.errors)
+    /// Derivatives of the values by the unknowns over the errors of the values.
+    fn weighted_derivatives(&self) -> Vec<Vec<f64>> {
+        let values = self.data.iter().zip(&self.errors);
+        values
             .map(|(datum, error)| {
                 let row = &self.derivatives[datum.row];
                 let derivatives = match datum.quantity {
@@ -798,7 +840,11 @@ impl<'a> Search<'a> {
                 };
                 derivatives.iter().map(|value| value / error).collect()
             })
-            .collect();
+            .collect()
+    }
+
+    fn decompose(&mut self) -> Result<(), FitError> {
+        let rows = self.weighted_derivatives();
         let linear = Linear::new(&rows, self.unknowns.len()).ok_or(FitError::NoDerivatives)?;
         self.linear = Some(linear);
         Ok(())
@@ -904,6 +950,8 @@ impl<'a> Search<'a> {
             .sum()
     }
 
+    /// The step with a damping. Unknowns at an end of their range that it would leave stay there, and works of adhesion that are equal move together: the
+    /// best fit inside the ranges.
     fn step(&self, damping: f64) -> Vec<f64> {
         let residuals = self.residuals();
         let weighted: Vec<f64> = residuals
@@ -911,10 +959,33 @@ impl<'a> Search<'a> {
             .zip(&self.errors)
             .map(|(r, e)| r / e)
             .collect();
-        match &self.linear {
-            Some(linear) => linear.step(&weighted, damping),
-            None => vec![0.0; self.unknowns.len()],
+        let Some(linear) = &self.linear else {
+            return vec![0.0; self.unknowns.len()];
+        };
+        let mut step = linear.step(&weighted, damping);
+        let mut rows = self.weighted_derivatives();
+        let mut equal = None;
+        while let Some(end) = self.model.left_by(&self.unknowns, &step) {
+            for row in &mut rows {
+                match end {
+                    RangeEnd::Of(number) => row[number] = 0.0,
+                    RangeEnd::Equal([work, receding]) => {
+                        row[work] += std::mem::take(&mut row[receding]);
+                    }
+                }
+            }
+            if let RangeEnd::Equal(both) = end {
+                equal = Some(both);
+            }
+            let Some(linear) = Linear::new(&rows, step.len()) else {
+                break;
+            };
+            step = linear.step(&weighted, damping);
+            if let Some([work, receding]) = equal {
+                step[receding] = step[work];
+            }
         }
+        step
     }
 
     fn covariance(&self) -> Vec<Vec<f64>> {
@@ -971,19 +1042,49 @@ impl<'a> Search<'a> {
         Ok(Termination::IterationLimit)
     }
 
-    /// Goes to unknowns that fit better, and says by how much; `None` if there are none to be found.
+    /// Whether there are states in place of all rows that are used, and enough of them before the transition.
+    fn are_enough(&self, states: &[State]) -> bool {
+        let is_there = |datum: &&Datum| states[datum.row].problem.is_none();
+        let before = |datum: &&Datum| !states[datum.row].past_transition;
+        let least = self.unknowns.len() + usize::from(self.has_scatter());
+        self.data.iter().all(|datum| is_there(&datum))
+            && self.data.iter().filter(before).count() >= least
+    }
+
+    /// Leaves out rows that are used and have no state among these; not if too few would be left.
+    fn leave_out(&mut self, states: &[State]) -> Result<bool, FitError> {
+        let before = self.used.clone();
+        for (used, state) in self.used.iter_mut().zip(states) {
+            *used &= state.problem.is_none();
+        }
+        let changed = self.used != before;
+        self.collect();
+        if self.check_enough().is_err() {
+            self.used = before;
+            self.collect();
+            return Ok(false);
+        }
+        self.linearise()?;
+        Ok(changed)
+    }
+
+    /// Goes to unknowns that fit better, and says by how much; `None` if there are none to be found. A step to where the model does not reach is
+    /// shortened; where that does not help, the rows that it does not reach are left out.
     fn advance(&mut self, damping: &mut f64) -> Result<Option<f64>, FitError> {
-        let now = self.chi_square();
+        /// So many times a step is shortened before rows are left out.
+        const SHORTER: i32 = 4;
+        let mut now = self.chi_square();
+        let mut outside = 0;
         while *damping <= MOST_DAMPING {
             let step = self.bounded(self.step(*damping));
-            let trial: Vec<f64> = self
-                .unknowns
+            let trial = self.model.moved(&self.unknowns, &step);
+            let step: Vec<f64> = trial
                 .iter()
-                .zip(&step)
-                .map(|(u, s)| u + s)
+                .zip(&self.unknowns)
+                .map(|(a, b)| a - b)
                 .collect();
             match self.model.states(&trial, self.stretch) {
-                Ok(states) => {
+                Ok(states) if self.are_enough(&states) => {
                     let squares = self.trial_chi_square(&states);
                     if squares <= now {
                         // The part that was kept of what the derivatives promised. A small part means that they do not
@@ -999,11 +1100,16 @@ impl<'a> Search<'a> {
                         return Ok(Some(now - squares));
                     }
                 }
-                Err(FitError::Solve(SolveError::Interrupted)) => {
-                    return Err(SolveError::Interrupted.into());
-                }
+                Err(error) if error.is_interruption() => return Err(error),
                 // The step went too far: to a case that cannot be, or that has no contact.
                 Err(_) => {}
+                Ok(states) => {
+                    outside += 1;
+                    if outside > SHORTER && self.leave_out(&states)? {
+                        (now, outside) = (self.chi_square(), 0);
+                        *damping *= 0.1f64.powi(SHORTER);
+                    }
+                }
             }
             *damping *= 10.0;
         }
@@ -1203,9 +1309,7 @@ impl<'a> Search<'a> {
         let start = model.start()?;
         let derivatives = match model.derivatives(&start, &self.states, self.stretch) {
             Ok(derivatives) => derivatives,
-            Err(FitError::Solve(SolveError::Interrupted)) => {
-                return Err(SolveError::Interrupted.into());
-            }
+            Err(error) if error.is_interruption() => return Err(error),
             Err(_) => return Ok(Vec::new()),
         };
         self.solved.set(self.solved.get() + model.solved());
@@ -1262,21 +1366,27 @@ impl<'a> Search<'a> {
 
     fn answer(&self, termination: Termination) -> Result<Fit, FitError> {
         let covariance = self.covariance();
-        let undetermined = self.undetermined(&covariance);
+        let freedom = self.data.len().saturating_sub(self.unknowns.len());
+        let deviation = |number: usize| covariance[number][number].max(0.0).sqrt();
+        let quantile = quantile(self.has_scatter().then_some(freedom));
+        let ends = (0..self.unknowns.len())
+            .map(|number| match self.model.free[number].is_work() {
+                true => self.one_sided(number, deviation(number), quantile),
+                false => Ok(None),
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let undetermined = self.undetermined(&covariance, &ends);
         let determined = |number: usize| {
             let parameter = self.model.free[number];
             !undetermined
                 .iter()
                 .any(|u| u.parameters.contains(&parameter))
         };
-        let freedom = self.data.len().saturating_sub(self.unknowns.len());
-        let quantile = quantile(self.has_scatter().then_some(freedom));
         let start = self.model.start()?;
         let estimates = (0..self.unknowns.len())
             .map(|number| {
-                let deviation = covariance[number][number].max(0.0).sqrt();
-                let known = determined(number).then_some(deviation);
-                self.estimate(number, start[number], known, quantile)
+                let known = determined(number).then_some(deviation(number));
+                self.estimate(number, start[number], known, quantile, ends[number])
             })
             .collect();
         let correlation = (0..self.unknowns.len())
@@ -1317,6 +1427,7 @@ impl<'a> Search<'a> {
             degrees_of_freedom: freedom,
             scatter: self.scatters(),
             rows: self.rows(),
+            not_modelled: self.not_modelled(),
             curve,
             contact_point: settings.contact_point,
             machine_compliance: settings.machine_compliance,
@@ -1341,15 +1452,27 @@ impl<'a> Search<'a> {
         start: f64,
         deviation: Option<f64>,
         quantile: f64,
+        one_sided: Option<OneSided>,
     ) -> Estimate {
         let parameter = self.model.free[number];
         let unknown = self.unknowns[number];
         let value = self.model.value(number, unknown);
         let slope = self.model.slope(number, unknown);
+        if let Some(OneSided { least, upper }) = one_sided {
+            let [least, upper] = [least, upper].map(|end| self.model.value(number, end));
+            return Estimate {
+                parameter,
+                start: self.model.value(number, start),
+                value,
+                standard_error: Some((upper - value) / quantile),
+                interval: Some([least, upper]),
+                one_sided: true,
+            };
+        }
         let ends = |deviation: f64| {
             let reach = quantile * deviation;
             if parameter.is_positive() {
-                [value * (-reach).exp(), value * reach.exp()]
+                [unknown - reach, unknown + reach].map(|end| self.model.value(number, end))
             } else {
                 [value - slope * reach, value + slope * reach]
             }
@@ -1360,7 +1483,79 @@ impl<'a> Search<'a> {
             value,
             standard_error: deviation.map(|deviation| deviation * slope),
             interval: deviation.map(ends),
+            one_sided: false,
         }
+    }
+
+    /// Of an unknown whose interval would reach beyond the least that it can be: that, and where the sum of squares has risen by the square of the
+    /// quantile, with the other unknowns at their best as far as they are linear. None of others, and where it does not rise.
+    fn one_sided(
+        &self,
+        number: usize,
+        deviation: f64,
+        quantile: f64,
+    ) -> Result<Option<OneSided>, FitError> {
+        /// The first distance at which it is looked at; it doubles so often, and is halved so often then.
+        const FIRST: f64 = 0.25;
+        const DOUBLINGS: usize = 6;
+        const HALVINGS: usize = 8;
+        let [least, greatest] = self.model.range(number, &self.unknowns);
+        // What another work that is free sets is not certain.
+        let works = self.model.free.iter().filter(|free| free.is_work());
+        let least = match works.count() {
+            2 => least.min(model::ZERO),
+            _ => least,
+        };
+        let unknown = self.unknowns[number];
+        if deviation > 0.0 && unknown - quantile * deviation > least {
+            return Ok(None);
+        }
+        let mut rows = self.weighted_derivatives();
+        for row in &mut rows {
+            row[number] = 0.0;
+        }
+        let Some(others) = Linear::new(&rows, self.unknowns.len()) else {
+            return Ok(None);
+        };
+        let squares = |states: &[State]| -> f64 {
+            let data = self.data.iter().zip(&self.errors);
+            let weighted: Vec<f64> = data
+                .map(|(datum, error)| (datum.measured.value - self.computed(datum, states)) / error)
+                .collect();
+            others.rest(&weighted).iter().map(|rest| rest * rest).sum()
+        };
+        let now = squares(&self.states);
+        let has_risen = |end: f64| -> Result<bool, FitError> {
+            let mut moved = self.unknowns.clone();
+            moved[number] = end;
+            match self.model.states(&moved, self.stretch) {
+                Ok(states) => Ok(squares(&states) - now > quantile * quantile),
+                Err(error) if error.is_interruption() => Err(error),
+                Err(_) => Ok(false),
+            }
+        };
+        let (mut below, mut above) = (unknown, unknown + FIRST);
+        for _ in 0..DOUBLINGS {
+            if above > greatest {
+                return Ok(None);
+            }
+            if has_risen(above)? {
+                for _ in 0..HALVINGS {
+                    let middle = f64::midpoint(below, above);
+                    if has_risen(middle)? {
+                        above = middle;
+                    } else {
+                        below = middle;
+                    }
+                }
+                return Ok(Some(OneSided {
+                    least,
+                    upper: above,
+                }));
+            }
+            (below, above) = (above, unknown + 2.0 * (above - unknown));
+        }
+        Ok(None)
     }
 
     /// The quantities that are compared: `force alone`, `force and contact radius`.
@@ -1374,21 +1569,27 @@ impl<'a> Search<'a> {
         (names.join(" and "), names.len() > 1)
     }
 
-    fn undetermined(&self, covariance: &[Vec<f64>]) -> Vec<Undetermined> {
+    fn undetermined(
+        &self,
+        covariance: &[Vec<f64>],
+        ends: &[Option<OneSided>],
+    ) -> Vec<Undetermined> {
+        /// Correlation with another parameter that explains it.
+        const TIED: f64 = 0.9;
         /// The largest standard deviation of an unknown that counts as determined. Unknowns are logarithms, or parts of the
         /// range of the data.
         const LARGEST_DEVIATION: f64 = 1.0;
-        /// Correlation with another parameter that explains it.
-        const TIED: f64 = 0.9;
         let mut groups = self.linear.as_ref().map_or(Vec::new(), Linear::unseen);
+        groups.retain(|group| group.len() > 1 || ends[group[0]].is_none());
         let deviation = |j: usize| covariance[j][j].max(0.0).sqrt();
+        let is_large = |j: usize| deviation(j) > LARGEST_DEVIATION && ends[j].is_none();
         for j in 0..self.unknowns.len() {
-            if deviation(j) <= LARGEST_DEVIATION || groups.iter().any(|group| group.contains(&j)) {
+            if !is_large(j) || groups.iter().any(|group| group.contains(&j)) {
                 continue;
             }
             let tied = |k: &usize| {
                 let correlation = covariance[j][*k] / (deviation(j) * deviation(*k));
-                *k == j || (deviation(*k) > LARGEST_DEVIATION && correlation.abs() > TIED)
+                *k == j || (is_large(*k) && correlation.abs() > TIED)
             };
             groups.push((0..self.unknowns.len()).filter(tied).collect());
         }
@@ -1450,8 +1651,9 @@ impl<'a> Search<'a> {
     fn rows(&self) -> Vec<FittedRow> {
         let rows = self.model.data.rows().iter().zip(&self.states).enumerate();
         rows.map(|(number, (measurement, state))| {
+            let modelled = state.problem.is_none();
             let compared = |quantity: Quantity, computed: f64| {
-                let measured = quantity.of(measurement)?;
+                let measured = quantity.of(measurement).filter(|_| modelled)?;
                 let datum = |d: &Datum| d.row == number && d.quantity == quantity;
                 let error = self.data.iter().position(datum).map(|k| self.errors[k]);
                 Some(Compared {
@@ -1470,10 +1672,17 @@ impl<'a> Search<'a> {
                 contact_radius: compared(Quantity::ContactRadius, state.contact_radius),
                 smallest_floor_gap: state.smallest_floor_gap,
                 used: self.used[number],
+                modelled,
                 converged: state.converged,
             }
         })
         .collect()
+    }
+
+    fn not_modelled(&self) -> Vec<(u64, String)> {
+        let rows = self.model.data.rows().iter().zip(&self.states);
+        rows.filter_map(|(row, state)| Some((row.line, state.problem.clone()?)))
+            .collect()
     }
 
     /// The pull-off of the fitted cycle beside the least force that was measured.
@@ -1492,7 +1701,7 @@ impl<'a> Search<'a> {
         let is_free = |key: &Key| self.model.free.contains(&Parameter::Key(*key));
         let mut work_error = None;
         if let Some(key) = works.into_iter().find(is_free)
-            && let Some(work) = settings.case.number(key)
+            && let Some(work) = settings.case.number(key).filter(|work| *work > 0.0)
         {
             let mut file = self.model.file(&self.unknowns);
             file.set_number(key, work * STEP.exp());
@@ -1500,10 +1709,11 @@ impl<'a> Search<'a> {
                 case: file.case()?,
                 ..settings.clone()
             };
-            let more = self
-                .model
-                .cycle(&more)?
-                .and_then(|(_, cycle)| cycle.pull_off);
+            let more = match self.model.cycle(&more) {
+                Ok(more) => more.and_then(|(_, cycle)| cycle.pull_off),
+                Err(error) if error.is_interruption() => return Err(error),
+                Err(_) => None,
+            };
             let power = more.map(|more| (more.force / pull_off.force).ln() / STEP);
             work_error = power
                 .filter(|power| *power > 0.0)
@@ -1568,22 +1778,26 @@ impl<'a> Search<'a> {
             return Ok(Vec::new());
         }
         let at = |k: usize| low + (high - low) * k as f64 / (CURVE - 1) as f64;
-        (0..CURVE)
-            .map(|k| {
-                let load = at(k);
-                let state = if self.is_by_force() {
-                    self.model.state_under(settings, load, 0.0)?
-                } else {
-                    self.model.state_at(settings, load, 0.0, 0.0)?
-                };
-                Ok(CurvePoint {
+        let mut points = Vec::with_capacity(CURVE);
+        for load in (0..CURVE).map(at) {
+            let state = if self.is_by_force() {
+                self.model.state_under(settings, load, 0.0)
+            } else {
+                self.model.state_at(settings, load, 0.0, 0.0)
+            };
+            match state {
+                Ok(state) => points.push(CurvePoint {
                     branch: None,
                     load,
                     force: state.force + settings.force_offset,
                     contact_radius: state.contact_radius,
-                })
-            })
-            .collect()
+                }),
+                Err(error) if error.is_interruption() => return Err(error),
+                // Drifts may put it outside of the model where the rows are inside.
+                Err(_) => {}
+            }
+        }
+        Ok(points)
     }
 
     fn is_by_force(&self) -> bool {

@@ -8,7 +8,7 @@ use super::radius::smooth_radius;
 use super::{FitError, FitOptions};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
-use fakir::problem::{Control, CyclePlan, Drive, Method, Turn};
+use fakir::problem::{Adhesion, Control, CyclePlan, Drive, Method, Turn};
 use fakir::state::{Branch, Cycle, Gradient, Run, SolveError};
 use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
@@ -21,6 +21,9 @@ const DIFFERENCE: f64 = 1e-2;
 /// The same of a work of adhesion: contacts that are broken at other places come in groups.
 const DIFFERENCE_OF_WORK: f64 = 5e-2;
 
+/// A part of these steps that is too short for a difference.
+const SHORTEST: f64 = 0.1;
+
 /// How far rows are from one whose jumps they share, as a part of the range of the loads.
 const AROUND: f64 = 0.125;
 
@@ -31,7 +34,7 @@ const BALANCE: f64 = 1e-9;
 const MOST_STEPS: usize = 40;
 
 /// A state in place of a measured one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct State {
     /// Indentation, m.
     pub(super) indentation: f64,
@@ -54,6 +57,41 @@ pub(super) struct State {
     /// Whether the lens is below the floor, or would be if it could.
     pub(super) past_transition: bool,
     pub(super) converged: bool,
+    /// Why there is no such state in the model, and so no numbers of it.
+    pub(super) problem: Option<String>,
+}
+
+/// Below this unknown a work of adhesion is linear in it, and at the other it is zero.
+const LINEAR: f64 = -1.0;
+pub(super) const ZERO: f64 = LINEAR - 1.0;
+
+/// The unknown of a work of adhesion that is so many units.
+fn unknown_of(units: f64) -> f64 {
+    if units > LINEAR.exp() {
+        units.ln()
+    } else {
+        units / LINEAR.exp() + ZERO
+    }
+}
+
+impl State {
+    /// At an indentation (m) at which nothing is touched, or of which nothing is known.
+    fn without_contact(indentation: f64) -> Self {
+        Self {
+            indentation,
+            force: 0.0,
+            read_force: 0.0,
+            force_variance: 0.0,
+            sharing: 1.0,
+            slopes: [0.0; 2],
+            contact_radius: 0.0,
+            smooth_radius: 0.0,
+            smallest_floor_gap: None,
+            past_transition: false,
+            converged: true,
+            problem: None,
+        }
+    }
 }
 
 /// Derivatives of force and contact radius in a row.
@@ -111,15 +149,23 @@ enum Scale {
     Distance,
     /// So many times the exponential of the unknown.
     Logarithm(f64),
+    /// The same as far as the unknown is above -1, and below that on the tangent to zero at -2: of works of adhesion.
+    FromZero(f64),
     /// So much over the unknown: of a half-space, whose thickness is without end.
     Inverse(f64),
 }
 
-/// The cases on both sides of some unknowns, and how far they are apart in one of them.
-struct Sides {
-    cases: [Case; 2],
-    apart: f64,
+/// An end of the range of unknowns that a step would leave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum RangeEnd {
+    /// This one is at an end of its range.
+    Of(usize),
+    /// The work of adhesion and the receding one, which is not less, are equal.
+    Equal([usize; 2]),
 }
+
+/// The cases on both sides of some unknowns, as far as they can be, and how far each is away in one of them.
+type Sides = [Option<(Case, f64)>; 2];
 
 pub(super) struct Model<'a> {
     file: CaseFile,
@@ -193,6 +239,7 @@ impl<'a> Model<'a> {
         };
         if free.contains(&Parameter::ContactPoint) && options.contact_point.is_none() {
             model.start.contact_point = model.likely_contact_point()?;
+            model.begin_within_model()?;
         }
         if let Some(endless) = free.iter().find(|free| model.is_endless(**free)) {
             return Err(FitError::NotGiven(*endless));
@@ -238,8 +285,15 @@ impl<'a> Model<'a> {
 
     fn scales_of(&self, free: &[Parameter]) -> Result<Vec<Scale>, FitError> {
         let range = self.load_range();
+        // Both works of adhesion have one unit, so that their unknowns can be compared.
+        let works = free.iter().filter(|parameter| parameter.is_work());
+        let works: Vec<f64> = works
+            .map(|work| self.start_of(*work))
+            .collect::<Result<_, _>>()?;
+        let largest_work = works.into_iter().fold(0.0, larger);
         let scales = free.iter().map(|parameter| {
             Ok(match parameter {
+                Parameter::Key(_) if parameter.is_work() => Scale::FromZero(largest_work),
                 Parameter::Key(_) if self.is_endless(*parameter) => {
                     Scale::Inverse(self.largest_contact()?)
                 }
@@ -268,7 +322,7 @@ impl<'a> Model<'a> {
         let rows = self.data.rows().iter().zip(&self.moments);
         let last = rows.max_by(|a, b| load_of(a.0).total_cmp(&load_of(b.0)));
         let radius = match last {
-            Some((row, moment)) => self.state(&self.start, row, *moment)?.contact_radius,
+            Some((row, moment)) => self.row_state(&self.start, row, *moment)?.contact_radius,
             None => 0.0,
         };
         let least = 0.5 * self.start.case.system.pillar().diameter;
@@ -299,6 +353,8 @@ impl<'a> Model<'a> {
         const GUESS: f64 = 0.05;
         /// The pull-off force grows about as this power of the work.
         const POWER: f64 = 0.6;
+        /// No search begins with less, J/m^2.
+        const LEAST: f64 = 1e-6;
         let works = [Key::WorkOfAdhesion, Key::RecedingWorkOfAdhesion];
         let free: Vec<Key> = works
             .into_iter()
@@ -344,7 +400,7 @@ impl<'a> Model<'a> {
             if within(ratio.ln().abs(), NEAR) {
                 break;
             }
-            work = (work * ratio.powf(1.0 / POWER)).max(least);
+            work = (work * ratio.powf(1.0 / POWER)).max(least).max(LEAST);
         }
         Ok(())
     }
@@ -380,6 +436,29 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// Moves the contact point with which the fit begins, by quarters of the range of the data, until most rows can be modelled: a force offset that is not
+    /// known yet may have put it far too high.
+    fn begin_within_model(&mut self) -> Result<(), FitError> {
+        const STEPS: usize = 3;
+        /// The part of the rows.
+        const MOST: f64 = 0.75;
+        let mut rows: Vec<_> = self.data.rows().iter().zip(&self.moments).collect();
+        rows.sort_by(|a, b| load_of(a.0).total_cmp(&load_of(b.0)));
+        let last = (MOST * rows.len() as f64) as usize;
+        let Some((row, moment)) = rows.get(last).filter(|_| !self.sticks) else {
+            return Ok(());
+        };
+        let mut settings = self.start.clone();
+        for _ in 0..STEPS {
+            if self.row_state(&settings, row, **moment)?.problem.is_none() {
+                break;
+            }
+            settings.contact_point += 0.25 * self.load_range();
+        }
+        self.start.contact_point = settings.contact_point;
+        Ok(())
+    }
+
     /// The value of a parameter where the fit begins, in SI units.
     fn start_of(&self, parameter: Parameter) -> Result<f64, FitError> {
         match parameter {
@@ -401,6 +480,7 @@ impl<'a> Model<'a> {
         let unknowns = unknowns.map(|(parameter, scale)| match scale {
             Scale::Logarithm(_) | Scale::Inverse(_) => Ok(0.0),
             Scale::Multiple(unit) => Ok(self.start_of(*parameter)? / unit),
+            Scale::FromZero(unit) => Ok(unknown_of(self.start_of(*parameter)? / unit)),
             // With the lens axis on a pillar every direction looks the same: begin beside it.
             Scale::Distance => {
                 let value = self.start_of(*parameter)?;
@@ -416,8 +496,77 @@ impl<'a> Model<'a> {
             Scale::Multiple(unit) => unit * unknown,
             Scale::Distance => unknown.abs(),
             Scale::Logarithm(unit) => unit * unknown.exp(),
+            Scale::FromZero(unit) if unknown < LINEAR => {
+                unit * LINEAR.exp() * larger(unknown - ZERO, 0.0)
+            }
+            Scale::FromZero(unit) => unit * unknown.exp(),
             Scale::Inverse(unit) => unit / larger(unknown, 0.0),
         }
+    }
+
+    /// The place of a key among what is free.
+    fn place(&self, key: Key) -> Option<usize> {
+        let mut free = self.free.iter();
+        free.position(|free| *free == Parameter::Key(key))
+    }
+
+    /// The least and the greatest that an unknown can be while the others stay as they are: works of adhesion are not negative, and the receding one is not
+    /// less than the other.
+    pub(super) fn range(&self, number: usize, unknowns: &[f64]) -> [f64; 2] {
+        /// Room for rounding when works are compared.
+        const ROUNDING: f64 = 1e-12;
+        let Scale::FromZero(unit) = self.scales[number] else {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        };
+        let adhesion = self.start.case.system.adhesion();
+        let other = |key: Key, given: Option<f64>| match self.place(key) {
+            Some(place) => Some(unknowns[place]),
+            None => Some(unknown_of(given? / unit)),
+        };
+        if self.free[number] == Parameter::Key(Key::WorkOfAdhesion) {
+            let most =
+                other(Key::RecedingWorkOfAdhesion, adhesion.work_receding).unwrap_or(f64::INFINITY);
+            [ZERO, most - ROUNDING]
+        } else {
+            let least =
+                other(Key::WorkOfAdhesion, Some(adhesion.work)).filter(|least| *least > ZERO);
+            [least.map_or(ZERO, |least| least + ROUNDING), f64::INFINITY]
+        }
+    }
+
+    /// Unknowns a step away, with those that would leave their range at its end.
+    pub(super) fn moved(&self, unknowns: &[f64], step: &[f64]) -> Vec<f64> {
+        let pairs = unknowns.iter().zip(step);
+        let mut moved: Vec<f64> = pairs.map(|(unknown, step)| unknown + step).collect();
+        for number in 0..moved.len() {
+            let [least, greatest] = self.range(number, &moved);
+            moved[number] = clamped(moved[number], least, greatest.max(least));
+        }
+        moved
+    }
+
+    /// The first end of a range at which unknowns are and which a step would leave.
+    pub(super) fn left_by(&self, unknowns: &[f64], step: &[f64]) -> Option<RangeEnd> {
+        /// Distance that counts as none.
+        const NEAR: f64 = 1e-9;
+        let both = self.place(Key::WorkOfAdhesion);
+        let both = both.zip(self.place(Key::RecedingWorkOfAdhesion));
+        let equal = both.filter(|(work, receding)| {
+            unknowns[*receding] <= unknowns[*work] + NEAR && step[*receding] < step[*work]
+        });
+        let at_end = |number: &usize| {
+            let [least, greatest] = self.range(*number, unknowns);
+            let unknown = unknowns[*number];
+            // What the other work sets is no end of its own.
+            let least = if both.is_some() { ZERO } else { least };
+            step[*number] < 0.0 && unknown <= least + NEAR
+                || both.is_none() && step[*number] > 0.0 && unknown >= greatest - NEAR
+        };
+        let works = |number: &usize| matches!(self.scales[*number], Scale::FromZero(_));
+        let ended = (0..unknowns.len()).filter(works).find(at_end);
+        ended
+            .map(RangeEnd::Of)
+            .or(equal.map(|(work, receding)| RangeEnd::Equal([work, receding])))
     }
 
     /// Another place to begin: moduli and sizes up to a factor of 3 away, contact point and machine up to a quarter of the range of the data. The
@@ -442,7 +591,10 @@ impl<'a> Model<'a> {
         let mut file = self.file.clone();
         for (number, unknown) in unknowns.iter().enumerate() {
             if let Parameter::Key(key) = self.free[number] {
-                let value = self.value(number, *unknown);
+                let mut value = self.value(number, *unknown);
+                if self.free[number].is_work() && value < Adhesion::SMALLEST_WORK {
+                    value = 0.0;
+                }
                 // A thickness without end is that of a half-space, and is not given.
                 if value.is_finite() || !self.free[number].is_thickness() {
                     file.set_number(key, value);
@@ -483,12 +635,19 @@ impl<'a> Model<'a> {
         }
         self.for_each_row(|number, row| {
             let moment = self.moments[number];
-            let state = self.state(&settings, row, moment)?;
+            let state = self.row_state(&settings, row, moment)?;
             Ok(State {
                 read_force: state.force + settings.offset(moment),
                 ..state
             })
         })
+    }
+
+    /// Whether no state of a row is in the model, and the first reason.
+    pub(super) fn first_problem(&self, unknowns: &[f64]) -> Result<(), FitError> {
+        let settings = self.settings(unknowns)?;
+        let mut rows = self.data.rows().iter().zip(&self.moments);
+        rows.try_for_each(|(row, moment)| self.state(&settings, row, *moment).map(drop))
     }
 
     /// The cycle that was measured, up to the largest measured load, with its curve; none if that load is before contact.
@@ -504,15 +663,20 @@ impl<'a> Model<'a> {
             Position::Displacement => settings.machine_compliance,
             _ => 0.0,
         };
+        let mut system = settings.case.system.clone();
+        if system.adhesion().is_none() {
+            // A cycle needs adhesion, and the least there is does not show.
+            let least = Adhesion::new(Adhesion::SMALLEST_WORK);
+            system = system.with_adhesion(least).map_err(SolveError::from)?;
+        }
         let solve = |turn: Turn, drive: Drive, retract: bool| -> Result<_, SolveError> {
             let plan = CyclePlan {
                 turn,
                 drive,
                 retract,
             };
-            let case = &settings.case;
             self.solved.fetch_add(1, Ordering::Relaxed);
-            let cycle = fakir::cycle(&case.system, plan, case.method, &self.single)?;
+            let cycle = fakir::cycle(&system, plan, settings.case.method, &self.single)?;
             Ok((Curve::new(&cycle, compliance), cycle))
         };
         let retract = self.branches.contains(&Branch::Unloading);
@@ -580,6 +744,7 @@ impl<'a> Model<'a> {
                 smallest_floor_gap: None,
                 past_transition: is_beyond(position, end) || is_beyond(place.indentation, deepest),
                 converged: cycle.is_none_or(Cycle::converged),
+                problem: None,
             }
         };
         let mut states: Vec<State> = self.data.rows().iter().enumerate().map(state).collect();
@@ -615,6 +780,22 @@ impl<'a> Model<'a> {
         match self.pool {
             Some(pool) => pool.install(|| rows.par_iter().enumerate().map(answer).collect()),
             None => rows.iter().enumerate().map(answer).collect(),
+        }
+    }
+
+    /// The state of a row; one with a problem if it is outside of the model.
+    fn row_state(
+        &self,
+        settings: &Settings,
+        row: &Measurement,
+        moment: f64,
+    ) -> Result<State, FitError> {
+        match self.state(settings, row, moment) {
+            Err(error) if error.is_out_of_reach() => Ok(State {
+                problem: Some(error.to_string()),
+                ..State::without_contact(f64::NAN)
+            }),
+            answer => answer,
         }
     }
 
@@ -702,33 +883,21 @@ impl<'a> Model<'a> {
             && zeta <= 0.0
         {
             return Ok(State {
-                indentation: zeta,
-                force: 0.0,
-                read_force: 0.0,
-                force_variance: 0.0,
-                sharing: 1.0,
-                slopes: [0.0; 2],
-                contact_radius: 0.0,
-                smooth_radius: 0.0,
                 smallest_floor_gap: Some(case.system.pillar().height - zeta),
-                past_transition: false,
-                converged: true,
+                ..State::without_contact(zeta)
             });
         }
         self.solved.fetch_add(1, Ordering::Relaxed);
         let contact = fakir::press(&case.system, load, case.method, &self.single)?;
         Ok(State {
-            indentation: contact.indentation,
             force: contact.force,
             read_force: contact.force,
-            force_variance: 0.0,
-            sharing: 1.0,
-            slopes: [0.0; 2],
             contact_radius: contact.contact_radius,
             smooth_radius: smooth_radius(&contact),
             smallest_floor_gap: Some(contact.smallest_floor_gap),
             past_transition: contact.smallest_floor_gap < 0.0,
             converged: contact.converged(),
+            ..State::without_contact(contact.indentation)
         })
     }
 
@@ -748,25 +917,29 @@ impl<'a> Model<'a> {
         let by_key = ByKey::new(&self.file(unknowns), &settings.case)?;
         let mut cases = Vec::new();
         for (number, parameter) in self.free.iter().enumerate() {
-            let side = |step: f64| -> Result<Case, FitError> {
+            let side = |step: f64| -> Option<(Case, f64)> {
                 let mut moved = unknowns.to_vec();
                 moved[number] += step;
-                Ok(self.settings(&moved)?.case)
+                // Beyond the half-space there is nothing.
+                let is_beyond = matches!(self.scales[number], Scale::Inverse(_)) && step < 0.0;
+                let settings = self.settings(&moved).ok().filter(|_| !is_beyond);
+                settings.map(|settings| (settings.case, step.abs()))
             };
             cases.push(match parameter {
-                Parameter::Key(_) => Some(Sides {
-                    cases: [side(-DIFFERENCE)?, side(DIFFERENCE)?],
-                    // Beyond the half-space there is nothing.
-                    apart: match self.scales[number] {
-                        Scale::Inverse(_) => DIFFERENCE,
-                        _ => 2.0 * DIFFERENCE,
-                    },
-                }),
+                Parameter::Key(_) => Some([side(-DIFFERENCE), side(DIFFERENCE)]),
                 _ => None,
             });
         }
         self.for_each_row(|row_number, row| {
             let state = &states[row_number];
+            if state.problem.is_some() {
+                let none = vec![0.0; self.free.len()];
+                return Ok(Derivatives {
+                    force: none.clone(),
+                    contact_radius: none,
+                    ..Derivatives::default()
+                });
+            }
             let moment = self.moments[row_number];
             let load = match row.position {
                 Some(_) => Control::Indentation(state.indentation),
@@ -774,10 +947,10 @@ impl<'a> Model<'a> {
             };
             let gradient = self.gradient(&settings.case, load, state)?;
             let along = match &gradient {
-                Some(gradient) => {
-                    self.with_radius(gradient.stiffness, || self.along_load(&settings.case, load))?
-                }
-                None => self.along_load(&settings.case, load)?,
+                Some(gradient) => self.with_radius(gradient.stiffness, || {
+                    self.along_load(&settings.case, load, state)
+                })?,
+                None => self.along_load(&settings.case, load, state)?,
             };
             let mut all = Derivatives::default();
             let compliance = match (row.position, self.data.position()) {
@@ -801,7 +974,7 @@ impl<'a> Model<'a> {
                         let exact = gradient
                             .as_ref()
                             .and_then(|gradient| by_key.exactly(gradient.force.as_ref()?, *key));
-                        let differences = || self.between(sides, load);
+                        let differences = || self.between(sides, load, state);
                         let held = match exact {
                             Some(slope) => self.with_radius(slope * unit, differences)?,
                             None => differences()?,
@@ -830,6 +1003,7 @@ impl<'a> Model<'a> {
             Scale::Multiple(unit) => unit,
             Scale::Distance => 1.0,
             Scale::Logarithm(_) => self.value(number, unknown),
+            Scale::FromZero(unit) => unit * larger(unknown, LINEAR).exp(),
             Scale::Inverse(unit) => -self.value(number, unknown).powi(2) / unit,
         }
     }
@@ -877,21 +1051,23 @@ impl<'a> Model<'a> {
         states: &[State],
         stretch: f64,
     ) -> Result<Vec<Derivatives>, FitError> {
-        let step = |number: usize| {
-            if self.free[number].is_work() {
-                DIFFERENCE_OF_WORK
-            } else {
-                DIFFERENCE
-            }
-        };
         let side = |(number, sign): (usize, f64)| {
+            let step = match self.scales[number] {
+                Scale::FromZero(_) => DIFFERENCE_OF_WORK,
+                _ => DIFFERENCE,
+            };
             let mut moved = unknowns.to_vec();
-            moved[number] += sign * step(number);
-            // A receding work cannot be less than the other: a difference to one side is what is left there.
+            let [least, greatest] = self.range(number, unknowns);
+            moved[number] = clamped(moved[number] + sign * step, least, greatest.max(least));
+            // At an end of its range, or of the model, a difference to one side is what is left.
+            let apart = (moved[number] - unknowns[number]).abs();
+            if apart < SHORTEST * step {
+                return Ok((states.to_vec(), 0.0));
+            }
             match self.states(&moved, stretch) {
-                Ok(there) => Ok((there, step(number))),
-                Err(FitError::Case(_)) => Ok((states.to_vec(), 0.0)),
-                Err(error) => Err(error),
+                Ok(there) => Ok((there, apart)),
+                Err(error) if error.is_interruption() => Err(error),
+                Err(_) => Ok((states.to_vec(), 0.0)),
             }
         };
         let sides: Vec<(usize, f64)> = (0..unknowns.len())
@@ -929,22 +1105,43 @@ impl<'a> Model<'a> {
         Ok(states.iter().enumerate().map(of_row).collect())
     }
 
-    /// Derivatives of force and smooth contact radius by the load.
-    fn along_load(&self, case: &Case, load: Control) -> Result<[f64; 2], SolveError> {
+    /// Derivatives of force and smooth contact radius by the load, about the state under it.
+    fn along_load(
+        &self,
+        case: &Case,
+        load: Control,
+        state: &State,
+    ) -> Result<[f64; 2], SolveError> {
         let value = value_of(load);
         if value <= 0.0 {
             return Ok([0.0; 2]);
         }
-        let below = self.solve(case, scaled(load, 1.0 - DIFFERENCE))?;
-        let above = self.solve(case, scaled(load, 1.0 + DIFFERENCE))?;
-        Ok(difference(&below, &above, 2.0 * DIFFERENCE * value))
+        let side = |step: f64| self.side(case, scaled(load, 1.0 + step), DIFFERENCE * value);
+        Ok(difference([side(-DIFFERENCE)?, side(DIFFERENCE)?], state))
     }
 
-    /// Derivatives of force and smooth contact radius from one case to another.
-    fn between(&self, sides: &Sides, load: Control) -> Result<[f64; 2], SolveError> {
-        let [below, above] = &sides.cases;
-        let (below, above) = (self.solve(below, load)?, self.solve(above, load)?);
-        Ok(difference(&below, &above, sides.apart))
+    /// Derivatives of force and smooth contact radius from one case to another, about the state under the load.
+    fn between(&self, sides: &Sides, load: Control, state: &State) -> Result<[f64; 2], SolveError> {
+        let side = |side: &Option<(Case, f64)>| match side {
+            Some((case, away)) => self.side(case, load, *away),
+            None => Ok(None),
+        };
+        let [below, above] = sides;
+        Ok(difference([side(below)?, side(above)?], state))
+    }
+
+    /// A state on one side of another, so far away; none outside of the model.
+    fn side(
+        &self,
+        case: &Case,
+        load: Control,
+        away: f64,
+    ) -> Result<Option<(State, f64)>, SolveError> {
+        match self.solve(case, load) {
+            Ok(state) => Ok(Some((state, away))),
+            Err(SolveError::Interrupted) => Err(SolveError::Interrupted),
+            Err(_) => Ok(None),
+        }
     }
 }
 
@@ -982,11 +1179,17 @@ fn moments(data: &Measurements) -> Vec<f64> {
     times.iter().map(moment).collect()
 }
 
-fn difference(below: &State, above: &State, apart: f64) -> [f64; 2] {
-    [
-        (above.force - below.force) / apart,
-        (above.smooth_radius - below.smooth_radius) / apart,
-    ]
+/// Differences of force and smooth contact radius; to one side where there is no state on the other.
+fn difference([below, above]: [Option<(State, f64)>; 2], middle: &State) -> [f64; 2] {
+    let end = |side: &Option<(State, f64)>| {
+        let (state, away) = side
+            .as_ref()
+            .map_or((middle, 0.0), |(state, away)| (state, *away));
+        (state.force, state.smooth_radius, away)
+    };
+    let (low, high) = (end(&below), end(&above));
+    let apart = low.2 + high.2;
+    [(high.0 - low.0) / apart, (high.1 - low.1) / apart]
 }
 
 /// The load of a row: its position, or else its force.

@@ -124,7 +124,7 @@ impl Parameter {
         )
     }
 
-    /// Whether its logarithm is fitted, as that of sizes, moduli and works of adhesion.
+    /// Whether its logarithm is fitted, as that of sizes, moduli and, unless they are near zero, works of adhesion.
     pub(super) fn is_positive(self) -> bool {
         match self {
             Self::Key(key) => key.is_positive() || self.is_work(),

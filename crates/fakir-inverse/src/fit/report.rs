@@ -41,6 +41,16 @@ impl Fit {
             .iter()
             .map(|undetermined| undetermined.statement.clone())
             .collect();
+        if let [(first, why), others @ ..] = &self.not_modelled[..] {
+            let lines = match others.last() {
+                Some((last, _)) => format!("{} rows (lines {first} to {last})", others.len() + 1),
+                None => format!("1 row (line {first})"),
+            };
+            let verb = if others.is_empty() { "is" } else { "are" };
+            warnings.push(format!(
+                "{lines} {verb} outside of the model and left out: {why}"
+            ));
+        }
         let out: Vec<String> = self
             .past_transition()
             .map(|row| row.measurement.line.to_string())
@@ -117,7 +127,9 @@ impl Fit {
             let value = |row: &FittedRow| row.measurement.position.map(|measured| measured.value);
             columns.push(numbers(name, &value));
         }
-        columns.push(numbers("indentation_m", &|row| Some(row.indentation)));
+        columns.push(numbers("indentation_m", &|row| {
+            row.modelled.then_some(row.indentation)
+        }));
         for quantity in Quantity::ALL {
             let (name, suffix) = match quantity {
                 Quantity::Force => ("force", "_N"),
@@ -189,6 +201,7 @@ pub struct FitSummary {
     pull_off: Option<PullOffJson>,
     rows: usize,
     rows_past_transition: usize,
+    rows_not_modelled: usize,
     values: usize,
     degrees_of_freedom: usize,
     chi_square: f64,
@@ -347,6 +360,7 @@ impl FitSummary {
             }),
             rows: fitted.rows.len(),
             rows_past_transition: fitted.past_transition().count(),
+            rows_not_modelled: fitted.not_modelled.len(),
             values: fitted.scatter.iter().map(|scatter| scatter.values).sum(),
             degrees_of_freedom: fitted.degrees_of_freedom,
             chi_square: fitted.chi_square,
@@ -377,6 +391,7 @@ fn estimate_json(estimate: &Estimate) -> Map<String, Value> {
             "determined".to_owned(),
             Value::from(estimate.interval.is_some()),
         ),
+        ("one_sided".to_owned(), Value::from(estimate.one_sided)),
         (
             format!("standard_error{suffix}"),
             Value::from(estimate.standard_error),

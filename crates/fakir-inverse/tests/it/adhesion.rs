@@ -204,6 +204,82 @@ fn a_receding_work_is_told_from_data_of_both_branches() {
     assert!(pull_off.model_error > 0.0 && pull_off.work_error.is_some_and(|error| error > 0.0));
 }
 
+/// Both branches of a lens that does not stick, with noise: the search comes to zero, or near it.
+#[test]
+fn a_work_of_adhesion_that_vanishes_has_a_one_sided_interval() {
+    let file = case_file(&[
+        "texture.surface_fraction=0.01",
+        "texture.offset=0.3",
+        "adhesion.work=0",
+    ]);
+    let case = file.case().unwrap();
+    let force = |depth: f64| {
+        if depth <= 0.0 {
+            return 0.0;
+        }
+        let load = fakir::problem::Control::Indentation(depth);
+        let state = fakir::press(&case.system, load, case.method, &Run::default());
+        state.unwrap().force
+    };
+    let down: Vec<[f64; 2]> = (-5..=20)
+        .map(|k| 0.1e-6 * f64::from(k))
+        .map(|depth| [depth, force(depth)])
+        .collect();
+    let unloading = down.iter().rev().skip(1);
+    let unloading = unloading.map(|[depth, force]| (Branch::Unloading, *depth, *force));
+    let loading = down
+        .iter()
+        .map(|[depth, force]| (Branch::Loading, *depth, *force));
+    let both: Vec<_> = loading.chain(unloading).collect();
+    for seed in 0..3 {
+        let data = Measurements::new(&noisy(&both, seed, NOISE)).unwrap();
+        let options = FitOptions {
+            contact_point: Some(CONTACT_POINT),
+            force_offset: OFFSET,
+            ..FitOptions::default()
+        };
+        let fitted = fit(&file, &data, &[WORK], &options, &Run::default()).unwrap();
+        assert!(fitted.converged(), "{:?}", fitted.warnings());
+        let work = &fitted.estimates[0];
+        assert!(work.one_sided, "{work:?}");
+        let [least, most] = work.interval.unwrap();
+        assert!(
+            least == 0.0 && work.value <= most && most < 5e-3,
+            "{work:?}"
+        );
+    }
+}
+
+/// The receding work is not less than the other: where the search begins with both equal it moves them together as long as data want it less.
+#[test]
+fn both_works_of_adhesion_are_fitted_from_one_guess() {
+    let data = Measurements::new(&small_data(&["adhesion.work_receding=60mJ/m2"], 0.1e-6)).unwrap();
+    let options = FitOptions {
+        contact_point: Some(CONTACT_POINT),
+        force_offset: OFFSET,
+        ..FitOptions::default()
+    };
+    let guess = [
+        "texture.surface_fraction=0.01",
+        "texture.offset=0.3",
+        "adhesion.work=80mJ/m2",
+    ];
+    let fitted = fit(
+        &case_file(&guess),
+        &data,
+        &[WORK, RECEDING],
+        &options,
+        &Run::default(),
+    )
+    .unwrap();
+    assert!(fitted.converged(), "{:?}", fitted.warnings());
+    let [work, receding] = &fitted.estimates[..] else {
+        panic!("{:?}", fitted.estimates);
+    };
+    assert!(close(receding.value, 0.06, 0.1), "{receding:?}");
+    assert!(work.value <= receding.value, "{work:?}");
+}
+
 /// An offset of the force takes no adhesion.
 #[test]
 fn an_offset_of_the_force_is_found() {

@@ -170,6 +170,45 @@ fn contact_radii_are_fitted_on_any_arrangement_under_any_lens() {
     }
 }
 
+/// A small lens with a force offset of which the search does not know at first, which puts the first contact point far off; the last row is out of reach
+/// of the model with any values.
+#[test]
+fn rows_outside_of_the_model_are_named_and_left_out() {
+    const FORCE_OFFSET: f64 = 135e-6;
+    let kind = |modulus: &str| {
+        let small = ["lens.radius=100um", "texture.pillar.height=10um"];
+        case_file(&[&small[..], &["texture.surface_fraction=0.2", modulus]].concat())
+    };
+    let depths = [-30e-6, -20e-6, -10e-6, -1e-6, 1e-6, 3e-6, 5e-6, 7e-6, 9e-6];
+    let truth = kind("substrate.young_modulus=1.3MPa");
+    let [mut displacement, mut force, _] = loading(&truth, &depths);
+    displacement.push(90e-6);
+    force.push(5e-3);
+    let force = force.iter().map(|force| force + FORCE_OFFSET).collect();
+    let columns = [(Column::Displacement, displacement), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let free = [SUBSTRATE, Parameter::ContactPoint, Parameter::ForceOffset];
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    let file = kind("substrate.young_modulus=1MPa");
+    let fitted = fit(&file, &data, &free, &options, &Run::default()).unwrap();
+    assert_eq!(fitted.termination, Termination::Converged);
+    for (estimate, truth) in fitted
+        .estimates
+        .iter()
+        .zip([1.3e6, CONTACT_POINT, FORCE_OFFSET])
+    {
+        assert!(close(estimate.value, truth, 1e-4), "{estimate:?}");
+    }
+    let lines: Vec<u64> = fitted.not_modelled.iter().map(|(line, _)| *line).collect();
+    assert_eq!(lines, [10]);
+    let warnings = fitted.warnings().join("\n");
+    let told = "1 row (line 10) is outside of the model and left out: the contact would reach";
+    assert!(warnings.contains(told), "{warnings}");
+}
+
 #[test]
 fn moduli_that_force_cannot_tell_apart() {
     // Without columns the moduli count only by the compliance of both together.

@@ -25,10 +25,10 @@ pub struct Adhesion {
     pub floor: bool,
 }
 
-/// Smallest work of adhesion that is not zero, J/m^2: many orders below any that is known.
-const SMALLEST_WORK: f64 = 1e-12;
-
 impl Adhesion {
+    /// Smallest work of adhesion that is not zero, J/m^2: many orders below any that is known.
+    pub const SMALLEST_WORK: f64 = 1e-12;
+
     /// Nothing sticks.
     pub const NONE: Self = Self {
         work: 0.0,
@@ -69,7 +69,7 @@ impl Adhesion {
 
     /// The works of adhesion, if they can be.
     pub(super) fn checked(self) -> Result<Self, InvalidQuantity> {
-        let smallest = Requirement::ZeroOrWork(SMALLEST_WORK);
+        let smallest = Requirement::ZeroOrWork(Self::SMALLEST_WORK);
         smallest.check(Quantity::WorkOfAdhesion, self.work)?;
         if let Some(receding) = self.work_receding {
             smallest.check(Quantity::RecedingWorkOfAdhesion, receding)?;
