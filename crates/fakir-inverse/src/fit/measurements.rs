@@ -178,7 +178,7 @@ impl Measurement {
 /// | `force_N` | normal force |
 /// | `contact_radius_m` | distance from the lens axis of the farthest point of a pillar top in contact |
 /// | `time_s` | when, for a drift |
-/// | `branch` | `loading` or `unloading`, also as a line between the rows; without it unloading begins after the largest load |
+/// | `branch` | `loading` or `unloading`, also as a line between the rows; without it unloading begins after the largest load, also of several cycles |
 ///
 /// and their standard errors in columns of the same names with `_error` before the unit:
 /// `displacement_error_m`, `indentation_error_m`, `force_error_N`, `contact_radius_error_m`. A
@@ -326,24 +326,59 @@ impl Measurements {
         times.is_some_and(|times| times.last() > times.first())
     }
 
-    /// The branch of every row: as given, or loading up to the first of the largest loads and unloading after it.
+    /// The branch of every row: as given, or by the motion.
     pub(super) fn branches(&self) -> Vec<Branch> {
-        let load = |row: &Measurement| row.position.or(row.force).map_or(0.0, |m| m.value);
-        let mut turn = 0;
-        for (number, row) in self.rows.iter().enumerate() {
-            if load(row) > load(&self.rows[turn]) {
-                turn = number;
-            }
+        let by_motion = branches_of(&self.loads()).into_iter();
+        let rows = self.rows.iter().zip(by_motion);
+        rows.map(|(row, by_motion)| row.branch.unwrap_or(by_motion))
+            .collect()
+    }
+
+    /// The load of every row: its position, or else its force.
+    fn loads(&self) -> Vec<f64> {
+        let loads = self.rows.iter().map(|row| row.position.or(row.force));
+        loads
+            .map(|load| load.map_or(0.0, |load| load.value))
+            .collect()
+    }
+
+    /// Checks that cycles whose branches follow from the motion are alike, as a fit with adhesion has all rows of one cycle.
+    pub(super) fn check_cycles(&self) -> Result<(), DataError> {
+        if self.rows.iter().any(|row| row.branch.is_some()) {
+            return Ok(());
         }
-        let rows = self.rows.iter().enumerate();
-        rows.map(|(number, row)| {
-            row.branch.unwrap_or(if number > turn {
-                Branch::Unloading
+        let loads = self.loads();
+        let least_change = TURN * range(&loads);
+        let branches = branches_of(&loads);
+        let is_start = |k: &usize| {
+            *k == 0 || branches[*k] == Branch::Loading && branches[*k - 1] == Branch::Unloading
+        };
+        let starts: Vec<usize> = (0..loads.len()).filter(is_start).collect();
+        let ends = starts.iter().skip(1).copied().chain([loads.len()]);
+        let cycles: Vec<&[f64]> = starts
+            .iter()
+            .zip(ends)
+            .map(|(a, b)| &loads[*a..b])
+            .collect();
+        let largest = |cycle: &[f64]| cycle.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let turn = largest(&loads);
+        for (cycle, start) in cycles.iter().zip(&starts) {
+            let why = if turn - largest(cycle) > least_change {
+                "turns at a smaller load than another"
+            } else if loads[start.saturating_sub(1)] - loads[0] > least_change {
+                "begins before the lens is back where the first began"
             } else {
-                Branch::Loading
-            })
-        })
-        .collect()
+                continue;
+            };
+            let lines = [*start, start + cycle.len() - 1].map(|row| self.rows[row].line);
+            let problem = format!(
+                "lines {} to {} are a cycle of loading and unloading that {why}: with adhesion a fit takes cycles that are alike; leave these lines \
+                 out, or give a column branch with loading or unloading in every line",
+                lines[0], lines[1]
+            );
+            return Err(Reader { name: &self.name }.fail(Some(lines[0]), None, problem));
+        }
+        Ok(())
     }
 
     /// Checks that all rows have a branch or none.
@@ -390,6 +425,48 @@ impl Measurements {
         }
         Ok(())
     }
+}
+
+/// Part of the range of all loads by which the load has to fall or rise for the lens to have turned; less is noise.
+const TURN: f64 = 0.1;
+
+/// The difference between the largest and the least.
+fn range(loads: &[f64]) -> f64 {
+    let [least, largest] = loads.iter().fold(
+        [f64::INFINITY, f64::NEG_INFINITY],
+        |[least, largest], load| [least.min(*load), largest.max(*load)],
+    );
+    largest - least
+}
+
+/// The branches by the motion: loading up to the first of the largest loads, unloading down to the first of the least ones after it, and so on.
+fn branches_of(loads: &[f64]) -> Vec<Branch> {
+    let least_change = TURN * range(loads);
+    let mut branches = vec![Branch::Loading; loads.len()];
+    let mut branch = Branch::Loading;
+    let mut turn = 0;
+    for (row, load) in loads.iter().enumerate() {
+        let further = match branch {
+            Branch::Loading => load - loads[turn],
+            Branch::Unloading => loads[turn] - load,
+        };
+        if further > 0.0 {
+            turn = row;
+        } else if -further > least_change {
+            let other = match branch {
+                Branch::Loading => Branch::Unloading,
+                Branch::Unloading => Branch::Loading,
+            };
+            branches[turn + 1..].fill(other);
+            branch = other;
+            turn = row;
+        }
+    }
+    // Small steps back after the last of the largest loads are of the unloading.
+    if branch == Branch::Loading {
+        branches[turn + 1..].fill(Branch::Unloading);
+    }
+    branches
 }
 
 impl Reader<'_> {
@@ -526,5 +603,49 @@ impl Reader<'_> {
             }
             _ => Ok(row),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn signs(loads: &[f64]) -> String {
+        let branches = branches_of(loads).into_iter();
+        branches
+            .map(|branch| if branch == Branch::Loading { '+' } else { '-' })
+            .collect()
+    }
+
+    #[test]
+    fn branches_follow_the_motion() {
+        // One cycle: unloading from the first of the largest loads on, also where it has just begun.
+        assert_eq!(signs(&[0.0, 5.0, 4.8, 10.0, 10.0, 9.5, 2.0]), "++++---");
+        assert_eq!(signs(&[0.0, 10.0, 9.9]), "++-");
+        assert_eq!(signs(&[10.0, 5.0, 0.0, 0.5]), "+---");
+        assert_eq!(signs(&[3.0]), "+");
+        // Two cycles, with noise where the lens turns.
+        let twice = [
+            0.0, 4.0, 10.0, 9.7, 9.9, 4.0, 0.0, 0.4, 0.1, 4.0, 10.0, 5.0, 0.0,
+        ];
+        assert_eq!(signs(&twice), "+++----++++--");
+    }
+
+    #[test]
+    fn cycles_that_are_not_alike_are_refused() {
+        let told = |loads: &[f64]| {
+            let columns = [Column::Indentation, Column::Force].map(|it| (it, loads.to_vec()));
+            let told = Measurements::new(&columns).unwrap().check_cycles();
+            told.map_err(|error| error.to_string())
+        };
+        assert_eq!(told(&[0.0, 10.0, 0.0, 10.0, 0.0]), Ok(()));
+        let smaller = told(&[0.0, 10.0, 0.0, 6.0, 0.0]).unwrap_err();
+        assert!(
+            smaller.starts_with("data:4: lines 4 to 5 are a cycle"),
+            "{smaller}"
+        );
+        assert!(smaller.contains("give a column branch"), "{smaller}");
+        let not_back = told(&[0.0, 10.0, 4.0, 6.0, 10.0, 0.0]).unwrap_err();
+        assert!(not_back.contains("lines 4 to 6") && not_back.contains("before the lens is back"));
     }
 }

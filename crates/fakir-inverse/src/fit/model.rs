@@ -202,6 +202,9 @@ impl<'a> Model<'a> {
         let case = file.case()?;
         let wants_radius = data.rows().iter().any(|row| row.contact_radius.is_some());
         let sticks = !case.system.adhesion().is_none() || free.iter().any(|free| free.is_work());
+        if sticks {
+            data.check_cycles()?;
+        }
         let branches = data.branches();
         let orders = [Branch::Loading, Branch::Unloading].map(|branch| {
             let rows = 0..branches.len();
