@@ -25,8 +25,8 @@ const EXIT_STATUS: &str = "\
 Exit status:
   0    done
   1    a solution did not converge, an estimated relative error is above 0.5, cases of a sweep
-       failed, verify found a disagreement or cannot tell, or a limit of the model is strained with
-       --strict; the result is still printed and saved
+       failed, verify found a disagreement or cannot tell, or with --strict a limit of the model is
+       strained or a fit does not describe the data; the result is still printed and saved
   2    bad input: arguments, case file, or a file that cannot be read or written
   3    no answer: the contact is too large for the lens, for the surface or for memory, the method
        does not apply, or numbers became infinite
@@ -206,6 +206,7 @@ impl Command {
         match self {
             Self::Transition(options) => options.limits.strict,
             Self::Press(options) => options.limits.strict,
+            Self::Fit(options) => options.strict,
             _ => false,
         }
     }
@@ -757,9 +758,13 @@ pub(crate) struct Fit {
     /// left alone
     #[arg(long, requires = "output")]
     overwrite: bool,
-    /// No progress and no warnings
+    /// No progress and no warnings but that the fit does not describe the data
     #[arg(long, short)]
     quiet: bool,
+    /// Exit with status 1 if a limit of the model is strained under the largest load, or if the fit does not describe the data;
+    /// the result is still printed and saved
+    #[arg(long)]
+    pub(crate) strict: bool,
     #[command(flatten)]
     pub(crate) run: RunArguments,
 }

@@ -182,9 +182,16 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let session = Session::start(&options.run, case.quiet)?;
     let data = options.measurements()?;
     let file = read_case(&case)?;
-    deliver(command, &case, file.warnings(), move || {
-        commands::fit::run(&file, &data, options, &session)
-    })
+    if let Some(folder) = &case.output {
+        fakir_study::output::check_folder(folder, case.replace())?;
+    }
+    let fitted = commands::fit::run(&file, &data, options, &session)?;
+    drop(session);
+    // Also with --quiet: numbers without this would be about something else.
+    if let Some(misfit) = &fitted.misfit {
+        failure::tell(&format!("warning: {misfit}"));
+    }
+    deliver(command, &case, file.warnings(), || Ok(fitted.report))
 }
 
 /// Answers a question about a texture. A session that `ask` owns ends with it, and clears its

@@ -1,5 +1,6 @@
 //! The one place where a question goes to a method.
 
+use crate::problem::lens::LARGEST_CONTACT;
 use crate::problem::scaled::Scene;
 use crate::problem::{Accuracy, Control, CyclePlan, FloorModel, LensShape, Method, System};
 use crate::solve::adhesive;
@@ -35,7 +36,9 @@ pub fn press(
     refuse_transition(system, control)?;
     refuse_layers(system)?;
     if !system.adhesion().is_none() {
-        return adhesive::press(system, control, with_adhesion(method)?, run)?.checked();
+        let state = adhesive::press(system, control, with_adhesion(method)?, run)?;
+        check_reach(&state)?;
+        return state.checked();
     }
     match method {
         Method::Spectral(accuracy) => {
@@ -90,7 +93,8 @@ pub fn gradient(
         return Err(SolveError::NoGradient { why });
     };
     let mut gradient = gradient::gradient(system, control, accuracy, run)?;
-    gradient.contact = with_layer_warnings(within_table(gradient.contact)?);
+    check_reach(&gradient.contact)?;
+    gradient.contact = with_layer_warnings(gradient.contact);
     gradient.checked()
 }
 
@@ -210,7 +214,9 @@ pub fn follow_cycle(
         return Err(SolveError::NothingSticks);
     }
     refuse_layers(system)?;
-    adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?.checked()
+    let cycle = adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?;
+    check_reach(&cycle.turn)?;
+    cycle.checked()
 }
 
 /// What is prescribed, if it can be. An indentation counts from the common height and may be negative as far as pillars are higher than that.
@@ -237,7 +243,8 @@ fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError
 
 /// A state without adhesion as it is handed out.
 fn finished(state: ContactState) -> Result<ContactState, SolveError> {
-    within_table(state).map(with_layer_warnings)?.checked()
+    check_reach(&state)?;
+    with_layer_warnings(state).checked()
 }
 
 /// With what is to be said where bodies are layers.
@@ -286,16 +293,29 @@ fn refuse_layers(system: &System) -> Result<(), SolveError> {
     Ok(())
 }
 
-/// Refuses a state whose lowest point of the floor is beyond the table of heights of the lens, where its gap is not known.
-fn within_table(state: ContactState) -> Result<ContactState, SolveError> {
-    if let LensShape::Profile(profile) = &state.system.lens().shape {
-        let ([x, y], end) = (state.smallest_gap_position, profile.range());
-        let reach = x.hypot(y);
-        if reach > end {
-            return Err(SolveError::ProfileEnds { reach, end });
+/// Refuses a state that reaches too far from the axis of the lens: a contact beyond half its radius, and a lowest point of the floor beyond its table of
+/// heights, where its gap is not known.
+fn check_reach(state: &ContactState) -> Result<(), SolveError> {
+    match &state.system.lens().shape {
+        LensShape::Profile(profile) => {
+            let ([x, y], end) = (state.smallest_gap_position, profile.range());
+            let reach = x.hypot(y);
+            if reach > end {
+                return Err(SolveError::ProfileEnds { reach, end });
+            }
         }
+        LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => {
+            let (contact_radius, lens_radius) = (state.contact_radius, *radius);
+            if contact_radius > LARGEST_CONTACT * lens_radius {
+                return Err(SolveError::ContactExceedsLens {
+                    contact_radius,
+                    lens_radius,
+                });
+            }
+        }
+        LensShape::Cylinder { .. } | LensShape::Plate { .. } => {}
     }
-    Ok(state)
+    Ok(())
 }
 
 /// The accuracy of the one method that has adhesion.

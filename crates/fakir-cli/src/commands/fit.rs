@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::numbers::{DIGITS, digits, significant, with_unit};
 use crate::report::Report;
 use crate::report::figures::saved;
-use crate::report::state::texture_line;
+use crate::report::state::{QuantityList, strained_words, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::state::Branch;
@@ -22,12 +22,19 @@ use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::json;
 use std::time::Instant;
 
+/// The report of a fit, and what is printed even if no warnings are.
+pub(crate) struct Fitted {
+    pub(crate) report: Report,
+    /// Why the fit does not describe the data.
+    pub(crate) misfit: Option<String>,
+}
+
 pub(crate) fn run(
     file: &CaseFile,
     data: &Measurements,
     options: &Options,
     session: &Session,
-) -> Result<Report, Failure> {
+) -> Result<Fitted, Failure> {
     let start = Instant::now();
     session.part("fit");
     let fitted = fit(file, data, &options.free, &options.known(), &session.run())?;
@@ -44,15 +51,23 @@ pub(crate) fn run(
     );
     let mut tables = vec![File::new("fitted.csv", fitted.table(data).to_csv())];
     tables.extend(saved(figure(data, &fitted), &provenance));
-    Ok(Report {
+    let misfit = fitted.misfit_statement();
+    let mut warnings = fitted.warnings();
+    warnings.retain(|warning| Some(warning) != misfit.as_ref());
+    let mut strained = strained_words(&fitted.limits);
+    if misfit.is_some() {
+        strained.push("the fit does not describe the data".to_owned());
+    }
+    let report = Report {
         json: json(&FitSummary::new(data, case.method, &fitted, wall_time)),
         text: text(data, &case, &fitted, wall_time),
         provenance,
         tables,
-        warnings: fitted.warnings(),
+        warnings,
         converged: fitted.converged(),
-        strained: Vec::new(),
-    })
+        strained,
+    };
+    Ok(Fitted { report, misfit })
 }
 
 /// A value of a parameter with its unit.
@@ -144,6 +159,12 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
         ),
     };
     text += &description(fitted);
+    let mut limits = QuantityList::default();
+    limits.model(&fitted.limits);
+    let limits = limits.text();
+    if !limits.is_empty() {
+        text += &format!("\nunder the largest load\n{limits}");
+    }
     text
 }
 

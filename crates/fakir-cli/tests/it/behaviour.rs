@@ -744,3 +744,30 @@ fn deprecated_names_of_keys_are_accepted() {
     assert_eq!(told, warning);
     assert_eq!(ask("height_standard_deviation"), (String::new(), force));
 }
+
+/// A contact inside one wide pillar top ends at half the lens radius, as all others do.
+#[test]
+fn contacts_beyond_half_the_lens_radius_are_refused_on_one_pillar_too() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let mut arguments = vec!["press", &case, "--quiet"];
+    for given in [
+        "lens.radius=100um",
+        "texture.pitch=400um",
+        "texture.pillar.diameter=190um",
+        "texture.pillar.height=70um",
+        "texture.pillar.compliance=none",
+    ] {
+        arguments.extend(["--set", given]);
+    }
+    let within = bench.json(&[&arguments[..], &["--indentation", "20um"]].concat());
+    let ratio = within["contact_radius_m"].as_f64().unwrap() / 100e-6;
+    assert!(0.3 < ratio && ratio < 0.5, "{ratio}");
+    let outcome = bench.run(&[&arguments[..], &["--indentation", "45um"]].concat());
+    assert_eq!(outcome.status, Some(3), "{}", outcome.stdout);
+    assert!(
+        outcome.stderr.contains("more than half the lens radius"),
+        "{}",
+        outcome.stderr
+    );
+}

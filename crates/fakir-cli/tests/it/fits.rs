@@ -82,6 +82,71 @@ fn bad_input_ends_with_status_2() {
     );
 }
 
+/// A small lens pressed deep: the fit prints and saves the limits that `press` has for its fitted case, and fails for them if that is asked.
+#[test]
+fn limits_of_the_model_are_those_of_press() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    let small = [
+        "--set",
+        "lens.radius=100um",
+        "--set",
+        "texture.surface_fraction=0.2",
+        "--set",
+        "texture.pillar.height=8um",
+        "--set",
+        "method.name=punch",
+    ];
+    let pressed = |depth: &str| {
+        let arguments = ["press", &case, "--indentation", depth, "--quiet"];
+        bench.json(&[&arguments[..], &small].concat())
+    };
+    let mut data = "indentation_m,force_N\n".to_owned();
+    for depth in ["2um", "4um", "6um"] {
+        let state = pressed(depth);
+        data += &format!("{},{}\n", state["indentation_m"], state["force_N"]);
+    }
+    bench.write("data.csv", &data);
+    let free = "substrate.young_modulus";
+    let fit = [
+        "fit", "data.csv", "--case", &case, "--free", free, "--quiet",
+    ];
+    let fit = [&fit[..], &small, &["--set", "substrate.young_modulus=2MPa"]].concat();
+    let result = bench.json(&fit);
+    let expected = pressed("6um");
+    let limits = |value: &Value| -> Vec<(String, bool)> {
+        let limits = value["limits"].as_array().unwrap().iter();
+        let told = |limit: &Value| (limit["name"].to_string(), limit["strained"] == true);
+        limits.map(told).collect()
+    };
+    assert_eq!(limits(&result), limits(&expected));
+    let strained = limits(&result).into_iter().any(|(_, strained)| strained);
+    assert!(strained, "{result}");
+    let outcome = bench.run(&[&fit[..], &["--strict"]].concat());
+    assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.starts_with("error: the model is strained: "),
+        "{}",
+        outcome.stderr
+    );
+    assert!(outcome.stdout.contains("strained:"), "{}", outcome.stdout);
+}
+
+/// The machine compliance left out of the example.
+#[test]
+fn a_fit_that_does_not_describe_the_data_is_told_with_quiet_too() {
+    let bench = Bench::new();
+    let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));
+    let mut quiet = arguments(&data, &case);
+    quiet[5] = "substrate.young_modulus,contact_point";
+    let outcome = bench.run(&quiet);
+    assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+    let warning = "warning: the fit does not describe the data";
+    assert!(outcome.stderr.starts_with(warning), "{}", outcome.stderr);
+    let outcome = bench.run(&[&quiet[..], &["--strict"]].concat());
+    assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
+}
+
 /// The example with both branches: a case, and what is free.
 #[test]
 #[ignore = "slow: fits of cycles"]

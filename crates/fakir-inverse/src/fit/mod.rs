@@ -67,7 +67,8 @@ pub use report::FitSummary;
 
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
-use fakir::state::{Branch, Cycle, Run, SolveError, Termination};
+use fakir::problem::Control;
+use fakir::state::{Branch, Cycle, Limit, Run, SolveError, Termination};
 use fakir_case::{CaseError, CaseFile, Key, TextureOnly};
 use least_squares::Linear;
 use misfit::Score;
@@ -449,6 +450,8 @@ pub struct Fit {
     pub pull_off: Option<FittedPullOff>,
     /// The case with the fitted values.
     pub file: CaseFile,
+    /// The conditions of the model in the contact under the largest load that was used, with the fitted values; none without such a contact.
+    pub limits: Vec<Limit>,
     /// Rows that the model does not have, by their lines, each with the reason.
     pub not_modelled: Vec<(u64, String)>,
     /// Why the search stopped.
@@ -1427,6 +1430,10 @@ impl<'a> Search<'a> {
             degrees_of_freedom: freedom,
             scatter: self.scatters(),
             rows: self.rows(),
+            limits: match &solved {
+                Some((_, cycle)) => cycle.turn.limits(None),
+                None => self.limits(&settings)?,
+            },
             not_modelled: self.not_modelled(),
             curve,
             contact_point: settings.contact_point,
@@ -1677,6 +1684,20 @@ impl<'a> Search<'a> {
             }
         })
         .collect()
+    }
+
+    /// The conditions of the model under the largest load.
+    fn limits(&self, settings: &model::Settings) -> Result<Vec<Limit>, FitError> {
+        let rows = self.states.iter().zip(&self.used);
+        let used = rows.filter(|(_, used)| **used);
+        let deepest = used.map(|(state, _)| state.indentation).fold(0.0, f64::max);
+        if deepest <= 0.0 {
+            return Ok(Vec::new());
+        }
+        Ok(self
+            .model
+            .contact(&settings.case, Control::Indentation(deepest))?
+            .limits(None))
     }
 
     fn not_modelled(&self) -> Vec<(u64, String)> {

@@ -9,7 +9,7 @@ use super::{FitError, FitOptions};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Adhesion, Control, CyclePlan, Drive, Method, Turn};
-use fakir::state::{Branch, Cycle, Gradient, Run, SolveError};
+use fakir::state::{Branch, ContactState, Cycle, Gradient, Run, SolveError};
 use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -890,8 +890,7 @@ impl<'a> Model<'a> {
                 ..State::without_contact(zeta)
             });
         }
-        self.solved.fetch_add(1, Ordering::Relaxed);
-        let contact = fakir::press(&case.system, load, case.method, &self.single)?;
+        let contact = self.contact(case, load)?;
         Ok(State {
             force: contact.force,
             read_force: contact.force,
@@ -902,6 +901,11 @@ impl<'a> Model<'a> {
             converged: contact.converged(),
             ..State::without_contact(contact.indentation)
         })
+    }
+
+    pub(super) fn contact(&self, case: &Case, load: Control) -> Result<ContactState, SolveError> {
+        self.solved.fetch_add(1, Ordering::Relaxed);
+        fakir::press(&case.system, load, case.method, &self.single)
     }
 
     /// Derivatives at fixed indentation, and from these at fixed reading: with `F' = dF/dzeta` and `C` the machine compliance,

@@ -7,7 +7,7 @@ use super::{
 use fakir::problem::Method;
 use fakir::state::Termination;
 use fakir_case::unit::format_quantity;
-use fakir_study::result::cycle_warnings;
+use fakir_study::result::{LimitObject, cycle_warnings};
 use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -32,6 +32,12 @@ fn value_words(parameter: Parameter, value: f64) -> String {
 }
 
 impl Fit {
+    /// A sentence for a person, if the fit does not describe the data.
+    #[must_use]
+    pub fn misfit_statement(&self) -> Option<String> {
+        self.misfit.statement(value_words)
+    }
+
     /// What a reader of the result must know: parameters that are not determined, rows left out, and
     /// whatever else speaks against it.
     #[must_use]
@@ -80,7 +86,7 @@ impl Fit {
         if self.termination != Termination::Converged {
             warnings.push(format!("the fit {}", self.termination.description()));
         }
-        warnings.extend(self.misfit.statement(value_words));
+        warnings.extend(self.misfit_statement());
         if self.misfit.is_chi_square_small() {
             warnings.push(
                 "chi-square is smaller than it should be: the errors that were given are too large"
@@ -195,6 +201,7 @@ pub struct FitSummary {
     drift_over: &'static str,
     describes_data: bool,
     tests: TestsJson,
+    limits: Vec<LimitObject>,
     starts: Vec<StartJson>,
     columns: Vec<ColumnJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -342,6 +349,7 @@ impl FitSummary {
             drift_over: if data.has_times() { "time" } else { "rows" },
             describes_data: fitted.misfit.describes_data(),
             tests: TestsJson::new(&fitted.misfit),
+            limits: LimitObject::all(fitted.limits.clone()),
             starts: fitted
                 .starts
                 .iter()

@@ -26,7 +26,8 @@ pub struct LimitObject {
 
 impl LimitObject {
     /// All of these.
-    pub(super) fn all(limits: Vec<Limit>) -> Vec<Self> {
+    #[must_use]
+    pub fn all(limits: Vec<Limit>) -> Vec<Self> {
         let object = |limit: Limit| Self {
             name: limit.name,
             value: limit.value,
