@@ -200,7 +200,10 @@ enum Question {
 }
 
 /// What a case answers, or why it is refused.
-fn answer(file: &CaseFile, question: Question) -> Result<Vec<f64>, String> {
+type Answer = Result<Vec<f64>, String>;
+
+/// Asks a case.
+fn answer(file: &CaseFile, question: Question) -> Answer {
     let run = Run::default();
     let load = Control::Indentation(INDENTATION);
     let refused = |error: SolveError| error.to_string();
@@ -278,11 +281,11 @@ enum Effect {
 /// A case, and what it has answered so far.
 struct Base {
     file: CaseFile,
-    answers: RefCell<Vec<(Question, Result<Vec<f64>, String>)>>,
+    answers: RefCell<Vec<(Question, Answer)>>,
 }
 
 impl Base {
-    fn answer(&self, question: Question) -> Result<Vec<f64>, String> {
+    fn answer(&self, question: Question) -> Answer {
         let known = self
             .answers
             .borrow()
