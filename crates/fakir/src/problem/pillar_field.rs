@@ -109,6 +109,9 @@ impl PillarGrid {
     }
 }
 
+/// Rows of a lattice on each side of the lens axis that are counted at most; its ends come long before.
+const MOST_ROWS: f64 = 1e15;
+
 /// Relative differences of lengths that are rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -281,7 +284,10 @@ impl PlaneLattice {
         let lengths = self.vectors.map(|[x, y]| x.hypot(y));
         let reach = radius + self.origin[0].hypot(self.origin[1]);
         // The distance of rows i = constant is the area of the cell over the length of the other vector.
-        let most = |other: usize| (reach * lengths[other] / self.cell_area()).ceil() as i64;
+        let most = |other: usize| {
+            let most = (reach * lengths[other] / self.cell_area()).ceil();
+            most.min(MOST_ROWS) as i64
+        };
         let (rows, columns) = (most(1), most(0));
         let side = |most: i64| match self.ends {
             Some([first, end]) => first.max(-most)..end.min(most + 1),
@@ -652,7 +658,12 @@ impl PillarField {
         let on_lattice = |area: f64| PI * radius * radius / area;
         match self {
             Self::Hexagonal { lattice, .. } => on_lattice(lattice.cell_area()),
-            Self::Lattice(lattice) => on_lattice(lattice.cell_area()),
+            Self::Lattice(lattice) => {
+                let side = lattice
+                    .ends
+                    .map_or(f64::INFINITY, |[first, end]| (end - first) as f64);
+                on_lattice(lattice.cell_area()).min(side * side)
+            }
             Self::Listed(list) => list.pillars.len() as f64,
         }
     }

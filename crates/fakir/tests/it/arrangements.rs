@@ -16,8 +16,13 @@ const MATERIAL: Material = Material {
 
 /// The lens and the pillars of `any.csv`, lengths in um: R = 2200, h = 2.2, a = 3, without column compliance.
 fn system(arrangement: impl Into<Arrangement>) -> System {
+    system_under(2.2e-3, arrangement)
+}
+
+/// The same under a lens of a radius, m.
+fn system_under(radius: f64, arrangement: impl Into<Arrangement>) -> System {
     let lens = Lens {
-        radius: 2.2e-3,
+        radius,
         material: MATERIAL,
     };
     let pillar = Pillar {
@@ -349,6 +354,27 @@ fn finite_arrays_end() {
     let state = critical(&system, Accuracy::Default);
     assert!(state.contact.force.abs() < f64::MIN_POSITIVE);
     assert!((state.contact.indentation / 2.2e-6 - 1.0).abs() < 1e-14);
+}
+
+/// A lens of any radius reaches no more pillars than there are: 25, on which it is flat beyond 100 km or so.
+#[test]
+fn finite_arrays_are_solved_under_lenses_as_flat_as_plates() {
+    let array = PlaneLattice {
+        columns: Some(5),
+        ..PlaneLattice::new(LatticeForm::Square { pitch: 30e-6 })
+    };
+    let load = Control::Indentation(1e-6);
+    let [flat, flatter, flattest] =
+        [1e5, 1e6, 1e12].map(|radius| pressed(&system_under(radius, array), load));
+    for state in [&flatter, &flattest] {
+        assert_eq!(state.pillars_in_contact, 25);
+        // The outermost pillars are lower by r^2/2R = 4e-14 m under the first.
+        assert!((state.force / flat.force - 1.0).abs() < 1e-7);
+    }
+    for radius in [1e5, 1e6] {
+        let critical = critical(&system_under(radius, array), Accuracy::Default);
+        assert_eq!(critical.contact.pillars_in_contact, 25);
+    }
 }
 
 #[test]
