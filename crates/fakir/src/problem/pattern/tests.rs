@@ -109,7 +109,7 @@ fn a_surface_is_as_high_as_the_apex_of_a_cone() {
     assert_eq!(surface.highest().to_bits(), HEIGHT.to_bits());
     // The apex is not on a grid beside it.
     let beside = Grid::new(24, 24, [1e-6; 2], [2e-6, 2e-6]).unwrap();
-    let part = Pattern::new(cone, hexagonal(30e-6)).height_map(&beside, &rubber());
+    let part = Pattern::new(cone, hexagonal(60e-6)).height_map(&beside, &rubber());
     assert!(part.unwrap().highest() < 0.99 * HEIGHT);
 }
 
