@@ -57,7 +57,7 @@ class CycleError(NamedTuple):
     numerical: float
     """Of the numerical solution."""
     model: float
-    """Of the model: from the shapes that the fronts of partial contacts can take."""
+    """Of the model: from the shapes that the fronts of partial contacts can take, and from columns that do not lean."""
 
 
 @dataclass(frozen=True)
@@ -274,7 +274,8 @@ def _number(value: float | None) -> float | None:
 
 
 def _error(found: dict[str, float]) -> CycleError:
-    return CycleError(float(found["numerical"]), float(found["model_fronts"]))
+    model = float(found["model_fronts"]) + float(found["model_columns"])
+    return CycleError(float(found["numerical"]), model)
 
 
 def cycle_of(found: tuple[Any, ...]) -> Cycle:

@@ -211,7 +211,7 @@ def test_a_retraction_is_fitted_and_a_pull_off_designed():
         assert low < truth < high
     assert found["adhesion.work"].unit == "J/m^2" and found["force_offset"].unit == "N"
     assert found.force_offset == found["force_offset"].value
-    assert found.pull_off.measured < 0 and found.pull_off.model_error == 0.05
+    assert found.pull_off.measured < 0 and found.pull_off.model_error >= 0.05
     assert found.unloading.any() and "pull-off" in repr(found)
     assert {"loading", "unloading"} == set(found.columns()["branch"])
     axes = fakir.plot.fit(found)

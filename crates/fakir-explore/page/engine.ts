@@ -206,6 +206,7 @@ export interface CurveStation {
 export interface CycleError {
   readonly numerical: number;
   readonly model_fronts: number;
+  readonly model_columns: number;
 }
 
 /** A condition of the model, and how near a case comes to where it ends. */

@@ -475,7 +475,8 @@ function stuckFloorWords(floor: StuckFloor): string {
 function errorWords(error: CycleError | null): string {
   if (error === null) return "";
   const numerical = `error ${significant(error.numerical, 1)}`;
-  return error.model_fronts > 0 ? `${numerical}, of the model ${significant(error.model_fronts, 1)}` : numerical;
+  const model = error.model_fronts + error.model_columns;
+  return model > 0 ? `${numerical}, of the model ${significant(model, 1)}` : numerical;
 }
 
 /** A condition of the model, marked where it does not hold. */

@@ -259,8 +259,7 @@ pub struct CycleError {
     pub degree: f64,
     /// Of the model: from the shapes that fronts can take.
     pub fronts: f64,
-    /// Of the model: from pillars that lean where they are pulled on one side, which [columns](crate::problem::PillarCompliance::Column) do not and
-    /// elastic pillars do.
+    /// Of the model: from pillars that lean where they are pulled on one side, which [columns](crate::problem::PillarCompliance::Column) do not.
     pub columns: f64,
 }
 

@@ -11,7 +11,7 @@ use crate::numerics::roots;
 use crate::problem::Point;
 use crate::problem::pillar_field::ListedPillar;
 use crate::solve::floor::{Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs};
-use crate::solve::rules::fronts::{Course, Domain, critical_edge_coefficient};
+use crate::solve::rules::fronts::{Course, Domain, LEVELS, critical_edge_coefficient};
 use crate::solve::rules::patch::{Patch, PatchSolver};
 use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::{Run, SolveError, Stage};
@@ -223,20 +223,38 @@ impl Path<'_> {
         let [alpha, _] = self.held.weights();
         let held = alpha * touched_at;
         let measure = |patch: &Patch| self.held_by(&inside, patch);
-        if measure(&edge.at(inside.largest)) <= held {
+        let least = self.detaching_radius(edge);
+        let snaps_to_rim = measure(&edge.at(inside.largest)) <= held;
+        if snaps_to_rim && least > (1.0 - AT_RIM) * inside.largest {
+            // A top too small for a disc inside it.
             return Ok(false);
         }
-        let least = self.detaching_radius(edge);
-        let radius = edge.find([least, inside.largest], held, measure);
-        let patch = edge.at(radius);
+        let patch = if snaps_to_rim {
+            self.pinned_at_rim(&inside, &sag, held)
+        } else {
+            edge.at(edge.find([least, inside.largest], held, measure))
+        };
         drop(sag);
         self.advance(touched_at - self.indentation());
         self.record(Course::Loading);
         let before = [touched_at, self.force()];
+        let area = patch.radius * patch.radius;
         inside.patch = patch;
         self.move_disc(inside);
-        self.account_disc(Course::Loading, before, 0.0, [0.0, radius * radius]);
+        self.account_disc(Course::Loading, before, 0.0, [0.0, area]);
+        if snaps_to_rim {
+            self.leave_inside(true)?;
+        }
         Ok(true)
+    }
+
+    /// The largest disc where the drive holds so much, whose edge does not bear what would move it.
+    fn pinned_at_rim(&self, inside: &InsideTop, sag: &impl Fn(f64) -> f64, held: f64) -> Patch {
+        let [alpha, beta] = self.held.weights();
+        let own = held + alpha * inside.raised;
+        inside
+            .solver
+            .with_held(inside.largest, sag, [alpha, beta], own)
     }
 
     /// Where the rim of the one top in contact is about to detach, and a disc inside it would not: that disc. Returns whether it is so.
@@ -266,16 +284,15 @@ impl Path<'_> {
         let (start, energy) = ([self.indentation(), self.force()], self.elastic_energy());
         let held = alpha * start[0] + beta * start[1];
         let measure = |patch: &Patch| self.held_by(&inside, patch);
-        // A whole rim that detaches leaves a disc, if only for as long as it takes to detach. A rim that does so on one side leaves a front.
+        // A whole rim that detaches leaves a disc, or nothing where that is not stable. A rim that does so on one side leaves a front.
         let is_stable = least < (1.0 - AT_RIM) * inside.largest && measure(&edge.at(least)) <= held;
         if !(inside.is_centred() || is_stable) {
             return Ok(false);
         }
         let patch = if measure(&edge.at(inside.largest)) < held {
-            // Pinned at the rim, which a disc as large is not held by yet.
-            let own = held + alpha * inside.raised;
-            let solver = &inside.solver;
-            solver.with_held(inside.largest, &sag, [alpha, beta], own)
+            self.pinned_at_rim(&inside, &sag, held)
+        } else if !is_stable {
+            edge.at(inside.largest)
         } else {
             edge.at(edge.find([least, inside.largest], held, measure))
         };
@@ -286,7 +303,11 @@ impl Path<'_> {
         self.solve_unit()?;
         self.solve_present(Course::Unloading)?;
         self.move_disc(inside);
-        self.account_disc(Course::Unloading, start, energy, [1.0, area]);
+        if is_stable {
+            self.account_disc(Course::Unloading, start, energy, [1.0, area]);
+        } else {
+            self.detach_disc()?;
+        }
         Ok(true)
     }
 
@@ -304,7 +325,7 @@ impl Path<'_> {
             index: inside.index,
             centre: inside.centre,
             parts,
-            levels: 0,
+            levels: LEVELS,
         };
         let change = Change {
             gained: PI * (after - before).max(0.0),
@@ -474,7 +495,7 @@ impl Path<'_> {
                 index,
                 centre,
                 parts: [radius * radius, 0.0],
-                levels: 0,
+                levels: LEVELS,
             }],
         };
         self.account(Course::Unloading, start, energy, &change);
