@@ -220,7 +220,7 @@ fn pull_off_words(pull_off: &FittedPullOff) -> String {
         )
     });
     format!(
-        "pull-off: least reading {}, fitted {}; error of the model {} (shapes of partial contacts){of_work}\n\n",
+        "pull-off: least reading {}, fitted {}; error of the model {} (shapes of partial contacts, columns that do not lean){of_work}\n\n",
         force(pull_off.measured),
         force(pull_off.computed),
         significant(pull_off.model_error, 1),

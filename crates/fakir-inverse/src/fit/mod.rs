@@ -390,7 +390,7 @@ pub struct FittedPullOff {
     pub measured: f64,
     /// That of the fitted cycle, N.
     pub computed: f64,
-    /// The relative error of the model in it, which the intervals do not have: that of the shapes of partial contacts.
+    /// The relative error of the model in it, which the intervals do not have: those of the shapes of partial contacts and of columns that do not lean.
     pub model_error: f64,
     /// By which part the work of adhesion changes if the pull-off force changes by that part of itself; none if no work was fitted.
     pub work_error: Option<f64>,
