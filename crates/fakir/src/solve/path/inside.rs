@@ -499,6 +499,7 @@ impl Path<'_> {
             }],
         };
         self.account(Course::Unloading, start, energy, &change);
+        self.report(Stage::Cycle, self.events.len());
         Ok(())
     }
 
