@@ -336,7 +336,7 @@ impl<'a> Newton<'a> {
             };
             let before = self.contact.indentation();
             // An indentation may be none where some pillars are higher.
-            let change = if indentation == before {
+            let change = if (indentation - before).abs() <= 0.0 {
                 0.0
             } else {
                 indentation / before - 1.0

@@ -372,15 +372,15 @@ impl Path<'_> {
         let farthest = farthest.min(inside.largest);
         let last = edge.at(farthest);
         let passes = depth(&last) > target;
-        let mut leaves = !passes && farthest == inside.largest;
+        let mut leaves = !passes && farthest >= inside.largest;
         let mut next = if passes {
             edge.find([radius, farthest], target, depth)
         } else {
             farthest
         };
         let mut stop = match end {
-            End::Indentation(indentation) if passes || depth(&last) == indentation => {
-                (target == indentation).then_some(Stop::End)
+            End::Indentation(indentation) if passes || depth(&last) >= indentation => {
+                (target >= indentation).then_some(Stop::End)
             }
             End::Force(wanted) if edge.at(next).force >= wanted => {
                 if inside.patch.force < wanted {
@@ -442,7 +442,7 @@ impl Path<'_> {
             _ => f64::NEG_INFINITY,
         };
         let target = farthest.max(present - self.longest_step(Course::Unloading));
-        let stop = |at: f64| (at == farthest).then_some(Stop::End);
+        let stop = |at: f64| (at <= farthest).then_some(Stop::End);
         let depth = |patch: &Patch| inside.indentation(patch);
         // It is pinned until its edge bears what detaches it.
         let recedes_at = depth(&edge.at(radius));
