@@ -385,10 +385,15 @@ impl Cycle {
             .map(|floor| floor.errors)
             .filter(|it| *it != StuckFloorErrors::UNKNOWN);
         let lost = self.floor_lost().is_some();
+        // A floor that is pulled and pressed carries a small difference of large forces, which counts beside the whole force.
+        let share = self.turn.floor.as_ref().map_or(1.0, |it| it.share.abs());
         let of_floor = floor.into_iter().flat_map(|it| {
             [
                 ("force at the end of loading", it.turn_force),
-                ("force on the floor at the end of loading", it.turn_share),
+                (
+                    "force on the floor at the end of loading",
+                    share.min(1.0) * it.turn_share,
+                ),
                 (
                     "contact area on the floor at the end of loading",
                     it.turn_area,
