@@ -36,6 +36,8 @@ mod map;
 mod patches;
 mod png;
 mod raster;
+#[cfg(test)]
+mod samples;
 mod scene;
 mod section;
 mod series;

@@ -266,28 +266,16 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use fakir::problem::{
-        Adhesion, CyclePlan, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System,
-        Texture,
-    };
+    use crate::samples;
+    use fakir::problem::{Adhesion, CyclePlan, HexagonalLattice};
     use fakir::state::Run;
 
     /// A force that rises out of the close-up, comes back and rises again is drawn as it is, and the
     /// frame cuts it.
     #[test]
     fn the_close_up_shows_the_same_curve() {
-        let pillar = Pillar {
-            diameter: 6e-6,
-            height: 2.2e-6,
-            compliance: PillarCompliance::Column,
-        };
-        let lens = Lens {
-            radius: 2.2e-3,
-            material: Material::new(2e6, 0.5),
-        };
-        let lattice = HexagonalLattice::with_surface_fraction(0.001, pillar.diameter);
-        let texture = Texture::new(pillar, lattice);
-        let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
+        let lattice = HexagonalLattice::with_surface_fraction(0.001, samples::DIAMETER);
+        let system = samples::system(lattice);
         let system = system.with_adhesion(Adhesion::new(50e-3)).unwrap();
         let plan = CyclePlan::default();
         let mut cycle = fakir::cycle(&system, plan, Method::default(), &Run::default()).unwrap();

@@ -274,26 +274,14 @@ impl Shown<'_> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use fakir::problem::{
-        Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
-        Texture,
-    };
+    use crate::samples;
+    use fakir::problem::{Control, HexagonalLattice, Method};
 
     /// At the edges the lines leave the frame: no two neighbours along them have the same pressure
     /// but 0.
     #[test]
     fn pressures_along_the_line_are_as_computed() {
-        let pillar = Pillar {
-            diameter: 6e-6,
-            height: 2.2e-6,
-            compliance: PillarCompliance::Column,
-        };
-        let lens = Lens {
-            radius: 2.2e-3,
-            material: Material::new(2e6, 0.5),
-        };
-        let texture = Texture::new(pillar, HexagonalLattice::new(60e-6));
-        let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
+        let system = samples::system(HexagonalLattice::new(60e-6));
         let run = Run::default();
         let load = Control::Force(2e-6);
         let state = fakir::press(&system, load, Method::default(), &run).unwrap();

@@ -504,16 +504,10 @@ fn around(scene: &Scene, patch: &Patch) -> Exterior {
 
 /// Lowest point of the floor under a patch: its gap plus the indentation.
 fn patch_floor(scene: &Scene, patch: &Patch) -> Option<FloorPoint> {
-    let bears = |_: usize, mode: usize| patch.coefficients[mode];
     let exterior = around(scene, patch);
     let discs = LoadedDiscs {
         exterior: &exterior,
-        discs: Discs::new(
-            [1, exterior.count()],
-            |_| [0.0; 2],
-            |_| patch.radius,
-            [None, Some(&bears)],
-        ),
+        discs: Discs::around_axis(patch.radius, &patch.coefficients[..exterior.count()]),
         run: &Run::default(),
     };
     lowest_floor(scene, patch.radius, &discs)

@@ -320,6 +320,17 @@ pub(crate) trait FloorDisplacement {
 }
 
 impl Discs {
+    /// One around the lens axis, whose pressure does not go with the indentation.
+    pub(crate) fn around_axis(radius: f64, coefficients: &[f64]) -> Self {
+        let bears = |_: usize, mode: usize| coefficients[mode];
+        Self::new(
+            [1, coefficients.len()],
+            |_| [0.0; 2],
+            |_| radius,
+            [None, Some(&bears)],
+        )
+    }
+
     /// So many, each given by its number; the coefficients of both sets, or none of a set by which no disc bears anything.
     pub(crate) fn new(
         [count, modes]: [usize; 2],

@@ -48,8 +48,8 @@ pub(crate) struct InsideTop {
     solver: PatchSolver,
     exterior: Exterior,
     index: (i64, i64),
-    pub(crate) centre: Point,
-    pub(crate) raised: f64,
+    centre: Point,
+    raised: f64,
     /// Radius at which it comes to the rim.
     largest: f64,
     /// The disc, its indentation from the height of the top.
@@ -80,15 +80,9 @@ impl InsideTop {
         run: &Run<'_>,
         ask: impl FnOnce(&LoadedDiscs<'_>) -> R,
     ) -> R {
-        let bears = |_: usize, mode: usize| patch.coefficients[mode];
         let discs = LoadedDiscs {
             exterior: &self.exterior,
-            discs: Discs::new(
-                [1, patch.coefficients.len()],
-                |_| [0.0; 2],
-                |_| patch.radius,
-                [None, Some(&bears)],
-            ),
+            discs: Discs::around_axis(patch.radius, &patch.coefficients),
             run,
         };
         ask(&discs)
@@ -111,6 +105,20 @@ impl InsideTop {
             domain: Domain::OUT,
             coefficients: self.patch.coefficients.clone(),
             disc: Some(self.patch.radius),
+        }
+    }
+
+    /// What changes where so large parts of the top are in contact before and after.
+    fn changed(&self, [before, after]: [f64; 2]) -> Change {
+        Change {
+            gained: PI * (after - before).max(0.0),
+            lost: PI * (before - after).max(0.0),
+            tops: vec![ChangedTop {
+                index: self.index,
+                centre: self.centre,
+                parts: [before, after],
+                levels: LEVELS,
+            }],
         }
     }
 
@@ -189,6 +197,20 @@ impl Path<'_> {
         alpha * inside.indentation(patch) + beta * patch.force
     }
 
+    /// The edge of a disc that advances on loading, and recedes on unloading.
+    fn edge_of<'e>(
+        &self,
+        inside: &'e InsideTop,
+        sag: &'e dyn Fn(f64) -> f64,
+        course: Course,
+    ) -> Edge<'e> {
+        let work = match course {
+            Course::Loading => self.works.advancing,
+            Course::Unloading => self.works.receding,
+        };
+        Edge { inside, sag, work }
+    }
+
     fn sag_at(&self) -> impl Fn(f64) -> f64 + use<'_> {
         |radius: f64| self.scene.lens.sag([radius, 0.0])
     }
@@ -215,11 +237,7 @@ impl Path<'_> {
             return Ok(false);
         }
         let sag = self.sag_at();
-        let edge = Edge {
-            inside: &inside,
-            sag: &sag,
-            work: self.works.advancing,
-        };
+        let edge = self.edge_of(&inside, &sag, Course::Loading);
         let [alpha, _] = self.held.weights();
         let held = alpha * touched_at;
         let measure = |patch: &Patch| self.held_by(&inside, patch);
@@ -274,11 +292,7 @@ impl Path<'_> {
         // The energy is that of the present loads.
         self.find_loads();
         let sag = self.sag_at();
-        let edge = Edge {
-            inside: &inside,
-            sag: &sag,
-            work: self.works.receding,
-        };
+        let edge = self.edge_of(&inside, &sag, Course::Unloading);
         let least = self.detaching_radius(edge);
         let [alpha, beta] = self.held.weights();
         let (start, energy) = ([self.indentation(), self.force()], self.elastic_energy());
@@ -319,19 +333,12 @@ impl Path<'_> {
 
     /// Adds an event by which the disc came, or went: with the part of the top in contact before and after it.
     fn account_disc(&mut self, course: Course, start: [f64; 2], energy: f64, parts: [f64; 2]) {
-        let [before, after] = parts;
         let Some(inside) = &self.inside else { return };
-        let top = ChangedTop {
-            index: inside.index,
-            centre: inside.centre,
-            parts,
-            levels: LEVELS,
-        };
-        let change = Change {
-            gained: PI * (after - before).max(0.0),
-            lost: PI * (before - after).max(0.0),
-            tops: Vec::from_iter(((after - before).abs() > NO_CHANGE).then_some(top)),
-        };
+        let mut change = inside.changed(parts);
+        let [before, after] = parts;
+        if (after - before).abs() <= NO_CHANGE {
+            change.tops.clear();
+        }
         self.account(course, start, energy, &change);
     }
 
@@ -355,11 +362,7 @@ impl Path<'_> {
             return Ok(None);
         };
         let sag = self.sag_at();
-        let edge = Edge {
-            inside,
-            sag: &sag,
-            work: self.works.advancing,
-        };
+        let edge = self.edge_of(inside, &sag, Course::Loading);
         let (present, radius) = (self.indentation(), inside.patch.radius);
         let target = present + self.longest_step(Course::Loading);
         let target = match end {
@@ -431,11 +434,7 @@ impl Path<'_> {
             return Ok(None);
         };
         let sag = self.sag_at();
-        let edge = Edge {
-            inside,
-            sag: &sag,
-            work: self.works.receding,
-        };
+        let edge = self.edge_of(inside, &sag, Course::Unloading);
         let (present, radius) = (self.indentation(), inside.patch.radius);
         let farthest = match end {
             End::Indentation(indentation) => indentation,
@@ -480,7 +479,7 @@ impl Path<'_> {
         let Some(inside) = self.inside.take() else {
             return Ok(());
         };
-        let (index, centre, radius) = (inside.index, inside.centre, inside.patch.radius);
+        let change = inside.changed([inside.patch.radius * inside.patch.radius, 0.0]);
         let [alpha, beta] = self.held.weights();
         if alpha > 0.0 {
             // A machine moves the lens until it bears nothing.
@@ -488,16 +487,6 @@ impl Path<'_> {
             self.contact.move_to(held / alpha);
         }
         self.respond()?;
-        let change = Change {
-            gained: 0.0,
-            lost: PI * radius * radius,
-            tops: vec![ChangedTop {
-                index,
-                centre,
-                parts: [radius * radius, 0.0],
-                levels: LEVELS,
-            }],
-        };
         self.account(Course::Unloading, start, energy, &change);
         self.report(Stage::Cycle, self.events.len());
         Ok(())
