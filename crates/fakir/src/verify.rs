@@ -9,7 +9,7 @@ use crate::method::press;
 use crate::numerics::convergence::{larger, within};
 use crate::problem::{Accuracy, Control, ElementMesh, FloorModel, Method, System};
 use crate::solve::elements::texture;
-use crate::state::{ContactState, FloorErrors, Run, SolveError, Termination};
+use crate::state::{ContactState, FloorErrors, LARGEST_ERROR, Run, SolveError, Termination};
 
 /// The answers of both methods, and what they differ by.
 #[derive(Debug, Clone)]
@@ -131,9 +131,8 @@ impl std::fmt::Display for Doubt {
     }
 }
 
-/// Sum of error estimates from which there is nothing to compare: the other method could as well
-/// find nothing.
-const NO_DIGITS: f64 = 1.0;
+/// Sum of error estimates from which there is nothing to compare: an answer with such an error is none.
+const NO_DIGITS: f64 = LARGEST_ERROR;
 
 /// Relative rounding error of a sum over many elements: what was prescribed differs by it.
 const ROUNDING: f64 = 1e-12;

@@ -652,20 +652,27 @@ impl Loading<'_> {
     }
 }
 
-/// By how much more tops would pull, relative, if they leaned: that takes its part from the tilt of the pressure, by which a rim detaches. The largest
-/// of all tops.
+/// Pull-off forces change by up to 1.3 times the estimate of single tops where all lean together (the test of [`leaning_error`]).
+const LEANING_MARGIN: f64 = 1.5;
+
+/// By how much more tops would pull, relative to what all bear together, if they leaned: that takes its part from the tilt of the pressure, by which
+/// a rim detaches, so that a top would pull with `1/(1 - relieved)` of its force.
 fn leaning_error(tops: &[HeldTop], rocking: f64) -> f64 {
-    let of_top = |top: &HeldTop| {
+    let [mut more, mut all] = [0.0; 2];
+    for top in tops {
         let [mean, x, y] = [0, 1, 2].map(|mode| top.coefficients[mode]);
         let (tilt, pull) = (TILT_MODE * x.hypot(y), -mean / UNIT_FORCE);
-        let relieved = tilt / (tilt + pull) * rocking / (1.0 + rocking);
-        if pull > 0.0 && relieved > SOLVER_ERROR {
-            relieved / (1.0 - relieved)
-        } else {
-            0.0
+        all += pull;
+        if pull > 0.0 {
+            let relieved = tilt / (tilt + pull) * rocking / (1.0 + rocking);
+            more += pull * relieved / (1.0 - relieved);
         }
-    };
-    tops.iter().map(of_top).fold(0.0, f64::max)
+    }
+    if more > SOLVER_ERROR * all {
+        LEANING_MARGIN * more / all
+    } else {
+        0.0
+    }
 }
 
 /// Whether the floor had been reached before a station.
@@ -903,7 +910,7 @@ mod tests {
             let (leaning, _) = pull_off(rocking);
             let (change, stated) = (leaning / stiff - 1.0, leaning_error(&tops, rocking));
             println!("{surface_fraction} {work}: {change:.3} stated {stated:.3}");
-            assert!(change.abs() < stated + LEVEL_ERROR, "{change} {stated}");
+            assert!(change.abs() < stated, "{change} {stated}");
             assert!(stated < 4.0 * change.abs() + 0.1, "{change} {stated}");
         }
     }
