@@ -14,7 +14,8 @@ use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
 use fakir_case::Case;
 use fakir_figure::{FigureError, SectionDetail};
-use fakir_study::result::{PressSummary, TransitionSummary, of_floor, warnings};
+use fakir_study::record::{Object, of_floor};
+use fakir_study::result::{press, transition, warnings};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -141,7 +142,7 @@ fn first_touch(case: &Case) -> f64 {
 
 #[derive(Serialize)]
 pub(crate) struct CriticalLine {
-    pub(crate) critical: TransitionSummary,
+    pub(crate) critical: Object,
 }
 
 #[derive(Serialize)]
@@ -167,7 +168,7 @@ struct State {
     /// The part of the way to the critical state.
     fraction: f64,
     /// Of a state that is drawn before its errors are estimated they are `null`; a [`SummaryLine`] follows.
-    summary: PressSummary,
+    summary: Object,
     normalized: [f64; 3],
     pitch_m: f64,
     diameter_m: f64,
@@ -187,7 +188,7 @@ struct State {
 /// The summary of a state that was drawn before the errors of its force and indentation were estimated: now they are.
 #[derive(Serialize)]
 struct SummaryLine {
-    summary: PressSummary,
+    summary: Object,
     warnings: Vec<String>,
 }
 
@@ -258,7 +259,7 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
         Some(&show),
         |critical, wall_time| {
             worker.send(&CriticalLine {
-                critical: TransitionSummary::new(critical, wall_time),
+                critical: transition(critical, None, None, wall_time),
             });
         },
     )?;
@@ -267,7 +268,7 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
     };
     if shown.load(Ordering::Relaxed) {
         worker.send(&SummaryLine {
-            summary: PressSummary::new(state, wall_time),
+            summary: press(state, None, None, wall_time),
             warnings: warnings(state),
         });
     } else {
@@ -338,7 +339,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
     State {
         approximate,
         fraction,
-        summary: PressSummary::new(state, wall_time),
+        summary: press(state, None, None, wall_time),
         normalized: [reduced.force, reduced.contact_radius, reduced.indentation],
         pitch_m: system.pitch(),
         diameter_m: system.pillar().diameter,

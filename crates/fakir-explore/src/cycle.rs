@@ -12,7 +12,7 @@ use fakir::state::{
 };
 use fakir_case::Case;
 use fakir_figure::Section as Cut;
-use fakir_study::result::{CycleSummary, TransitionSummary};
+use fakir_study::result::{CycleSummary, transition};
 use serde::Serialize;
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, HashMap};
@@ -442,7 +442,7 @@ impl<'a> Page<'a> {
 
     fn tell_critical(&self, critical: &CriticalState, wall_time: f64) {
         self.worker.send(&CriticalLine {
-            critical: TransitionSummary::new(critical, wall_time),
+            critical: transition(critical, None, None, wall_time),
         });
         let system = &critical.contact.system;
         self.worker.send(&answers::transition_line(system));

@@ -14,9 +14,7 @@ use fakir_figure::{
 };
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{
-    CycleSummary, PressSummary, TransitionSummary, control_words, json, pillars,
-};
+use fakir_study::result::{CycleSummary, control_words, json, pillars, press, transition};
 
 const FIGURES: [&str; 5] = [
     "pressure-map",
@@ -116,8 +114,8 @@ impl Answer {
         let text = match self {
             Self::Cycle(solved, ..) => json(&CycleSummary::new(&solved.cycle, solved.wall_time)),
             Self::Contact(solved) => match (&solved.pressed, &solved.critical) {
-                (Some((state, time)), _) => json(&PressSummary::new(state, *time)),
-                (None, Some((critical, time))) => json(&TransitionSummary::new(critical, *time)),
+                (Some((state, time)), _) => json(&press(state, None, None, *time)),
+                (None, Some((critical, time))) => json(&transition(critical, None, None, *time)),
                 (None, None) => return Vec::new(),
             },
         };

@@ -5,7 +5,8 @@ use crate::pillar_heights::PillarHeights;
 use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
 use fakir::problem::{Control, Method};
 use fakir_study::VERSION;
-use fakir_study::result::{CycleSummary, PressSummary, TransitionSummary};
+use fakir_study::record::Object;
+use fakir_study::result::{CycleSummary, press, transition};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -56,10 +57,10 @@ struct AnswerObject {
     #[serde(skip_serializing_if = "Option::is_none")]
     reachable_pull_off_force_N: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    critical_state: Option<TransitionSummary>,
+    critical_state: Option<Object>,
     /// The contact under the load of a wanted floor share.
     #[serde(skip_serializing_if = "Option::is_none")]
-    state: Option<PressSummary>,
+    state: Option<Object>,
     /// The cycle of a wanted pull-off force.
     #[serde(skip_serializing_if = "Option::is_none")]
     cycle: Option<CycleSummary>,
@@ -99,9 +100,9 @@ impl AnswerObject {
         let (mut critical_state, mut state, mut cycle) = (None, None, None);
         match &nearest.reached {
             Reached::Critical(critical) => {
-                critical_state = Some(TransitionSummary::new(critical, wall_time));
+                critical_state = Some(transition(critical, None, None, wall_time));
             }
-            Reached::Pressed(contact) => state = Some(PressSummary::new(contact, wall_time)),
+            Reached::Pressed(contact) => state = Some(press(contact, None, None, wall_time)),
             Reached::PulledOff(pulled) => cycle = Some(CycleSummary::new(pulled, wall_time)),
         }
         let reach = match answer.design {

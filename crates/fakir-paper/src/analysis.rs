@@ -1,7 +1,7 @@
 //! What the curves say: power laws, where the offsets merge, where one pillar stops being enough.
 
+use crate::grid::Critical;
 use crate::grid::{Curve, Grid, Substrate};
-use fakir_study::Critical;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A quantity of the critical state.

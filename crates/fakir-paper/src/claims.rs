@@ -3,6 +3,7 @@
 use crate::analysis::{
     PowerLaw, Quantity, merged_from, nearest_to, offset_spread, one_pillar_end, state_near,
 };
+use crate::grid::Critical;
 use crate::grid::{Grid, Substrate, system};
 use crate::states::PAST;
 use fakir::problem::System;
@@ -11,7 +12,6 @@ use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::Form;
 use fakir::theory::lattice_sums::{SumCoefficients, SumFit};
 use fakir_case::CaseError;
-use fakir_study::Critical;
 use serde::Serialize;
 
 /// Whether the computation agrees with a claim.

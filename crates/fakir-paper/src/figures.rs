@@ -2,6 +2,7 @@
 
 use crate::analysis::{PowerLaw, Quantity};
 use crate::claims::{LAW_RANGES, percent};
+use crate::grid::Critical;
 use crate::grid::{Grid, OFFSETS, Substrate, system};
 use crate::states::{Approach, PAST, SHARES, States};
 use fakir::problem::Method;
@@ -16,7 +17,6 @@ use fakir_figure::{
     floor_gap_map, floor_pressure_map, lattice_sums, lines, phase_diagram, phase_point,
     pillar_pressure, pressure_map, profiles, top_view,
 };
-use fakir_study::Critical;
 use fakir_study::closed_forms::touches_one_pillar;
 use rayon::prelude::*;
 

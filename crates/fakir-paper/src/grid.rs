@@ -3,7 +3,8 @@
 
 use fakir::problem::System;
 use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
-use fakir_study::{Answer, Critical, Row};
+use fakir_study::record::Record;
+use fakir_study::{Answer, Row};
 
 /// A substrate of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,6 +119,59 @@ pub struct Grid {
     curves: Vec<Curve>,
 }
 
+/// What the figures and claims show of a critical state, by the names of results.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Critical {
+    /// Fraction of the surface that is pillar top.
+    pub surface_fraction: f64,
+    /// Distance of neighbouring pillars, m.
+    pub pitch: f64,
+    /// Critical force, N.
+    pub force: f64,
+    /// Critical indentation, m.
+    pub indentation: f64,
+    /// Critical contact radius, m.
+    pub contact_radius: f64,
+    /// Radius of the contact on the pillar tops, m.
+    pub top_contact_radius: f64,
+    /// Where the floor is touched, m from the lens axis.
+    pub floor_contact: [f64; 2],
+    /// Number of pillars touched.
+    pub pillars_in_contact: usize,
+    /// Number of pillars crossed by the edge of the contact.
+    pub pillars_partially_in_contact: usize,
+    /// Estimated relative error of the force.
+    pub relative_error_estimate_force: f64,
+    /// `F gamma_int/(h d)`.
+    pub normalized_force: f64,
+    /// `a/e`.
+    pub normalized_contact_radius: f64,
+    /// `zeta/h`.
+    pub normalized_indentation: f64,
+}
+
+impl From<&Record> for Critical {
+    fn from(record: &Record) -> Self {
+        let number = |path: &str| record.number(path).unwrap_or(f64::NAN);
+        let count = |path: &str| record.count(path).unwrap_or(0);
+        Self {
+            surface_fraction: number("surface_fraction"),
+            pitch: number("pitch_m"),
+            force: number("critical_force_N"),
+            indentation: number("critical_indentation_m"),
+            contact_radius: number("critical_contact_radius_m"),
+            top_contact_radius: number("top_contact_radius_m"),
+            floor_contact: record.point("floor_contact_m").unwrap_or([f64::NAN; 2]),
+            pillars_in_contact: count("pillars_in_contact"),
+            pillars_partially_in_contact: count("pillars_partially_in_contact"),
+            relative_error_estimate_force: number("relative_error_estimate.force"),
+            normalized_force: number("normalized.force"),
+            normalized_contact_radius: number("normalized.contact_radius"),
+            normalized_indentation: number("normalized.indentation"),
+        }
+    }
+}
+
 /// Critical states along the surface fraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
@@ -146,10 +200,10 @@ impl Grid {
         for (study, rows) in studies {
             let count = study.cases() / curves.len();
             for row in *rows {
-                if let Some(Answer::Transition(critical)) = &row.answer
+                if let Some(Answer::Contact(record)) = &row.answer
                     && row.problem.is_none()
                 {
-                    curves[row.index / count].states.push(critical.clone());
+                    curves[row.index / count].states.push(record.into());
                 }
             }
         }

@@ -12,7 +12,8 @@ use fakir_case::{CaseFile, RoundedCase};
 use fakir_inverse::HeightsSummary;
 use fakir_inverse::heights::{Curve, WantedPoint};
 use fakir_inverse::pillar_heights::design_pillars;
-use fakir_study::result::{RoundedPressSummary, json, rounded_pillars, rounded_warnings};
+use fakir_study::record::RoundedAnswer;
+use fakir_study::result::{json, rounded_pillars, rounded_press, rounded_warnings};
 use fakir_study::workshop::Relief;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -177,29 +178,32 @@ pub(crate) struct RoundedContact {
 impl RoundedContact {
     /// The object that `fakir press --json` prints.
     fn json(&self) -> String {
-        let RoundedCase { field, height, .. } = &self.case;
-        json(&RoundedPressSummary::new(
-            field,
-            *height,
-            &self.contact,
-            self.wall_time,
-        ))
+        json(&rounded_press(self.answer(), self.wall_time))
     }
 
     /// The columns of `pillars.csv`.
     fn pillars<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
-        let RoundedCase { field, height, .. } = &self.case;
-        columns(py, &rounded_pillars(field, *height, &self.contact))
+        columns(py, &rounded_pillars(self.answer()))
     }
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        rounded_warnings(&self.case.field, self.case.height, &self.contact)
+        rounded_warnings(self.answer())
     }
 
     #[getter]
     fn termination(&self) -> &'static str {
         self.contact.termination.description()
+    }
+}
+
+impl RoundedContact {
+    fn answer(&self) -> RoundedAnswer<'_> {
+        RoundedAnswer {
+            field: &self.case.field,
+            height: self.case.height,
+            contact: &self.contact,
+        }
     }
 }
 

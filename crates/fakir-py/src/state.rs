@@ -7,9 +7,9 @@ use crate::watched::{Options, watched};
 use fakir::problem::{Control, CyclePlan, Drive, ElementMesh, Method, Point, Turn};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
+use fakir_study::record::GradientObject;
 use fakir_study::result::{
-    ApproachSummary, CycleSummary, GradientObject, PressSummary, TransitionSummary, VerifySummary,
-    json, pillars, pillars_of,
+    self, ApproachSummary, CycleSummary, VerifySummary, json, pillars, pillars_of,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -41,7 +41,7 @@ impl State {
 
     /// The object that `fakir press --json` prints.
     fn json(&self) -> String {
-        json(&PressSummary::new(&self.state, self.wall_time))
+        json(&result::press(&self.state, None, None, self.wall_time))
     }
 
     #[getter]
@@ -160,7 +160,12 @@ pub(crate) struct Critical {
 impl Critical {
     /// The object that `fakir transition --json` prints.
     fn json(&self) -> String {
-        json(&TransitionSummary::new(&self.critical, self.wall_time))
+        json(&result::transition(
+            &self.critical,
+            None,
+            None,
+            self.wall_time,
+        ))
     }
 
     /// The contact at the transition.

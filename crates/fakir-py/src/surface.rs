@@ -11,10 +11,8 @@ use fakir::problem::{
 };
 use fakir::state::Run;
 use fakir_case::CaseFile;
-use fakir_study::result::{
-    SurfaceApproachSummary, SurfacePressSummary, SurfaceTransitionSummary, SurfaceVerifySummary,
-    json,
-};
+use fakir_study::record::SurfaceAnswer;
+use fakir_study::result::{self, SurfaceApproachSummary, SurfaceVerifySummary, json};
 use fakir_study::surfaces::{self, SurfaceVerifyError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -381,9 +379,12 @@ impl Surface {
         found: fakir::state::SurfaceTransition,
         wall_time: f64,
     ) -> PyResult<SurfaceTransition> {
-        let summary = SurfaceTransitionSummary::new(&self.system, &found, wall_time);
+        let answer = SurfaceAnswer {
+            system: &self.system,
+            answer: &found,
+        };
         Ok(SurfaceTransition {
-            summary: json(&summary),
+            summary: json(&result::surface_transition(answer, wall_time)),
             regime: found.regime.name(),
             floor_contact: found.floor_contact,
             contact: Py::new(py, self.contact(found.contact, wall_time))?,
@@ -391,9 +392,12 @@ impl Surface {
     }
 
     fn contact(&self, contact: fakir::state::SurfaceContact, wall_time: f64) -> SurfaceContact {
-        let summary = SurfacePressSummary::new(&self.system, &contact, wall_time);
+        let answer = SurfaceAnswer {
+            system: &self.system,
+            answer: &contact,
+        };
         SurfaceContact {
-            summary: json(&summary),
+            summary: json(&result::surface_press(answer, wall_time)),
             contact,
         }
     }

@@ -1,6 +1,6 @@
 //! How a floor that sticks collapses and lets go, by the fast model of a collapsed floor and by closed forms.
 
-use crate::answer::exact;
+use crate::exact;
 use fakir::problem::{Control, Method, System};
 use fakir::state::{Run, SolveError, Termination};
 use fakir::theory::collapsed_floor::{

@@ -1,7 +1,7 @@
 //! The answer to a case of which a cycle of loading and unloading with adhesion is asked.
 
-use crate::answer::exact;
 use crate::collapsed::{FloorJump, FloorLoss};
+use crate::exact;
 use fakir::problem::Method;
 use fakir::state::{Cycle, CycleError};
 use fakir::theory::adhesion::kendall_pull_off;

@@ -7,7 +7,7 @@
 //! first line that is damaged is an error.
 
 use crate::VERSION;
-use crate::answer::{Answer, Row};
+use crate::answer::{Answer, Row, kind_of_contacts};
 use crate::error::StudyError;
 use crate::plan::{Plan, Shard};
 use crate::sweep::Options;
@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 pub(crate) const JOURNAL: &str = "journal.jsonl";
 
 /// The version of what is written here.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// The version of journals before lines had checksums.
 const WITHOUT_CHECKSUMS: u32 = 1;
@@ -448,16 +448,12 @@ impl Plan {
 
 /// Whether a line has an answer to what the study asks, or a reason why not.
 fn is_complete(study: &Study, line: &Line) -> bool {
-    let answered = match &line.answer {
-        None => return line.problem.is_some(),
-        Some(Answer::Transition(_)) => (Asked::Transition, false),
-        Some(Answer::Press(_)) => (Asked::Press, false),
-        Some(Answer::Cycle(_)) => (Asked::Cycle, false),
-        Some(Answer::Collapse(_)) => (Asked::Collapse, false),
-        Some(Answer::SurfaceTransition(_)) => (Asked::Transition, true),
-        Some(Answer::SurfacePress(_)) => (Asked::Press, true),
-    };
-    answered == (study.asked(), study.is_of_surfaces())
+    match &line.answer {
+        None => line.problem.is_some(),
+        Some(Answer::Contact(record)) => Some(record.kind()) == kind_of_contacts(study),
+        Some(Answer::Cycle(_)) => study.asked() == Asked::Cycle,
+        Some(Answer::Collapse(_)) => study.asked() == Asked::Collapse,
+    }
 }
 
 #[cfg(test)]
@@ -558,7 +554,7 @@ mod tests {
         let (study, _, text) = journal();
         let seal = seal(b"").len();
         let old: String = text
-            .replace("\"format\":2", "\"format\":1")
+            .replace("\"format\":3", "\"format\":1")
             .lines()
             .map(|line| format!("{}}}\n", &line[..line.len() - seal]))
             .collect();

@@ -31,8 +31,8 @@
 //!   [`closed_forms`](mod@closed_forms) is the list of formulas.
 //! * [`workshop`] has surfaces with rounded pillar tops as solids and maps of heights.
 //! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.
-//! * [`result`] is what every answer is as a JSON object and as tables: command line, Python package and
-//!   page show it and make none of their own.
+//! * [`record`] has one row for every number of a contact; [`result`] is what every answer is as a JSON object and as tables:
+//!   command line, Python package and page show it and make none of their own.
 //! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
 //!   files that are there whole or not at all.
 //!
@@ -49,6 +49,7 @@ mod collapsed;
 pub mod compare;
 mod cycled;
 mod error;
+mod exact;
 pub mod fields;
 pub mod figures;
 mod folder;
@@ -57,9 +58,9 @@ pub mod numbers;
 pub mod output;
 mod plan;
 pub mod provenance;
+pub mod record;
 mod replace;
 pub mod result;
-mod surface_answer;
 pub mod surfaces;
 mod sweep;
 mod table;
@@ -67,7 +68,7 @@ mod table;
 mod table_parquet;
 pub mod workshop;
 
-pub use answer::{Answer, Critical, Pressed, Row};
+pub use answer::{Answer, Row};
 pub use collapsed::{
     Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
     Validity, collapse, collapse_path,
@@ -77,7 +78,6 @@ pub use error::StudyError;
 pub use folder::{Existing, Ledger, Summary, TABLES, merge, sweep_into};
 pub use journal::DamagedLine;
 pub use plan::{InvalidShard, Shard};
-pub use surface_answer::{BorneShare, SurfaceCritical, SurfaceNumbers, SurfacePressed};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
 

@@ -1,8 +1,8 @@
 //! Cases with a general surface: on a grid that is wide enough for the contact, and on two meshes.
 
-use crate::answer::Answer;
+use crate::answer::{Answer, problem_of};
 use crate::numbers::{LENGTH_DIGITS, with_unit};
-use crate::sweep::problem_of;
+use crate::record::{Record, SurfaceAnswer};
 use fakir::numerics::convergence::larger;
 use fakir::problem::{Control, ElementMesh, Method};
 use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
@@ -85,13 +85,19 @@ pub(crate) fn answer(
         Ok(match control {
             Control::FloorContact => {
                 let critical = case.system.transition(run)?;
-                let answer = Answer::SurfaceTransition((&critical).into());
-                (answer, problem_of(&critical.contact))
+                let answer = Record::of(&SurfaceAnswer {
+                    system: &case.system,
+                    answer: &critical,
+                });
+                (Answer::Contact(answer), problem_of(&critical.contact))
             }
             load => {
                 let contact = case.system.press(load, run)?;
-                let problem = problem_of(&contact);
-                (Answer::SurfacePress((&contact).into()), problem)
+                let answer = Record::of(&SurfaceAnswer {
+                    system: &case.system,
+                    answer: &contact,
+                });
+                (Answer::Contact(answer), problem_of(&contact))
             }
         })
     })?;

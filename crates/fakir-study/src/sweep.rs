@@ -1,13 +1,14 @@
 //! Answering the cases of a study, on several threads.
 
-use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::answer::{Answer, Row, problem, problem_of};
 use crate::collapsed::collapse;
 use crate::cycled::Cycled;
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
+use crate::record::Record;
 use crate::surfaces::{self, SurfaceError};
 use fakir::problem::Control;
-use fakir::state::{CancelToken, Contact, Run, SolveError, Termination, Threads, Unresolved};
+use fakir::state::{CancelToken, Run, SolveError, Threads};
 use fakir_case::Study;
 use fakir_case::study::{Question, StudiedCase, StudyCase};
 use std::any::Any;
@@ -271,27 +272,14 @@ impl<'a> SharedSweep<'a> {
         match control {
             Control::FloorContact => {
                 let critical = fakir::transition(system, method, &run)?;
-                let answer = Answer::Transition(Critical::from(&critical));
+                let answer = Answer::Contact(Record::of(&critical));
                 Ok((answer, problem_of(&critical.contact)))
             }
             load => {
                 let state = fakir::press(system, load, method, &run)?;
-                Ok((Answer::Press(Pressed::from(&state)), problem_of(&state)))
+                Ok((Answer::Contact(Record::of(&state)), problem_of(&state)))
             }
         }
-    }
-}
-
-/// Why a contact is no answer.
-pub(crate) fn problem_of(contact: &impl Contact) -> Option<String> {
-    problem(contact.termination(), contact.unresolved())
-}
-
-/// Why numbers are no answer: they are not the solution, or not resolved.
-fn problem(termination: Termination, unresolved: Option<Unresolved>) -> Option<String> {
-    match termination {
-        Termination::Converged => unresolved.map(|it| it.to_string()),
-        _ => Some(termination.description().to_owned()),
     }
 }
 

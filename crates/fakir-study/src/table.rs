@@ -1,10 +1,10 @@
 //! The rows of a sweep as a table: one row per case, one column per axis and per number.
 
-use crate::answer::{Answer, Critical, Pressed, Row};
+use crate::answer::{Answer, Row, kind_of_contacts};
 use crate::collapsed::{Collapsed, FloorJump, FloorLoss};
 use crate::cycled::{Cycled, Errors};
 use crate::output::File;
-use crate::surface_answer::{SurfaceCritical, SurfaceNumbers, SurfacePressed};
+use crate::record::{Entry, Kind, Record, Type, Value as Recorded};
 use fakir_case::Study;
 use fakir_case::study::{Asked, Coordinate};
 use serde_json::{Map, Value, json};
@@ -54,14 +54,12 @@ impl Table {
                 values: coordinate_values(axis.is_numeric(), coordinates),
             });
         }
-        match (study.asked(), study.is_of_surfaces()) {
-            (Asked::Transition, false) => critical_columns(rows, &mut columns),
-            (Asked::Press, false) => pressed_columns(rows, &mut columns),
-            // There are no cycles of general surfaces.
-            (Asked::Cycle, _) => cycle_columns(rows, &mut columns),
-            (Asked::Collapse, _) => collapse_columns(rows, &mut columns),
-            (Asked::Transition, true) => surface_critical_columns(rows, &mut columns),
-            (Asked::Press, true) => surface_pressed_columns(rows, &mut columns),
+        if let Some(kind) = kind_of_contacts(study) {
+            contact_columns(rows, kind, &mut columns);
+        } else if study.asked() == Asked::Cycle {
+            cycle_columns(rows, &mut columns);
+        } else {
+            collapse_columns(rows, &mut columns);
         }
         let converged = |row: &Row| Some(row.problem.is_none());
         columns.push(Column {
@@ -199,87 +197,31 @@ impl<'a, T> Answers<'a, T> {
         self.push(name, Values::Counts(values.collect()));
     }
 
-    fn flag(&mut self, name: &str, value: impl Fn(&T) -> bool) {
-        self.push(name, Values::Flags(self.values(value)));
-    }
-
     fn word(&mut self, name: &str, value: impl Fn(&T) -> String) {
         self.push(name, Values::Words(self.values(value)));
     }
 }
 
-fn critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let mut of: Answers<'_, Critical> = Answers::of(rows, columns, |answer| match answer {
-        Answer::Transition(critical) => Some(critical),
-        _ => None,
-    });
-    of.word("method", |it| it.method.clone());
-    of.word("regime", |it| it.regime.name().to_owned());
-    of.number("surface_fraction", |it| it.surface_fraction);
-    of.number("pitch_m", |it| it.pitch);
-    of.number("critical_force_N", |it| it.force);
-    of.number("critical_indentation_m", |it| it.indentation);
-    of.number("critical_contact_radius_m", |it| it.contact_radius);
-    of.number("top_contact_radius_m", |it| it.top_contact_radius);
-    of.number("bottom_contact_x_m", |it| it.floor_contact[0]);
-    of.number("bottom_contact_y_m", |it| it.floor_contact[1]);
-    of.number("floor_contact_x_m", |it| it.floor_contact[0]);
-    of.number("floor_contact_y_m", |it| it.floor_contact[1]);
-    of.count("pillars_in_contact", |it| it.pillars_in_contact);
-    of.count("pillars_partially_in_contact", |it| {
-        it.pillars_partially_in_contact
-    });
-    of.number("normalized_force", |it| it.normalized_force);
-    of.number("normalized_contact_radius", |it| {
-        it.normalized_contact_radius
-    });
-    of.number("normalized_indentation", |it| it.normalized_indentation);
-    of.number("relative_error_estimate_force", |it| {
-        it.relative_error_estimate_force
-    });
-    of.number("relative_error_estimate_indentation", |it| {
-        it.relative_error_estimate_indentation
-    });
-    of.number("relative_error_estimate_contact_radius", |it| {
-        it.relative_error_estimate_contact_radius
-    });
-    of.count("iterations", |it| it.iterations);
-}
-
-fn pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let mut of: Answers<'_, Pressed> = Answers::of(rows, columns, |answer| match answer {
-        Answer::Press(pressed) => Some(pressed),
-        _ => None,
-    });
-    of.word("method", |it| it.method.clone());
-    of.number("force_N", |it| it.force);
-    of.number("indentation_m", |it| it.indentation);
-    of.number("contact_radius_m", |it| it.contact_radius);
-    of.count("pillars_in_contact", |it| it.pillars_in_contact);
-    of.count("pillars_partially_in_contact", |it| {
-        it.pillars_partially_in_contact
-    });
-    of.number("smallest_floor_gap_m", |it| it.smallest_floor_gap);
-    of.flag("beyond_transition", |it| it.beyond_transition);
-    of.number_if_any("floor_force_N", |it| Some(it.floor?.force));
-    of.number_if_any("floor_share", |it| Some(it.floor?.share));
-    of.number_if_any("floor_contact_area_m2", |it| Some(it.floor?.area));
-    of.number("relative_error_estimate_force", |it| {
-        it.relative_error_estimate_force
-    });
-    of.number("relative_error_estimate_indentation", |it| {
-        it.relative_error_estimate_indentation
-    });
-    of.number("relative_error_estimate_contact_radius", |it| {
-        it.relative_error_estimate_contact_radius
-    });
-    of.number_if_any("relative_error_estimate_floor_share", |it| {
-        Some(it.floor?.relative_error_estimate_share)
-    });
-    of.number_if_any("relative_error_estimate_floor_contact_area", |it| {
-        Some(it.floor?.relative_error_estimate_area)
-    });
-    of.count("iterations", |it| it.iterations);
+/// The columns of contacts of one kind.
+fn contact_columns(rows: &[Row], kind: Kind, columns: &mut Vec<Column>) {
+    let answers = rows.iter().map(|row| row.answer.as_ref());
+    let records: Vec<Option<&Record>> = answers
+        .map(|answer| match answer {
+            Some(Answer::Contact(record)) if record.kind() == kind => Some(record),
+            _ => None,
+        })
+        .collect();
+    for (place, entry) in kind.entries().iter().enumerate() {
+        for (name, coordinate) in entry.columns() {
+            let values = records
+                .iter()
+                .map(|record| Some(record.as_ref()?.value(place)));
+            columns.push(Column {
+                name,
+                values: Values::of_entry(entry, coordinate, values),
+            });
+        }
+    }
 }
 
 fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
@@ -409,59 +351,47 @@ fn collapse_columns(rows: &[Row], columns: &mut Vec<Column>) {
     of.number_if_any("relative_model_error_jump_floor_area", |it| it.area_error);
 }
 
-fn surface_critical_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let mut of: Answers<'_, SurfaceCritical> = Answers::of(rows, columns, |answer| match answer {
-        Answer::SurfaceTransition(critical) => Some(critical),
-        _ => None,
-    });
-    of.word("method", |it| it.common.method.clone());
-    of.word("regime", |it| it.regime.name().to_owned());
-    of.number("critical_force_N", |it| it.force);
-    of.number("critical_indentation_m", |it| it.indentation);
-    of.number("bottom_contact_x_m", |it| it.floor_contact[0]);
-    of.number("bottom_contact_y_m", |it| it.floor_contact[1]);
-    of.number("floor_contact_x_m", |it| it.floor_contact[0]);
-    of.number("floor_contact_y_m", |it| it.floor_contact[1]);
-    surface_columns(&mut of, |it| &it.common);
-}
-
-fn surface_pressed_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let mut of: Answers<'_, SurfacePressed> = Answers::of(rows, columns, |answer| match answer {
-        Answer::SurfacePress(pressed) => Some(pressed),
-        _ => None,
-    });
-    of.word("method", |it| it.common.method.clone());
-    of.number("force_N", |it| it.force);
-    of.number("indentation_m", |it| it.indentation);
-    of.number_if_any("tops_force_N", |it| Some(it.tops?.force));
-    of.number_if_any("tops_contact_area_m2", |it| Some(it.tops?.area));
-    of.number_if_any("floor_force_N", |it| Some(it.floor?.force));
-    of.number_if_any("floor_contact_area_m2", |it| Some(it.floor?.area));
-    surface_columns(&mut of, |it| &it.common);
-}
-
-/// What both questions about a general surface have.
-fn surface_columns<T>(of: &mut Answers<'_, T>, common: impl Fn(&T) -> &SurfaceNumbers) {
-    of.number("contact_area_m2", |it| common(it).contact_area);
-    of.number_if_any("contact_radius_m", |it| common(it).contact_radius);
-    of.count("grid_columns", |it| common(it).columns);
-    of.count("grid_rows", |it| common(it).rows);
-    of.number("grid_cell_x_m", |it| common(it).cell_m[0]);
-    of.number("grid_cell_y_m", |it| common(it).cell_m[1]);
-    of.number_if_any("relative_error_estimate_force", |it| {
-        common(it).relative_error_estimate_force
-    });
-    of.number_if_any("relative_error_estimate_indentation", |it| {
-        common(it).relative_error_estimate_indentation
-    });
-    of.number_if_any("relative_error_estimate_contact_radius", |it| {
-        common(it).relative_error_estimate_contact_radius
-    });
-    of.number("energy_bound", |it| common(it).energy_bound);
-    of.count("iterations", |it| common(it).iterations);
-}
-
 impl Values {
+    /// The values of one of the columns, a value for every row of the table.
+    fn of_entry<'a>(
+        entry: &Entry,
+        coordinate: Option<usize>,
+        values: impl Iterator<Item = Option<&'a Recorded>>,
+    ) -> Self {
+        match entry.of {
+            Type::Number | Type::Point => {
+                let number = |value: Option<&Recorded>| match value? {
+                    Recorded::Number(number) => Some(*number),
+                    Recorded::Point(point) => Some(point[coordinate?]),
+                    _ => None,
+                };
+                Self::Numbers(values.map(number).collect())
+            }
+            Type::Count => {
+                let count = |value: Option<&Recorded>| match value? {
+                    Recorded::Count(count) => i64::try_from(*count).ok(),
+                    _ => None,
+                };
+                Self::Counts(values.map(count).collect())
+            }
+            Type::Flag => {
+                let flag = |value: Option<&Recorded>| match value? {
+                    Recorded::Flag(flag) => Some(*flag),
+                    _ => None,
+                };
+                Self::Flags(values.map(flag).collect())
+            }
+            Type::Word | Type::Words => {
+                let words = |value: Option<&Recorded>| match value? {
+                    Recorded::Word(word) => Some(word.clone()),
+                    Recorded::Words(words) => Some(words.join(" ")),
+                    _ => None,
+                };
+                Self::Words(values.map(words).collect())
+            }
+        }
+    }
+
     /// Number of values.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -20,6 +20,7 @@ use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
+use fakir_study::record::RoundedAnswer;
 use fakir_study::result::{json, rounded_warnings};
 use fakir_study::workshop::Relief;
 use std::time::Instant;
@@ -47,7 +48,11 @@ pub(crate) fn run(
     let found = found.map_err(|error| located(error, &target))?;
     let wall_time = start.elapsed().as_secs_f64();
     let case = &found.case;
-    let mut warnings = rounded_warnings(&case.field, case.height, &found.last);
+    let mut warnings = rounded_warnings(RoundedAnswer {
+        field: &case.field,
+        height: case.height,
+        contact: &found.last,
+    });
     if let Some(error) = question.height_error {
         warnings.extend(large_scatter(&found, error));
     }

@@ -15,7 +15,8 @@ use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{GradientObject, PressSummary, control_words, json, pillars, warnings};
+use fakir_study::record::GradientObject;
+use fakir_study::result::{self, control_words, json, pillars, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(
@@ -55,11 +56,7 @@ pub(crate) fn run(
     tables.extend(figures);
     Ok(Report {
         text: with_derivatives(text(&state, range, wall_time), gradient.as_ref()),
-        json: json(
-            &PressSummary::new(&state, wall_time)
-                .with_range(&state, range)
-                .with_gradient(gradient),
-        ),
+        json: json(&result::press(&state, range, gradient, wall_time)),
         provenance,
         tables,
         warnings,

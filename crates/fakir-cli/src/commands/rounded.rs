@@ -8,15 +8,16 @@ use crate::report::rounded::{case_line, method_line};
 use crate::report::state::{QuantityList, error_remark};
 use crate::session::Session;
 use fakir::problem::Control;
-use fakir::state::{CapContact, PillarStatus};
+use fakir::state::{Contact, PillarStatus};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseFile, RoundedCase};
 use fakir_figure::cap_map;
 use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
 use fakir_study::provenance::Provenance;
+use fakir_study::record::RoundedAnswer;
 use fakir_study::result::{
-    RoundedPressSummary, control_words, json, left_out_words, rounded_pillars, rounded_warnings,
+    control_words, json, left_out_words, rounded_pillars, rounded_press, rounded_warnings,
 };
 use std::time::Instant;
 
@@ -42,28 +43,28 @@ pub(crate) fn press(
         &[Topic::RoundedTops],
         case.to_toml(),
     );
-    let mut tables =
-        maps.table(|| rounded_pillars(&case.field, case.height, &contact).some_csv("pillars.csv"));
+    let answer = RoundedAnswer {
+        field: &case.field,
+        height: case.height,
+        contact: &contact,
+    };
+    let mut tables = maps.table(|| rounded_pillars(answer).some_csv("pillars.csv"));
     if maps != Maps::None {
         tables.extend(saved(cap_map(&case.field, &contact), &provenance));
     }
     Ok(Report {
-        json: json(&RoundedPressSummary::new(
-            &case.field,
-            case.height,
-            &contact,
-            wall_time,
-        )),
-        text: text(&case, &contact, wall_time),
+        json: json(&rounded_press(answer, wall_time)),
+        text: text(&case, answer, wall_time),
         provenance,
         tables,
-        warnings: rounded_warnings(&case.field, case.height, &contact),
-        converged: contact.converged() && contact.unresolved().is_none(),
+        warnings: rounded_warnings(answer),
+        converged: contact.is_answer(),
         strained: Vec::new(),
     })
 }
 
-fn text(case: &RoundedCase, contact: &CapContact, wall_time: f64) -> String {
+fn text(case: &RoundedCase, answer: RoundedAnswer<'_>, wall_time: f64) -> String {
+    let contact = answer.contact;
     let error = contact.error.unwrap_or_default();
     let relative = |error: f64, value: f64| if value > 0.0 { error / value } else { 0.0 };
     let remark = |error: f64| {
@@ -146,7 +147,7 @@ fn text(case: &RoundedCase, contact: &CapContact, wall_time: f64) -> String {
         "Contact under load\n{}\n{}; {}\n\n{}",
         case_line(case),
         method_line(case.accuracy),
-        left_out_words(case.height, contact),
+        left_out_words(answer),
         list.text()
     )
 }

@@ -15,7 +15,8 @@ use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{GradientObject, TransitionSummary, json, pillars, warnings};
+use fakir_study::record::GradientObject;
+use fakir_study::result::{self, json, pillars, warnings};
 use std::time::Instant;
 
 pub(crate) fn run(
@@ -50,11 +51,7 @@ pub(crate) fn run(
     tables.extend(figures);
     Ok(Report {
         text: with_derivatives(text(&critical, range, wall_time), gradient.as_ref()),
-        json: json(
-            &TransitionSummary::new(&critical, wall_time)
-                .with_range(state, range)
-                .with_gradient(gradient),
-        ),
+        json: json(&result::transition(&critical, range, gradient, wall_time)),
         provenance,
         tables,
         warnings: [warnings(state), strained_range(&state.limits(range))].concat(),

@@ -6,7 +6,7 @@ use fakir::Difference;
 use fakir::problem::{Arrangement, Base, Disorder, Layer, LensShape, Method, System};
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::Dimension;
-use fakir_study::result::GradientObject;
+use fakir_study::record::GradientObject;
 use std::fmt::Write;
 
 /// Most digits shown of contact radii.

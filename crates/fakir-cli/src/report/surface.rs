@@ -19,10 +19,10 @@ use fakir_study::citations::Topic;
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
+use fakir_study::record::{SurfaceAnswer, indenter_name};
 use fakir_study::result::{
-    MeshRow, SurfaceApproachSummary, SurfaceLoadingRow, SurfacePressSummary,
-    SurfaceTransitionSummary, SurfaceVerifySummary, control_words, csv, indenter_name, json,
-    warnings,
+    MeshRow, SurfaceApproachSummary, SurfaceLoadingRow, SurfaceVerifySummary, control_words, csv,
+    json, surface_press, surface_transition, warnings,
 };
 use fakir_study::surfaces::SurfaceVerification;
 
@@ -37,7 +37,10 @@ pub(crate) fn pressed(
     maps: Maps,
     wall_time: f64,
 ) -> Report {
-    let summary = SurfacePressSummary::new(&case.system, contact, wall_time);
+    let answer = SurfaceAnswer {
+        system: &case.system,
+        answer: contact,
+    };
     let mut list = QuantityList::default();
     add_load(&mut list, contact);
     add_area(&mut list, contact);
@@ -52,7 +55,7 @@ pub(crate) fn pressed(
         list.text()
     );
     Report {
-        json: json(&summary),
+        json: json(&surface_press(answer, wall_time)),
         text,
         ..report(case, &control_words(control), contact, None, maps)
     }
@@ -66,7 +69,10 @@ pub(crate) fn reached(
     wall_time: f64,
 ) -> Report {
     let contact = &critical.contact;
-    let summary = SurfaceTransitionSummary::new(&case.system, critical, wall_time);
+    let answer = SurfaceAnswer {
+        system: &case.system,
+        answer: critical,
+    };
     let [x, y] = critical.floor_contact;
     let place = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
     let mut list = QuantityList::default();
@@ -98,7 +104,7 @@ pub(crate) fn reached(
         list.text()
     );
     Report {
-        json: json(&summary),
+        json: json(&surface_transition(answer, wall_time)),
         text,
         ..report(case, "critical state", contact, Some([x, y]), maps)
     }

@@ -7,7 +7,8 @@ use super::{
 use fakir::problem::Method;
 use fakir::state::Termination;
 use fakir_case::unit::format_quantity;
-use fakir_study::result::{LimitObject, cycle_warnings};
+use fakir_study::record::LimitObject;
+use fakir_study::result::cycle_warnings;
 use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};

@@ -1,7 +1,6 @@
 //! What is known in closed form of pillar tops that stick, and how far the model holds.
 
 use fakir::problem::{InvalidQuantity, System};
-use fakir::state::Limit;
 use fakir::theory::adhesion::{
     StickySphere, dugdale_pull_off, first_yield_of_tilted_top, kendall_pull_off,
     pull_off_under_lens, sphere_pull_off_by_displacement, sphere_pull_off_by_force, sticky_sphere,
@@ -10,33 +9,6 @@ use fakir::theory::adhesion::{
 use fakir::theory::closed_forms::{Form, large_contact_radius};
 use fakir::theory::stuck_floor::{AnnulusEdge, StuckFloor};
 use serde::Serialize;
-
-/// A condition of the model, and how near this case comes to where it ends.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LimitObject {
-    /// As [`ContactState::limits`](fakir::state::ContactState::limits) has it.
-    pub name: &'static str,
-    /// Its value here.
-    pub value: f64,
-    /// From where on the model is doubtful; none of what only would change the answer.
-    pub threshold: Option<f64>,
-    /// Whether it is doubtful here.
-    pub strained: bool,
-}
-
-impl LimitObject {
-    /// All of these.
-    #[must_use]
-    pub fn all(limits: Vec<Limit>) -> Vec<Self> {
-        let object = |limit: Limit| Self {
-            name: limit.name,
-            value: limit.value,
-            threshold: limit.threshold,
-            strained: limit.strained,
-        };
-        limits.into_iter().map(object).collect()
-    }
-}
 
 /// Closed forms of contacts that stick.
 #[derive(Debug, Clone, PartialEq, Serialize)]

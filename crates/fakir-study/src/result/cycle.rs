@@ -1,7 +1,8 @@
 //! A cycle of loading and unloading with adhesion.
 
-use super::{LimitObject, warnings_of};
+use super::warnings_of;
 use crate::VERSION;
+use crate::record::LimitObject;
 use fakir::problem::Method;
 use fakir::state::{Cycle, CycleError, CycleEvent, CycleStation, HeldFloor};
 use serde::Serialize;

@@ -7,28 +7,21 @@
 mod adhesion;
 mod approach;
 mod compare;
-mod contact;
-mod critical;
 mod cycle;
-mod gradient;
+mod loading;
 mod pillars;
 mod rounded;
-mod surface;
 mod sweep;
 mod theory;
 mod verify;
 
-pub use adhesion::{ANNULI_ALONE, AdhesionObject, LimitObject, PullOffRow, StuckFloorObject};
-pub use approach::{ApproachSummary, LoadingRow, SurfaceApproachSummary, SurfaceLoadingRow};
+pub use adhesion::{ANNULI_ALONE, AdhesionObject, PullOffRow, StuckFloorObject};
+pub use approach::{ApproachSummary, SurfaceApproachSummary};
 pub use compare::{CompareSummary, MethodRow};
-pub use contact::{FloorObject, PressSummary, of_floor};
-pub use critical::TransitionSummary;
 pub use cycle::{CycleErrorObject, CycleSummary, EventRow, FloorRow, StationRow, cycle_warnings};
-pub use gradient::GradientObject;
+pub use loading::{LoadingRow, SurfaceLoadingRow};
 pub use pillars::{pillars, pillars_of};
-pub use rounded::{RoundedPressSummary, left_out_words, rounded_pillars, rounded_warnings};
-pub(crate) use surface::METHOD as SURFACE_METHOD;
-pub use surface::{SurfacePressSummary, SurfaceTransitionSummary, indenter_name};
+pub use rounded::{left_out_words, rounded_pillars, rounded_warnings};
 pub use sweep::SweepSummary;
 pub use theory::{
     CoefficientRow, Constants, CurveRow, FormulaRow, SumRow, TheorySummary, constants,
@@ -36,8 +29,12 @@ pub use theory::{
 pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
+use crate::record::{GradientObject, Object, RoundedAnswer, SurfaceAnswer};
 use fakir::problem::Control;
-use fakir::state::{Contact, ErrorEstimate, Normalized, Termination, Unresolved, Warning};
+use fakir::state::{
+    Contact, ContactState, CriticalState, SurfaceContact, SurfaceTransition, Termination,
+    Unresolved, Warning,
+};
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
 
@@ -117,55 +114,52 @@ pub fn control_words(control: Control) -> String {
     }
 }
 
-/// Estimated relative errors.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct RelativeErrors {
-    /// Relative error of the force.
-    pub force: f64,
-    /// Relative error of the indentation.
-    pub indentation: f64,
-    /// Relative error of the contact radius, of a critical state the larger one; `None` under a plate.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub contact_radius: Option<f64>,
-    /// Relative error of the radius of the contact on the pillar tops, of a critical state.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub top_contact_radius: Option<f64>,
-    /// Relative error of the floor's share, where it is compared.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub floor_share: Option<f64>,
+/// A contact under a load, with its derivatives if they are known: what `fakir press --json` prints. The range of an attraction is in m, the time in s.
+#[must_use]
+pub fn press(
+    state: &ContactState,
+    range: Option<f64>,
+    gradient: Option<GradientObject>,
+    wall_time: f64,
+) -> Object {
+    Object::of(state)
+        .with_limits(state.limits(range))
+        .with_gradient(gradient)
+        .timed(wall_time)
 }
 
-impl RelativeErrors {
-    /// Errors with that of the contact radius.
-    #[must_use]
-    pub fn new(error: ErrorEstimate, contact_radius: Option<f64>) -> Self {
-        Self {
-            force: error.force,
-            indentation: error.indentation,
-            contact_radius,
-            top_contact_radius: None,
-            floor_share: None,
-        }
-    }
+/// The critical state, likewise: what `fakir transition --json` prints.
+#[must_use]
+pub fn transition(
+    critical: &CriticalState,
+    range: Option<f64>,
+    gradient: Option<GradientObject>,
+    wall_time: f64,
+) -> Object {
+    Object::of(critical)
+        .with_limits(critical.contact.limits(range))
+        .with_gradient(gradient)
+        .timed(wall_time)
 }
 
-/// The paper's reduced variables.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ReducedVariables {
-    /// `F gamma_int/(h d)`.
-    pub force: f64,
-    /// `a/e`.
-    pub contact_radius: f64,
-    /// `zeta/h`.
-    pub indentation: f64,
+/// A contact with a height map.
+#[must_use]
+pub fn surface_press(answer: SurfaceAnswer<'_, SurfaceContact>, wall_time: f64) -> Object {
+    Object::of(&answer)
+        .with_limits(answer.answer.limits(answer.system))
+        .timed(wall_time)
 }
 
-impl From<Normalized> for ReducedVariables {
-    fn from(normalized: Normalized) -> Self {
-        Self {
-            force: normalized.force,
-            contact_radius: normalized.contact_radius,
-            indentation: normalized.indentation,
-        }
-    }
+/// The critical state with a height map.
+#[must_use]
+pub fn surface_transition(answer: SurfaceAnswer<'_, SurfaceTransition>, wall_time: f64) -> Object {
+    Object::of(&answer)
+        .with_limits(answer.answer.contact.limits(answer.system))
+        .timed(wall_time)
+}
+
+/// A contact with rounded tops.
+#[must_use]
+pub fn rounded_press(answer: RoundedAnswer<'_>, wall_time: f64) -> Object {
+    Object::of(&answer).timed(wall_time)
 }

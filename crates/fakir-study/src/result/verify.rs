@@ -1,9 +1,7 @@
 //! A second opinion: two independent answers to one question.
 
-use super::RelativeErrors;
-use super::contact::of_floor;
-use super::surface::{METHOD, boundary_name, indenter_name};
 use crate::VERSION;
+use crate::record::{METHOD, boundary_name, indenter_name, of_floor};
 use crate::surfaces::SurfaceVerification;
 use fakir::problem::{Control, Method};
 use fakir::state::{ContactState, SurfaceContact};
@@ -51,6 +49,16 @@ pub struct AnswerRow {
     pub iterations: usize,
 }
 
+/// Relative differences, or what is allowed of them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Differences {
+    force: f64,
+    indentation: f64,
+    /// Where the floor bears a part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    floor_share: Option<f64>,
+}
+
 /// A second opinion: what `fakir verify --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifySummary {
@@ -61,9 +69,9 @@ pub struct VerifySummary {
     /// Why it cannot be told; none if it can.
     doubt: Option<String>,
     /// Relative difference of the elements on all cells from the spectral method.
-    relative_difference: RelativeErrors,
+    relative_difference: Differences,
     /// Sum of both error estimates.
-    allowed_difference: RelativeErrors,
+    allowed_difference: Differences,
     answers: Vec<AnswerRow>,
     wall_time_s: f64,
     fakir_version: &'static str,
@@ -74,7 +82,7 @@ impl VerifySummary {
     #[must_use]
     pub fn new(control: Control, verification: &Verification, wall_time: f64) -> Self {
         let verdict = verification.verdict();
-        let differences = |of: fn(&Difference) -> f64| RelativeErrors {
+        let differences = |of: fn(&Difference) -> f64| Differences {
             floor_share: verification.floor_share.as_ref().map(of),
             ..differences(&verification.force, &verification.indentation, of)
         };
@@ -145,12 +153,10 @@ fn differences(
     force: &Difference,
     indentation: &Difference,
     of: fn(&Difference) -> f64,
-) -> RelativeErrors {
-    RelativeErrors {
+) -> Differences {
+    Differences {
         force: of(force),
         indentation: of(indentation),
-        contact_radius: None,
-        top_contact_radius: None,
         floor_share: None,
     }
 }
@@ -199,9 +205,9 @@ pub struct SurfaceVerifySummary {
     /// Why it cannot be told; none if it can.
     doubt: Option<String>,
     /// Relative difference of the answer on half as many cells from that on all cells.
-    relative_difference: RelativeErrors,
+    relative_difference: Differences,
     /// Sum of both error estimates.
-    allowed_difference: RelativeErrors,
+    allowed_difference: Differences,
     answers: Vec<MeshRow>,
     wall_time_s: f64,
     fakir_version: &'static str,

@@ -5,9 +5,7 @@ use fakir::problem::{Control, CyclePlan};
 use fakir::state::{Run, SolveError};
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile, Key, Kind, Setting};
-use fakir_study::result::RoundedPressSummary;
-use fakir_study::{Critical, Pressed, SurfaceCritical, SurfacePressed};
-use serde::Serialize;
+use fakir_study::record::{Record, RoundedAnswer, SurfaceAnswer};
 use serde_json::Value;
 use std::cell::RefCell;
 use std::path::Path;
@@ -160,14 +158,14 @@ fn other_number(key: Key, file: &CaseFile) -> f64 {
 }
 
 /// Numbers and flags of an answer, without what it took to find it.
-fn numbers(answer: &impl Serialize) -> Vec<f64> {
+fn numbers(record: &Record) -> Vec<f64> {
     fn add(value: &Value, all: &mut Vec<f64>) {
         match value {
             Value::Number(number) => all.push(number.as_f64().unwrap()),
             Value::Bool(flag) => all.push(f64::from(u8::from(*flag))),
             Value::Array(items) => items.iter().for_each(|item| add(item, all)),
             Value::Object(fields) => {
-                let cost = ["iterations", "wall_time_s", "energy_bound"];
+                let cost = ["iterations", "certificate"];
                 let echo = ["surface_fraction", "pitch_m"];
                 let left_out = [&cost[..], &echo[..]].concat();
                 let fields = fields.iter();
@@ -178,7 +176,7 @@ fn numbers(answer: &impl Serialize) -> Vec<f64> {
         }
     }
     let mut all = Vec::new();
-    add(&serde_json::to_value(answer).unwrap(), &mut all);
+    add(&serde_json::to_value(record.object()).unwrap(), &mut all);
     all
 }
 
@@ -212,11 +210,19 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
         return match question {
             Question::Press => {
                 let contact = case.system.press(load, &run).map_err(refused)?;
-                Ok(numbers(&SurfacePressed::from(&contact)))
+                let answer = SurfaceAnswer {
+                    system: &case.system,
+                    answer: &contact,
+                };
+                Ok(numbers(&Record::of(&answer)))
             }
             _ => {
                 let critical = case.system.transition(&run).map_err(refused)?;
-                Ok(numbers(&SurfaceCritical::from(&critical)))
+                let answer = SurfaceAnswer {
+                    system: &case.system,
+                    answer: &critical,
+                };
+                Ok(numbers(&Record::of(&answer)))
             }
         };
     }
@@ -226,24 +232,28 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
             .field
             .press(load, case.accuracy, &run)
             .map_err(refused)?;
-        let summary = RoundedPressSummary::new(&case.field, case.height, &contact, 0.0);
+        let answer = RoundedAnswer {
+            field: &case.field,
+            height: case.height,
+            contact: &contact,
+        };
         // And where the force acts: it turns with the lattice.
         let pillars = case.field.caps().iter().zip(&contact.caps);
         let moment: f64 = pillars.map(|(cap, state)| cap.apex[0] * state.force).sum();
-        return Ok([numbers(&summary), vec![moment]].concat());
+        return Ok([numbers(&Record::of(&answer)), vec![moment]].concat());
     }
     let Case { system, method, .. } = file.case().map_err(|e| e.one_line())?;
     let press = |load| fakir::press(&system, load, method, &run).map_err(refused);
     match question {
-        Question::Press => Ok(numbers(&Pressed::from(&press(load)?))),
+        Question::Press => Ok(numbers(&Record::of(&press(load)?))),
         Question::Transition => {
             let critical = fakir::transition(&system, method, &run).map_err(refused)?;
-            Ok(numbers(&Critical::from(&critical)))
+            Ok(numbers(&Record::of(&critical)))
         }
         Question::PastTransition => {
             let critical = press(Control::FloorContact)?.indentation;
             let past = press(Control::Indentation(1.1 * critical))?;
-            Ok(numbers(&Pressed::from(&past)))
+            Ok(numbers(&Record::of(&past)))
         }
         Question::Cycle => {
             let cycle = fakir::cycle(&system, CyclePlan::default(), method, &run);

@@ -1,10 +1,11 @@
 //! What all contacts have in common, pillar by pillar or cell by cell.
 
+use super::cap_contact::CapContact;
 use super::contact::{ContactState, Termination, Warning};
 use super::resolution::Unresolved;
 use super::surface::SurfaceContact;
 
-/// A contact of a lens or plate with a texture or a general surface. Loadings, their figures and warnings ask for no more
+/// A contact of a lens or plate with pillars, rounded or flat, or a general surface. Loadings, their figures and warnings ask for no more
 /// than this, and so are the same for all.
 pub trait Contact {
     /// Indentation, m.
@@ -81,5 +82,31 @@ impl Contact for SurfaceContact {
 
     fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+}
+
+impl Contact for CapContact {
+    fn indentation(&self) -> f64 {
+        self.indentation
+    }
+
+    fn force(&self) -> f64 {
+        self.force
+    }
+
+    fn contact_radius(&self) -> Option<f64> {
+        self.contact_radius
+    }
+
+    fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        CapContact::unresolved(self)
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &[]
     }
 }

@@ -1,0 +1,312 @@
+//! The numbers of contacts and critical states with pillars, and those that every contact has.
+
+use super::{Kind, Named, Recorded};
+use fakir::state::{Contact, ContactState, Critical, CriticalState, FloorContact};
+
+/// Force, indentation and radius of any contact.
+pub(super) fn load<T: Contact + 'static>() -> [Named<T>; 3] {
+    [
+        Named::number("force_N", "normal force on the lens", T::force).symbol("F"),
+        Named::number(
+            "indentation_m",
+            "how far the lens has come down since it was level with the pillar tops",
+            T::indentation,
+        )
+        .symbol("ζ"),
+        Named::number_if_any(
+            "contact_radius_m",
+            "distance from the lens axis of the farthest point in contact, on a pillar top or on the floor; `null` under a plate",
+            T::contact_radius,
+        )
+        .symbol("a"),
+    ]
+}
+
+/// The same of any critical state, and what is met first.
+pub(super) fn critical_load<C: Contact + 'static>() -> [Named<Critical<C>>; 5] {
+    [
+        Named::word(
+            "regime",
+            "`top_first`, or `bottom_first` where the floor is met before any pillar",
+            |it: &Critical<C>| Some(it.regime.name()),
+        ),
+        Named::number(
+            "critical_force_N",
+            "force at which the floor is just reached",
+            |it: &Critical<C>| it.contact.force(),
+        )
+        .symbol("F_c"),
+        Named::number(
+            "critical_indentation_m",
+            "indentation at which the floor is just reached",
+            |it: &Critical<C>| it.contact.indentation(),
+        )
+        .symbol("ζ_c"),
+        Named::point(
+            "bottom_contact_m",
+            "the older name of `floor_contact_m`",
+            |it: &Critical<C>| Some(it.floor_contact),
+        ),
+        Named::point(
+            "floor_contact_m",
+            "where the floor is touched, from the lens axis; under a plate, which has none, in the coordinates of the grid",
+            |it: &Critical<C>| Some(it.floor_contact),
+        ),
+    ]
+}
+
+/// How the solution of any contact ended.
+pub(super) fn ending<T: Contact + 'static>() -> [Named<T>; 2] {
+    [
+        Named::flag(
+            "converged",
+            "whether the numbers are the solution",
+            T::converged,
+        )
+        .in_objects(),
+        Named::word(
+            "unresolved",
+            "the quantity whose estimated relative error is above 0.5, if there is one: then the command ends with exit status 1",
+            |it: &T| it.unresolved().map(|found| found.quantity),
+        )
+        .in_objects(),
+    ]
+}
+
+/// A number of what the floor bears: zero before it is touched, none past that if it was to be ignored.
+#[must_use]
+pub fn of_floor(state: &ContactState, number: impl Fn(&FloorContact) -> f64) -> Option<f64> {
+    match &state.floor {
+        Some(floor) => Some(number(floor)),
+        None => (!state.beyond_transition()).then_some(0.0),
+    }
+}
+
+/// What contacts and critical states have of the pillars.
+fn pillars() -> [Named<ContactState>; 3] {
+    [
+        Named::number(
+            "top_contact_radius_m",
+            "distance from the lens axis of the farthest point of a pillar top in contact",
+            |it: &ContactState| it.contact_radius,
+        ),
+        Named::count(
+            "pillars_in_contact",
+            "pillars that are touched",
+            |it: &ContactState| it.pillars_in_contact,
+        ),
+        Named::count(
+            "pillars_partially_in_contact",
+            "those of them that the edge of the contact crosses",
+            |it: &ContactState| it.pillars_partially_in_contact,
+        ),
+    ]
+}
+
+/// How contacts and critical states were solved.
+fn solution() -> [Named<ContactState>; 2] {
+    [
+        Named::word(
+            "method",
+            "`spectral`, `love`, `punch` or `homogenised`",
+            |it: &ContactState| Some(it.method.name()),
+        ),
+        Named::word(
+            "lens_shape",
+            "`sphere`, `paraboloid`, `cylinder`, `plate` or `profile`",
+            |it: &ContactState| Some(it.system.lens().shape_name()),
+        )
+        .in_objects(),
+    ]
+}
+
+fn errors() -> [Named<ContactState>; 2] {
+    [
+        Named::number(
+            "relative_error_estimate.force",
+            "estimated relative error of the force",
+            |it: &ContactState| it.error.force,
+        ),
+        Named::number(
+            "relative_error_estimate.indentation",
+            "estimated relative error of the indentation",
+            |it: &ContactState| it.error.indentation,
+        ),
+    ]
+}
+
+fn iterations() -> Named<ContactState> {
+    Named::count("iterations", "steps of the solver", |it: &ContactState| {
+        it.iterations
+    })
+}
+
+/// What the floor bears. A table has zeros before the transition, where the object has no floor.
+fn floor() -> Vec<Named<ContactState>> {
+    vec![
+        Named::number_if_any(
+            "floor.force_N",
+            "force on the floor",
+            |it: &ContactState| of_floor(it, |floor| floor.force),
+        ),
+        Named::number_if_any(
+            "floor.share",
+            "that over the whole force",
+            |it: &ContactState| of_floor(it, |floor| floor.share),
+        ),
+        Named::number_if_any(
+            "floor.contact_area_m2",
+            "area of the floor in contact",
+            |it: &ContactState| of_floor(it, |floor| floor.area),
+        ),
+        Named::number_if_any(
+            "floor.radius_m",
+            "distance of its farthest point in contact from the lens axis",
+            |it: &ContactState| it.floor.as_ref().map(|floor| floor.radius),
+        )
+        .in_objects()
+        .decides(),
+        Named::number_if_any(
+            "floor.smallest_distance_to_rim_m",
+            "its smallest distance from the rim of a pillar",
+            |it: &ContactState| {
+                it.floor
+                    .as_ref()
+                    .map(|floor| floor.smallest_distance_to_rim)
+            },
+        )
+        .in_objects(),
+        Named::count_if_any(
+            "floor.patches",
+            "its separate patches; `null` where two grids differ",
+            |it: &ContactState| {
+                let floor = it.floor.as_ref()?;
+                floor.patches_agree.then_some(floor.patches)
+            },
+        )
+        .in_objects(),
+        Named::point(
+            "floor.cell_m",
+            "sides of the cells of its pressure, which turn with the lattice",
+            |it: &ContactState| it.floor.as_ref().map(FloorContact::cell),
+        )
+        .in_objects(),
+        Named::number_if_any(
+            "floor.relative_error_estimate.share",
+            "estimated relative error of the share",
+            |it: &ContactState| of_floor(it, |floor| floor.error.share),
+        ),
+        Named::number_if_any(
+            "floor.relative_error_estimate.contact_area",
+            "estimated relative error of the area",
+            |it: &ContactState| of_floor(it, |floor| floor.error.area),
+        ),
+    ]
+}
+
+impl Recorded for ContactState {
+    const KIND: Kind = Kind::Press;
+
+    fn rows() -> Vec<Named<Self>> {
+        let mut rows = Vec::from(solution());
+        rows.extend(load());
+        rows.extend(pillars().map(|row| match row.entry.path {
+            "top_contact_radius_m" => row.in_objects(),
+            _ => row,
+        }));
+        rows.push(Named::number(
+            "smallest_floor_gap_m",
+            "smallest distance of the lens from the floor; past the transition 0, or negative where the floor is ignored; under a cylinder or a plate of the undeformed lens, between the farthest pillars",
+            |it: &Self| it.smallest_floor_gap,
+        ));
+        rows.push(Named::flag(
+            "beyond_transition",
+            "whether the floor is reached, or would be if it was not ignored",
+            Self::beyond_transition,
+        ));
+        rows.extend(floor());
+        rows.extend(errors());
+        rows.push(Named::number(
+            "relative_error_estimate.contact_radius",
+            "estimated relative error of the contact radius",
+            Self::relative_whole_contact_radius_error,
+        ));
+        rows.extend(ending());
+        rows.push(iterations());
+        rows
+    }
+}
+
+impl Recorded for CriticalState {
+    const KIND: Kind = Kind::Transition;
+
+    fn rows() -> Vec<Named<Self>> {
+        let contact = |rows: Vec<Named<ContactState>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &Self| &it.contact))
+        };
+        let [regime, force, indentation, older, floor] = critical_load();
+        let [top_radius, in_contact, partially] = pillars();
+        let mut rows: Vec<Named<Self>> = contact(Vec::from(solution())).collect();
+        rows.extend([
+            regime,
+            Named::number(
+                "surface_fraction",
+                "part of the surface that is pillar top",
+                |it: &Self| it.contact.system.texture().surface_fraction(),
+            )
+            .symbol("φ"),
+            Named::number(
+                "pitch_m",
+                "distance of neighbouring pillars",
+                |it: &Self| it.contact.system.pitch(),
+            )
+            .symbol("e"),
+            force,
+            indentation,
+            Named::number(
+                "critical_contact_radius_m",
+                "the larger of `top_contact_radius_m` and the distance of the floor contact from the lens axis",
+                Self::contact_radius,
+            )
+            .symbol("a_c"),
+        ]);
+        rows.extend(contact(vec![top_radius]));
+        rows.extend([older, floor]);
+        rows.extend(contact(vec![in_contact, partially]));
+        rows.extend([
+            Named::number(
+                "normalized.force",
+                "critical force over hd/γ_int",
+                |it: &Self| it.normalized().force,
+            ),
+            Named::number(
+                "normalized.contact_radius",
+                "critical contact radius over the pitch",
+                |it: &Self| it.normalized().contact_radius,
+            ),
+            Named::number(
+                "normalized.indentation",
+                "critical indentation over the height of the pillars",
+                |it: &Self| it.normalized().indentation,
+            ),
+        ]);
+        rows.extend(contact(Vec::from(errors())));
+        rows.push(Named::number(
+            "relative_error_estimate.contact_radius",
+            "estimated relative error of the critical contact radius",
+            Self::relative_contact_radius_error,
+        ));
+        rows.push(
+            Named::number(
+                "relative_error_estimate.top_contact_radius",
+                "estimated relative error of the top contact radius",
+                |it: &Self| it.contact.relative_contact_radius_error(),
+            )
+            .in_objects(),
+        );
+        rows.extend(contact(Vec::from(ending())));
+        rows.extend(contact(vec![iterations()]));
+        rows
+    }
+}

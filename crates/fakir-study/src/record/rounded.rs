@@ -1,0 +1,144 @@
+//! The numbers of contacts with rounded pillar tops.
+
+use super::contact::{ending, load};
+use super::surface::indenter_name;
+use super::{Kind, Named, Recorded};
+use fakir::problem::CapField;
+use fakir::state::{CapContact, CapErrors, CapState, PillarStatus};
+
+/// A contact with rounded tops, and what was asked about.
+#[derive(Debug, Clone, Copy)]
+pub struct RoundedAnswer<'a> {
+    /// The pillars.
+    pub field: &'a CapField,
+    /// Height of the common pillar, m.
+    pub height: f64,
+    /// The contact.
+    pub contact: &'a CapContact,
+}
+
+/// What contacts with rounded tops leave out.
+const LEFT_OUT: &[&str] = &["floor", "adhesion"];
+
+impl RoundedAnswer<'_> {
+    /// Whether the floor, this far under the level that indentations count from, is certainly not reached: pressure only moves it away.
+    pub(crate) fn floor_is_out_of_reach(&self) -> bool {
+        self.contact.indentation < self.height
+    }
+}
+
+fn largest(contact: &CapContact, of: impl Fn(&CapState) -> f64) -> f64 {
+    contact.caps.iter().map(of).fold(0.0, f64::max)
+}
+
+/// What is known of the contact alone.
+fn contact() -> Vec<Named<CapContact>> {
+    let [force, indentation, radius] = load();
+    vec![
+        force,
+        indentation,
+        Named::number(
+            "contact_area_m2",
+            "area of all contacts",
+            |it: &CapContact| it.area,
+        )
+        .symbol("A"),
+        radius,
+        Named::count(
+            "pillars",
+            "how many pillars there are",
+            |it: &CapContact| it.caps.len(),
+        ),
+        Named::count(
+            "pillars_in_contact",
+            "pillars that are touched",
+            CapContact::touched,
+        ),
+        Named::count(
+            "pillars_fully_in_contact",
+            "those whose top is in contact up to the rim",
+            |it: &CapContact| {
+                let full = |cap: &&CapState| cap.status == PillarStatus::Full;
+                it.caps.iter().filter(full).count()
+            },
+        ),
+        Named::number(
+            "largest_top_contact_radius_m",
+            "radius of the largest contact on a top",
+            |it: &CapContact| largest(it, |cap| cap.radius),
+        ),
+        Named::number(
+            "largest_pillar_force_N",
+            "largest force on a pillar",
+            |it: &CapContact| largest(it, |cap| cap.force),
+        ),
+        Named::number(
+            "stiffness_N_per_m",
+            "change of the force with the indentation",
+            |it: &CapContact| it.slopes.force_with_indentation,
+        ),
+        Named::words(
+            "left_out",
+            "what the contact would have and is not computed",
+            |_: &CapContact| LEFT_OUT,
+        ),
+    ]
+}
+
+fn solution() -> Vec<Named<CapContact>> {
+    let error = |of: fn(&CapErrors) -> f64| move |it: &CapContact| it.error.as_ref().map(of);
+    let mut rows = vec![
+        Named::number_if_any(
+            "relative_error_estimate.force",
+            "estimated relative error of the force, from a pressure of a higher degree and from ovals that are taken as discs; the whole object is `null` if there is no estimate",
+            error(|it| it.force),
+        )
+        .decides(),
+        Named::number_if_any(
+            "relative_error_estimate.contact_area",
+            "estimated relative error of the contact area",
+            error(|it| it.area),
+        ),
+        Named::number_if_any(
+            "relative_error_estimate.indentation_m",
+            "estimated error of the indentation, not relative: it counts from a level that may be anywhere",
+            error(|it| it.indentation),
+        ),
+    ];
+    rows.extend(ending());
+    rows.push(Named::count(
+        "iterations",
+        "steps of the solver",
+        |it: &CapContact| it.iterations,
+    ));
+    rows
+}
+
+impl<'a> Recorded for RoundedAnswer<'a> {
+    const KIND: Kind = Kind::RoundedPress;
+
+    fn rows() -> Vec<Named<Self>> {
+        let of_contact = |rows: Vec<Named<CapContact>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &RoundedAnswer<'a>| it.contact))
+        };
+        let indenter = Named::word("indenter", "`lens` or `plate`", |it: &CapField| {
+            Some(indenter_name(it.indenter()))
+        });
+        let mut rows = vec![
+            Named::word("method", "`spectral`", |_: &CapContact| Some("spectral"))
+                .of_part(|it: &Self| it.contact),
+            Named::word("tops", "`rounded`", |_: &CapContact| Some("rounded"))
+                .of_part(|it: &Self| it.contact),
+            indenter.of_part(|it: &Self| it.field),
+        ];
+        rows.extend(of_contact(contact()));
+        rows.push(Named::flag(
+            "floor_out_of_reach",
+            "whether it is certain that the floor is not reached",
+            |it: &Self| it.floor_is_out_of_reach(),
+        ));
+        rows.extend(of_contact(solution()));
+        rows
+    }
+}

@@ -1,0 +1,147 @@
+//! What results are made of, for readers and for programs: the tables of the manual, and a JSON Schema.
+
+use super::{Entry, Kind, SCHEMA_VERSION, Type};
+use serde_json::{Map, Value, json};
+
+/// The numbers of one kind as a table in Markdown: name, symbol, meaning.
+#[must_use]
+pub fn reference(kind: Kind) -> String {
+    let mut lines = vec![
+        "| name | symbol | meaning |".to_owned(),
+        "|---|---|---|".to_owned(),
+    ];
+    for entry in kind.entries() {
+        let columns = entry.columns();
+        let names: Vec<String> = columns
+            .iter()
+            .map(|(name, _)| format!("`{name}`"))
+            .collect();
+        let names = names.join(", ");
+        let own = format!("`{}`", entry.path);
+        let name = if names.is_empty() || names == own {
+            own
+        } else {
+            format!("{own}; in tables {names}")
+        };
+        lines.push(format!("| {name} | {} | {} |", entry.symbol, entry.meaning));
+    }
+    lines.join("\n")
+}
+
+/// The JSON Schema of `--json` of `press` and `transition`, which is that of `summary.json` too, for every kind of surface: one definition a kind.
+#[must_use]
+pub fn schema() -> Value {
+    let definitions: Map<String, Value> = Kind::ALL
+        .iter()
+        .map(|kind| (kind.name().to_owned(), of_kind(*kind)))
+        .collect();
+    let kinds: Vec<Value> = definitions
+        .keys()
+        .map(|name| json!({"$ref": format!("#/$defs/{name}")}))
+        .collect();
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Results of fakir",
+        "description": "Numbers are in SI units; names end in the unit.",
+        "anyOf": kinds,
+        "$defs": definitions,
+    })
+}
+
+fn of_kind(kind: Kind) -> Value {
+    let entries: Vec<(&str, &Entry)> = kind
+        .entries()
+        .iter()
+        .map(|entry| (entry.path, entry))
+        .collect();
+    let mut object = of_group(&entries);
+    let number_or_none = json!({"type": ["number", "null"]});
+    let limit = json!({
+        "type": "object",
+        "properties": {
+            "name": {"type": "string"},
+            "value": number_or_none,
+            "threshold": number_or_none,
+            "strained": {"type": "boolean"},
+        },
+        "required": ["name", "value", "threshold", "strained"],
+        "additionalProperties": false,
+    });
+    let words = json!({"type": "array", "items": {"type": "string"}});
+    // Beside the numbers: those that are always there, and those that may be.
+    let always = [
+        ("wall_time_s", json!({"type": "number"})),
+        ("fakir_version", json!({"type": "string"})),
+        ("schema_version", json!({"const": SCHEMA_VERSION})),
+    ];
+    let sometimes = [
+        ("gradient", json!({"type": "object"})),
+        ("case_warnings", words),
+    ];
+    let limits =
+        (kind != Kind::RoundedPress).then(|| ("limits", json!({"type": "array", "items": limit})));
+    let required = limits.into_iter().chain(always);
+    for (name, value) in required {
+        object["required"]
+            .as_array_mut()
+            .into_iter()
+            .for_each(|names| names.push(name.into()));
+        object["properties"][name] = value;
+    }
+    for (name, value) in sometimes {
+        object["properties"][name] = value;
+    }
+    object
+}
+
+/// An object of values by what is left of their paths.
+fn of_group(entries: &[(&str, &Entry)]) -> Value {
+    let first = |path: &str| path.split('.').next().map(str::to_owned);
+    let mut properties = Map::new();
+    for group in entries.chunk_by(|(one, _), (other, _)| first(one) == first(other)) {
+        let inner: Vec<(&str, &Entry)> = group
+            .iter()
+            .filter_map(|(path, entry)| Some((path.split_once('.')?.1, *entry)))
+            .collect();
+        let (path, entry) = group[0];
+        let value = if inner.is_empty() {
+            of_entry(entry)
+        } else {
+            let mut object = of_group(&inner);
+            let may_be_missing = inner
+                .iter()
+                .any(|(path, entry)| entry.decides && !path.contains('.'));
+            if may_be_missing {
+                object["type"] = json!(["object", "null"]);
+            }
+            object
+        };
+        properties.insert(first(path).unwrap_or_default(), value);
+    }
+    let required: Vec<&String> = properties.keys().collect();
+    json!({
+        "type": "object",
+        "required": required,
+        "properties": properties,
+        "additionalProperties": false,
+    })
+}
+
+fn of_entry(entry: &Entry) -> Value {
+    let of = match entry.of {
+        Type::Number => json!({"type": ["number", "null"]}),
+        Type::Count => json!({"type": ["integer", "null"], "minimum": 0}),
+        Type::Flag => json!({"type": "boolean"}),
+        Type::Word => json!({"type": ["string", "null"]}),
+        Type::Words => json!({"type": "array", "items": {"type": "string"}}),
+        Type::Point => json!({
+            "type": ["array", "null"],
+            "items": {"type": "number"},
+            "minItems": 2,
+            "maxItems": 2,
+        }),
+    };
+    let mut object = of;
+    object["description"] = entry.meaning.into();
+    object
+}

@@ -1,0 +1,205 @@
+//! The numbers of contacts and critical states with height maps.
+
+use super::contact::{critical_load, ending, load};
+use super::{Kind, Named, Object, Recorded};
+use fakir::problem::{Boundary, Grid, Indenter, SurfaceSystem};
+use fakir::state::{ErrorEstimate, SurfaceContact, SurfaceTransition};
+
+/// An answer about a height map, and what was asked about.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceAnswer<'a, T> {
+    /// What was solved.
+    pub system: &'a SurfaceSystem,
+    /// The contact or the critical state.
+    pub answer: &'a T,
+}
+
+/// The name of what is pressed: `"lens"` or `"plate"`.
+#[must_use]
+pub fn indenter_name(indenter: &Indenter) -> &'static str {
+    match indenter {
+        Indenter::Lens(_) => "lens",
+        Indenter::Flat(_) => "plate",
+    }
+}
+
+pub(crate) fn boundary_name(boundary: Boundary) -> &'static str {
+    match boundary {
+        Boundary::FreeSpace => "free",
+        Boundary::Periodic => "periodic",
+    }
+}
+
+/// What was asked about, and on which cells.
+fn question<'a, T: 'static>(grid: fn(&T) -> &Grid) -> Vec<Named<SurfaceAnswer<'a, T>>> {
+    let of_grid = |rows: Vec<Named<Grid>>| {
+        rows.into_iter()
+            .map(move |row| row.of_part(move |it: &SurfaceAnswer<'a, T>| grid(it.answer)))
+    };
+    let of_system = |row: Named<SurfaceSystem>| row.of_part(|it: &SurfaceAnswer<'a, T>| it.system);
+    let mut rows = vec![
+        of_system(
+            Named::word("indenter", "`lens` or `plate`", |it: &SurfaceSystem| {
+                Some(indenter_name(it.indenter()))
+            })
+            .in_objects(),
+        ),
+        of_system(
+            Named::word("boundary", "`free` or `periodic`", |it: &SurfaceSystem| {
+                Some(boundary_name(it.boundary()))
+            })
+            .in_objects(),
+        ),
+    ];
+    rows.extend(of_grid(self::grid()));
+    rows
+}
+
+/// The cells.
+fn grid() -> Vec<Named<Grid>> {
+    vec![
+        Named::count("grid.columns", "cells along x", Grid::columns),
+        Named::count("grid.rows", "cells along y", Grid::rows),
+        Named::point("grid.cell_m", "sides of a cell", |it: &Grid| {
+            Some(it.cell())
+        }),
+        Named::point(
+            "grid.origin_m",
+            "lower left corner of the grid, from the lens axis",
+            |it: &Grid| Some(it.origin()),
+        )
+        .in_objects(),
+    ]
+}
+
+/// The object `grid`, by itself.
+pub(crate) fn grid_object(grid: &Grid) -> Object {
+    Object::of_rows(&self::grid(), grid)
+}
+
+/// How well it was answered.
+fn solution() -> Vec<Named<SurfaceContact>> {
+    let error =
+        |of: fn(&ErrorEstimate) -> f64| move |it: &SurfaceContact| it.error.as_ref().map(of);
+    let mut rows = vec![
+        Named::number(
+            "certificate.energy_bound",
+            "upper bound of the energy error of the solution on its cells, over the elastic energy",
+            |it: &SurfaceContact| it.certificate.energy_bound,
+        )
+        .column("energy_bound"),
+        Named::number(
+            "certificate.interpenetration_m",
+            "deepest interpenetration anywhere",
+            |it: &SurfaceContact| it.certificate.interpenetration,
+        )
+        .in_objects(),
+        Named::number(
+            "certificate.gap_under_pressure_m",
+            "largest gap of a cell that bears pressure",
+            |it: &SurfaceContact| it.certificate.gap_under_pressure,
+        )
+        .in_objects(),
+        Named::number_if_any(
+            "relative_error_estimate.force",
+            "estimated relative error of the force; the whole object is `null` on too few cells",
+            error(|it| it.force),
+        )
+        .decides(),
+        Named::number_if_any(
+            "relative_error_estimate.indentation",
+            "estimated relative error of the indentation",
+            error(|it| it.indentation),
+        ),
+        Named::number_if_any(
+            "relative_error_estimate.contact_radius",
+            "estimated relative error of the contact radius: a cell from corner to corner",
+            SurfaceContact::relative_contact_radius_error,
+        ),
+    ];
+    rows.extend(ending());
+    rows.push(Named::count(
+        "iterations",
+        "products with the operator on the last grid",
+        |it: &SurfaceContact| it.products,
+    ));
+    rows
+}
+
+fn method() -> Named<SurfaceContact> {
+    Named::word("method", "`love`: elements", |_: &SurfaceContact| {
+        Some(METHOD)
+    })
+}
+
+fn area() -> Named<SurfaceContact> {
+    Named::number(
+        "contact_area_m2",
+        "area of the cells in contact",
+        |it: &SurfaceContact| it.contact_area,
+    )
+    .symbol("A")
+}
+
+/// By which method height maps are solved.
+pub(crate) const METHOD: &str = "love";
+
+impl Recorded for SurfaceAnswer<'_, SurfaceContact> {
+    const KIND: Kind = Kind::SurfacePress;
+
+    fn rows() -> Vec<Named<Self>> {
+        let contact = |rows: Vec<Named<SurfaceContact>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &Self| it.answer))
+        };
+        let [force, indentation, radius] = load();
+        let mut rows: Vec<Named<Self>> =
+            contact(vec![method(), force, indentation, area(), radius]).collect();
+        rows.extend(contact(vec![
+            Named::number_if_any(
+                "tops.force_N",
+                "force on what is not floor; `tops` and `floor` are `null` where it is not known which part is the floor",
+                |it: &SurfaceContact| Some(it.shares?.tops.force),
+            )
+            .decides(),
+            Named::number_if_any(
+                "tops.contact_area_m2",
+                "area in contact of what is not floor",
+                |it: &SurfaceContact| Some(it.shares?.tops.area),
+            ),
+            Named::number_if_any("floor.force_N", "force on the floor", |it: &SurfaceContact| {
+                Some(it.shares?.floor.force)
+            })
+            .decides(),
+            Named::number_if_any(
+                "floor.contact_area_m2",
+                "area of the floor in contact",
+                |it: &SurfaceContact| Some(it.shares?.floor.area),
+            ),
+        ]));
+        rows.extend(question(|it: &SurfaceContact| &it.grid));
+        rows.extend(contact(solution()));
+        rows
+    }
+}
+
+impl Recorded for SurfaceAnswer<'_, SurfaceTransition> {
+    const KIND: Kind = Kind::SurfaceTransition;
+
+    fn rows() -> Vec<Named<Self>> {
+        let contact = |rows: Vec<Named<SurfaceContact>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &Self| &it.answer.contact))
+        };
+        let [regime, force, indentation, older, floor] =
+            critical_load().map(|row| row.of_part(|it: &Self| it.answer));
+        let [_, _, radius] = load();
+        let mut rows: Vec<Named<Self>> = contact(vec![method()]).collect();
+        rows.extend([regime, force, indentation]);
+        rows.extend(contact(vec![area(), radius]));
+        rows.extend([older, floor]);
+        rows.extend(question(|it: &SurfaceTransition| &it.contact.grid));
+        rows.extend(contact(solution()));
+        rows
+    }
+}
