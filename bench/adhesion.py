@@ -36,7 +36,7 @@ def measured(command, **settings):
 def fakir(program, tops, accuracy):
     case = ROOT / "examples" / "adhesive.toml"
     return measured([
-        program, "approach", case, "--retract", "--json", "--quiet", "--threads", "1", "--to", f"{SIZES[tops][1]}um",
+        program, "cycle", case, "--json", "--quiet", "--threads", "1", "--to", f"{SIZES[tops][1]}um",
         "--set", "texture.pillar.compliance=none", "--set", f"method.accuracy={accuracy}",
     ])
 

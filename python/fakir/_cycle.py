@@ -235,7 +235,7 @@ class Cycle:
         return list(self._summary["warnings"])
 
     def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir approach --retract --json`` prints."""
+        """The object that ``fakir cycle --json`` prints."""
         return copy.deepcopy(self._summary)
 
     def to_pandas(self) -> pandas.DataFrame:

@@ -32,7 +32,7 @@ def sticky(surface_fraction, work, *more):
 
 def command_line(*arguments):
     """What the command line says of the paper's case with adhesion."""
-    command = [os.environ["FAKIR"], "approach", "-", "--retract", "--json", "--quiet", *arguments]
+    command = [os.environ["FAKIR"], "cycle", "-", "--json", "--quiet", *arguments]
     text = subprocess.run(
         [os.environ["FAKIR"], "init", "-"], check=True, capture_output=True, text=True
     ).stdout

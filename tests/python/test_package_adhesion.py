@@ -23,7 +23,7 @@ def cycle(system):
 
 
 def test_a_cycle_is_what_the_program_says(cycle):
-    expected = program("approach", CASE, {}, "--retract")
+    expected = program("cycle", CASE, {})
     assert without_times(cycle.to_dict()) == without_times(expected)
     assert cycle.events == expected["events"]
     assert cycle.force.tolist() == [station["force_N"] for station in expected["stations"]]

@@ -13,6 +13,7 @@ use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::fields::MOST_POINTS;
 use fakir_study::output::Replace;
 use fakir_study::{Existing, Shard};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 const ABOUT: &str = "\
@@ -42,11 +43,30 @@ pub(crate) struct Arguments {
     pub(crate) command: Command,
 }
 
+/// The arguments with `cycle` for `approach --retract`, its older name, and whether that was there.
+pub(crate) fn renamed(mut arguments: Vec<OsString>) -> (Vec<OsString>, bool) {
+    let options = arguments.iter().take_while(|word| *word != "--");
+    let place = options.into_iter().position(|word| word == "--retract");
+    match (arguments.get(1), place) {
+        (Some(command), Some(place)) if command == "approach" => {
+            arguments.remove(place);
+            arguments[1] = "cycle".into();
+            (arguments, true)
+        }
+        _ => (arguments, false),
+    }
+}
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Write a commented case file to start from
     #[command(after_help = "Example: fakir init soft.toml")]
     Init(Init),
+    /// The names, units and meanings of the numbers in results
+    #[command(after_help = "Examples:
+  fakir results
+  fakir results --schema > fakir.schema.json")]
+    Results(Results),
     /// The critical state, in which the lens just reaches the floor
     #[command(
         after_help = "Example: fakir transition case.toml --set texture.surface_fraction=0.2"
@@ -67,13 +87,21 @@ pub(crate) enum Command {
     /// and the part of the floor over the indentation as a figure.
     ///
     /// With pillar tops that stick (a case with [adhesion]) the loading ends at the critical state: what the floor
-    /// bears then is not solved. With --retract the lens is pulled off again, and with adhesion.floor = true it goes
-    /// through the critical state: it jumps onto the floor, which sticks.
+    /// bears then is not solved. `fakir cycle` pulls the lens off again.
     #[command(
-        after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition
-         fakir approach case.toml --set adhesion.work=50mJ/m2 --retract"
+        after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition"
     )]
     Approach(Approach),
+    /// Loading and unloading, for pillar tops that stick (a case with [adhesion])
+    ///
+    /// Loading ends at --to or --to-force, or at the critical state, and at the latest where the lens reaches the
+    /// floor, unless that sticks too (adhesion.floor = true): what it bears otherwise with tops that stick is not
+    /// solved (but see --without-floor). Every change of contact is found, so the result does not depend on a step. With
+    /// --output the curve, the events and the pillars that hold at pull-off are saved as tables and figures.
+    ///
+    /// `fakir approach --retract` is the older name of this command.
+    #[command(after_help = "Example: fakir cycle case.toml --set adhesion.work=50mJ/m2")]
+    Cycle(Cycle),
     /// A second opinion: the spectral method and Love elements on the same question
     ///
     /// Elements of constant pressure on two meshes against the accurate spectral method; both
@@ -214,9 +242,11 @@ impl Command {
     pub(crate) fn name(&self) -> &'static str {
         match self {
             Self::Init(_) => "init",
+            Self::Results(_) => "results",
             Self::Transition(_) => "transition",
             Self::Press(_) => "press",
             Self::Approach(_) => "approach",
+            Self::Cycle(_) => "cycle",
             Self::Verify(_) => "verify",
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
@@ -232,6 +262,13 @@ impl Command {
             Self::Man(_) => "man",
         }
     }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Results {
+    /// Print a JSON Schema of --json and summary.json instead
+    #[arg(long)]
+    pub(crate) schema: bool,
 }
 
 #[derive(Debug, Args)]
@@ -340,26 +377,6 @@ pub(crate) struct Approach {
     /// Makes --until go on as --to does
     #[arg(long, requires = "until", hide = true)]
     past_transition: bool,
-    /// Pull the lens off again: for pillar tops that stick (a case with [adhesion])
-    ///
-    /// Loading ends at --to or --to-force, or at the critical state, and at the latest where the lens reaches the
-    /// floor, unless that sticks too (adhesion.floor = true): what it bears otherwise with tops that stick is not
-    /// solved (but see --without-floor). Every change of contact on the way is found as such, so that there are no steps. With
-    /// --output the curve, the events and the pillars that hold at pull-off are saved as tables and
-    /// figures.
-    #[arg(long, conflicts_with_all = ["step", "until"])]
-    pub(crate) retract: bool,
-    /// What is held with --retract while contacts snap in or out
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = HeldLoad::Displacement, requires = "retract")]
-    drive: HeldLoad,
-    /// With --retract: move the lens by a machine of this stiffness, whose crosshead is held while contacts snap
-    /// (N/m, mN/m, kN/m; a bare number in N/m)
-    #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, requires = "retract", conflicts_with = "drive")]
-    machine_stiffness: Option<f64>,
-    /// With --retract: the range of the attraction between lens and pillar tops (m, mm, um, nm), which tells
-    /// whether it counts as small, as the model has it
-    #[arg(long, value_name = "LENGTH", value_parser = attraction, allow_hyphen_values = true, requires = "retract")]
-    attraction_range: Option<f64>,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
     #[command(flatten)]
@@ -378,30 +395,49 @@ impl Approach {
             end: LoadingEnd::of(self.until, self.past_transition, self.to, self.to_force)?,
         })
     }
+}
 
-    pub(crate) fn range(&self) -> RangeArguments {
-        RangeArguments {
-            attraction_range: self.attraction_range,
-        }
-    }
+#[derive(Debug, Args)]
+pub(crate) struct Cycle {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// Load to this indentation (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "to_force")]
+    to: Option<f64>,
+    /// Load to this force (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    to_force: Option<f64>,
+    /// What is held while contacts snap in or out
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = HeldLoad::Displacement)]
+    drive: HeldLoad,
+    /// Move the lens by a machine of this stiffness, whose crosshead is held while contacts snap
+    /// (N/m, mN/m, kN/m; a bare number in N/m)
+    #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, conflicts_with = "drive")]
+    machine_stiffness: Option<f64>,
+    #[command(flatten)]
+    pub(crate) adhesion: RangeArguments,
+    #[command(flatten)]
+    pub(crate) floor: FloorArguments,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
 
-    /// The cycle of loading and unloading, where one is asked for.
-    pub(crate) fn cycle(&self) -> Option<CyclePlan> {
-        let turn = match (self.to, self.to_force) {
-            (Some(indentation), _) => Turn::Indentation(indentation),
-            (None, Some(force)) => Turn::Force(force),
-            (None, None) => Turn::Critical(1.0),
+impl Cycle {
+    pub(crate) fn plan(&self) -> Result<CyclePlan, Failure> {
+        let turn = match LoadingEnd::of(None, false, self.to, self.to_force)? {
+            LoadingEnd::Indentation(indentation) => Turn::Indentation(indentation),
+            LoadingEnd::Force(force) => Turn::Force(force),
+            LoadingEnd::Critical | LoadingEnd::CriticalOr(_) => Turn::Critical(1.0),
         };
         let drive = match (self.machine_stiffness, self.drive) {
             (Some(stiffness), _) => Drive::Machine(stiffness),
             (None, HeldLoad::Displacement) => Drive::Displacement,
             (None, HeldLoad::Force) => Drive::Force,
         };
-        let retract = self.retract;
-        retract.then_some(CyclePlan {
+        Ok(CyclePlan {
             turn,
             drive,
-            retract,
+            retract: true,
         })
     }
 }
@@ -1257,6 +1293,26 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    /// With the same options; any other use of `approach` is left alone.
+    #[test]
+    fn approach_with_retract_is_cycle() {
+        let renamed = |line: &str| {
+            let arguments = line.split(' ').map(OsString::from).collect();
+            let (arguments, renamed) = renamed(arguments);
+            let words = arguments.iter().map(|word| word.to_str().unwrap());
+            (words.collect::<Vec<_>>().join(" "), renamed)
+        };
+        let new = renamed("fakir approach case.toml --retract --to 3um");
+        assert_eq!(new, ("fakir cycle case.toml --to 3um".to_owned(), true));
+        for line in [
+            "fakir approach case.toml",
+            "fakir press case.toml --retract",
+            "fakir approach -- --retract",
+        ] {
+            assert_eq!(renamed(line), (line.to_owned(), false));
+        }
     }
 
     #[test]

@@ -193,7 +193,7 @@ fn load_words(invalid: &InvalidQuantity) -> String {
     let (quantity, value) = (invalid.quantity, format_quantity(invalid.value, dimension));
     if invalid.value < 0.0 {
         return format!(
-            "{quantity} cannot be {value}: it must be 0 or greater (fakir approach --retract pulls the lens off tops that stick)"
+            "{quantity} cannot be {value}: it must be 0 or greater (fakir cycle pulls the lens off tops that stick)"
         );
     }
     let requirement = invalid.requirement;

@@ -28,7 +28,11 @@ use std::path::Path;
 ///
 /// Ends the process itself where arguments are wrong, or help is asked for.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let (arguments, is_older_name) = arguments::renamed(arguments.into_iter().collect());
     let arguments = Arguments::parse_from(arguments);
+    if is_older_name {
+        failure::tell("note: fakir approach --retract is now named fakir cycle");
+    }
     match run(&arguments.command) {
         Ok(status) => status,
         Err(failure) => {
@@ -41,6 +45,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 fn run(command: &Command) -> Result<Status, Failure> {
     match command {
         Command::Init(options) => commands::init::run(options),
+        Command::Results(options) => commands::results::run(options),
         #[cfg(feature = "explore")]
         Command::Explore(options) => commands::explore::run(options, explored_case(options)?),
         Command::Cite(options) => commands::cite::run(options),
@@ -95,13 +100,6 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let (mut file, path) = (read_case(&options.case)?, options.path()?);
             options.floor.apply(&mut file)?;
             let saves = options.case.output.is_some();
-            if let Some(plan) = options.cycle() {
-                file.refuse_surface_for(TextureOnly::Cycle)?;
-                return answer(command, &options.case, &file, move |case| {
-                    let range = options.range().of(case)?;
-                    commands::cycle::run(case, plan, range, saves, &session)
-                });
-            }
             if file.is_surface() {
                 return deliver(command, &options.case, file.warnings(), move || {
                     commands::surface::approach(&file, &path, saves, &session)
@@ -109,6 +107,17 @@ fn run(command: &Command) -> Result<Status, Failure> {
             }
             answer(command, &options.case, &file, move |case| {
                 commands::approach::run(case, &path, saves, &session)
+            })
+        }
+        Command::Cycle(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            let mut file = read_case(&options.case)?;
+            options.floor.apply(&mut file)?;
+            file.refuse_surface_for(TextureOnly::Cycle)?;
+            let (plan, saves) = (options.plan()?, options.case.output.is_some());
+            answer(command, &options.case, &file, move |case| {
+                let range = options.adhesion.of(case)?;
+                commands::cycle::run(case, plan, range, saves, &session)
             })
         }
         Command::Verify(options) => {

@@ -491,7 +491,7 @@ struct CycleLine<'a> {
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct Shown<'a> {
-    /// As `fakir approach --retract --json` prints it.
+    /// As `fakir cycle --json` prints it.
     summary: &'a CycleSummary,
     /// What the critical force would be if nothing stuck.
     critical_force_without_adhesion_N: f64,

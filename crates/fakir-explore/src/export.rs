@@ -109,7 +109,7 @@ impl Answer {
         }
     }
 
-    /// What `fakir transition --json`, `fakir press --json` or `fakir approach --retract --json` prints.
+    /// What `fakir transition --json`, `fakir press --json` or `fakir cycle --json` prints.
     fn summary(&self) -> Vec<u8> {
         let text = match self {
             Self::Cycle(solved, ..) => json(&CycleSummary::new(&solved.cycle, solved.wall_time)),

@@ -395,7 +395,7 @@ impl Worker {
             Err(Failure::Cancelled) if self.timed_out.load(Ordering::Relaxed) => {
                 let patience = self.kind.patience().as_secs();
                 let accepted = match self.kind {
-                    Kind::Cycle => "fewer pillars, or `fakir approach --retract`",
+                    Kind::Cycle => "fewer pillars, or `fakir cycle`",
                     _ => "fewer pillars, a coarser method, or `fakir transition`",
                 };
                 Refusal::impossible(format!("this takes longer than {patience} s"))

@@ -55,7 +55,7 @@ fn command(case: &Case, question: Question) -> String {
             "fakir press case.toml --indentation {}",
             format_quantity(indentation, Dimension::Length).replace(' ', "")
         ),
-        Question::Cycle => "fakir approach case.toml --retract".to_owned(),
+        Question::Cycle => "fakir cycle case.toml".to_owned(),
     };
     let changes = Key::ALL.into_iter().filter_map(|key| {
         let value = case.value(key)?;
@@ -251,10 +251,7 @@ mod tests {
             "{told}"
         );
         let command = command(&case, Question::Cycle);
-        assert!(
-            command.contains("fakir approach case.toml --retract \\\n"),
-            "{command}"
-        );
+        assert!(command.contains("fakir cycle case.toml \\\n"), "{command}");
         assert!(command.contains("--set adhesion.work=50mJ/m2"), "{command}");
     }
 }

@@ -200,7 +200,7 @@ impl Grid {
         for (study, rows) in studies {
             let count = study.cases() / curves.len();
             for row in *rows {
-                if let Some(Answer::Contact(record)) = &row.answer
+                if let Some(Answer::Numbers(record)) = &row.answer
                     && row.problem.is_none()
                 {
                     curves[row.index / count].states.push(record.into());

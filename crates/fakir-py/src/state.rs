@@ -305,7 +305,7 @@ pub(crate) fn approach(
     Ok((summary, critical, states))
 }
 
-/// The object that `fakir approach --retract --json` prints, the critical state, the columns of the pillars that hold at pull-off, and
+/// The object that `fakir cycle --json` prints, the critical state, the columns of the pillars that hold at pull-off, and
 /// how the computation ended.
 pub(crate) type Cycled<'py> = (
     String,

@@ -1,7 +1,6 @@
 //! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
 
 use crate::collapsed::Collapsed;
-use crate::cycled::Cycled;
 use crate::record::{Kind, Record};
 use fakir::state::{Contact, Termination, Unresolved};
 use fakir_case::Study;
@@ -23,26 +22,25 @@ pub struct Row {
     pub wall_time: f64,
 }
 
-/// What a case answers: the numbers of `fakir transition --json`, `fakir press --json` or `fakir approach --retract --json`.
+/// What a case answers: the numbers of `fakir transition --json`, `fakir press --json` or `fakir cycle --json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
-    /// A contact under a load, or the critical state.
-    Contact(Record),
-    /// Loading and unloading with adhesion.
-    Cycle(Cycled),
+    /// A contact under a load, the critical state, or a cycle.
+    Numbers(Record),
     /// How a floor that sticks collapses and lets go.
     Collapse(Collapsed),
 }
 
-/// Which contacts a study asks for, if it does.
-pub(crate) fn kind_of_contacts(study: &Study) -> Option<Kind> {
+/// Which numbers a study asks for; none of a collapse.
+pub(crate) fn kind_of(study: &Study) -> Option<Kind> {
     match (study.asked(), study.is_of_surfaces()) {
         (Asked::Transition, false) => Some(Kind::Transition),
         (Asked::Transition, true) => Some(Kind::SurfaceTransition),
         (Asked::Press, false) => Some(Kind::Press),
         (Asked::Press, true) => Some(Kind::SurfacePress),
-        (Asked::Cycle | Asked::Collapse, _) => None,
+        (Asked::Cycle, _) => Some(Kind::Cycle),
+        (Asked::Collapse, _) => None,
     }
 }
 

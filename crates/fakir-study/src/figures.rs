@@ -1,10 +1,10 @@
 //! Figures of a sweep, and figures as files.
 
 use crate::answer::{Answer, Row};
-use crate::cycled::Cycled;
 use crate::numbers::{column_unit, scaled};
 use crate::output::File;
 use crate::provenance::Provenance;
+use crate::record::Record;
 use fakir_case::Key;
 use fakir_case::Study;
 use fakir_case::study::{Asked, Axis, Combine, Coordinate, Variable};
@@ -27,7 +27,7 @@ pub fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
 const MOST_CURVES: usize = 6;
 
 /// Cycles of one curve, each with its place along the bottom in SI units.
-type Cycles<'a> = Vec<(f64, &'a Cycled)>;
+type Cycles<'a> = Vec<(f64, &'a Record)>;
 
 /// Pull-off and hysteresis of the cycles of a study: over the surface fraction if that is an axis, otherwise over the longest axis of numbers; a
 /// curve for every combination of the others, and some of them if there are too many. None of another question, of an axis with a single value, and
@@ -60,7 +60,7 @@ pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
         }
         let curve = curves.entry(place);
         let (_, points) = curve.or_insert_with(|| (Text::from(words.join(", ")), Vec::new()));
-        if let (Coordinate::Number(x), Some(Answer::Cycle(cycle)), None) =
+        if let (Coordinate::Number(x), Some(Answer::Numbers(cycle)), None) =
             (&row.coordinates[across], &row.answer, &row.problem)
         {
             points.push((*x, cycle));
@@ -93,17 +93,17 @@ fn across(study: &Study, axes: &[&Axis]) -> Option<usize> {
     of_fraction.or_else(|| numbers().rev().max_by_key(|k| axes[*k].len()))
 }
 
-fn curve(label: &Text, points: &[(f64, &Cycled)], size: f64) -> PullOffCurve {
+fn curve(label: &Text, points: &[(f64, &Record)], size: f64) -> PullOffCurve {
     let mut points: Vec<PullOffPoint> = points
         .iter()
         .map(|(x, cycle)| {
-            let (pull, hysteresis) = (cycle.pull_off, cycle.hysteresis);
+            let number = |path| cycle.number(path).unwrap_or(f64::NAN);
             PullOffPoint {
                 x: x / size,
-                force: pull.map_or(f64::NAN, |it| it.force),
-                normalized_force: pull.map_or(f64::NAN, |it| it.normalized_force),
-                hysteresis: hysteresis.map_or(f64::NAN, |it| it.area),
-                normalized_hysteresis: hysteresis.map_or(f64::NAN, |it| it.normalized),
+                force: number("pull_off_force_N"),
+                normalized_force: number("normalized_pull_off_force"),
+                hysteresis: number("hysteresis_J"),
+                normalized_hysteresis: number("normalized_hysteresis"),
             }
         })
         .collect();

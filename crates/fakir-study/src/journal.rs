@@ -7,7 +7,7 @@
 //! first line that is damaged is an error.
 
 use crate::VERSION;
-use crate::answer::{Answer, Row, kind_of_contacts};
+use crate::answer::{Answer, Row, kind_of};
 use crate::error::StudyError;
 use crate::plan::{Plan, Shard};
 use crate::sweep::Options;
@@ -450,8 +450,7 @@ impl Plan {
 fn is_complete(study: &Study, line: &Line) -> bool {
     match &line.answer {
         None => line.problem.is_some(),
-        Some(Answer::Contact(record)) => Some(record.kind()) == kind_of_contacts(study),
-        Some(Answer::Cycle(_)) => study.asked() == Asked::Cycle,
+        Some(Answer::Numbers(record)) => Some(record.kind()) == kind_of(study),
         Some(Answer::Collapse(_)) => study.asked() == Asked::Collapse,
     }
 }

@@ -47,7 +47,6 @@ pub mod citations;
 pub mod closed_forms;
 mod collapsed;
 pub mod compare;
-mod cycled;
 mod error;
 mod exact;
 pub mod fields;
@@ -73,7 +72,6 @@ pub use collapsed::{
     Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
     Validity, collapse, collapse_path,
 };
-pub use cycled::{Cycled, Errors, Hysteresis, Loading, OnStuckFloor, Pull};
 pub use error::StudyError;
 pub use folder::{Existing, Ledger, Summary, TABLES, merge, sweep_into};
 pub use journal::DamagedLine;

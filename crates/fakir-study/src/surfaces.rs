@@ -89,7 +89,7 @@ pub(crate) fn answer(
                     system: &case.system,
                     answer: &critical,
                 });
-                (Answer::Contact(answer), problem_of(&critical.contact))
+                (Answer::Numbers(answer), problem_of(&critical.contact))
             }
             load => {
                 let contact = case.system.press(load, run)?;
@@ -97,7 +97,7 @@ pub(crate) fn answer(
                     system: &case.system,
                     answer: &contact,
                 });
-                (Answer::Contact(answer), problem_of(&contact))
+                (Answer::Numbers(answer), problem_of(&contact))
             }
         })
     })?;

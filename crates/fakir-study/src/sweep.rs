@@ -2,7 +2,6 @@
 
 use crate::answer::{Answer, Row, problem, problem_of};
 use crate::collapsed::collapse;
-use crate::cycled::Cycled;
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
 use crate::record::Record;
@@ -255,7 +254,7 @@ impl<'a> SharedSweep<'a> {
             (StudiedCase::Texture(texture), Question::Cycle(plan)) => {
                 let cycle = fakir::cycle(&texture.system, plan, texture.method, &run)?;
                 let problem = problem(cycle.termination, cycle.unresolved());
-                return Ok((Answer::Cycle(Cycled::from(&cycle)), problem));
+                return Ok((Answer::Numbers(Record::of(&cycle)), problem));
             }
             (StudiedCase::Surface(file), Question::Contact(control)) => {
                 return surfaces::answer(file, control, &run);
@@ -272,12 +271,12 @@ impl<'a> SharedSweep<'a> {
         match control {
             Control::FloorContact => {
                 let critical = fakir::transition(system, method, &run)?;
-                let answer = Answer::Contact(Record::of(&critical));
+                let answer = Answer::Numbers(Record::of(&critical));
                 Ok((answer, problem_of(&critical.contact)))
             }
             load => {
                 let state = fakir::press(system, load, method, &run)?;
-                Ok((Answer::Contact(Record::of(&state)), problem_of(&state)))
+                Ok((Answer::Numbers(Record::of(&state)), problem_of(&state)))
             }
         }
     }

@@ -1,12 +1,11 @@
 //! The rows of a sweep as a table: one row per case, one column per axis and per number.
 
-use crate::answer::{Answer, Row, kind_of_contacts};
+use crate::answer::{Answer, Row, kind_of};
 use crate::collapsed::{Collapsed, FloorJump, FloorLoss};
-use crate::cycled::{Cycled, Errors};
 use crate::output::File;
 use crate::record::{Entry, Kind, Record, Type, Value as Recorded};
 use fakir_case::Study;
-use fakir_case::study::{Asked, Coordinate};
+use fakir_case::study::Coordinate;
 use serde_json::{Map, Value, json};
 
 /// A table of results, without times: the same study gives the same table.
@@ -54,12 +53,9 @@ impl Table {
                 values: coordinate_values(axis.is_numeric(), coordinates),
             });
         }
-        if let Some(kind) = kind_of_contacts(study) {
-            contact_columns(rows, kind, &mut columns);
-        } else if study.asked() == Asked::Cycle {
-            cycle_columns(rows, &mut columns);
-        } else {
-            collapse_columns(rows, &mut columns);
+        match kind_of(study) {
+            Some(kind) => number_columns(rows, kind, &mut columns),
+            None => collapse_columns(rows, &mut columns),
         }
         let converged = |row: &Row| Some(row.problem.is_none());
         columns.push(Column {
@@ -186,11 +182,6 @@ impl<'a, T> Answers<'a, T> {
         self.push(name, Values::Numbers(values.collect()));
     }
 
-    fn count(&mut self, name: &str, value: impl Fn(&T) -> usize) {
-        let count = |answer: &T| i64::try_from(value(answer)).unwrap_or(i64::MAX);
-        self.push(name, Values::Counts(self.values(count)));
-    }
-
     fn count_if_any(&mut self, name: &str, value: impl Fn(&T) -> Option<usize>) {
         let count = |answer: &T| value(answer).and_then(|value| i64::try_from(value).ok());
         let values = self.values(count).into_iter().map(Option::flatten);
@@ -202,12 +193,12 @@ impl<'a, T> Answers<'a, T> {
     }
 }
 
-/// The columns of contacts of one kind.
-fn contact_columns(rows: &[Row], kind: Kind, columns: &mut Vec<Column>) {
+/// The columns of answers of one kind.
+fn number_columns(rows: &[Row], kind: Kind, columns: &mut Vec<Column>) {
     let answers = rows.iter().map(|row| row.answer.as_ref());
     let records: Vec<Option<&Record>> = answers
         .map(|answer| match answer {
-            Some(Answer::Contact(record)) if record.kind() == kind => Some(record),
+            Some(Answer::Numbers(record)) if record.kind() == kind => Some(record),
             _ => None,
         })
         .collect();
@@ -221,81 +212,6 @@ fn contact_columns(rows: &[Row], kind: Kind, columns: &mut Vec<Column>) {
                 values: Values::of_entry(entry, coordinate, values),
             });
         }
-    }
-}
-
-fn cycle_columns(rows: &[Row], columns: &mut Vec<Column>) {
-    let mut of: Answers<'_, Cycled> = Answers::of(rows, columns, |answer| match answer {
-        Answer::Cycle(cycle) => Some(cycle),
-        _ => None,
-    });
-    of.word("method", |it| it.method.clone());
-    of.number("surface_fraction", |it| it.surface_fraction);
-    of.number("pitch_m", |it| it.pitch);
-    of.number("work_of_adhesion_J_per_m2", |it| it.work);
-    of.number("receding_work_of_adhesion_J_per_m2", |it| it.work_receding);
-    of.word("drive", |it| it.drive.clone());
-    of.number_if_any("machine_stiffness_N_per_m", |it| it.machine_stiffness);
-    of.number_if_any("critical_force_N", |it| it.loading.critical_force);
-    of.number_if_any("critical_indentation_m", |it| {
-        it.loading.critical_indentation
-    });
-    of.number_if_any("critical_contact_radius_m", |it| {
-        it.loading.critical_contact_radius
-    });
-    of.number("turn_force_N", |it| it.loading.turn_force);
-    of.number("turn_indentation_m", |it| it.loading.turn_indentation);
-    of.count("turn_pillars_in_contact", |it| {
-        it.loading.turn_pillars_in_contact
-    });
-    of.number_if_any("pull_off_force_N", |it| Some(it.pull_off?.force));
-    of.number_if_any("pull_off_indentation_m", |it| {
-        Some(it.pull_off?.indentation)
-    });
-    of.count_if_any("pull_off_pillars_in_contact", |it| {
-        Some(it.pull_off?.pillars_in_contact)
-    });
-    of.number("kendall_pull_off_force_N", |it| it.kendall_pull_off);
-    of.number_if_any("normalized_pull_off_force", |it| {
-        Some(it.pull_off?.normalized_force)
-    });
-    of.number_if_any("last_release_indentation_m", |it| it.last_release);
-    of.number("work_of_separation_J", |it| it.work_of_separation);
-    of.number_if_any("hysteresis_J", |it| Some(it.hysteresis?.area));
-    of.number_if_any("normalized_hysteresis", |it| {
-        Some(it.hysteresis?.normalized)
-    });
-    of.number_if_any("certificate", |it| Some(it.hysteresis?.certificate));
-    if of.answers.iter().flatten().any(|it| it.floor.is_some()) {
-        jump_columns(&mut of, |it| Some(it.floor?.jump));
-        loss_columns(&mut of, |it| it.floor?.lost);
-        of.number_if_any("relative_error_estimate_jump_force", |it| {
-            Some(it.floor?.jump_force_error)
-        });
-        of.number_if_any("relative_error_estimate_jump_floor_area", |it| {
-            Some(it.floor?.jump_area_error)
-        });
-        of.number_if_any("relative_error_estimate_floor_lost_indentation", |it| {
-            Some(it.floor?.lost_indentation_error)
-        });
-    }
-    of.number("kendall_strain", |it| it.kendall_strain);
-    type Of = fn(&Cycled) -> Option<Errors>;
-    let errors: [(&str, Of); 4] = [
-        ("critical_force", |it| it.loading.critical_force_error),
-        ("critical_indentation", |it| {
-            it.loading.critical_indentation_error
-        }),
-        ("pull_off_force", |it| Some(it.pull_off?.error)),
-        ("hysteresis", |it| Some(it.hysteresis?.error)),
-    ];
-    for (name, error) in errors {
-        of.number_if_any(&format!("relative_error_estimate_{name}"), |it| {
-            Some(error(it)?.numerical)
-        });
-        of.number_if_any(&format!("relative_model_error_{name}"), |it| {
-            Some(error(it)?.model)
-        });
     }
 }
 

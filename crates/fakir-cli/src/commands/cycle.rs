@@ -1,4 +1,4 @@
-//! `fakir approach --retract`: loading and unloading of pillar tops that stick.
+//! `fakir cycle`: loading and unloading of pillar tops that stick.
 
 use crate::failure::Failure;
 use crate::numbers::{digits, seconds, significant, with_unit};
@@ -31,7 +31,7 @@ pub(crate) fn run(
 ) -> Result<Report, Failure> {
     if case.system.adhesion().is_none() {
         return Err(Failure::Argument(
-            "--retract needs pillar tops that stick: give adhesion.work in the case file, or --set \
+            "a cycle needs pillar tops that stick: give adhesion.work in the case file, or --set \
              adhesion.work=50mJ/m2; without adhesion the lens is withdrawn the way it came"
                 .to_owned(),
         ));

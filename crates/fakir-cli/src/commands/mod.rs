@@ -13,6 +13,7 @@ pub(crate) mod init;
 pub(crate) mod installed;
 pub(crate) mod press;
 pub(crate) mod reproduce;
+pub(crate) mod results;
 pub(crate) mod rounded;
 pub(crate) mod surface;
 pub(crate) mod sweep;

@@ -22,7 +22,7 @@ pub(crate) const NO_SECOND_OPINION: &str =
 
 /// What can be verified of them.
 pub(crate) const WITHOUT_ADHESION: &str = "--set adhesion.work=0 verifies the contact without adhesion, if adhesion.work_receding is not given either; \
-     of a whole cycle, fakir approach --retract sets the loop area against what all events dissipate";
+     of a whole cycle, fakir cycle sets the loop area against what all events dissipate";
 
 pub(crate) fn run(
     case: &Case,

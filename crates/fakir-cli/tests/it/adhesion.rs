@@ -15,7 +15,7 @@ fn a_cycle_agrees_with_an_independent_program() {
     let bench = Bench::new();
     let case = adhesive();
     let cycle = |more: &[&str]| {
-        let arguments = [&["approach", &case, "--retract"], more].concat();
+        let arguments = [&["cycle", &case], more].concat();
         bench.json(&arguments)
     };
     let by_displacement = cycle(&[]);
@@ -53,7 +53,7 @@ fn a_cycle_agrees_with_an_independent_program() {
 fn keys_of_a_cycle_are_the_contract() {
     let few = ["--set", "texture.surface_fraction=0.003"];
     let case = adhesive();
-    let arguments = [&["approach", &case, "--retract"], &few[..]].concat();
+    let arguments = [&["cycle", &case], &few[..]].concat();
     let result = Bench::new().json(&arguments);
     insta::assert_snapshot!("keys_of_a_cycle", keys(&result).join("\n"));
     let heading = |name: &str| {
@@ -95,7 +95,7 @@ fn keys_of_a_cycle_are_the_contract() {
 fn a_cycle_in_words() {
     let few = ["--set", "texture.surface_fraction=0.01"];
     let case = adhesive();
-    let arguments = [&["approach", &case, "--retract"], &few[..]].concat();
+    let arguments = [&["cycle", &case], &few[..]].concat();
     let shown = Bench::new().result(&arguments);
     insta::assert_snapshot!("cycle", without_times(&shown));
 }
@@ -120,7 +120,7 @@ fn number(text: &str) -> f64 {
 #[test]
 fn a_cycle_is_saved_with_its_tables_and_figures() {
     let bench = Bench::new();
-    let arguments = ["approach", &adhesive(), "--retract", "--output", "results"];
+    let arguments = ["cycle", &adhesive(), "--output", "results"];
     let result = bench.json(&arguments);
     assert_eq!(
         bench.files("results"),
@@ -166,8 +166,7 @@ fn a_cycle_is_saved_with_its_tables_and_figures() {
 #[test]
 fn a_cycle_turns_where_it_is_told_to() {
     let bench = Bench::new();
-    let cycle =
-        |end: [&str; 2]| bench.json(&["approach", &adhesive(), "--retract", end[0], end[1]]);
+    let cycle = |end: [&str; 2]| bench.json(&["cycle", &adhesive(), end[0], end[1]]);
     let by_indentation = cycle(["--to", "2um"]);
     assert_close(&by_indentation["turn_indentation_m"], 2e-6, 1e-6);
     assert_eq!(by_indentation["critical_force_N"], Value::Null);
@@ -184,14 +183,7 @@ fn a_cycle_turns_where_it_is_told_to() {
 #[test]
 fn without_floor_the_cycle_goes_past_the_critical_state() {
     let bench = Bench::new();
-    let arguments = [
-        "approach",
-        &adhesive(),
-        "--retract",
-        "--to",
-        "6um",
-        "--without-floor",
-    ];
+    let arguments = ["cycle", &adhesive(), "--to", "6um", "--without-floor"];
     let result = bench.json(&arguments);
     assert_close(&result["turn_indentation_m"], 6e-6, 1e-9);
     assert_close(&result["critical_indentation_m"], 4.07602e-6, 1e-4);
@@ -230,45 +222,33 @@ fn what_cannot_be_is_refused() {
         ),
         (
             &["approach", &case, "--attraction-range", "5nm"],
-            "--retract",
+            "unexpected argument",
         ),
         (
             &["verify", &case],
             "there is no second opinion on adhesion: only the method\n  │ spectral has it",
         ),
+        (&["cycle", &plain], "a cycle needs pillar tops that stick"),
+        (&["cycle", &surface], "adhesion is that of the round tops"),
         (
-            &["approach", &plain, "--retract"],
-            "--retract needs pillar tops that stick",
+            &["approach", &case, "--drive", "force"],
+            "unexpected argument",
         ),
-        (
-            &["approach", &surface, "--retract"],
-            "adhesion is that of the round tops",
-        ),
-        (&["approach", &case, "--drive", "force"], "--retract"),
         (
             &["approach", &case, "--machine-stiffness", "20N/m"],
-            "--retract",
+            "unexpected argument",
         ),
+        (&["cycle", &case, "--step", "1um"], "unexpected argument"),
         (
-            &["approach", &case, "--retract", "--step", "1um"],
-            "cannot be used with",
-        ),
-        (
-            &[
-                "approach",
-                &case,
-                "--retract",
-                "--machine-stiffness",
-                "20uN",
-            ],
+            &["cycle", &case, "--machine-stiffness", "20uN"],
             "uN is a unit of force, not of stiffness",
         ),
         (
-            &["approach", &case, "--retract", "--machine-stiffness", "-1"],
+            &["cycle", &case, "--machine-stiffness", "-1"],
             "stiffness of the machine cannot be -1",
         ),
         (
-            &["approach", &case, "--retract", "--to=-1um"],
+            &["cycle", &case, "--to=-1um"],
             "--to must be greater than 0",
         ),
         (
@@ -437,7 +417,7 @@ fn a_range_of_attraction_tells_whether_it_counts_as_small() {
     let commands: [&[&str]; 3] = [
         &["transition", &case],
         &["press", &case, "--indentation", "1um"],
-        &["approach", &case, "--retract"],
+        &["cycle", &case],
     ];
     for command in commands {
         for (range, strained, words) in [
@@ -522,9 +502,8 @@ fn samples_that_stick_tell_how_pull_off_scatters() {
     // One of these is the cycle of its own case.
     let work = format!("adhesion.work={}", rows[0][0]);
     let alone = bench.json(&[
-        "approach",
+        "cycle",
         &case,
-        "--retract",
         "--set",
         "texture.surface_fraction=0.003",
         "--set",

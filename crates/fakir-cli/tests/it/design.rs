@@ -178,7 +178,7 @@ fn what_is_designed_has_the_wanted_pull_off_force() {
         design["wanted"],
         serde_json::json!({"pull_off_force_N": 4e-5})
     );
-    let again = bench.json(&["approach", "found/case.toml", "--retract"]);
+    let again = bench.json(&["cycle", "found/case.toml"]);
     assert_eq!(
         design["cycle"]["pull_off_force_N"],
         again["pull_off_force_N"]

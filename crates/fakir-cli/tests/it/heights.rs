@@ -393,7 +393,7 @@ fn every_other_command_refuses_rounded_tops() {
     for arguments in [
         &["transition", "case.toml"][..],
         &["approach", "case.toml"],
-        &["approach", "case.toml", "--retract"],
+        &["cycle", "case.toml"],
         &["verify", "case.toml"],
         &["theory", "case.toml"],
         &["compare", "case.toml"],

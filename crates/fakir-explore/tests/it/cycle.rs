@@ -60,7 +60,7 @@ fn the_cycle_is_that_of_the_library() {
     assert!(without > state.force && without < 1.01 * state.force);
     let case = answer.line("case");
     let command = case["command"].as_str().unwrap();
-    assert!(command.contains("fakir approach case.toml --retract"));
+    assert!(command.contains("fakir cycle case.toml"));
     assert!(answer.line("transition").as_array().unwrap().len() > 100);
 
     let told = stations(&answer);

@@ -426,7 +426,7 @@ fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
             Style::marks(place).with_line(Dash::Solid),
         ));
         let tops = at.iter().filter_map(|case| {
-            let pull = cases.tops_of(case)?.found.pull_off?.force;
+            let pull = cases.tops_of(case)?.pull_off?;
             Some([case.found.surface_fraction, -1e3 * pull])
         });
         let tops: Vec<_> = tops.collect();

@@ -122,7 +122,7 @@ fn on_cells(cases: &Cases) -> Option<Finding> {
     let all = cases.floor.iter().chain(&cases.check);
     let solved: Vec<&FloorCase> = all.filter(|case| case.cells.is_some()).collect();
     for case in &solved {
-        let Some(floor) = case.cells.as_ref().and_then(|cells| cells.floor) else {
+        let Some(floor) = case.cells else {
             continue;
         };
         let model = &case.found;
@@ -200,7 +200,7 @@ fn on_cells(cases: &Cases) -> Option<Finding> {
 fn tops(cases: &Cases) -> Option<Finding> {
     let changes = cases.floor.iter().filter_map(|case| {
         let tops = cases.tops_of(case)?;
-        let with = tops.found.loading.critical_force?;
+        let with = tops.critical_force?;
         let hard = !same(case.young_modulus, Substrate::Soft.young_modulus());
         (case.found.critical_force > 0.0 && hard).then(|| with / case.found.critical_force - 1.0)
     });
@@ -307,7 +307,7 @@ fn border(cases: &Cases) -> Option<Finding> {
 
 fn pulls(cases: &Cases) -> Option<Finding> {
     let case = cases.at(Substrate::Intermediate, TYPICAL, RUBBER)?;
-    let tops = -1e3 * cases.tops_of(case)?.found.pull_off?.force;
+    let tops = -1e3 * cases.tops_of(case)?.pull_off?;
     let floor = -1e3 * case.found.pull_off?;
     let smooth = -1e3 * case.found.smooth_pull_off?;
     Some(Finding {
@@ -331,7 +331,7 @@ fn pulls(cases: &Cases) -> Option<Finding> {
 
 fn losses(cases: &Cases) -> Option<Finding> {
     let ratios = cases.floor.iter().filter_map(|case| {
-        let tops = cases.tops_of(case)?.found.hysteresis?.area;
+        let tops = cases.tops_of(case)?.hysteresis?;
         let in_range = case.found.unloading_validity == Validity::InRange;
         (in_range && tops > 0.0).then_some(case.found.hysteresis? / tops)
     });

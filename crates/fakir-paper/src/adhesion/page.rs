@@ -173,7 +173,7 @@ impl Page<'_> {
                                 @else { "-" }
                             }
                             td.n { (force(found.pull_off)) }
-                            td.n { (force(self.cases.tops_of(case).and_then(|tops| Some(tops.found.pull_off?.force)))) }
+                            td.n { (force(self.cases.tops_of(case).and_then(|tops| tops.pull_off))) }
                             td { (found.unloading_validity.name().replace('_', " ")) }
                         }
                     }

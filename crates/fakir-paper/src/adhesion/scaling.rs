@@ -4,9 +4,9 @@
 //! `h` the height and `d` the diameter of pillars and `R` the radius of the lens, what is left are the surface fraction, `R h/d^2`, `kappa`, and one group with the work of adhesion: `w a/(E* h^2)`
 //! or `w/w_c`, where `w_c` is that of collapse of the flat lattice.
 
-use super::study::FloorCase;
+use super::study::{FloorCase, OnCells};
 use fakir::theory::collapsed_floor::{MODEL_ERROR_OF_AREA, NARROWEST_FRONT};
-use fakir_study::{Cycled, Fate, FloorJump, FloorLoss, Validity};
+use fakir_study::{Fate, FloorJump, FloorLoss, Validity};
 use std::f64::consts::PI;
 
 /// What a law is of, without dimension.
@@ -83,38 +83,32 @@ impl Reduced {
     /// The value of a case: on cells, as far as they tell it, or by the fast model in its range. None elsewhere, and where it is not positive.
     #[must_use]
     pub fn of(self, case: &FloorCase) -> Option<f64> {
-        let on_cells = case
-            .cells
-            .as_ref()
-            .and_then(|cells| self.on_cells(case, cells));
+        let on_cells = case.cells.and_then(|cells| self.on_cells(case, cells));
         let value = on_cells.or_else(|| self.by_model(case))?;
         (value > 0.0 && value.is_finite()).then_some(value)
     }
 
     /// On cells, to [`KNOWN_TO`] by their own estimate; after the jump where as much is stuck as the fast model asks for, since in fewer holes their
     /// number makes steps. Their cycles turn back where they touch the floor, so that they tell no hysteresis beside that of the model.
-    fn on_cells(self, case: &FloorCase, cells: &Cycled) -> Option<f64> {
-        let (floor, loading) = (cells.floor?, &cells.loading);
+    fn on_cells(self, case: &FloorCase, cells: OnCells) -> Option<f64> {
         let held = case.fate() == Some(Fate::HeldThroughZero);
         let pull = cells.pull_off.filter(|_| held);
-        let wide = floor.jump.front_radius >= NARROWEST_FRONT * cells.pitch;
+        let wide = cells.jump.front_radius >= NARROWEST_FRONT * cells.pitch;
         let quotient = self.quotient(&Figures {
-            critical_indentation: loading.critical_indentation?,
-            critical_contact_radius: loading.critical_contact_radius?,
-            critical_force: loading.critical_force?,
+            critical_indentation: cells.critical_indentation?,
+            critical_contact_radius: cells.critical_contact_radius?,
+            critical_force: cells.critical_force?,
             smooth_pull_off: 1.5 * PI * cells.work * case.lens_radius,
-            jump: Some(floor.jump).filter(|_| wide),
-            lost: floor.lost,
-            pull_off: pull.map(|pull| pull.force),
+            jump: Some(cells.jump).filter(|_| wide),
+            lost: cells.lost,
+            pull_off: pull,
             hysteresis: None,
         })?;
         let relative_error = match self {
-            Self::Withdrawal => floor.lost_indentation_error,
-            Self::Area => floor.jump_area_error,
-            Self::Drop => floor.jump_force_error,
-            Self::PullOff | Self::Hysteresis => {
-                pull.map_or(0.0, |pull| pull.error.numerical + pull.error.model)
-            }
+            Self::Withdrawal => cells.lost_indentation_error,
+            Self::Area => cells.jump_area_error,
+            Self::Drop => cells.jump_force_error,
+            Self::PullOff | Self::Hysteresis => pull.map_or(0.0, |_| cells.pull_off_error),
         };
         let value = self.value_of(quotient);
         ((relative_error * quotient).abs() <= KNOWN_TO * value.abs()).then_some(value)

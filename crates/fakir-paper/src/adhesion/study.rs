@@ -4,7 +4,8 @@ use crate::grid::Substrate;
 use fakir::theory::stuck_floor::StuckFloor;
 use fakir_case::study::Coordinate;
 use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
-use fakir_study::{Answer, Collapsed, Cycled, Fate, Row, Validity};
+use fakir_study::record::Record;
+use fakir_study::{Answer, Collapsed, Fate, FloorJump, FloorLoss, Row, Validity};
 use std::fmt::Write;
 
 /// A part of the study: a sweep in a folder of its own.
@@ -291,7 +292,7 @@ pub struct FloorCase {
     /// The answer of the fast model.
     pub found: Collapsed,
     /// That on cells of the floor, if they tell more than orders of magnitude.
-    pub cells: Option<Cycled>,
+    pub cells: Option<OnCells>,
 }
 
 impl FloorCase {
@@ -323,7 +324,7 @@ impl FloorCase {
     /// What becomes of the floor when the lens is withdrawn: on cells, or by the fast model in its range.
     #[must_use]
     pub fn fate(&self) -> Option<Fate> {
-        let on_cells = self.cells.as_ref().and_then(|cells| cells.floor?.lost);
+        let on_cells = self.cells.and_then(|cells| cells.lost);
         match on_cells {
             Some(lost) if lost.force > 0.0 => Some(Fate::LostUnderLoad),
             Some(_) => Some(Fate::HeldThroughZero),
@@ -339,8 +340,77 @@ pub struct TopCase {
     pub young_modulus: f64,
     /// Offset of the lens axis, pitches.
     pub offset: f64,
-    /// The answer.
-    pub found: Cycled,
+    /// Fraction of the surface that is pillar top.
+    pub surface_fraction: f64,
+    /// Work of adhesion, J/m^2.
+    pub work: f64,
+    /// Critical force, N.
+    pub critical_force: Option<f64>,
+    /// Pull-off force, N, negative.
+    pub pull_off: Option<f64>,
+    /// Area of the loop of force over indentation, J.
+    pub hysteresis: Option<f64>,
+}
+
+/// What a cycle on cells of a floor that sticks says of it; errors are relative estimates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnCells {
+    /// Distance of neighbouring pillars, m.
+    pub pitch: f64,
+    /// Work of adhesion, J/m^2.
+    pub work: f64,
+    /// Critical force, N.
+    pub critical_force: Option<f64>,
+    /// Critical indentation, m.
+    pub critical_indentation: Option<f64>,
+    /// Critical contact radius, m.
+    pub critical_contact_radius: Option<f64>,
+    /// The state after the jump onto it.
+    pub jump: FloorJump,
+    /// Error of the force after the jump.
+    pub jump_force_error: f64,
+    /// Error of the area after the jump.
+    pub jump_area_error: f64,
+    /// Where it is lost; none if it still is in contact.
+    pub lost: Option<FloorLoss>,
+    /// Error of the indentation at which it is lost.
+    pub lost_indentation_error: f64,
+    /// Pull-off force, N, negative.
+    pub pull_off: Option<f64>,
+    /// Error of that, of solution and model together.
+    pub pull_off_error: f64,
+}
+
+impl OnCells {
+    /// Of a cycle; none if the floor was not touched, or if its cells are coarse.
+    fn of(cycle: &Record) -> Option<Self> {
+        let number = |path: &str| cycle.number(path);
+        if cycle.is("floor_is_coarse") {
+            return None;
+        }
+        let lost = number("floor_lost_indentation_m").zip(number("floor_lost_force_N"));
+        let of_pull_off = ["numerical", "model"]
+            .map(|part| number(&format!("relative_error_estimate.pull_off_force.{part}")));
+        Some(Self {
+            pitch: number("pitch_m")?,
+            work: number("work_of_adhesion_J_per_m2")?,
+            critical_force: number("critical_force_N"),
+            critical_indentation: number("critical_indentation_m"),
+            critical_contact_radius: number("critical_contact_radius_m"),
+            jump: FloorJump {
+                force: number("jump_force_N")?,
+                floor_area: number("jump_floor_area_m2")?,
+                front_radius: number("jump_front_radius_m")?,
+                holes: cycle.count("jump_holes")?,
+            },
+            jump_force_error: number("relative_error_estimate_jump_force")?,
+            jump_area_error: number("relative_error_estimate_jump_floor_area")?,
+            lost: lost.map(|(indentation, force)| FloorLoss { indentation, force }),
+            lost_indentation_error: number("relative_error_estimate_floor_lost_indentation")?,
+            pull_off: number("pull_off_force_N"),
+            pull_off_error: of_pull_off.into_iter().flatten().sum(),
+        })
+    }
 }
 
 /// The value of a key of a row; that of the example where it is no axis.
@@ -386,10 +456,14 @@ pub fn floor_cases(study: &Study, rows: &[Row]) -> Vec<FloorCase> {
 #[must_use]
 pub fn top_cases(study: &Study, rows: &[Row]) -> Vec<TopCase> {
     let case = |row: &Row| match &row.answer {
-        Some(Answer::Cycle(found)) if row.problem.is_none() => Some(TopCase {
+        Some(Answer::Numbers(found)) if row.problem.is_none() => Some(TopCase {
             young_modulus: value(study, row, Key::SubstrateYoungModulus, 0.0),
             offset: value(study, row, Key::Offset, 0.0),
-            found: found.clone(),
+            surface_fraction: found.number("surface_fraction")?,
+            work: found.number("work_of_adhesion_J_per_m2")?,
+            critical_force: found.number("critical_force_N"),
+            pull_off: found.number("pull_off_force_N"),
+            hysteresis: found.number("hysteresis_J"),
         }),
         _ => None,
     };
@@ -421,11 +495,10 @@ impl Cases {
         let cases = self.floor.iter_mut().chain(&mut self.check);
         let on_cells = cases.filter(|case| scope.is_on_cells(case));
         for (case, row) in on_cells.zip(rows) {
-            if let Some(Answer::Cycle(cycle)) = &row.answer
+            if let Some(Answer::Numbers(cycle)) = &row.answer
                 && row.problem.is_none()
-                && cycle.floor.is_some_and(|floor| !floor.coarse)
             {
-                case.cells = Some(cycle.clone());
+                case.cells = OnCells::of(cycle);
             }
         }
     }
@@ -451,8 +524,8 @@ impl Cases {
         self.tops.iter().find(|tops| {
             same(tops.young_modulus, case.young_modulus)
                 && (tops.offset - case.offset).abs() < 1e-12
-                && same(tops.found.surface_fraction, case.found.surface_fraction)
-                && same(tops.found.work, case.found.work)
+                && same(tops.surface_fraction, case.found.surface_fraction)
+                && same(tops.work, case.found.work)
         })
     }
 }

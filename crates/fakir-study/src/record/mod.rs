@@ -7,6 +7,7 @@
 //! In tables the column is named by the path with underscores for dots, with `relative_error_estimate` first, and a point has two columns.
 
 mod contact;
+mod cycle;
 mod gradient;
 mod limit;
 mod object;
@@ -64,7 +65,8 @@ pub struct Entry {
     symbol: &'static str,
     meaning: &'static str,
     pub(crate) of: Type,
-    /// Whether tables have it; JSON objects have all.
+    /// Whether JSON objects have it, and whether tables have it.
+    in_objects: bool,
     in_tables: bool,
     /// A column that is not named by the path.
     column: Option<&'static str>,
@@ -101,6 +103,7 @@ impl<T> Named<T> {
             symbol: "",
             meaning,
             of,
+            in_objects: true,
             in_tables: true,
             column: None,
             decides: false,
@@ -207,6 +210,12 @@ impl<T> Named<T> {
         self
     }
 
+    /// In tables alone.
+    fn in_tables(mut self) -> Self {
+        self.entry.in_objects = false;
+        self
+    }
+
     /// With a column of this name.
     fn column(mut self, name: &'static str) -> Self {
         self.entry.column = Some(name);
@@ -256,16 +265,19 @@ pub enum Kind {
     SurfaceTransition,
     /// A contact with rounded tops.
     RoundedPress,
+    /// A cycle of loading and unloading.
+    Cycle,
 }
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Press,
         Self::Transition,
         Self::SurfacePress,
         Self::SurfaceTransition,
         Self::RoundedPress,
+        Self::Cycle,
     ];
 
     /// Its name in journals and in the schema.
@@ -277,6 +289,19 @@ impl Kind {
             Self::SurfacePress => "surface_press",
             Self::SurfaceTransition => "surface_transition",
             Self::RoundedPress => "rounded_press",
+            Self::Cycle => "cycle",
+        }
+    }
+
+    /// What the reference calls it.
+    fn heading(self) -> &'static str {
+        match self {
+            Self::Press => "A contact",
+            Self::Transition => "A critical state",
+            Self::SurfacePress => "A contact with a height map",
+            Self::SurfaceTransition => "A critical state with a height map",
+            Self::RoundedPress => "A contact with rounded tops",
+            Self::Cycle => "A cycle",
         }
     }
 
@@ -285,7 +310,7 @@ impl Kind {
         fn of<T: Recorded>() -> Vec<Entry> {
             T::rows().iter().map(|row| row.entry).collect()
         }
-        static ALL: LazyLock<[Vec<Entry>; 5]> = LazyLock::new(|| {
+        static ALL: LazyLock<[Vec<Entry>; 6]> = LazyLock::new(|| {
             Kind::ALL.map(|kind| match kind {
                 Kind::Press => of::<fakir::state::ContactState>(),
                 Kind::Transition => of::<fakir::state::CriticalState>(),
@@ -294,6 +319,7 @@ impl Kind {
                     of::<SurfaceAnswer<'_, fakir::state::SurfaceTransition>>()
                 }
                 Kind::RoundedPress => of::<RoundedAnswer<'_>>(),
+                Kind::Cycle => of::<fakir::state::Cycle>(),
             })
         });
         &ALL[self as usize]
@@ -374,10 +400,10 @@ impl Record {
         }
     }
 
-    /// Whether the numbers are the solution.
+    /// Whether something is so, by its path in the JSON object.
     #[must_use]
-    pub fn converged(&self) -> bool {
-        self.get("converged") == Some(&Value::Flag(true))
+    pub fn is(&self, path: &str) -> bool {
+        self.get(path) == Some(&Value::Flag(true))
     }
 
     /// The JSON object of the numbers alone.

@@ -36,6 +36,7 @@ impl Object {
     /// Numbers that are known.
     pub(super) fn of_values<'a>(pairs: impl Iterator<Item = (&'a Entry, &'a Value)>) -> Self {
         let pairs: Vec<(&str, &Entry, &Value)> = pairs
+            .filter(|(entry, _)| entry.in_objects)
             .map(|(entry, value)| (entry.path, entry, value))
             .collect();
         Self::tree(&pairs)

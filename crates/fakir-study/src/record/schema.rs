@@ -3,9 +3,15 @@
 use super::{Entry, Kind, SCHEMA_VERSION, Type};
 use serde_json::{Map, Value, json};
 
-/// The numbers of one kind as a table in Markdown: name, symbol, meaning.
+/// The names of all numbers of contacts, as Markdown: a table for each kind of answer.
 #[must_use]
-pub fn reference(kind: Kind) -> String {
+pub fn reference() -> String {
+    let tables = Kind::ALL.map(|kind| format!("## {}\n\n{}\n", kind.heading(), table(kind)));
+    tables.join("\n")
+}
+
+/// The numbers of one kind: name, symbol, meaning.
+fn table(kind: Kind) -> String {
     let mut lines = vec![
         "| name | symbol | meaning |".to_owned(),
         "|---|---|---|".to_owned(),
@@ -18,7 +24,9 @@ pub fn reference(kind: Kind) -> String {
             .collect();
         let names = names.join(", ");
         let own = format!("`{}`", entry.path);
-        let name = if names.is_empty() || names == own {
+        let name = if !entry.in_objects {
+            format!("in tables {names}")
+        } else if names.is_empty() || names == own {
             own
         } else {
             format!("{own}; in tables {names}")
@@ -52,6 +60,7 @@ fn of_kind(kind: Kind) -> Value {
     let entries: Vec<(&str, &Entry)> = kind
         .entries()
         .iter()
+        .filter(|entry| entry.in_objects)
         .map(|entry| (entry.path, entry))
         .collect();
     let mut object = of_group(&entries);

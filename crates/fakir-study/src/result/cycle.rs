@@ -2,9 +2,8 @@
 
 use super::warnings_of;
 use crate::VERSION;
-use crate::record::LimitObject;
-use fakir::problem::Method;
-use fakir::state::{Cycle, CycleError, CycleEvent, CycleStation, HeldFloor};
+use crate::record::{LimitObject, Object, SCHEMA_VERSION};
+use fakir::state::{Cycle, CycleEvent, CycleStation, HeldFloor};
 use serde::Serialize;
 
 /// A point of the curve of force over indentation, which is linear between one and the next: a row of `cycle.csv`.
@@ -200,85 +199,12 @@ impl FloorObject {
     }
 }
 
-/// Estimated relative errors of a figure of a cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct CycleErrorObject {
-    /// Of the numerical solution: the sum of the next three.
-    pub numerical: f64,
-    /// From the levels at which fronts on pillar tops stop.
-    pub levels: f64,
-    /// From the angles at which rims are looked at.
-    pub rim_angles: f64,
-    /// From the degree of the pressure on pillar tops.
-    pub degree: f64,
-    /// Of the model: from the shapes that fronts can take.
-    pub model_fronts: f64,
-    /// Of the model: from pillars that lean where they are pulled on one side, which columns do not.
-    pub model_columns: f64,
-}
-
-impl From<CycleError> for CycleErrorObject {
-    fn from(error: CycleError) -> Self {
-        Self {
-            numerical: error.numerical(),
-            levels: error.levels,
-            rim_angles: error.rim_angles,
-            degree: error.degree,
-            model_fronts: error.fronts,
-            model_columns: error.columns,
-        }
-    }
-}
-
-/// Estimated relative errors of the figures of a cycle; none of what the cycle does not have.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct CycleErrorsObject {
-    critical_force: Option<CycleErrorObject>,
-    critical_indentation: Option<CycleErrorObject>,
-    pull_off_force: Option<CycleErrorObject>,
-    hysteresis: Option<CycleErrorObject>,
-}
-
-/// A cycle: what `fakir approach --retract --json` prints.
+/// A cycle: what `fakir cycle --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 pub struct CycleSummary {
-    method: &'static str,
-    work_of_adhesion_J_per_m2: f64,
-    receding_work_of_adhesion_J_per_m2: f64,
-    drive: &'static str,
-    /// None unless a machine drives the lens.
-    machine_stiffness_N_per_m: Option<f64>,
-    first_contact_indentation_m: Option<f64>,
-    first_contact_force_N: Option<f64>,
-    /// Where a lens without load comes to rest.
-    zero_load_indentation_m: Option<f64>,
-    /// None, as all of the critical state, if the lens does not go down so far.
-    critical_force_N: Option<f64>,
-    critical_indentation_m: Option<f64>,
-    critical_contact_radius_m: Option<f64>,
-    critical_pillars_in_contact: Option<usize>,
-    critical_pillars_partially_in_contact: Option<usize>,
-    turn_force_N: f64,
-    turn_indentation_m: f64,
-    turn_contact_radius_m: f64,
-    turn_pillars_in_contact: usize,
-    turn_pillars_partially_in_contact: usize,
-    /// Whether the floor ended the loading before what was planned.
-    stopped_by_floor: bool,
-    /// None if nothing pulls.
-    pull_off_force_N: Option<f64>,
-    pull_off_indentation_m: Option<f64>,
-    pull_off_pillars_in_contact: Option<usize>,
-    /// None if something is still in contact.
-    last_release_indentation_m: Option<f64>,
-    work_of_separation_J: f64,
-    /// Area of the loop of force over indentation; none of a path that is not closed.
-    hysteresis_J: Option<f64>,
-    dissipation_J: f64,
-    /// Relative difference of the last two; none of a path that is not closed.
-    certificate: Option<f64>,
-    relative_error_estimate: CycleErrorsObject,
+    #[serde(flatten)]
+    numbers: Object,
     /// None if the floor does not stick, or was not touched.
     #[serde(skip_serializing_if = "Option::is_none")]
     floor: Option<FloorObject>,
@@ -286,71 +212,25 @@ pub struct CycleSummary {
     stations: Vec<StationRow>,
     events: Vec<EventRow>,
     warnings: Vec<String>,
-    converged: bool,
-    /// The quantity that is not resolved, if there is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    unresolved: Option<&'static str>,
     wall_time_s: f64,
     fakir_version: &'static str,
+    schema_version: u32,
 }
 
 impl CycleSummary {
     /// A cycle that took so many seconds.
     #[must_use]
     pub fn new(cycle: &Cycle, wall_time: f64) -> Self {
-        let adhesion = cycle.system.adhesion();
-        let first = cycle
-            .first_contact
-            .and_then(|place| cycle.stations.get(place));
-        let critical = cycle.critical.as_ref();
-        let turn = &cycle.turn;
-        let pull_off = cycle.pull_off.as_ref();
-        let certificate = cycle.certificate();
-        let errors = &cycle.errors;
         Self {
-            method: Method::Spectral(cycle.accuracy).name(),
-            work_of_adhesion_J_per_m2: adhesion.work,
-            receding_work_of_adhesion_J_per_m2: adhesion.receding(),
-            drive: cycle.plan.drive.name(),
-            machine_stiffness_N_per_m: cycle.plan.drive.stiffness(),
-            first_contact_indentation_m: first.map(|station| station.indentation),
-            first_contact_force_N: first.map(|station| station.force),
-            zero_load_indentation_m: cycle.zero_load_indentation,
-            critical_force_N: critical.map(|it| it.contact.force),
-            critical_indentation_m: critical.map(|it| it.contact.indentation),
-            critical_contact_radius_m: critical.map(fakir::state::CriticalState::contact_radius),
-            critical_pillars_in_contact: critical.map(|it| it.contact.pillars_in_contact),
-            critical_pillars_partially_in_contact: critical
-                .map(|it| it.contact.pillars_partially_in_contact),
-            turn_force_N: turn.force,
-            turn_indentation_m: turn.indentation,
-            turn_contact_radius_m: turn.contact_radius,
-            turn_pillars_in_contact: turn.pillars_in_contact,
-            turn_pillars_partially_in_contact: turn.pillars_partially_in_contact,
-            stopped_by_floor: cycle.stopped_by_floor,
-            pull_off_force_N: pull_off.map(|it| it.force),
-            pull_off_indentation_m: pull_off.map(|it| it.indentation),
-            pull_off_pillars_in_contact: pull_off.map(|it| it.pillars.len()),
-            last_release_indentation_m: cycle.separation,
-            work_of_separation_J: cycle.work_of_separation,
-            hysteresis_J: certificate.map(|_| cycle.loop_area),
-            dissipation_J: cycle.dissipation,
-            certificate,
-            relative_error_estimate: CycleErrorsObject {
-                critical_force: critical.map(|_| errors.critical_force.into()),
-                critical_indentation: critical.map(|_| errors.critical_indentation.into()),
-                pull_off_force: pull_off.map(|_| errors.pull_off_force.into()),
-                hysteresis: certificate.map(|_| errors.loop_area.into()),
-            },
+            numbers: Object::of(cycle),
             floor: FloorObject::new(cycle),
             limits: LimitObject::all(cycle.limits(None)),
             stations: cycle.stations.iter().map(StationRow::from).collect(),
             events: cycle.events.iter().map(EventRow::from).collect(),
             warnings: cycle_warnings(cycle),
-            converged: cycle.converged(),
-            unresolved: cycle.unresolved().map(|it| it.quantity),
             wall_time_s: wall_time,
             fakir_version: VERSION,
+            schema_version: SCHEMA_VERSION,
         }
     }
 

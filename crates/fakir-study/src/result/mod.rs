@@ -18,7 +18,7 @@ mod verify;
 pub use adhesion::{ANNULI_ALONE, AdhesionObject, PullOffRow, StuckFloorObject};
 pub use approach::{ApproachSummary, SurfaceApproachSummary};
 pub use compare::{CompareSummary, MethodRow};
-pub use cycle::{CycleErrorObject, CycleSummary, EventRow, FloorRow, StationRow, cycle_warnings};
+pub use cycle::{CycleSummary, EventRow, FloorRow, StationRow, cycle_warnings};
 pub use loading::{LoadingRow, SurfaceLoadingRow};
 pub use pillars::{pillars, pillars_of};
 pub use rounded::{left_out_words, rounded_pillars, rounded_warnings};

@@ -243,7 +243,7 @@ fn what_does_not_fit_is_refused_with_the_reason() {
     assert!(other_version.contains("is by fakir 0.0.9, and this is"));
     let format = with_line(
         1,
-        &sealed(&lines[0].replace("\"format\":2", "\"format\":7")),
+        &sealed(&lines[0].replace("\"format\":3", "\"format\":7")),
     );
     insta::assert_snapshot!("other_format", damage(format));
     insta::assert_snapshot!("damaged_heading", damage(with_line(1, &lines[0][1..])));

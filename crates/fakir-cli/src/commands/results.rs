@@ -1,0 +1,15 @@
+//! `fakir results`: what the names in results mean.
+
+use crate::arguments::Results;
+use crate::failure::{DONE, Failure, Status};
+use crate::output::print;
+use fakir_study::record::{reference, schema};
+
+pub(crate) fn run(options: &Results) -> Result<Status, Failure> {
+    if options.schema {
+        print(&format!("{:#}\n", schema()))?;
+    } else {
+        print(&reference())?;
+    }
+    Ok(DONE)
+}
