@@ -9,13 +9,13 @@ pub(super) fn load<T: Contact + 'static>() -> [Named<T>; 3] {
         Named::number("force_N", "normal force on the lens", T::force).symbol("F"),
         Named::number(
             "indentation_m",
-            "how far the lens has come down since it was level with the pillar tops",
+            "displacement of the lens from the position in which its lowest point is level with the pillar tops",
             T::indentation,
         )
         .symbol("ζ"),
         Named::number_if_any(
             "contact_radius_m",
-            "distance from the lens axis of the farthest point in contact, on a pillar top or on the floor; `null` under a plate",
+            "distance between the lens axis and the farthest point in contact, on a pillar top or on the floor; `null` under a plate",
             T::contact_radius,
         )
         .symbol("a"),
@@ -27,18 +27,18 @@ pub(super) fn critical_load<C: Contact + 'static>() -> [Named<Critical<C>>; 5] {
     [
         Named::word(
             "regime",
-            "`top_first`, or `bottom_first` where the floor is met before any pillar",
+            "`top_first`, or `bottom_first` if the lens reaches the floor before any pillar",
             |it: &Critical<C>| Some(it.regime.name()),
         ),
         Named::number(
             "critical_force_N",
-            "force at which the floor is just reached",
+            "force at which the lens just reaches the floor",
             |it: &Critical<C>| it.contact.force(),
         )
         .symbol("F_c"),
         Named::number(
             "critical_indentation_m",
-            "indentation at which the floor is just reached",
+            "indentation at which the lens just reaches the floor",
             |it: &Critical<C>| it.contact.indentation(),
         )
         .symbol("ζ_c"),
@@ -49,7 +49,7 @@ pub(super) fn critical_load<C: Contact + 'static>() -> [Named<Critical<C>>; 5] {
         ),
         Named::point(
             "floor_contact_m",
-            "where the floor is touched, from the lens axis; under a plate, which has none, in the coordinates of the grid",
+            "position of the floor contact relative to the lens axis; under a plate, which has no axis, in the coordinates of the grid",
             |it: &Critical<C>| Some(it.floor_contact),
         ),
     ]
@@ -60,13 +60,13 @@ pub(super) fn ending<T: Contact + 'static>() -> [Named<T>; 2] {
     [
         Named::flag(
             "converged",
-            "whether the numbers are the solution",
+            "whether the solver converged",
             T::converged,
         )
         .in_objects(),
         Named::word(
             "unresolved",
-            "the quantity whose estimated relative error is above 0.5, if there is one: then the command ends with exit status 1",
+            "a quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1",
             |it: &T| it.unresolved().map(|found| found.quantity),
         )
         .in_objects(),
@@ -87,17 +87,17 @@ fn pillars() -> [Named<ContactState>; 3] {
     [
         Named::number(
             "top_contact_radius_m",
-            "distance from the lens axis of the farthest point of a pillar top in contact",
+            "distance between the lens axis and the farthest point in contact on a pillar top",
             |it: &ContactState| it.contact_radius,
         ),
         Named::count(
             "pillars_in_contact",
-            "pillars that are touched",
+            "number of pillars in contact",
             |it: &ContactState| it.pillars_in_contact,
         ),
         Named::count(
             "pillars_partially_in_contact",
-            "those of them that the edge of the contact crosses",
+            "number of pillars that the edge of the contact crosses",
             |it: &ContactState| it.pillars_partially_in_contact,
         ),
     ]
@@ -136,7 +136,7 @@ fn errors() -> [Named<ContactState>; 2] {
 }
 
 fn iterations() -> Named<ContactState> {
-    Named::count("iterations", "steps of the solver", |it: &ContactState| {
+    Named::count("iterations", "solver iterations", |it: &ContactState| {
         it.iterations
     })
 }
@@ -151,24 +151,24 @@ fn floor() -> Vec<Named<ContactState>> {
         ),
         Named::number_if_any(
             "floor.share",
-            "that over the whole force",
+            "floor force over total force",
             |it: &ContactState| of_floor(it, |floor| floor.share),
         ),
         Named::number_if_any(
             "floor.contact_area_m2",
-            "area of the floor in contact",
+            "contact area on the floor",
             |it: &ContactState| of_floor(it, |floor| floor.area),
         ),
         Named::number_if_any(
             "floor.radius_m",
-            "distance of its farthest point in contact from the lens axis",
+            "distance between the lens axis and the farthest floor contact",
             |it: &ContactState| it.floor.as_ref().map(|floor| floor.radius),
         )
         .in_objects()
         .decides(),
         Named::number_if_any(
             "floor.smallest_distance_to_rim_m",
-            "its smallest distance from the rim of a pillar",
+            "smallest distance between the floor contact and the rim of a pillar",
             |it: &ContactState| {
                 it.floor
                     .as_ref()
@@ -178,7 +178,7 @@ fn floor() -> Vec<Named<ContactState>> {
         .in_objects(),
         Named::count_if_any(
             "floor.patches",
-            "its separate patches; `null` where two grids differ",
+            "number of separate floor contacts; `null` if two grids differ",
             |it: &ContactState| {
                 let floor = it.floor.as_ref()?;
                 floor.patches_agree.then_some(floor.patches)
@@ -187,7 +187,7 @@ fn floor() -> Vec<Named<ContactState>> {
         .in_objects(),
         Named::point(
             "floor.cell_m",
-            "sides of the cells of its pressure, which turn with the lattice",
+            "cell sides of the floor pressure; the cells rotate with the lattice",
             |it: &ContactState| it.floor.as_ref().map(FloorContact::cell),
         )
         .in_objects(),
@@ -216,12 +216,12 @@ impl Recorded for ContactState {
         }));
         rows.push(Named::number(
             "smallest_floor_gap_m",
-            "smallest distance of the lens from the floor; past the transition 0, or negative where the floor is ignored; under a cylinder or a plate of the undeformed lens, between the farthest pillars",
+            "smallest gap between lens and floor; beyond the transition 0, or negative if the floor is ignored; under a cylinder or a plate, the gap to the undeformed lens between the outermost pillars",
             |it: &Self| it.smallest_floor_gap,
         ));
         rows.push(Named::flag(
             "beyond_transition",
-            "whether the floor is reached, or would be if it was not ignored",
+            "whether the lens has reached the floor, or would have if the floor were not ignored",
             Self::beyond_transition,
         ));
         rows.extend(floor());
@@ -252,13 +252,13 @@ impl Recorded for CriticalState {
             regime,
             Named::number(
                 "surface_fraction",
-                "part of the surface that is pillar top",
+                "surface fraction of the pillar tops",
                 |it: &Self| it.contact.system.texture().surface_fraction(),
             )
             .symbol("φ"),
             Named::number(
                 "pitch_m",
-                "distance of neighbouring pillars",
+                "distance between neighbouring pillars",
                 |it: &Self| it.contact.system.pitch(),
             )
             .symbol("e"),
@@ -266,7 +266,7 @@ impl Recorded for CriticalState {
             indentation,
             Named::number(
                 "critical_contact_radius_m",
-                "the larger of `top_contact_radius_m` and the distance of the floor contact from the lens axis",
+                "the larger of `top_contact_radius_m` and the distance between the lens axis and the floor contact",
                 Self::contact_radius,
             )
             .symbol("a_c"),

@@ -23,19 +23,19 @@ macro_rules! errors {
             .decides(),
             Named::number_if_any(
                 concat!("relative_error_estimate.", $figure, ".levels"),
-                "of that from the levels at which fronts on pillar tops stop",
+                "part of it from the discrete positions of the fronts on pillar tops",
                 move |it: &Cycle| Some(of(it)?.levels),
             )
             .in_objects(),
             Named::number_if_any(
                 concat!("relative_error_estimate.", $figure, ".rim_angles"),
-                "of that from the angles at which rims are looked at",
+                "part of it from the angular resolution along the rims",
                 move |it: &Cycle| Some(of(it)?.rim_angles),
             )
             .in_objects(),
             Named::number_if_any(
                 concat!("relative_error_estimate.", $figure, ".degree"),
-                "of that from the degree of the pressure on pillar tops",
+                "part of it from the degree of the pressure on pillar tops",
                 move |it: &Cycle| Some(of(it)?.degree),
             )
             .in_objects(),
@@ -47,13 +47,13 @@ macro_rules! errors {
             .column(concat!("relative_model_error_", $figure)),
             Named::number_if_any(
                 concat!("relative_error_estimate.", $figure, ".model_fronts"),
-                "of that from the shapes that fronts can take",
+                "part of it from the possible shapes of the fronts",
                 move |it: &Cycle| Some(of(it)?.fronts),
             )
             .in_objects(),
             Named::number_if_any(
                 concat!("relative_error_estimate.", $figure, ".model_columns"),
-                "of that from pillars that lean where they are pulled on one side, which columns do not",
+                "part of it because columns do not tilt under eccentric tension as real pillars do",
                 move |it: &Cycle| Some(of(it)?.columns),
             )
             .in_objects(),
@@ -93,25 +93,25 @@ fn loading() -> Vec<Named<Cycle>> {
     vec![
         Named::number_if_any(
             "first_contact_indentation_m",
-            "indentation at the first touch",
+            "indentation at first contact",
             |it: &Cycle| Some(first_contact(it)?.indentation),
         )
         .in_objects(),
         Named::number_if_any(
             "first_contact_force_N",
-            "force after the first touch",
+            "force after first contact",
             |it: &Cycle| Some(first_contact(it)?.force),
         )
         .in_objects(),
         Named::number_if_any(
             "zero_load_indentation_m",
-            "where a lens without load comes to rest",
+            "equilibrium indentation of a lens without load",
             |it: &Cycle| it.zero_load_indentation,
         )
         .in_objects(),
         Named::number_if_any(
             "critical_force_N",
-            "critical force; none, as all of the critical state, if the lens does not go down so far",
+            "critical force; `null`, as the whole critical state, if the loading does not reach it",
             |it: &Cycle| Some(it.critical.as_ref()?.contact.force),
         )
         .symbol("F_c"),
@@ -139,23 +139,25 @@ fn loading() -> Vec<Named<Cycle>> {
             |it: &Cycle| Some(it.critical.as_ref()?.contact.pillars_partially_in_contact),
         )
         .in_objects(),
-        Named::number("turn_force_N", "force where the loading ended", |it: &Cycle| {
-            it.turn.force
-        }),
+        Named::number(
+            "turn_force_N",
+            "force at the end of loading",
+            |it: &Cycle| it.turn.force,
+        ),
         Named::number(
             "turn_indentation_m",
-            "indentation where the loading ended",
+            "indentation at the end of loading",
             |it: &Cycle| it.turn.indentation,
         ),
         Named::number(
             "turn_contact_radius_m",
-            "contact radius where the loading ended",
+            "contact radius at the end of loading",
             |it: &Cycle| it.turn.contact_radius,
         )
         .in_objects(),
         Named::count(
             "turn_pillars_in_contact",
-            "pillars in contact where the loading ended",
+            "pillars in contact at the end of loading",
             |it: &Cycle| it.turn.pillars_in_contact,
         ),
         Named::count(
@@ -166,7 +168,7 @@ fn loading() -> Vec<Named<Cycle>> {
         .in_objects(),
         Named::flag(
             "stopped_by_floor",
-            "whether the floor ended the loading before what was asked for",
+            "whether the floor ended the loading before the requested load",
             |it: &Cycle| it.stopped_by_floor,
         )
         .in_objects(),
@@ -177,7 +179,7 @@ fn unloading() -> Vec<Named<Cycle>> {
     vec![
         Named::number_if_any(
             "pull_off_force_N",
-            "the largest pull of the unloading, a negative force; none if nothing pulls",
+            "largest tensile force on unloading, negative; `null` if there is none",
             |it: &Cycle| Some(it.pull_off.as_ref()?.force),
         ),
         Named::number_if_any(
@@ -192,37 +194,37 @@ fn unloading() -> Vec<Named<Cycle>> {
         ),
         Named::number(
             "kendall_pull_off_force_N",
-            "pull-off force of one pillar with a flat top alone (Kendall)",
+            "pull-off force of a single pillar with a flat top (Kendall)",
             kendall,
         ),
         Named::number_if_any(
             "normalized_pull_off_force",
-            "the pull-off force over that: how many pillars would pull as much, each alone",
+            "pull-off force over that of a single pillar: the equivalent number of independent pillars",
             |it: &Cycle| Some(it.pull_off.as_ref()?.force / kendall(it)),
         ),
         Named::number_if_any(
             "last_release_indentation_m",
-            "where the last pillar was released; none if something is still in contact",
+            "indentation at which the last pillar detaches; `null` if something is still in contact",
             |it: &Cycle| it.separation,
         ),
         Named::number(
             "work_of_separation_J",
-            "work done against the pull of the pillars while the lens was withdrawn",
+            "work against tensile forces during unloading",
             |it: &Cycle| it.work_of_separation,
         ),
         Named::number_if_any(
             "hysteresis_J",
-            "area of the loop of force over indentation; none of a path that is not closed",
+            "area of the loop of force over indentation; `null` for a path that is not closed",
             |it: &Cycle| it.certificate().map(|_| it.loop_area),
         ),
         Named::number_if_any(
             "normalized_hysteresis",
-            "that over the receding work of adhesion times the largest area of tops that was in contact; 2 (1 + κ) for flat pillars that come off one by one",
+            "hysteresis over the receding work of adhesion times the largest top area that was in contact; 2 (1 + κ) for flat pillars that detach one by one",
             |it: &Cycle| it.certificate().map(|_| it.loop_area / parting(it)),
         ),
         Named::number(
             "dissipation_J",
-            "what all events dissipate, summed up apart",
+            "energy dissipated by all events, summed independently",
             |it: &Cycle| it.dissipation,
         )
         .in_objects(),
@@ -233,7 +235,7 @@ fn unloading() -> Vec<Named<Cycle>> {
         ),
         Named::number(
             "kendall_strain",
-            "the pull on a pillar at its release over the modulus of the substrate",
+            "tensile stress on a pillar at its detachment over the modulus of the substrate",
             |it: &Cycle| it.system.kendall_strain(),
         ),
     ]
@@ -244,12 +246,12 @@ fn stuck_floor() -> [Named<Cycle>; 10] {
     [
         Named::flag(
             "floor_is_coarse",
-            "whether cells of a floor that sticks are so coarse that its figures are orders of magnitude",
+            "whether the cells of an adhesive floor are so coarse that its results are orders of magnitude",
             |it: &Cycle| it.floor.is_some_and(|floor| floor.is_coarse()),
         ),
         Named::number_if_any(
             "jump_force_N",
-            "force after the jump onto a floor that sticks",
+            "force after the jump into contact with an adhesive floor",
             |it: &Cycle| Some(jump(it)?.0.force),
         ),
         Named::number_if_any(
@@ -259,17 +261,17 @@ fn stuck_floor() -> [Named<Cycle>; 10] {
         ),
         Named::number_if_any(
             "jump_front_radius_m",
-            "distance of its farthest point from the lens axis",
+            "distance between the lens axis and the farthest floor contact after the jump",
             |it: &Cycle| Some(jump(it)?.1.radius),
         ),
         Named::count_if_any(
             "jump_holes",
-            "middles between three pillars that are in contact then",
+            "number of hollow sites between three pillars in contact after the jump",
             |it: &Cycle| Some(jump(it)?.1.holes),
         ),
         Named::number_if_any(
             "floor_lost_indentation_m",
-            "indentation of the last state with the floor in contact; none if it still is",
+            "indentation of the last state on unloading with the floor in contact; `null` if the floor is still in contact",
             |it: &Cycle| Some(it.floor_lost()?[0].indentation),
         ),
         Named::number_if_any("floor_lost_force_N", "force in that state", |it: &Cycle| {
@@ -287,7 +289,7 @@ fn stuck_floor() -> [Named<Cycle>; 10] {
         ),
         Named::number_if_any(
             "relative_error_estimate_floor_lost_indentation",
-            "estimated relative error of the indentation at which the floor is lost",
+            "estimated relative error of the indentation at which the floor detaches",
             |it: &Cycle| jump(it).and(Some(it.floor?.errors.lost_indentation)),
         ),
     ]
@@ -304,35 +306,35 @@ impl Recorded for Cycle {
             }),
             Named::number(
                 "surface_fraction",
-                "part of the surface that is pillar top",
+                "surface fraction of the pillar tops",
                 |it: &Self| it.system.texture().surface_fraction(),
             )
             .symbol("φ"),
             Named::number(
                 "pitch_m",
-                "distance of neighbouring pillars",
+                "distance between neighbouring pillars",
                 |it: &Self| it.system.pitch(),
             )
             .symbol("e"),
             Named::number(
                 "work_of_adhesion_J_per_m2",
-                "energy per area where contact is made",
+                "energy per area released when contact forms",
                 |it: &Self| it.system.adhesion().work,
             )
             .symbol("w"),
             Named::number(
                 "receding_work_of_adhesion_J_per_m2",
-                "energy per area where contact is broken",
+                "energy per area required to separate the contact",
                 |it: &Self| it.system.adhesion().receding(),
             ),
             Named::word(
                 "drive",
-                "what is held while contacts snap: `displacement`, `force` or `machine`",
+                "loading mode, the quantity that is constant during a jump: `displacement`, `force` or `machine`",
                 |it: &Self| Some(it.plan.drive.name()),
             ),
             Named::number_if_any(
                 "machine_stiffness_N_per_m",
-                "stiffness of the machine, if one drives the lens",
+                "stiffness of the machine, if the loading mode is `machine`",
                 |it: &Self| it.plan.drive.stiffness(),
             ),
         ];
@@ -352,17 +354,12 @@ impl Recorded for Cycle {
             it.certificate().map(|_| it.errors.loop_area)
         }));
         rows.push(
-            Named::flag(
-                "converged",
-                "whether the numbers are the solution",
-                Self::converged,
-            )
-            .in_objects(),
+            Named::flag("converged", "whether the solver converged", Self::converged).in_objects(),
         );
         rows.push(
             Named::word(
                 "unresolved",
-                "the quantity whose estimated relative error is above 0.5, if there is one: then the command ends with exit status 1",
+                "a quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1",
                 |it: &Self| it.unresolved().map(|found| found.quantity),
             )
             .in_objects(),

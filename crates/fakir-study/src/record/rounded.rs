@@ -44,19 +44,17 @@ fn contact() -> Vec<Named<CapContact>> {
         )
         .symbol("A"),
         radius,
-        Named::count(
-            "pillars",
-            "how many pillars there are",
-            |it: &CapContact| it.caps.len(),
-        ),
+        Named::count("pillars", "number of pillars", |it: &CapContact| {
+            it.caps.len()
+        }),
         Named::count(
             "pillars_in_contact",
-            "pillars that are touched",
+            "number of pillars in contact",
             CapContact::touched,
         ),
         Named::count(
             "pillars_fully_in_contact",
-            "those whose top is in contact up to the rim",
+            "number of pillars whose top is in contact up to the rim",
             |it: &CapContact| {
                 let full = |cap: &&CapState| cap.status == PillarStatus::Full;
                 it.caps.iter().filter(full).count()
@@ -79,7 +77,7 @@ fn contact() -> Vec<Named<CapContact>> {
         ),
         Named::words(
             "left_out",
-            "what the contact would have and is not computed",
+            "effects that are not computed",
             |_: &CapContact| LEFT_OUT,
         ),
     ]
@@ -90,7 +88,7 @@ fn solution() -> Vec<Named<CapContact>> {
     let mut rows = vec![
         Named::number_if_any(
             "relative_error_estimate.force",
-            "estimated relative error of the force, from a pressure of a higher degree and from ovals that are taken as discs; the whole object is `null` if there is no estimate",
+            "estimated relative error of the force, from a pressure of higher degree and from ovals that are treated as discs; the whole object is `null` if there is no estimate",
             error(|it| it.force),
         )
         .decides(),
@@ -108,7 +106,7 @@ fn solution() -> Vec<Named<CapContact>> {
     rows.extend(ending());
     rows.push(Named::count(
         "iterations",
-        "steps of the solver",
+        "solver iterations",
         |it: &CapContact| it.iterations,
     ));
     rows
@@ -135,7 +133,7 @@ impl<'a> Recorded for RoundedAnswer<'a> {
         rows.extend(of_contact(contact()));
         rows.push(Named::flag(
             "floor_out_of_reach",
-            "whether it is certain that the floor is not reached",
+            "whether the floor is certainly not reached",
             |it: &Self| it.floor_is_out_of_reach(),
         ));
         rows.extend(of_contact(solution()));

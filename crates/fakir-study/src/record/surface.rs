@@ -65,7 +65,7 @@ fn grid() -> Vec<Named<Grid>> {
         }),
         Named::point(
             "grid.origin_m",
-            "lower left corner of the grid, from the lens axis",
+            "lower left corner of the grid, relative to the lens axis",
             |it: &Grid| Some(it.origin()),
         )
         .in_objects(),
@@ -120,7 +120,7 @@ fn solution() -> Vec<Named<SurfaceContact>> {
     rows.extend(ending());
     rows.push(Named::count(
         "iterations",
-        "products with the operator on the last grid",
+        "solver iterations on the last grid",
         |it: &SurfaceContact| it.products,
     ));
     rows
@@ -158,13 +158,13 @@ impl Recorded for SurfaceAnswer<'_, SurfaceContact> {
         rows.extend(contact(vec![
             Named::number_if_any(
                 "tops.force_N",
-                "force on what is not floor; `tops` and `floor` are `null` where it is not known which part is the floor",
+                "force on the tops, all that is not floor; `tops` and `floor` are `null` if it is not known which part is the floor",
                 |it: &SurfaceContact| Some(it.shares?.tops.force),
             )
             .decides(),
             Named::number_if_any(
                 "tops.contact_area_m2",
-                "area in contact of what is not floor",
+                "contact area of the tops",
                 |it: &SurfaceContact| Some(it.shares?.tops.area),
             ),
             Named::number_if_any("floor.force_N", "force on the floor", |it: &SurfaceContact| {
@@ -173,7 +173,7 @@ impl Recorded for SurfaceAnswer<'_, SurfaceContact> {
             .decides(),
             Named::number_if_any(
                 "floor.contact_area_m2",
-                "area of the floor in contact",
+                "contact area on the floor",
                 |it: &SurfaceContact| Some(it.shares?.floor.area),
             ),
         ]));
