@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import fakir
+import fastjsonschema
 import numpy as np
 import pytest
 
@@ -37,6 +38,36 @@ def timeless(result):
     if isinstance(result, dict):
         return [(k, timeless(v)) for k, v in result.items() if not k.endswith("time_s")]
     return [timeless(v) for v in result] if isinstance(result, list) else result
+
+
+@pytest.mark.parametrize(
+    ("kind", "command", "case", "arguments"),
+    [
+        ("press", "press", "paper-intermediate.toml", ["--indentation", "1um", "--gradient"]),
+        ("press", "press", "paper-intermediate.toml", ["--indentation", "3um"]),
+        ("press", "press", "adhesive.toml", ["--indentation", "1um"]),
+        ("transition", "transition", "paper-intermediate.toml", []),
+        ("transition", "transition", "square.toml", []),
+        ("surface_press", "press", "square-pillars.toml", ["--indentation", "0.5um"]),
+        ("surface_transition", "transition", "square-pillars.toml", []),
+        ("rounded_press", "press", "asperities.toml", ["--indentation", "1um"]),
+        ("cycle", "cycle", "adhesive.toml", ["--set", "texture.surface_fraction=0.003"]),
+    ],
+)
+def test_results_are_as_the_schema_says(kind, command, case, arguments):
+    printed = subprocess.run(
+        [os.environ["FAKIR"], "results", "--schema"], capture_output=True, text=True, check=True
+    )
+    schema = json.loads(printed.stdout)
+    published = Path(__file__).parents[2] / "book" / "pages" / "reference" / "results.schema.json"
+    assert schema == json.loads(published.read_text()), "fakir results --schema writes it"
+    of_kind = {**schema, "anyOf": [{"$ref": f"#/definitions/{kind}"}]}
+    result = program(command, EXAMPLES / case, *arguments)
+    fastjsonschema.validate(of_kind, result)
+    for name in ["force_N", "critical_force_N"]:
+        result.pop(name, None)
+    with pytest.raises(fastjsonschema.JsonSchemaException):
+        fastjsonschema.validate(of_kind, result)
 
 
 @contextmanager

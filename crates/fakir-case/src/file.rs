@@ -13,6 +13,7 @@ use crate::parts::{Parts, ShapeForm, TRUE_OR_FALSE, TextureArrangement, TextureP
 use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
 use crate::row::{Field, Presence, Range};
+use crate::support::Capability;
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
@@ -242,7 +243,7 @@ impl CaseFile {
             "a [surface] is solved by elements: press, transition, approach, verify and sweep take one",
         )?;
         let parts = self.parts(&[Part::Bodies, Part::Texture])?;
-        self.refuse_rounded()?;
+        self.check_supported(Capability::Transition)?;
         let texture = &parts.texture;
         let spacing = self.spacing(texture)?;
         let mut pillar = texture.pillar;

@@ -100,9 +100,9 @@ mod reference;
 mod rounded;
 mod row;
 pub mod study;
+mod support;
 mod surface;
 mod table;
-mod texture_only;
 pub mod unit;
 
 pub use case::Case;
@@ -112,5 +112,5 @@ pub use key::{Key, Kind, Setting};
 pub use reference::reference;
 pub use rounded::RoundedCase;
 pub use study::{Study, StudyFile};
+pub use support::{Capability, SurfaceKind, Unsupported, support};
 pub use surface::{SurfaceCase, SurfaceExample, SurfaceOrigin};
-pub use texture_only::TextureOnly;

@@ -268,18 +268,6 @@ impl CaseFile {
         })
     }
 
-    /// Refuses rounded tops where tops are flat.
-    pub(crate) fn refuse_rounded(&self) -> Result<(), CaseError> {
-        if self.is_rounded() {
-            return Err(self
-                .problem(Key::TopRadius, "this is computed for flat pillar tops only")
-                .accepted(
-                    "leave it out; rounded tops are known to `fakir press` and `fakir design --free heights`, in Python to fakir.RoundedTops",
-                ));
-        }
-        Ok(())
-    }
-
     /// Refuses what rounded tops do not have.
     fn refuse_with_rounded(&self, parts: &Parts) -> Result<(), CaseError> {
         let adhesion = &parts.texture.adhesion;

@@ -10,6 +10,7 @@ use crate::key::{Key, root};
 use crate::parts::{
     IndenterForm, OutlineForm, OutlineParts, Parts, Placement, SurfaceParts, TopForm,
 };
+use crate::support::{Capability, SurfaceKind, Unsupported};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::pattern::{
@@ -187,6 +188,33 @@ impl CaseFile {
             let (_, entry) = keys.find(|(key, _)| root(key.path()) == table)?;
             Some(&entry.place)
         })
+    }
+
+    /// What kind of surface the case has.
+    #[must_use]
+    pub fn surface_kind(&self) -> SurfaceKind {
+        if self.is_surface() {
+            SurfaceKind::HeightMap
+        } else if self.is_rounded() {
+            SurfaceKind::Asperities
+        } else {
+            SurfaceKind::Pillars
+        }
+    }
+
+    /// Refuses what has no answer for the surface of this case.
+    ///
+    /// # Errors
+    /// [`CaseError`] that says why, and what to do in its place.
+    pub fn check_supported(&self, capability: Capability) -> Result<(), CaseError> {
+        let surface = self.surface_kind();
+        let Err(Unsupported { why, instead }) = capability.of(surface) else {
+            return Ok(());
+        };
+        match surface {
+            SurfaceKind::HeightMap => self.refuse_surface(why, instead),
+            _ => Err(self.problem(Key::TopRadius, why).accepted(instead)),
+        }
     }
 
     /// Refuses a general surface where a texture is wanted, in these words.

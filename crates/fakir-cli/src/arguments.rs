@@ -5,7 +5,7 @@ use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{Control, CyclePlan, Drive, Turn};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
-use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
+use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
 use fakir_inverse::fit::{FitOptions, Measurements, NamedColumn, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
@@ -269,6 +269,9 @@ pub(crate) struct Results {
     /// Print a JSON Schema of --json and summary.json instead
     #[arg(long)]
     pub(crate) schema: bool,
+    /// Print which questions have an answer for which kind of surface instead, with the reason where there is none
+    #[arg(long, conflicts_with = "schema")]
+    pub(crate) surfaces: bool,
 }
 
 #[derive(Debug, Args)]
@@ -344,16 +347,14 @@ impl Press {
         }
     }
 
-    /// Refuses what rounded tops do not have.
-    pub(crate) fn refuse_with_rounded(&self) -> Result<(), Failure> {
-        let problem = if self.gradient.gradient {
-            "--gradient is for flat pillar tops: of rounded ones (texture.top_radius) the stiffness is in the result"
-        } else if self.adhesion.attraction_range.is_some() {
-            "--attraction-range is for tops that stick, and rounded ones (texture.top_radius) do not"
-        } else {
-            return Ok(());
-        };
-        Err(Failure::Argument(problem.to_owned()))
+    /// Refuses options that mean nothing for the surface of a case.
+    pub(crate) fn check(&self, file: &CaseFile) -> Result<(), CaseError> {
+        self.adhesion.check(file)?;
+        self.limits.check(file)?;
+        if self.fields.field_points.is_some() {
+            file.check_supported(Capability::Fields)?;
+        }
+        Ok(())
     }
 }
 
@@ -1114,7 +1115,7 @@ impl GradientArguments {
     /// Whether they are, of a texture.
     pub(crate) fn of(self, file: &CaseFile) -> Result<bool, CaseError> {
         if self.gradient {
-            file.refuse_surface_for(TextureOnly::Gradient)?;
+            file.check_supported(Capability::Gradient)?;
         }
         Ok(self.gradient)
     }
@@ -1130,12 +1131,11 @@ pub(crate) struct LimitArguments {
 
 impl LimitArguments {
     /// Refuses it where results have no limits.
-    pub(crate) fn refuse_without_limits(self) -> Result<(), Failure> {
-        if self.strict {
-            let problem = "--strict is for flat pillars of a [texture] and for a [surface]: contacts with rounded tops have no limits of the model";
-            return Err(Failure::Argument(problem.to_owned()));
+    fn check(self, file: &CaseFile) -> Result<(), CaseError> {
+        match self.strict {
+            true => file.check_supported(Capability::Limits),
+            false => Ok(()),
         }
-        Ok(())
     }
 }
 
@@ -1169,10 +1169,10 @@ impl RangeArguments {
         Ok(Some(range))
     }
 
-    /// Refuses the range with a general surface, which has no adhesion.
-    pub(crate) fn refuse_surface(self, file: &CaseFile) -> Result<(), CaseError> {
+    /// Refuses the range where nothing sticks.
+    pub(crate) fn check(self, file: &CaseFile) -> Result<(), CaseError> {
         match self.attraction_range {
-            Some(_) => file.refuse_surface_for(TextureOnly::Adhesion),
+            Some(_) => file.check_supported(Capability::AttractionRange),
             None => Ok(()),
         }
     }

@@ -17,7 +17,7 @@ use arguments::{Arguments, CaseArguments, Command};
 use clap::Parser;
 use failure::{Failure, Status};
 use fakir_case::input::{self, LARGEST_CASE};
-use fakir_case::{Case, CaseFile, TextureOnly};
+use fakir_case::{Capability, Case, CaseFile, SurfaceKind};
 use fakir_study::numbers;
 use report::Report;
 use session::Session;
@@ -54,8 +54,8 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
             let gradient = options.gradient.of(&file)?;
-            if file.is_surface() {
-                options.adhesion.refuse_surface(&file)?;
+            options.adhesion.check(&file)?;
+            if file.surface_kind() == SurfaceKind::HeightMap {
                 return deliver(command, &options.case, file.warnings(), move || {
                     commands::surface::transition(&file, options.maps(), &session)
                 });
@@ -69,19 +69,20 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
-            if file.is_rounded() && !file.is_surface() {
-                options.refuse_with_rounded()?;
-                options.limits.refuse_without_limits()?;
-                return deliver(command, &options.case, file.warnings(), move || {
-                    commands::rounded::press(&file, options.control(), options.maps(), &session)
-                });
-            }
             let gradient = options.gradient.of(&file)?;
-            if file.is_surface() {
-                options.adhesion.refuse_surface(&file)?;
-                return deliver(command, &options.case, file.warnings(), move || {
-                    commands::surface::press(&file, options.control(), options.maps(), &session)
-                });
+            options.check(&file)?;
+            match file.surface_kind() {
+                SurfaceKind::HeightMap => {
+                    return deliver(command, &options.case, file.warnings(), move || {
+                        commands::surface::press(&file, options.control(), options.maps(), &session)
+                    });
+                }
+                SurfaceKind::Asperities => {
+                    return deliver(command, &options.case, file.warnings(), move || {
+                        commands::rounded::press(&file, options.control(), options.maps(), &session)
+                    });
+                }
+                SurfaceKind::Pillars => {}
             }
             answer(command, &options.case, &file, move |case| {
                 let range = options.adhesion.of(case)?;
@@ -100,7 +101,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let (mut file, path) = (read_case(&options.case)?, options.path()?);
             options.floor.apply(&mut file)?;
             let saves = options.case.output.is_some();
-            if file.is_surface() {
+            if file.surface_kind() == SurfaceKind::HeightMap {
                 return deliver(command, &options.case, file.warnings(), move || {
                     commands::surface::approach(&file, &path, saves, &session)
                 });
@@ -113,7 +114,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
-            file.refuse_surface_for(TextureOnly::Cycle)?;
+            file.check_supported(Capability::Cycle)?;
             let (plan, saves) = (options.plan()?, options.case.output.is_some());
             answer(command, &options.case, &file, move |case| {
                 let range = options.adhesion.of(case)?;
@@ -124,7 +125,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
-            if file.is_surface() {
+            if file.surface_kind() == SurfaceKind::HeightMap {
                 return deliver(command, &options.case, file.warnings(), move || {
                     commands::surface::verify(&file, options.control(), options.cells, &session)
                 });
@@ -139,7 +140,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         }
         Command::Theory(options) => {
             let file = read_case(&options.case)?;
-            file.refuse_surface_for(TextureOnly::Theory)?;
+            file.check_supported(Capability::Theory)?;
             answer(command, &options.case, &file, move |case| {
                 commands::theory::run(case, options.adhesion.of(case)?)
             })
@@ -147,7 +148,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Compare(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
-            file.refuse_surface_for(TextureOnly::Compare)?;
+            file.check_supported(Capability::Compare)?;
             answer(command, &options.case, &file, move |case| {
                 commands::compare::run(case, &session)
             })
@@ -279,7 +280,7 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
             file
         }
     };
-    file.refuse_surface_for(TextureOnly::Explore)?;
+    file.check_supported(Capability::Explore)?;
     Ok(file.case()?)
 }
 

@@ -21,7 +21,7 @@ use fakir::numerics::roots::{self, Change, Point, Root};
 use fakir::problem::{Control, CyclePlan, FloorModel, LensShape, Method};
 use fakir::state::{ContactState, CriticalState, Cycle, Run, SolveError};
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{Case, CaseError, CaseFile, Key, TextureOnly};
+use fakir_case::{Capability, Case, CaseError, CaseFile, Key};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
 use fakir_study::result::control_words;
 use std::ops::Bound;
@@ -496,7 +496,7 @@ pub fn design(
     wanted: Wanted,
     run: &Run<'_>,
 ) -> Result<Design, DesignError> {
-    file.refuse_surface_for(TextureOnly::Design)?;
+    file.check_supported(Capability::Design)?;
     if !free_keys().contains(&free) {
         return Err(DesignError::NotFree(free));
     }

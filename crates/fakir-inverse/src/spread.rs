@@ -9,7 +9,7 @@ use chacha20::ChaCha12Rng;
 use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, LatticeForm, Point};
 use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_quantity};
-use fakir_case::{Case, CaseError, CaseFile, Key, Kind, TextureOnly};
+use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
 use fakir_study::{Column, Table, Values};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
@@ -202,7 +202,7 @@ pub fn spread(
     run: &Run<'_>,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Spread, SpreadError> {
-    file.refuse_surface_for(TextureOnly::Design)?;
+    file.check_supported(Capability::Design)?;
     if sampling.samples < 2 {
         return Err(SpreadError::TooFew);
     }

@@ -4,7 +4,7 @@ use crate::error::{PYTHON, case_error, value_error, warn_of_deprecations};
 use crate::surface::Surface;
 use fakir::problem::{Arrangement, ListedPillar, PillarList};
 use fakir_case::unit::{Dimension, parse_argument};
-use fakir_case::{CaseFile, Key, Setting};
+use fakir_case::{CaseFile, Key, Setting, SurfaceKind};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -149,7 +149,7 @@ pub(crate) enum Described {
 
 impl Described {
     fn of(file: CaseFile, overrides: &[String]) -> PyResult<Self> {
-        if file.is_surface() {
+        if file.surface_kind() == SurfaceKind::HeightMap {
             Surface::of(file, overrides, None).map(Self::Surface)
         } else {
             Case::of(file, overrides).map(Self::Texture)

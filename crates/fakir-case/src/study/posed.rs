@@ -5,8 +5,8 @@ use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
+use crate::support::Capability;
 use crate::surface::SurfaceExample;
-use crate::texture_only::TextureOnly;
 use fakir::state::Run;
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ impl StudiedCase {
     pub(super) fn of(file: CaseFile, asked: Asked) -> Result<Self, CaseError> {
         let of_adhesion = matches!(asked, Asked::Cycle | Asked::Collapse);
         if of_adhesion {
-            file.refuse_surface_for(TextureOnly::Cycle)?;
+            file.check_supported(Capability::Cycle)?;
         }
         if file.is_surface() {
             return Ok(Self::Surface(Box::new(file)));

@@ -7,7 +7,7 @@ use crate::report::surface::topic;
 use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm};
 use fakir::state::Run;
 use fakir_case::input::{self, LARGEST_STUDY};
-use fakir_case::{CaseFile, StudyFile};
+use fakir_case::{CaseFile, StudyFile, SurfaceKind};
 use fakir_study::citations::{Citation, Topic, citations};
 use fakir_study::provenance::{FILE_NAME, Provenance, method_words, study_words};
 use fakir_study::result::json;
@@ -70,22 +70,23 @@ fn of_file(path: &Path) -> Result<CiteJson, Failure> {
         return Ok(CiteJson::new(study_words(&study), &Topic::of_study(&study)));
     }
     let file = CaseFile::read(path)?;
-    if file.is_surface() {
-        let case = file.surface_case(Run::default().memory_limit())?;
-        return Ok(CiteJson::new("elements on a surface", &[topic(&case)]));
-    }
-    if file.is_rounded() {
-        file.rounded_case()?;
-        return Ok(CiteJson::new(
-            "the spectral method on rounded pillar tops",
-            &[Topic::RoundedTops],
-        ));
-    }
-    let case = file.case()?;
-    Ok(CiteJson::new(
-        method_words(case.method),
-        &Topic::of_case(&case),
-    ))
+    Ok(match file.surface_kind() {
+        SurfaceKind::HeightMap => {
+            let case = file.surface_case(Run::default().memory_limit())?;
+            CiteJson::new("elements on a surface", &[topic(&case)])
+        }
+        SurfaceKind::Asperities => {
+            file.rounded_case()?;
+            CiteJson::new(
+                "the spectral method on rounded pillar tops",
+                &[Topic::RoundedTops],
+            )
+        }
+        SurfaceKind::Pillars => {
+            let case = file.case()?;
+            CiteJson::new(method_words(case.method), &Topic::of_case(&case))
+        }
+    })
 }
 
 /// Whether a file can be read and has a table that only studies have.

@@ -27,12 +27,6 @@ pub(crate) fn press(
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
-    if matches!(maps, Maps::Points(Some(_))) {
-        return Err(Failure::Argument(
-            "--field-points is for flat tops: there are no maps of the pressure on rounded ones, whose contacts are in pillars.csv"
-                .to_owned(),
-        ));
-    }
     let case = file.rounded_case()?;
     let start = Instant::now();
     let contact = case.field.press(control, case.accuracy, &session.run())?;

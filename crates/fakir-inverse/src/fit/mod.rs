@@ -69,7 +69,7 @@ use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
 use fakir::problem::Control;
 use fakir::state::{Branch, Cycle, Limit, Run, SolveError, Termination};
-use fakir_case::{CaseError, CaseFile, Key, TextureOnly};
+use fakir_case::{Capability, CaseError, CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
@@ -547,7 +547,7 @@ pub fn fit(
     options: &FitOptions,
     run: &Run<'_>,
 ) -> Result<Fit, FitError> {
-    file.refuse_surface_for(TextureOnly::Fit)?;
+    file.check_supported(Capability::Fit)?;
     check(data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
     let begin = model.start()?;

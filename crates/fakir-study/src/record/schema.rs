@@ -36,7 +36,7 @@ fn table(kind: Kind) -> String {
     lines.join("\n")
 }
 
-/// The JSON Schema of `--json` of `press` and `transition`, which is that of `summary.json` too, for every kind of surface: one definition a kind.
+/// The JSON Schema (draft 7) of `--json` and `summary.json` of `press` and `transition`, for every kind of surface, and of `cycle`: one definition a kind.
 #[must_use]
 pub fn schema() -> Value {
     let definitions: Map<String, Value> = Kind::ALL
@@ -45,14 +45,14 @@ pub fn schema() -> Value {
         .collect();
     let kinds: Vec<Value> = definitions
         .keys()
-        .map(|name| json!({"$ref": format!("#/$defs/{name}")}))
+        .map(|name| json!({"$ref": format!("#/definitions/{name}")}))
         .collect();
     json!({
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "Results of fakir",
         "description": "Numbers are in SI units; names end in the unit.",
         "anyOf": kinds,
-        "$defs": definitions,
+        "definitions": definitions,
     })
 }
 
@@ -85,20 +85,22 @@ fn of_kind(kind: Kind) -> Value {
     ];
     let sometimes = [
         ("gradient", json!({"type": "object"})),
+        ("floor", json!({"type": "object"})),
         ("case_warnings", words),
     ];
     let limits =
         (kind != Kind::RoundedPress).then(|| ("limits", json!({"type": "array", "items": limit})));
     let required = limits.into_iter().chain(always);
     for (name, value) in required {
-        object["required"]
-            .as_array_mut()
-            .into_iter()
-            .for_each(|names| names.push(name.into()));
+        if let Some(names) = object["required"].as_array_mut() {
+            names.push(name.into());
+        }
         object["properties"][name] = value;
     }
     for (name, value) in sometimes {
-        object["properties"][name] = value;
+        if object["properties"][name].is_null() {
+            object["properties"][name] = value;
+        }
     }
     object
 }
