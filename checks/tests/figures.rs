@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
+use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
     Adhesion, Boundary, Cap, CapField, Control, CyclePlan, Drive, Floor, Grid, HeightMap,
     HexagonalLattice, Indenter, Lens, Material, Method, Pillar, PillarCompliance, SurfaceSystem,
@@ -186,7 +186,7 @@ fn figures_of_surfaces() -> Vec<Figure> {
     });
     let pillar = PillarShape::cylinder(6e-6, 0.5e-6);
     let lattice = HexagonalLattice::new(16e-6);
-    let pattern = Pattern::new(pillar, Arrangement::Hexagonal(lattice));
+    let pattern = Pattern::new(pillar, lattice);
     let grid = Grid::centred(128, 128, 1e-6).unwrap();
     let surface = pattern.height_map(&grid, &rubber).unwrap();
     let free = SurfaceSystem::new(lens, rubber, surface, Boundary::FreeSpace)

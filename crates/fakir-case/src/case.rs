@@ -3,7 +3,7 @@
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::{Key, Setting};
-use crate::parts::{BaseForm, Parts, ShapeForm, TextureArrangement};
+use crate::parts::{ArrangementName, BaseForm, OfTexture, Parts, ShapeForm};
 use crate::row::Range;
 use fakir::problem::{
     Adhesion, Arrangement, HexagonalLattice, Lens, LensShape, Material, Method, Pillar,
@@ -47,10 +47,10 @@ pub(crate) enum Spacing {
 }
 
 impl Spacing {
-    pub(crate) fn pitch(self, arrangement: TextureArrangement, diameter: f64) -> f64 {
-        match (self, arrangement) {
+    pub(crate) fn pitch(self, arrangement: OfTexture, diameter: f64) -> f64 {
+        match (self, arrangement.0) {
             (Self::Pitch(pitch), _) => pitch,
-            (Self::SurfaceFraction(fraction), TextureArrangement::Square) => {
+            (Self::SurfaceFraction(fraction), ArrangementName::Square) => {
                 0.5 * diameter * (PI / fraction).sqrt()
             }
             (Self::SurfaceFraction(fraction), _) => {
@@ -140,7 +140,7 @@ impl Case {
             Key::WorkOfAdhesion => adhesion == Adhesion::NONE,
             Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
             Key::FloorSticks => !adhesion.floor,
-            Key::Columns => parts.texture.columns.is_nan(),
+            Key::Columns => parts.texture.arrangement.columns.is_nan(),
             Key::Pillars => parts.texture.pillars.is_empty(),
             Key::LensShape => parts.shape.form == ShapeForm::Sphere,
             Key::LensProfile => parts.shape.profile.is_empty(),
@@ -150,7 +150,7 @@ impl Case {
             Key::SubstrateBase => parts.substrate_layer.base == BaseForm::Rigid,
             // Flat tops have none.
             Key::TopRadius => true,
-            _ if key.is_of_scatter() => parts.texture.is_plain(),
+            _ if key.is_of_scatter() => parts.texture.arrangement.is_plain(),
             _ => key == not_given,
         };
         let is_absent = does_without || key.is_of_surface() || key.idle_with(&mut parts).is_some();

@@ -9,7 +9,7 @@ use crate::entries::{
 use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting, is_table};
-use crate::parts::{Parts, ShapeForm, TRUE_OR_FALSE, TextureArrangement, TextureParts};
+use crate::parts::{ArrangementName, OfTexture, Parts, ShapeForm, TRUE_OR_FALSE, TextureParts};
 use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
 use crate::row::{Field, Presence, Range};
@@ -247,7 +247,7 @@ impl CaseFile {
         let texture = &parts.texture;
         let spacing = self.spacing(texture)?;
         let mut pillar = texture.pillar;
-        let pitch = spacing.pitch(texture.arrangement, pillar.diameter);
+        let pitch = spacing.pitch(texture.name, pillar.diameter);
         let (arrangement, pillars) = match texture.plane_lattice(pitch) {
             Some(lattice) => (Arrangement::from(lattice), None),
             None => {
@@ -309,15 +309,16 @@ impl CaseFile {
     /// How far apart pillars stand, as it was given; no number of listed ones.
     pub(crate) fn spacing(&self, texture: &TextureParts) -> Result<Spacing, CaseError> {
         if self.entry(Key::Pitch).is_some() {
-            return Ok(Spacing::Pitch(texture.lattice.pitch));
+            return Ok(Spacing::Pitch(texture.arrangement.lattice.pitch));
         }
-        if texture.arrangement == TextureArrangement::Listed {
+        if texture.is_listed() {
             return Ok(Spacing::Pitch(f64::NAN));
         }
         // The system is made with the pitch that follows from the surface fraction, so
         // that it cannot check the surface fraction itself.
-        self.check_range(Key::SurfaceFraction, texture.surface_fraction)?;
-        Ok(Spacing::SurfaceFraction(texture.surface_fraction))
+        let fraction = texture.arrangement.surface_fraction;
+        self.check_range(Key::SurfaceFraction, fraction)?;
+        Ok(Spacing::SurfaceFraction(fraction))
     }
 
     /// The error for a table of pillars that was not read.
@@ -522,7 +523,7 @@ impl CaseFile {
         }
         // A table of pillars says what the arrangement is.
         if self.entry(Key::Pillars).is_some() && self.entry(Key::Lattice).is_none() {
-            parts.texture.arrangement = TextureArrangement::Listed;
+            parts.texture.name = OfTexture(ArrangementName::Listed);
         }
         for key in keys().filter(|key| self.entry(*key).is_some()) {
             if let Some((choice, word)) = key.idle_with(&mut parts) {
@@ -625,12 +626,7 @@ impl CaseFile {
             // A rounded top may be an asperity of the half-space itself.
             Presence::Required if key == Key::PillarDiameter && self.is_rounded() => Ok(()),
             // Listed pillars may each have their own.
-            Presence::Required
-                if key.is_of_listed_pillars()
-                    && parts.texture.arrangement == TextureArrangement::Listed =>
-            {
-                Ok(())
-            }
+            Presence::Required if key.is_of_listed_pillars() && parts.texture.is_listed() => Ok(()),
             Presence::Required => Err(self.missing(key)),
             // The file may state it.
             Presence::OneOf(_) if key.part() == Part::HeightMap => Ok(()),

@@ -3,7 +3,7 @@
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
-use crate::parts::{OutlineForm, Parts, Placement};
+use crate::parts::{ArrangementName, OutlineForm, Parts};
 use crate::table::Part;
 
 /// A key that changes no answer of a case.
@@ -23,15 +23,12 @@ pub(crate) static IDLE: [Idle; 8] = [
     },
     Idle {
         key: Key::OffsetAngle,
-        holds: |parts| parts.texture.lattice.offset == 0.0,
+        holds: |parts| parts.texture.arrangement.lattice.offset == 0.0,
         reason: "the lens axis is on a pillar centre: texture.offset is 0",
     },
     Idle {
         key: Key::TextureSeed,
-        holds: |parts| {
-            let scatter = parts.texture.disorder;
-            scatter.height_spread == 0.0 && scatter.missing == 0.0
-        },
+        holds: |parts| parts.texture.arrangement.disorder.is_none(),
         reason: "nothing is random: texture.height_standard_deviation and texture.missing are 0",
     },
     Idle {
@@ -50,16 +47,14 @@ pub(crate) static IDLE: [Idle; 8] = [
     },
     Idle {
         key: Key::PatternOffsetAngle,
-        holds: |parts| parts.surface.lattice.offset == 0.0,
+        holds: |parts| parts.surface.arrangement.lattice.offset == 0.0,
         reason: "the lens axis is on a pillar centre: surface.offset is 0",
     },
     Idle {
         key: Key::Seed,
         holds: |parts| {
             let surface = &parts.surface;
-            surface.placement != Placement::Random
-                && surface.height_half_width == 0.0
-                && surface.missing == 0.0
+            surface.name.0 != ArrangementName::Random && surface.arrangement.disorder.is_none()
         },
         reason: "nothing is random: surface.arrangement is a lattice, surface.height_half_width and surface.missing are 0",
     },

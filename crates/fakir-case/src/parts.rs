@@ -4,9 +4,9 @@
 
 use crate::case::{Case, Spacing};
 use fakir::problem::{
-    Accuracy, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice,
-    LatticeForm, Layer, Lens, LensShape, Material, MeshLayout, Method, Pillar, PillarCompliance,
-    PlaneLattice, Point, PunchForm, ShapedLens,
+    Accuracy, Base, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice, LatticeForm,
+    Layer, Lens, LensShape, Material, MeshLayout, Method, Pillar, PillarCompliance, PlaneLattice,
+    Point, PunchForm, Scatter, ShapedLens,
 };
 
 /// The values of all keys. Required values are not numbers until they are set, all others have
@@ -44,21 +44,29 @@ pub(crate) struct LayerParts {
     pub(crate) material: Material,
 }
 
+/// Where pillars stand, and how they differ: of a texture and of a pattern.
 #[derive(Debug, Clone)]
-pub(crate) struct TextureParts {
-    pub(crate) arrangement: TextureArrangement,
-    pub(crate) pillars: String,
-    pub(crate) axis: Point,
+pub(crate) struct ArrangementParts {
+    pub(crate) surface_fraction: f64,
+    /// Pitch and offset of a lattice of any form.
+    pub(crate) lattice: HexagonalLattice,
     pub(crate) pitch_y: f64,
     pub(crate) lattice_angle: f64,
     pub(crate) rotation: f64,
     pub(crate) columns: f64,
+    pub(crate) minimum_distance: f64,
     /// But for the seed, which is a number in a case file.
     pub(crate) disorder: Disorder,
     pub(crate) seed: f64,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct TextureParts {
+    pub(crate) name: OfTexture,
+    pub(crate) arrangement: ArrangementParts,
+    pub(crate) pillars: String,
+    pub(crate) axis: Point,
     pub(crate) top_radius: f64,
-    pub(crate) surface_fraction: f64,
-    pub(crate) lattice: HexagonalLattice,
     pub(crate) pillar: Pillar,
     pub(crate) floor: FloorModel,
     pub(crate) adhesion: AdhesionParts,
@@ -101,13 +109,8 @@ pub(crate) struct SurfaceParts {
     pub(crate) height_unit: f64,
     pub(crate) cell_size: f64,
     pub(crate) width: f64,
-    pub(crate) placement: Placement,
-    pub(crate) surface_fraction: f64,
-    pub(crate) lattice: HexagonalLattice,
-    pub(crate) minimum_distance: f64,
-    pub(crate) missing: f64,
-    pub(crate) height_half_width: f64,
-    pub(crate) seed: f64,
+    pub(crate) name: OnHeightMap,
+    pub(crate) arrangement: ArrangementParts,
     pub(crate) floor: f64,
     pub(crate) boundary: Boundary,
     pub(crate) indenter: IndenterForm,
@@ -161,18 +164,11 @@ impl Default for Parts {
             lens_layer: half_space.clone(),
             substrate_layer: half_space,
             texture: TextureParts {
-                arrangement: TextureArrangement::Hexagonal,
+                name: OfTexture(ArrangementName::Hexagonal),
+                arrangement: ArrangementParts::of_heights(Scatter::normal(0.0, 0)),
                 pillars: String::new(),
                 axis: [0.0; 2],
-                pitch_y: NOT_GIVEN,
-                lattice_angle: NOT_GIVEN,
-                rotation: 0.0,
-                columns: NOT_GIVEN,
-                disorder: Disorder::default(),
-                seed: 0.0,
                 top_radius: NOT_GIVEN,
-                surface_fraction: NOT_GIVEN,
-                lattice: HexagonalLattice::new(NOT_GIVEN),
                 pillar: Pillar {
                     diameter: NOT_GIVEN,
                     height: NOT_GIVEN,
@@ -199,13 +195,8 @@ impl Default for Parts {
                 height_unit: 1.0,
                 cell_size: NOT_GIVEN,
                 width: NOT_GIVEN,
-                placement: Placement::Hexagonal,
-                surface_fraction: NOT_GIVEN,
-                lattice: HexagonalLattice::new(NOT_GIVEN),
-                minimum_distance: NOT_GIVEN,
-                missing: 0.0,
-                height_half_width: 0.0,
-                seed: 0.0,
+                name: OnHeightMap(ArrangementName::Hexagonal),
+                arrangement: ArrangementParts::of_heights(Scatter::uniform(0.0, 0)),
                 floor: NOT_GIVEN,
                 boundary: Boundary::default(),
                 indenter: IndenterForm::Lens,
@@ -253,7 +244,7 @@ impl Parts {
             work_receding: adhesion.receding(),
             floor: FloorSticks(adhesion.floor),
         };
-        parts.texture.surface_fraction = match case.spacing {
+        parts.texture.arrangement.surface_fraction = match case.spacing {
             Spacing::SurfaceFraction(fraction) => fraction,
             Spacing::Pitch(_) => case.system.texture().surface_fraction(),
         };
@@ -357,34 +348,10 @@ impl LayerParts {
 
 impl TextureParts {
     fn set_arrangement(&mut self, case: &Case) {
-        match case.system.arrangement() {
-            Arrangement::Hexagonal(lattice) => self.lattice = *lattice,
-            Arrangement::Lattice(lattice) => {
-                self.lattice = HexagonalLattice {
-                    pitch: lattice.form.pitch(),
-                    offset: lattice.offset,
-                    offset_angle: lattice.offset_angle,
-                };
-                self.arrangement = match lattice.form {
-                    LatticeForm::Hexagonal { .. } => TextureArrangement::Hexagonal,
-                    LatticeForm::Square { .. } => TextureArrangement::Square,
-                    LatticeForm::Rectangular { pitch_y, .. } => {
-                        self.pitch_y = pitch_y;
-                        TextureArrangement::Rectangular
-                    }
-                    LatticeForm::Oblique { pitch_y, angle, .. } => {
-                        self.pitch_y = pitch_y;
-                        self.lattice_angle = angle;
-                        TextureArrangement::Oblique
-                    }
-                };
-                self.rotation = lattice.rotation;
-                self.columns = lattice.columns.map_or(NOT_GIVEN, f64::from);
-                self.disorder = lattice.disorder;
-                self.seed = lattice.disorder.seed as f64;
-            }
-            _ => {
-                self.arrangement = TextureArrangement::Listed;
+        match case.system.arrangement().lattice() {
+            Some(lattice) => self.name = OfTexture(self.arrangement.set(&lattice)),
+            None => {
+                self.name = OfTexture(ArrangementName::Listed);
                 if let Some(origin) = &case.pillars {
                     let path = origin.path.as_deref();
                     self.pillars =
@@ -395,33 +362,88 @@ impl TextureParts {
         }
     }
 
-    /// Whether the lattice is endless, not turned, and of equal pillars.
-    pub(crate) fn is_plain(&self) -> bool {
-        let own = self.plane_lattice(1.0);
-        own.is_none_or(|own| {
-            let plain = PlaneLattice {
-                offset: own.offset,
-                offset_angle: own.offset_angle,
-                columns: own.columns,
-                ..PlaneLattice::new(own.form)
-            };
-            own == plain
-        })
+    /// Whether its pillars are those of a list.
+    pub(crate) fn is_listed(&self) -> bool {
+        self.name.0 == ArrangementName::Listed
     }
 
     /// The lattice that they describe, of the given pitch; none of listed pillars.
     pub(crate) fn plane_lattice(&self, pitch: f64) -> Option<PlaneLattice> {
+        self.arrangement.plane_lattice(self.name.0, pitch)
+    }
+}
+
+impl ArrangementParts {
+    /// Those of equal pillars, whose heights scatter by that law where they are given to scatter.
+    fn of_heights(heights: Scatter) -> Self {
+        Self {
+            surface_fraction: NOT_GIVEN,
+            lattice: HexagonalLattice::new(NOT_GIVEN),
+            pitch_y: NOT_GIVEN,
+            lattice_angle: NOT_GIVEN,
+            rotation: 0.0,
+            columns: NOT_GIVEN,
+            minimum_distance: NOT_GIVEN,
+            disorder: Disorder {
+                heights,
+                missing: 0.0,
+            },
+            seed: 0.0,
+        }
+    }
+
+    /// Those of a lattice, and the name of its form.
+    fn set(&mut self, lattice: &PlaneLattice) -> ArrangementName {
+        self.lattice = HexagonalLattice {
+            pitch: lattice.form.pitch(),
+            offset: lattice.offset,
+            offset_angle: lattice.offset_angle,
+        };
+        self.rotation = lattice.rotation;
+        self.columns = lattice.columns.map_or(NOT_GIVEN, f64::from);
+        self.disorder = lattice.disorder;
+        self.seed = lattice.disorder.heights.seed as f64;
+        match lattice.form {
+            LatticeForm::Hexagonal { .. } => ArrangementName::Hexagonal,
+            LatticeForm::Square { .. } => ArrangementName::Square,
+            LatticeForm::Rectangular { pitch_y, .. } => {
+                self.pitch_y = pitch_y;
+                ArrangementName::Rectangular
+            }
+            LatticeForm::Oblique { pitch_y, angle, .. } => {
+                self.pitch_y = pitch_y;
+                self.lattice_angle = angle;
+                ArrangementName::Oblique
+            }
+        }
+    }
+
+    /// Whether a lattice is not turned, and of equal pillars.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.rotation == 0.0 && self.disorder.is_none() && self.seed == 0.0
+    }
+
+    /// How the pillars differ.
+    pub(crate) fn disorder(&self) -> Disorder {
+        let Disorder { heights, missing } = self.disorder;
+        let seed = self.seed as u64;
+        let heights = Scatter { seed, ..heights };
+        Disorder { heights, missing }
+    }
+
+    /// The lattice of a name and a pitch that they describe; none of pillars in a list or at random.
+    pub(crate) fn plane_lattice(&self, name: ArrangementName, pitch: f64) -> Option<PlaneLattice> {
         let (pitch_y, angle) = (self.pitch_y, self.lattice_angle);
-        let form = match self.arrangement {
-            TextureArrangement::Hexagonal => LatticeForm::Hexagonal { pitch },
-            TextureArrangement::Square => LatticeForm::Square { pitch },
-            TextureArrangement::Rectangular => LatticeForm::Rectangular { pitch, pitch_y },
-            TextureArrangement::Oblique => LatticeForm::Oblique {
+        let form = match name {
+            ArrangementName::Hexagonal => LatticeForm::Hexagonal { pitch },
+            ArrangementName::Square => LatticeForm::Square { pitch },
+            ArrangementName::Rectangular => LatticeForm::Rectangular { pitch, pitch_y },
+            ArrangementName::Oblique => LatticeForm::Oblique {
                 pitch,
                 pitch_y,
                 angle,
             },
-            TextureArrangement::Listed => return None,
+            ArrangementName::Listed | ArrangementName::Random => return None,
         };
         Some(PlaneLattice {
             form,
@@ -429,10 +451,7 @@ impl TextureParts {
             offset: self.lattice.offset,
             offset_angle: self.lattice.offset_angle,
             columns: self.columns.is_finite().then_some(self.columns as u32),
-            disorder: Disorder {
-                seed: self.seed as u64,
-                ..self.disorder
-            },
+            disorder: self.disorder(),
         })
     }
 }
@@ -540,22 +559,40 @@ impl Words for BaseForm {
     ];
 }
 
+/// What the arrangements of pillars are called.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum TextureArrangement {
+pub(crate) enum ArrangementName {
     Hexagonal,
     Square,
     Rectangular,
     Oblique,
     Listed,
+    Random,
 }
 
-impl Words for TextureArrangement {
+/// An arrangement of a texture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct OfTexture(pub(crate) ArrangementName);
+
+impl Words for OfTexture {
     const WORDS: &'static [(&'static str, Self)] = &[
-        ("hexagonal", Self::Hexagonal),
-        ("square", Self::Square),
-        ("rectangular", Self::Rectangular),
-        ("oblique", Self::Oblique),
-        ("listed", Self::Listed),
+        ("hexagonal", Self(ArrangementName::Hexagonal)),
+        ("square", Self(ArrangementName::Square)),
+        ("rectangular", Self(ArrangementName::Rectangular)),
+        ("oblique", Self(ArrangementName::Oblique)),
+        ("listed", Self(ArrangementName::Listed)),
+    ];
+}
+
+/// An arrangement of a pattern that is drawn as a height map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct OnHeightMap(pub(crate) ArrangementName);
+
+impl Words for OnHeightMap {
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("hexagonal", Self(ArrangementName::Hexagonal)),
+        ("square", Self(ArrangementName::Square)),
+        ("random", Self(ArrangementName::Random)),
     ];
 }
 
@@ -641,22 +678,6 @@ impl Cells {
 impl Words for Cells {
     const WORDS: &'static [(&'static str, Self)] =
         &[("matched", Self::Matched), ("plain", Self::Plain)];
-}
-
-/// How the pillars of a general surface are placed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Placement {
-    Hexagonal,
-    Square,
-    Random,
-}
-
-impl Words for Placement {
-    const WORDS: &'static [(&'static str, Self)] = &[
-        ("hexagonal", Self::Hexagonal),
-        ("square", Self::Square),
-        ("random", Self::Random),
-    ];
 }
 
 impl Words for Boundary {

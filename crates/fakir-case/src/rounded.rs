@@ -357,7 +357,7 @@ impl CaseFile {
                 Key::Pitch
             )));
         }
-        let pitch = spacing.pitch(texture.arrangement, diameter);
+        let pitch = spacing.pitch(texture.name, diameter);
         let Some(lattice) = texture.plane_lattice(pitch) else {
             return Ok(None);
         };

@@ -8,16 +8,15 @@ use crate::height_map::{
 };
 use crate::key::{Key, root};
 use crate::parts::{
-    IndenterForm, OutlineForm, OutlineParts, Parts, Placement, SurfaceParts, TopForm,
+    ArrangementName, IndenterForm, OutlineForm, OutlineParts, Parts, SurfaceParts, TopForm,
 };
 use crate::support::{Capability, SurfaceKind, Unsupported};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
-use fakir::problem::pattern::{
-    Arrangement, CrossSection, InvalidPattern, Pattern, PillarShape, Top,
-};
+use fakir::problem::pattern::{CrossSection, InvalidPattern, Pattern, PillarShape, Top};
 use fakir::problem::{
-    Boundary, Floor, Grid, HeightMap, HexagonalLattice, Indenter, Point, SurfaceSystem,
+    Arrangement, Boundary, Floor, Grid, HeightMap, Indenter, LatticeForm, Point, RandomPlaces,
+    SurfaceSystem,
 };
 use std::path::{Path, PathBuf};
 
@@ -49,7 +48,7 @@ impl SurfaceCase {
         match &self.origin {
             SurfaceOrigin::HeightMap(_) => false,
             SurfaceOrigin::Pattern(pattern) => {
-                !matches!(pattern.arrangement, Arrangement::Random { .. })
+                !matches!(pattern.arrangement, Arrangement::Random(_))
             }
         }
     }
@@ -167,7 +166,7 @@ impl CaseFile {
         let (kind, parts) = self.surface_parts()?;
         Ok(SurfaceExample {
             boundary: parts.surface.boundary,
-            is_random: kind == Part::Pattern && parts.surface.placement == Placement::Random,
+            is_random: kind == Part::Pattern && parts.surface.name.0 == ArrangementName::Random,
             settings: self.settings(parts),
         })
     }
@@ -429,20 +428,9 @@ impl CaseFile {
     }
 
     fn pattern(&self, parts: &Parts) -> Result<Pattern, CaseError> {
-        let SurfaceParts {
-            missing,
-            height_half_width,
-            seed,
-            ..
-        } = parts.surface;
         let pillar = pillar(&parts.outline);
-        let pattern = Pattern {
-            pillar,
-            arrangement: self.arrangement(&parts.surface, &pillar.cross_section)?,
-            missing,
-            height_half_width,
-            seed: seed as u64,
-        };
+        let arrangement = self.arrangement(&parts.surface, &pillar.cross_section)?;
+        let pattern = Pattern::new(pillar, arrangement);
         pattern
             .check()
             .map_err(|invalid| self.impossible_pattern(&invalid))?;
@@ -454,33 +442,28 @@ impl CaseFile {
         parts: &SurfaceParts,
         outline: &CrossSection,
     ) -> Result<Arrangement, CaseError> {
-        // The area that one pillar has to itself where the pitch is 1.
-        let unit_cell_area = match parts.placement {
-            Placement::Hexagonal => HexagonalLattice::new(1.0).cell_area(),
-            Placement::Square => 1.0,
-            Placement::Random => {
-                return Ok(Arrangement::Random {
-                    surface_fraction: parts.surface_fraction,
-                    minimum_distance: match self.entry(Key::MinimumDistance) {
-                        Some(_) => parts.minimum_distance,
-                        None => outline.outer_diameter(),
-                    },
-                });
-            }
-        };
-        let mut lattice = parts.lattice;
-        if self.entry(Key::PatternFraction).is_some() {
-            let fraction = parts.surface_fraction;
+        let (name, given) = (parts.name.0, &parts.arrangement);
+        let fraction = self.entry(Key::PatternFraction);
+        let fraction = fraction.map(|_| given.surface_fraction);
+        if let Some(fraction) = fraction {
             self.check_range(Key::PatternFraction, fraction)?;
-            lattice.pitch = (outline.area() / unit_cell_area / fraction).sqrt();
         }
-        Ok(match parts.placement {
-            Placement::Hexagonal => Arrangement::Hexagonal(lattice),
-            _ => Arrangement::Square {
-                pitch: lattice.pitch,
-                offset: lattice.offset_vector(),
-            },
-        })
+        let Some(unit) = given.plane_lattice(name, 1.0) else {
+            let places = RandomPlaces::with_surface_fraction(
+                given.surface_fraction,
+                outline.area(),
+                match self.entry(Key::MinimumDistance) {
+                    Some(_) => given.minimum_distance,
+                    None => outline.outer_diameter(),
+                },
+            );
+            let disorder = given.disorder();
+            return Ok(RandomPlaces { disorder, ..places }.into());
+        };
+        let pitch = fraction.map_or(given.lattice.pitch, |fraction| {
+            (outline.area() / unit.form.cell_area() / fraction).sqrt()
+        });
+        Ok(unit.stretched(pitch).into())
     }
 
     /// Draws the pattern on a grid. Its cells are squares; where the grid is a period of the
@@ -631,14 +614,17 @@ fn period_grid(
     sides: Point,
     counts: [usize; 2],
 ) -> Result<Grid, fakir::problem::InvalidGrid> {
-    let (rows, offset) = match pattern.arrangement {
-        Arrangement::Hexagonal(lattice) => {
-            let period = pattern.period().unwrap_or(sides);
-            (period.map(|side| 0.5 * side), lattice.offset_vector())
+    let lattice = pattern.arrangement.lattice();
+    let rows = match (pattern.period(), lattice) {
+        // Every second row is half a period along.
+        (Some(period), Some(lattice)) if matches!(lattice.form, LatticeForm::Hexagonal { .. }) => {
+            period.map(|side| 0.5 * side)
         }
-        Arrangement::Square { pitch, offset } => ([pitch; 2], offset),
-        Arrangement::Random { .. } => (sides, [0.0, 0.0]),
+        (Some(period), _) => period,
+        (None, _) => sides,
     };
+    // From a pillar to the lens axis.
+    let offset = lattice.map_or([0.0; 2], |lattice| lattice.origin().map(|x| -x));
     let origin = [0, 1].map(|axis| {
         let first = ((offset[axis] - 0.5 * sides[axis]) / rows[axis] - 0.5).round() + 0.5;
         first * rows[axis] - offset[axis]

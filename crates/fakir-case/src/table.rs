@@ -130,7 +130,7 @@ keys! {
             number("of an elastic base: Poisson's ratio, 0 to 0.5", |p| &mut p.substrate_layer.material.poisson_ratio)
                 .label("Poisson's ratio of the base").range(POISSON).with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBasePoissonRatio);
         Lattice = "texture.lattice" is
-            word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.arrangement)
+            word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.name)
                 .optional();
         Pillars = "texture.pillars" is
             text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m", |p| &mut p.texture.pillars)
@@ -142,46 +142,46 @@ keys! {
             length("where the lens axis stands among listed pillars, along y", |p| &mut p.texture.axis[1])
                 .optional().with(Key::Lattice, &["listed"]);
         SurfaceFraction = "texture.surface_fraction" is
-            fraction("part of the surface that is pillar top; or give pitch instead", |p| &mut p.texture.surface_fraction)
+            fraction("part of the surface that is pillar top; or give pitch instead", |p| &mut p.texture.arrangement.surface_fraction)
                 .symbol("φ").usual(3e-4, 0.3)
                 .range(Range::SurfaceFraction).or(Key::Pitch).with(Key::Lattice, EVEN_LATTICES).of(Quantity::SurfaceFraction);
         Pitch = "texture.pitch" is
-            length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.texture.lattice.pitch)
+            length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.texture.arrangement.lattice.pitch)
                 .symbol("e").usual(1e-6, 1e-3)
                 .range(Range::AtLeast(Key::PillarDiameter)).or(Key::SurfaceFraction).with(Key::Lattice, PLANE_LATTICES).of(Quantity::Pitch);
         PitchY = "texture.pitch_y" is
-            length("distance along the second rows: along y of a rectangular lattice", |p| &mut p.texture.pitch_y)
+            length("distance along the second rows: along y of a rectangular lattice", |p| &mut p.texture.arrangement.pitch_y)
                 .usual(1e-6, 1e-3)
                 .range(Range::AtLeast(Key::PillarDiameter)).with(Key::Lattice, &["rectangular", "oblique"]).of(Quantity::PitchY);
         LatticeAngle = "texture.lattice_angle" is
-            angle("between the rows of an oblique lattice", |p| &mut p.texture.lattice_angle)
+            angle("between the rows of an oblique lattice", |p| &mut p.texture.arrangement.lattice_angle)
                 .usual(FRAC_PI_6, 5.0 * FRAC_PI_6)
                 .range(Range::Words("above 0 and below 180 deg")).with(Key::Lattice, &["oblique"]).of(Quantity::LatticeAngle);
         Offset = "texture.offset" is
-            number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.texture.lattice.offset)
+            number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.texture.arrangement.lattice.offset)
                 .symbol("dx/e").usual(0.0, 1.0)
                 .range(Range::Between(Included(0.0), Included(1000.0))).optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Offset);
         OffsetAngle = "texture.offset_angle" is
-            angle("direction of the offset; x points to a second neighbour", |p| &mut p.texture.lattice.offset_angle)
+            angle("direction of the offset; x points to a second neighbour", |p| &mut p.texture.arrangement.lattice.offset_angle)
                 .usual(0.0, FRAC_PI_2)
                 .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::OffsetAngle);
         Rotation = "texture.rotation" is
-            angle("by which the lattice is turned about the lens axis, anticlockwise", |p| &mut p.texture.rotation)
+            angle("by which the lattice is turned about the lens axis, anticlockwise", |p| &mut p.texture.arrangement.rotation)
                 .usual(0.0, FRAC_PI_2)
                 .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Rotation);
         Columns = "texture.columns" is
-            number("pillars along each side of a finite lattice", |p| &mut p.texture.columns)
+            number("pillars along each side of a finite lattice", |p| &mut p.texture.arrangement.columns)
                 .range(Range::Whole(1, 10_000)).otherwise("the lattice has no end").with(Key::Lattice, PLANE_LATTICES);
         HeightStandardDeviation = "texture.height_standard_deviation" is
-            fraction("standard deviation of the heights of pillars, which are normally distributed, over the height", |p| &mut p.texture.disorder.height_spread)
+            fraction("standard deviation of the heights of pillars, which are normally distributed, over the height", |p| &mut p.texture.arrangement.disorder.heights.parameter)
                 .formerly("texture.height_spread").label("standard deviation of heights").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::HeightSpread);
         TextureMissing = "texture.missing" is
-            fraction("probability that a pillar is missing", |p| &mut p.texture.disorder.missing)
+            fraction("probability that a pillar is missing", |p| &mut p.texture.arrangement.disorder.missing)
                 .label("missing").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::Missing);
         TextureSeed = "texture.seed" is
-            number("whole number that decides which heights and which pillars", |p| &mut p.texture.seed)
+            number("whole number that decides which heights and which pillars", |p| &mut p.texture.arrangement.seed)
                 .usual(0.0, 100.0)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES);
         TopRadius = "texture.top_radius" is
@@ -233,33 +233,33 @@ keys! {
     }
     Pattern {
         Arrangement = "surface.arrangement" is
-            word("of pillars: hexagonal, square or random; or give height_map instead", |p| &mut p.surface.placement)
+            word("of pillars: hexagonal, square or random; or give height_map instead", |p| &mut p.surface.name)
                 .presence(Presence::EitherSurface(Key::HeightMap));
         PatternFraction = "surface.surface_fraction" is
-            fraction("part of the surface that is pillar; or give pitch instead", |p| &mut p.surface.surface_fraction)
+            fraction("part of the surface that is pillar; or give pitch instead", |p| &mut p.surface.arrangement.surface_fraction)
                 .range(Range::Between(Excluded(0.0), Excluded(1.0))).or(Key::PatternPitch).of_pattern(Q::SurfaceFraction);
         PatternPitch = "surface.pitch" is
-            length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.surface.lattice.pitch)
+            length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.surface.arrangement.lattice.pitch)
                 .positive().or(Key::PatternFraction).with(Key::Arrangement, LATTICES).of_pattern(Q::Pitch);
         MinimumDistance = "surface.minimum_distance" is
-            length("between the centres of random pillars", |p| &mut p.surface.minimum_distance)
+            length("between the centres of random pillars", |p| &mut p.surface.arrangement.minimum_distance)
                 .range(Range::Words("at least the outer diameter of a pillar"))
                 .otherwise("the outer diameter of a pillar counts").with(Key::Arrangement, &["random"]).of_pattern(Q::MinimumDistance);
         PatternOffset = "surface.offset" is
-            number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.surface.lattice.offset)
+            number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.surface.arrangement.lattice.offset)
                 .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::Offset);
         PatternOffsetAngle = "surface.offset_angle" is
-            angle("direction of the offset from x", |p| &mut p.surface.lattice.offset_angle)
+            angle("direction of the offset from x", |p| &mut p.surface.arrangement.lattice.offset_angle)
                 .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::OffsetAngle);
         Missing = "surface.missing" is
-            fraction("part of the pillars that are missing", |p| &mut p.surface.missing)
+            fraction("part of the pillars that are missing", |p| &mut p.surface.arrangement.disorder.missing)
                 .range(FRACTION).optional().of_pattern(Q::Missing);
         HeightHalfWidth = "surface.height_half_width" is
-            fraction("half-width of the heights of pillars, which are uniformly distributed, over the height", |p| &mut p.surface.height_half_width)
+            fraction("half-width of the heights of pillars, which are uniformly distributed, over the height", |p| &mut p.surface.arrangement.disorder.heights.parameter)
                 .formerly("surface.height_spread").range(FRACTION).optional().of_pattern(Q::HeightHalfWidth);
         // The whole numbers that a number in a case file holds exactly.
         Seed = "surface.seed" is
-            number("whole number that decides what is random", |p| &mut p.surface.seed)
+            number("whole number that decides what is random", |p| &mut p.surface.arrangement.seed)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional();
     }
     Surface {

@@ -206,8 +206,8 @@ fn sides(grid: &Grid) -> [f64; 2] {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use fakir::problem::pattern::{Arrangement, CrossSection, Pattern, PillarShape, Top};
-    use fakir::problem::{Control, Floor, Material, PillarCompliance};
+    use fakir::problem::pattern::{CrossSection, Pattern, PillarShape, Top};
+    use fakir::problem::{Control, Floor, LatticeForm, Material, PillarCompliance, PlaneLattice};
     use fakir::state::Run;
 
     const HEIGHT: f64 = 1e-6;
@@ -225,13 +225,9 @@ mod tests {
             top: Top::Flat,
             compliance: PillarCompliance::Column,
         };
-        let pitch = 16e-6;
-        let arrangement = Arrangement::Square {
-            pitch,
-            offset: [0.0, 0.0],
-        };
+        let square = PlaneLattice::new(LatticeForm::Square { pitch: 16e-6 });
         let grid = Grid::centred(64, 64, 1e-6).unwrap();
-        let surface = Pattern::new(pillar, arrangement).periodic_height_map(&grid, &substrate);
+        let surface = Pattern::new(pillar, square).periodic_height_map(&grid, &substrate);
         let plate = Indenter::Flat(plate);
         let system =
             SurfaceSystem::new(plate, substrate, surface.unwrap(), Boundary::Periodic).unwrap();

@@ -1,6 +1,6 @@
 //! Derivatives by the keys of a case, from those by the quantities of its system.
 
-use fakir::problem::{Arrangement, Quantity};
+use fakir::problem::Quantity;
 use fakir::state::Derivatives;
 use fakir_case::{Case, CaseError, CaseFile, Key};
 
@@ -18,11 +18,9 @@ pub(crate) struct ByKey {
 
 impl ByKey {
     pub(crate) fn new(file: &CaseFile, case: &Case) -> Result<Self, CaseError> {
-        let has_heights = match case.system.arrangement() {
-            Arrangement::Hexagonal(_) => false,
-            Arrangement::Lattice(lattice) => lattice.disorder.height_spread > 0.0,
-            _ => true,
-        };
+        let arrangement = case.system.arrangement();
+        let has_heights =
+            arrangement.lattice().is_none() || !arrangement.disorder().heights.is_none();
         Ok(Self {
             fraction: file.given(Key::SurfaceFraction)?,
             diameter: case.system.pillar().diameter,

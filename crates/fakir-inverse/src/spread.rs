@@ -6,7 +6,7 @@
 
 use crate::derivative::ByKey;
 use chacha20::ChaCha12Rng;
-use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, LatticeForm, Point};
+use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, Point};
 use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_quantity};
 use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
@@ -256,11 +256,7 @@ pub fn spread(
 
 /// How the pillars of a lattice scatter, if they do.
 fn disorder(arrangement: &Arrangement) -> Option<Disorder> {
-    match arrangement {
-        Arrangement::Lattice(lattice) => Some(lattice.disorder)
-            .filter(|disorder| disorder.height_spread > 0.0 || disorder.missing > 0.0),
-        _ => None,
-    }
+    Some(arrangement.disorder()).filter(|disorder| !disorder.is_none())
 }
 
 /// The spread to first order, or why there is none.
@@ -283,8 +279,9 @@ fn first_order(
         Ok(gradient) => gradient,
     };
     let by_key = ByKey::new(file, case)?;
-    let height_deviation =
-        disorder.map_or(0.0, |it| it.height_spread * case.system.pillar().height);
+    let height_deviation = disorder.map_or(0.0, |it| {
+        it.heights.standard_deviation() * case.system.pillar().height
+    });
     let deviation = |derivatives: &Option<Derivatives>| -> Result<f64, String> {
         let derivatives = derivatives
             .as_ref()
@@ -453,13 +450,7 @@ struct Cell {
 impl Cell {
     /// None of listed pillars.
     fn of(arrangement: &Arrangement) -> Option<Self> {
-        let form = match arrangement {
-            Arrangement::Hexagonal(lattice) => LatticeForm::Hexagonal {
-                pitch: lattice.pitch,
-            },
-            Arrangement::Lattice(lattice) => lattice.form,
-            _ => return None,
-        };
+        let form = arrangement.lattice()?.form;
         Some(Self {
             vectors: form.vectors(),
             pitch: form.pitch(),
@@ -469,11 +460,8 @@ impl Cell {
 
 /// Where the lens axis stands on a lattice: distance (pitches) and direction (rad) from a pillar.
 fn landed(arrangement: &Arrangement) -> (f64, f64) {
-    match arrangement {
-        Arrangement::Hexagonal(lattice) => (lattice.offset, lattice.offset_angle),
-        Arrangement::Lattice(lattice) => (lattice.offset, lattice.offset_angle),
-        _ => (0.0, 0.0),
-    }
+    let lattice = arrangement.lattice();
+    lattice.map_or((0.0, 0.0), |lattice| (lattice.offset, lattice.offset_angle))
 }
 
 /// The critical state of a sample, or why there is none to be relied on.

@@ -3,8 +3,11 @@
 // Numbers are read to the last bit.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
-use fakir::problem::pattern::{Arrangement, CrossSection, Pattern, PillarShape, Top};
-use fakir::problem::{Boundary, Floor, HeightMap, HexagonalLattice, Indenter, PillarCompliance};
+use fakir::problem::pattern::{CrossSection, Pattern, PillarShape, Top};
+use fakir::problem::{
+    Arrangement, Boundary, Disorder, Floor, HeightMap, Indenter, LatticeForm, PillarCompliance,
+    PlaneLattice, RandomPlaces, Scatter,
+};
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
 use std::path::{Path, PathBuf};
 
@@ -25,7 +28,7 @@ fn with(overrides: &[&str]) -> Result<SurfaceCase, CaseError> {
 
 fn pattern(case: &SurfaceCase) -> Pattern {
     match &case.origin {
-        SurfaceOrigin::Pattern(pattern) => *pattern,
+        SurfaceOrigin::Pattern(pattern) => pattern.clone(),
         SurfaceOrigin::HeightMap(path) => panic!("{}", path.display()),
     }
 }
@@ -100,14 +103,15 @@ fn every_form_top_and_arrangement() {
             },
             compliance: PillarCompliance::None,
         },
-        arrangement: Arrangement::Hexagonal(HexagonalLattice {
-            pitch: 15e-6,
+        arrangement: Arrangement::Lattice(PlaneLattice {
             offset: 0.5,
             offset_angle: 30f64.to_radians(),
+            disorder: Disorder {
+                heights: Scatter::uniform(0.2, 7),
+                missing: 0.1,
+            },
+            ..PlaneLattice::new(LatticeForm::Hexagonal { pitch: 15e-6 })
         }),
-        missing: 0.1,
-        height_half_width: 0.2,
-        seed: 7,
     };
     assert_eq!(pattern(&case), expected);
     assert_eq!(case.system.floor(), Some(Floor::AtOrBelow(10e-9)));
@@ -126,13 +130,15 @@ fn every_form_top_and_arrangement() {
     .unwrap();
     let found = pattern(&case);
     // Pillars keep at least their own length by default.
-    assert_eq!(
-        found.arrangement,
-        Arrangement::Random {
-            surface_fraction: 0.2,
-            minimum_distance: 8e-6
-        }
-    );
+    let area = found.pillar.cross_section.area();
+    let places = RandomPlaces {
+        disorder: Disorder {
+            heights: Scatter::uniform(0.0, 0),
+            missing: 0.0,
+        },
+        ..RandomPlaces::with_surface_fraction(0.2, area, 8e-6)
+    };
+    assert_eq!(found.arrangement, Arrangement::Random(places));
     assert_eq!(found.pillar.top, Top::Rounded { radius: 0.2e-6 });
     assert!(matches!(case.system.indenter(), Indenter::Flat(Some(_))));
     survives(&case);

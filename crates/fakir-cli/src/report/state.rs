@@ -53,23 +53,17 @@ pub(crate) fn texture_line(system: &System) -> String {
             if let Some(columns) = lattice.columns {
                 let _ = write!(line, ", {columns} by {columns} pillars");
             }
-            let Disorder {
-                height_spread,
-                missing,
-                seed,
-            } = lattice.disorder;
-            if height_spread > 0.0 {
-                let _ = write!(
-                    line,
-                    ", heights spread by {} %",
-                    plain(100.0 * height_spread)
-                );
+            let disorder = lattice.disorder;
+            let Disorder { heights, missing } = disorder;
+            if !heights.is_none() {
+                let percent = plain(100.0 * heights.parameter);
+                let _ = write!(line, ", heights spread by {percent} %");
             }
             if missing > 0.0 {
                 let _ = write!(line, ", {} % missing", plain(100.0 * missing));
             }
-            if height_spread > 0.0 || missing > 0.0 {
-                let _ = write!(line, " (seed {seed})");
+            if !disorder.is_none() {
+                let _ = write!(line, " (seed {})", heights.seed);
             }
             line
         }

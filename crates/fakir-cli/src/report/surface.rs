@@ -7,8 +7,8 @@ use super::state::{
 use super::table::{Column, table};
 use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
-use fakir::problem::pattern::{Arrangement, CrossSection, Pattern};
-use fakir::problem::{Boundary, Control, Indenter, Point, SurfaceSystem};
+use fakir::problem::pattern::{CrossSection, Pattern};
+use fakir::problem::{Arrangement, Boundary, Control, Indenter, Point, SurfaceSystem};
 use fakir::state::{Contact, Regime, Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
@@ -295,7 +295,7 @@ pub(crate) fn topic(case: &SurfaceCase) -> Topic {
     let random = match &case.origin {
         SurfaceOrigin::HeightMap(_) => false,
         SurfaceOrigin::Pattern(pattern) => {
-            matches!(pattern.arrangement, Arrangement::Random { .. })
+            matches!(pattern.arrangement, Arrangement::Random(_))
         }
     };
     Topic::Surface {
@@ -431,15 +431,14 @@ fn pattern_line(pattern: &Pattern) -> String {
         CrossSection::Polygon { sides, .. } => format!("{sides}-sided"),
         CrossSection::Ellipse { .. } => "elliptical".to_owned(),
     };
-    let pitch = |pitch: f64| with_unit(pitch, Dimension::Length, DIGITS);
-    let place = match pattern.arrangement {
-        Arrangement::Hexagonal(lattice) => {
-            format!("on a hexagonal lattice, pitch {}", pitch(lattice.pitch))
-        }
-        Arrangement::Square { pitch: side, .. } => {
-            format!("on a square lattice, pitch {}", pitch(side))
-        }
-        Arrangement::Random { .. } => format!("at random, seed {}", pattern.seed),
+    let arrangement = &pattern.arrangement;
+    let place = match arrangement {
+        Arrangement::Random(places) => format!("at random, seed {}", places.disorder.heights.seed),
+        lattice => format!(
+            "on a {} lattice, pitch {}",
+            lattice.name(),
+            with_unit(lattice.pitch(), Dimension::Length, DIGITS)
+        ),
     };
     format!(
         "{outline} pillars {place}, surface fraction {}",

@@ -1,20 +1,23 @@
-//! Where the pillars of a texture stand, and how they differ.
+//! Where pillars stand, and how they differ.
 
 use super::lattice::{HALF_SQRT_3, HexagonalLattice};
 use super::point::{Point, turned};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use super::scatter::{Disorder, Law};
 use crate::numerics::neighbours::Neighbours;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Where the pillars of a texture stand, seen from the lens axis, and how they differ from the common pillar.
+/// Where pillars stand, seen from the lens axis, and how they differ from the common pillar.
+///
+/// A [`System`](super::System) takes all of them but those at random, a [`Pattern`](super::pattern::Pattern) of a height map all but those of a list.
 ///
 /// ```
-/// use fakir::problem::{Arrangement, Disorder, LatticeForm, PlaneLattice};
+/// use fakir::problem::{Arrangement, Disorder, LatticeForm, PlaneLattice, Scatter};
 ///
 /// // A square lattice on which one pillar in twenty is missing and heights scatter by 3 %.
 /// let square = PlaneLattice::new(LatticeForm::Square { pitch: 20e-6 });
-/// let disorder = Disorder { height_spread: 0.03, missing: 0.05, seed: 1 };
+/// let disorder = Disorder { heights: Scatter::normal(0.03, 1), missing: 0.05 };
 /// let arrangement = Arrangement::from(PlaneLattice { disorder, ..square });
 /// assert_eq!(arrangement.pitch(), 20e-6);
 /// ```
@@ -27,6 +30,8 @@ pub enum Arrangement {
     Lattice(PlaneLattice),
     /// Those of a list and no others.
     Listed(Arc<PillarList>),
+    /// At random in a rectangle.
+    Random(RandomPlaces),
 }
 
 impl From<HexagonalLattice> for Arrangement {
@@ -38,14 +43,8 @@ impl From<HexagonalLattice> for Arrangement {
 impl From<PlaneLattice> for Arrangement {
     /// One that is endless, hexagonal, of equal pillars and not turned is the [hexagonal](Self::Hexagonal) one.
     fn from(lattice: PlaneLattice) -> Self {
-        match lattice.form {
-            LatticeForm::Hexagonal { pitch } if lattice == lattice.plain() => {
-                Self::Hexagonal(HexagonalLattice {
-                    pitch,
-                    offset: lattice.offset,
-                    offset_angle: lattice.offset_angle,
-                })
-            }
+        match lattice.hexagonal() {
+            Some(hexagonal) if lattice == hexagonal.into() => Self::Hexagonal(hexagonal),
             _ => Self::Lattice(lattice),
         }
     }
@@ -57,24 +56,53 @@ impl From<PillarList> for Arrangement {
     }
 }
 
+impl From<RandomPlaces> for Arrangement {
+    fn from(places: RandomPlaces) -> Self {
+        Self::Random(places)
+    }
+}
+
 impl Arrangement {
-    /// What it is called: `"hexagonal"`, `"square"`, `"rectangular"`, `"oblique"` or `"listed"`.
+    /// What it is called: `"hexagonal"`, `"square"`, `"rectangular"`, `"oblique"`, `"listed"` or `"random"`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
             Self::Hexagonal(_) => "hexagonal",
             Self::Lattice(lattice) => lattice.form.name(),
             Self::Listed(_) => "listed",
+            Self::Random(_) => "random",
         }
     }
 
-    /// How far apart neighbours stand, m: the pitch of a lattice, the [mean distance](PillarList::mean_distance) of nearest neighbours of a list.
+    /// The lattice, if it is one.
+    #[must_use]
+    pub fn lattice(&self) -> Option<PlaneLattice> {
+        match self {
+            Self::Hexagonal(lattice) => Some((*lattice).into()),
+            Self::Lattice(lattice) => Some(*lattice),
+            Self::Listed(_) | Self::Random(_) => None,
+        }
+    }
+
+    /// How the pillars of a lattice, or those at random, differ; not at all those of a list, which says itself how each is made.
+    #[must_use]
+    pub fn disorder(&self) -> Disorder {
+        match self {
+            Self::Hexagonal(_) | Self::Listed(_) => Disorder::default(),
+            Self::Lattice(lattice) => lattice.disorder,
+            Self::Random(places) => places.disorder,
+        }
+    }
+
+    /// How far apart neighbours stand, m: the pitch of a lattice, the [mean distance](PillarList::mean_distance) of nearest neighbours of a list, the
+    /// smallest distance of pillars at random.
     #[must_use]
     pub fn pitch(&self) -> f64 {
         match self {
             Self::Hexagonal(lattice) => lattice.pitch,
             Self::Lattice(lattice) => lattice.form.pitch(),
             Self::Listed(list) => list.mean_distance,
+            Self::Random(places) => places.minimum_distance,
         }
     }
 
@@ -85,6 +113,7 @@ impl Arrangement {
             Self::Hexagonal(lattice) => lattice.cell_area(),
             Self::Lattice(lattice) => lattice.form.cell_area() / (1.0 - lattice.disorder.missing),
             Self::Listed(list) => list.rectangle_area() / list.pillars.len() as f64,
+            Self::Random(places) => places.cell_area / (1.0 - places.disorder.missing),
         }
     }
 
@@ -102,10 +131,12 @@ impl Arrangement {
                 (1.0 - lattice.disorder.missing) * top / lattice.form.cell_area()
             }
             Self::Listed(list) => list.surface_fraction(),
+            Self::Random(_) => top / self.cell_area(),
         }
     }
 
-    /// Centre of the pillar of an index, m from the lens axis; none where there is no pillar.
+    /// Centre of the pillar of an index, m from the lens axis; none where there is no pillar, and of pillars at random, which are placed when they are
+    /// drawn.
     #[must_use]
     pub fn centre(&self, index: (i64, i64)) -> Option<Point> {
         match self {
@@ -115,6 +146,7 @@ impl Arrangement {
                 let number = usize::try_from(index.0).ok().filter(|_| index.1 == 0)?;
                 list.pillars.get(number).map(|pillar| pillar.centre)
             }
+            Self::Random(_) => None,
         }
     }
 
@@ -122,8 +154,9 @@ impl Arrangement {
     #[must_use]
     pub fn has_equal_pillars(&self) -> bool {
         match self {
-            Self::Hexagonal(_) => true,
-            Self::Lattice(lattice) => lattice.disorder.height_spread == 0.0,
+            Self::Hexagonal(_) | Self::Lattice(_) | Self::Random(_) => {
+                self.disorder().heights.is_none()
+            }
             Self::Listed(list) => {
                 let first = &list.pillars[0];
                 let alike = |pillar: &ListedPillar| {
@@ -137,9 +170,8 @@ impl Arrangement {
     /// The extremes of height over diameter, in that of the common pillar.
     pub(super) fn slenderness(&self, common: f64) -> [f64; 2] {
         match self {
-            Self::Hexagonal(_) => [1.0; 2],
-            Self::Lattice(lattice) => {
-                let most = Disorder::DEVIATIONS * lattice.disorder.height_spread;
+            Self::Hexagonal(_) | Self::Lattice(_) | Self::Random(_) => {
+                let most = self.disorder().heights.most();
                 [1.0 - most, 1.0 + most]
             }
             Self::Listed(list) => {
@@ -155,12 +187,13 @@ impl Arrangement {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         match self {
-            Self::Hexagonal(_) => false,
+            Self::Hexagonal(_) | Self::Random(_) => false,
             Self::Lattice(lattice) => lattice.columns.is_some(),
             Self::Listed(_) => true,
         }
     }
 
+    /// Refuses what a [`System`](super::System) cannot have.
     pub(super) fn check(&self, diameter: f64, lens_radius: f64) -> Result<(), InvalidQuantity> {
         match self {
             Self::Hexagonal(lattice) => {
@@ -172,6 +205,10 @@ impl Arrangement {
             Self::Listed(list) => {
                 let highest = list.pillars.iter().map(|p| p.height).fold(0.0, f64::max);
                 Requirement::BelowLensRadius(lens_radius).check(Quantity::PillarHeight, highest)?;
+            }
+            Self::Random(places) => {
+                let distance = places.minimum_distance;
+                Requirement::OfPlaced.check(Quantity::Pitch, distance)?;
             }
         }
         Ok(())
@@ -289,62 +326,10 @@ pub(super) fn reduced([mut a, mut b]: [Point; 2]) -> [Point; 2] {
     }
 }
 
-/// How the pillars of a lattice scatter: every one by itself, the same for the same seed.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Disorder {
-    /// Standard deviation of the heights over the common height. They are normally distributed, within four deviations.
-    pub height_spread: f64,
-    /// Probability that a pillar is missing.
-    pub missing: f64,
-    /// What the scatter is drawn from.
-    pub seed: u64,
-}
-
-impl Disorder {
-    /// Deviations beyond which no height lies.
-    pub(crate) const DEVIATIONS: f64 = 4.0;
-
-    /// Height of the pillar of an index over the common height; none of one that is missing.
-    #[must_use]
-    pub fn height_ratio(&self, (i, j): (i64, i64)) -> Option<f64> {
-        // Two streams, so that a height does not change with the share of missing pillars.
-        let stream = |number: u64| {
-            let mut state = mixed(self.seed ^ mixed(number));
-            for index in [i, j] {
-                state = mixed(state ^ index as u64);
-            }
-            state
-        };
-        if self.missing > 0.0 && uniform(stream(1)) < self.missing {
-            return None;
-        }
-        if self.height_spread == 0.0 {
-            return Some(1.0);
-        }
-        let mut state = stream(2);
-        loop {
-            // G. E. P. Box, M. E. Muller, Ann. Math. Stat. 29, 610 (1958).
-            let (one, other) = (uniform(mixed(state)), uniform(mixed(state ^ 1)));
-            let deviation = (-2.0 * (1.0 - one).ln()).sqrt() * (2.0 * PI * other).cos();
-            if deviation.abs() <= Self::DEVIATIONS {
-                return Some(1.0 + self.height_spread * deviation);
-            }
-            state = mixed(state);
-        }
-    }
-}
-
-/// The mixer of splitmix64 (G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014): neighbouring numbers become unlike.
-fn mixed(state: u64) -> u64 {
-    let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-/// From 0 to below 1.
-fn uniform(bits: u64) -> f64 {
-    (bits >> 11) as f64 * 2f64.powi(-53)
+/// The numbers by which a point is a sum of two vectors.
+pub(super) fn coordinates([x, y]: Point, [[a, b], [c, d]]: [Point; 2]) -> Point {
+    let area = a * d - b * c;
+    [(x * d - y * c) / area, (a * y - b * x) / area]
 }
 
 /// A plane lattice of pillars, whole or cut.
@@ -368,8 +353,23 @@ pub struct PlaneLattice {
     pub disorder: Disorder,
 }
 
-/// Spread of heights, relative, up to which no pillar is lower than a fifth of the common height.
-const LARGEST_SPREAD: f64 = 0.2;
+impl From<HexagonalLattice> for PlaneLattice {
+    fn from(lattice: HexagonalLattice) -> Self {
+        let HexagonalLattice {
+            pitch,
+            offset,
+            offset_angle,
+        } = lattice;
+        Self {
+            offset,
+            offset_angle,
+            ..Self::new(LatticeForm::Hexagonal { pitch })
+        }
+    }
+}
+
+/// Deviation of heights, relative, up to which no pillar is lower than a fifth of the common height.
+const LARGEST_DEVIATION: f64 = 0.8;
 
 /// Share of missing pillars up to which there is a texture.
 const MOST_MISSING: f64 = 0.9;
@@ -388,12 +388,15 @@ impl PlaneLattice {
         }
     }
 
-    /// The same, endless, of equal pillars and not turned.
-    fn plain(&self) -> Self {
-        Self {
-            offset: self.offset,
-            offset_angle: self.offset_angle,
-            ..Self::new(self.form)
+    /// The places of a hexagonal lattice that is not turned.
+    pub(super) fn hexagonal(&self) -> Option<HexagonalLattice> {
+        match self.form {
+            LatticeForm::Hexagonal { pitch } if self.rotation == 0.0 => Some(HexagonalLattice {
+                pitch,
+                offset: self.offset,
+                offset_angle: self.offset_angle,
+            }),
+            _ => None,
         }
     }
 
@@ -439,7 +442,7 @@ impl PlaneLattice {
     }
 
     /// Where the pillar of an index stands, if there is one, m from the lens axis.
-    fn place(&self, (i, j): (i64, i64)) -> Point {
+    pub(super) fn place(&self, (i, j): (i64, i64)) -> Point {
         let ([one, other], origin) = (self.vectors(), self.origin());
         [0, 1].map(|k| origin[k] + one[k] * i as f64 + other[k] * j as f64)
     }
@@ -503,7 +506,12 @@ impl PlaneLattice {
         R::Pitches.check(Q::Offset, self.offset)?;
         R::Finite.check(Q::OffsetAngle, self.offset_angle)?;
         R::Finite.check(Q::Rotation, self.rotation)?;
-        R::UpTo(LARGEST_SPREAD).check(Q::HeightSpread, self.disorder.height_spread)?;
+        let heights = self.disorder.heights;
+        match heights.law {
+            Law::Normal => R::UpTo(LARGEST_DEVIATION / heights.law.reach()),
+            Law::Uniform => R::OfNormalLaw,
+        }
+        .check(Q::HeightSpread, heights.parameter)?;
         R::UpTo(MOST_MISSING).check(Q::Missing, self.disorder.missing)?;
         if let (Some(columns), Some([first, end])) = (self.columns, self.ends()) {
             R::Positive.check(Q::Columns, f64::from(columns))?;
@@ -524,6 +532,34 @@ impl PlaneLattice {
     pub fn ends(&self) -> Option<[i64; 2]> {
         let columns = i64::from(self.columns?);
         Some([-(columns / 2), columns - columns / 2])
+    }
+}
+
+/// Pillars at random in the rectangle of a grid, one after the other, each wherever it keeps its distance from those before (random sequential
+/// addition). The rectangle is filled as one period, so that the arrangement can be continued.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RandomPlaces {
+    /// Area of the surface for each place, m^2; the number of places is rounded.
+    pub cell_area: f64,
+    /// Smallest distance between centres, m.
+    pub minimum_distance: f64,
+    /// How the pillars differ. The seed of their heights also decides where they stand.
+    pub disorder: Disorder,
+}
+
+impl RandomPlaces {
+    /// Equal pillars, each with a top of that area (m^2), that cover a fraction of the surface.
+    #[must_use]
+    pub fn with_surface_fraction(
+        surface_fraction: f64,
+        top_area: f64,
+        minimum_distance: f64,
+    ) -> Self {
+        Self {
+            cell_area: top_area / surface_fraction,
+            minimum_distance,
+            disorder: Disorder::default(),
+        }
     }
 }
 
@@ -701,59 +737,6 @@ impl PillarList {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Means and deviations of many draws, within four of their standard errors.
-    #[test]
-    fn heights_scatter_as_asked() {
-        let disorder = Disorder {
-            height_spread: 0.05,
-            missing: 0.1,
-            seed: 3,
-        };
-        let (mut missing, mut heights) = (0, Vec::new());
-        for i in -100..100 {
-            for j in -100..100 {
-                match disorder.height_ratio((i, j)) {
-                    None => missing += 1,
-                    Some(ratio) => heights.push(ratio),
-                }
-            }
-        }
-        let drawn = 40_000.0;
-        assert!((f64::from(missing) / drawn - 0.1).abs() < 4.0 * (0.09 / drawn).sqrt());
-        let count = heights.len() as f64;
-        let mean = heights.iter().sum::<f64>() / count;
-        let variance = heights.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / count;
-        assert!((mean - 1.0).abs() < 4.0 * 0.05 / count.sqrt());
-        assert!((variance.sqrt() / 0.05 - 1.0).abs() < 4.0 / (2.0 * count).sqrt() + 1e-3);
-        assert!(heights.iter().all(|h| (h - 1.0).abs() <= 0.2));
-        // Neighbours know nothing of each other.
-        let row: Vec<f64> = (0..10_000)
-            .filter_map(|i| {
-                Disorder {
-                    missing: 0.0,
-                    ..disorder
-                }
-                .height_ratio((i, 7))
-            })
-            .map(|ratio| (ratio - 1.0) / 0.05)
-            .collect();
-        let product: f64 = row.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        assert!((product / 1e4).abs() < 0.04);
-        // A height stays what it is when others go.
-        let whole = Disorder {
-            missing: 0.0,
-            ..disorder
-        };
-        let same = |index| {
-            disorder
-                .height_ratio(index)
-                .is_none_or(|ratio| Some(ratio) == whole.height_ratio(index))
-        };
-        assert!((0..100).all(|i| same((i, -i))));
-        let other = Disorder { seed: 4, ..whole };
-        assert_ne!(other.height_ratio((0, 0)), whole.height_ratio((0, 0)));
-    }
 
     #[test]
     fn forms_have_the_area_of_their_cells() {

@@ -33,6 +33,7 @@ pub(crate) mod pillar_field;
 pub(crate) mod point;
 pub(crate) mod quantity;
 pub(crate) mod scaled;
+pub(crate) mod scatter;
 pub(crate) mod surface;
 pub(crate) mod symmetry;
 pub(crate) mod system;
@@ -40,8 +41,8 @@ pub(crate) mod tops;
 
 pub use adhesion::Adhesion;
 pub use arrangement::{
-    Arrangement, Disorder, InvalidPillars, LatticeForm, ListedPillar, PillarList, PlacedPillar,
-    PlaneLattice,
+    Arrangement, InvalidPillars, LatticeForm, ListedPillar, PillarList, PlacedPillar, PlaneLattice,
+    RandomPlaces,
 };
 pub use cap_field::{Cap, CapField, InvalidCaps};
 pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS, Pillar, PillarCompliance};
@@ -56,6 +57,7 @@ pub use lens_profile::{InvalidProfile, LensProfile};
 pub use method::{Accuracy, ElementMesh, MeshLayout, Method, PunchForm};
 pub use point::Point;
 pub use quantity::{InvalidQuantity, LARGEST_TILT, Quantity, Requirement};
+pub use scatter::{Disorder, Law, Scatter};
 pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
 pub use system::{FloorModel, System, Texture};
 pub use tops::Tops;

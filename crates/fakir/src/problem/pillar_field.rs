@@ -1,10 +1,11 @@
 //! Where pillars stand and how they are made: a hexagonal lattice of equal ones, any other lattice, or a list. In the units of the solvers.
 
-use super::arrangement::{self, Arrangement, Disorder, reduced};
+use super::arrangement::{self, Arrangement, coordinates, reduced};
 use super::column::{Column, ColumnLaw};
 use super::lattice::HexagonalLattice;
 use super::lens::LensShape;
 use super::point::{Point, turned};
+use super::scatter::Disorder;
 use super::system::System;
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use std::f64::consts::PI;
@@ -150,7 +151,7 @@ pub(crate) struct PlaneLattice {
     /// From the lens axis to the pillar of index (0, 0).
     origin: Point,
     body: PillarBody,
-    scatter: Option<Scatter>,
+    scatter: Option<Scattered>,
     /// From how a lattice of its form is drawn: along its first vector, and a hexagonal one at 30 degrees from it, however it is given.
     rotation: f64,
     /// The first index along each of the vectors and the end, if it is cut.
@@ -175,17 +176,11 @@ fn from_hexagonal(vectors: [Point; 2]) -> f64 {
 
 /// How the pillars of a lattice differ.
 #[derive(Debug, Clone)]
-struct Scatter {
+struct Scattered {
     disorder: Disorder,
     /// The common height.
     height: f64,
     law: ColumnLaw,
-}
-
-/// The numbers by which a point is a sum of two vectors.
-fn coordinates([x, y]: Point, [[a, b], [c, d]]: [Point; 2]) -> Point {
-    let area = a * d - b * c;
-    [(x * d - y * c) / area, (a * y - b * x) / area]
 }
 
 impl PlaneLattice {
@@ -221,7 +216,7 @@ impl PlaneLattice {
         let rotation = lattice.rotation + from_hexagonal(lattice.form.vectors());
         Some(Self {
             rotation,
-            scatter: (disorder.height_spread > 0.0 || disorder.missing > 0.0).then_some(Scatter {
+            scatter: (!disorder.is_none()).then_some(Scattered {
                 disorder,
                 height,
                 law,
@@ -241,7 +236,7 @@ impl PlaneLattice {
         }
         match &self.scatter {
             None => Some(self.body),
-            Some(Scatter {
+            Some(Scattered {
                 disorder,
                 height,
                 law,
@@ -326,7 +321,7 @@ impl PlaneLattice {
     /// The most that a pillar is higher than the common one.
     fn highest(&self) -> f64 {
         let scattered = self.scatter.as_ref().map_or(0.0, |scatter| {
-            Disorder::DEVIATIONS * scatter.disorder.height_spread * scatter.height
+            scatter.disorder.heights.most() * scatter.height
         });
         self.body.raised + scattered
     }
@@ -410,17 +405,7 @@ impl PillarField {
             Arrangement::Hexagonal(lattice)
                 if matches!(system.lens().shape, LensShape::Profile(_)) =>
             {
-                let HexagonalLattice {
-                    pitch,
-                    offset,
-                    offset_angle,
-                } = *lattice;
-                let form = arrangement::LatticeForm::Hexagonal { pitch };
-                return on_plane(&arrangement::PlaneLattice {
-                    offset,
-                    offset_angle,
-                    ..arrangement::PlaneLattice::new(form)
-                });
+                return on_plane(&(*lattice).into());
             }
             Arrangement::Hexagonal(lattice) => Self::Hexagonal {
                 lattice: HexagonalLattice {
@@ -447,6 +432,7 @@ impl PillarField {
                 let list = PillarList::new(pillars);
                 Self::Listed(Arc::new(list.expect("its pillars were checked")))
             }
+            Arrangement::Random(_) => unreachable!("systems have no pillars at random"),
         };
         (field, 0.0)
     }
@@ -563,7 +549,7 @@ impl PillarField {
                 let level = lattice
                     .scatter
                     .as_ref()
-                    .is_none_or(|scatter| scatter.disorder.height_spread == 0.0);
+                    .is_none_or(|scatter| scatter.disorder.heights.is_none());
                 [true, rigid || level]
             }
             Self::Listed(list) => {

@@ -250,6 +250,10 @@ pub enum Requirement {
     Between(f64, f64),
     /// Finite, under a lens of this shape, which touches endlessly many pillars of a lattice without end.
     FiniteUnder(&'static str),
+    /// That of a lattice or a list, not of pillars at random.
+    OfPlaced,
+    /// That of a normal law, not the half-width of a uniform one.
+    OfNormalLaw,
 }
 
 impl fmt::Display for Requirement {
@@ -316,6 +320,12 @@ impl fmt::Display for Requirement {
                 f,
                 "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"
             ),
+            Self::OfPlaced => f.write_str(
+                "that of a lattice or a list: pillars at random are those of a pattern on a height map",
+            ),
+            Self::OfNormalLaw => f.write_str(
+                "that of a normal law: heights of a uniform law are those of a pattern on a height map",
+            ),
             Self::BelowLensRadius(radius) => {
                 write!(f, "greater than 0 and below the lens radius, {radius:e} m")
             }
@@ -341,7 +351,7 @@ impl Requirement {
                 Self::AtLeastPillarHeight(height) => value >= height,
                 Self::AtLeastQuarterDiameter(diameter) => value >= 0.25 * diameter,
                 Self::BetweenRows => value > 0.0 && value < std::f64::consts::PI,
-                Self::SomeLeft => false,
+                Self::SomeLeft | Self::OfPlaced | Self::OfNormalLaw => false,
                 Self::UpTo(most) => (0.0..=most).contains(&value),
                 Self::NoOverlap { distance, diameter } => distance >= diameter,
                 Self::SurfaceFraction => value > 0.0 && value <= MAXIMUM_SURFACE_FRACTION,

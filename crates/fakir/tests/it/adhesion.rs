@@ -4,7 +4,7 @@ use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{
     Accuracy, Adhesion, Control, CyclePlan, Disorder, Drive, ElementMesh, FloorModel,
     HexagonalLattice, LatticeForm, Lens, ListedPillar, Material, Method, PillarCompliance,
-    PillarList, PlaneLattice, PunchForm, Quantity, System, Turn,
+    PillarList, PlaneLattice, PunchForm, Quantity, Scatter, System, Turn,
 };
 use fakir::state::{
     CancelToken, Cycle, CycleEventKind, PillarState, PillarStatus, Progress, Run, SolveError,
@@ -736,9 +736,8 @@ fn square_lattices_pull_alike_however_they_are_driven() {
     };
     let gappy = PlaneLattice {
         disorder: Disorder {
+            heights: Scatter::normal(0.0, 4),
             missing: 0.1,
-            seed: 4,
-            ..Disorder::default()
         },
         ..whole
     };
@@ -865,8 +864,8 @@ fn tops_that_differ_do_not_stick_yet() {
     assert!(told.contains("diameters"), "{told}");
     let scattered = PlaneLattice {
         disorder: Disorder {
-            height_spread: 0.05,
-            ..Disorder::default()
+            heights: Scatter::normal(0.05, 0),
+            missing: 0.0,
         },
         ..PlaneLattice::new(LatticeForm::Square { pitch: 30e-6 })
     };

@@ -3,7 +3,7 @@
 use fakir::problem::{
     Accuracy, Arrangement, Control, Disorder, HexagonalLattice, InvalidQuantity, LatticeForm, Lens,
     ListedPillar, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice, Quantity,
-    System, Texture,
+    RandomPlaces, Requirement, Scatter, System, Texture,
 };
 use fakir::state::{ContactState, CriticalState, Run, SolveError};
 use std::f64::consts::PI;
@@ -67,9 +67,8 @@ fn an_indentation_counts_from_the_common_height() {
     for seed in 0..30 {
         let scattered = system(PlaneLattice {
             disorder: Disorder {
-                height_spread: 0.05,
-                seed,
-                ..Disorder::default()
+                heights: Scatter::normal(0.05, seed),
+                missing: 0.0,
             },
             ..PlaneLattice::new(form_of(0.1))
         });
@@ -204,9 +203,8 @@ fn missing_pillars_lower_the_critical_force() {
     );
     // Drawn by a seed, the same whatever the load; and pillars are either there or not.
     let disorder = Disorder {
-        height_spread: 0.0,
+        heights: Scatter::normal(0.0, 5),
         missing: 0.2,
-        seed: 5,
     };
     let scattered = system(PlaneLattice {
         disorder,
@@ -227,9 +225,8 @@ fn missing_pillars_lower_the_critical_force() {
 #[test]
 fn scattered_heights_are_met_by_the_lens() {
     let disorder = Disorder {
-        height_spread: 0.05,
+        heights: Scatter::normal(0.05, 1),
         missing: 0.0,
-        seed: 1,
     };
     let lattice = PlaneLattice {
         disorder,
@@ -407,12 +404,24 @@ fn what_cannot_be_is_refused_with_its_quantity() {
     assert!(error.to_string().contains("do not overlap"), "{error}");
     let wild = PlaneLattice {
         disorder: Disorder {
-            height_spread: 0.5,
-            ..Disorder::default()
+            heights: Scatter::normal(0.5, 0),
+            missing: 0.0,
         },
         ..PlaneLattice::new(form_of(0.1))
     };
     assert_eq!(refused(wild).quantity, Quantity::HeightSpread);
+    let uniform = PlaneLattice {
+        disorder: Disorder {
+            heights: Scatter::uniform(0.1, 0),
+            missing: 0.0,
+        },
+        ..PlaneLattice::new(form_of(0.1))
+    };
+    assert_eq!(refused(uniform).requirement, Requirement::OfNormalLaw);
+    let places = RandomPlaces::with_surface_fraction(0.1, 2.8e-11, 6e-6);
+    let of_paper = system(PlaneLattice::new(form_of(0.1)));
+    let error = of_paper.with_arrangement(places).unwrap_err();
+    assert_eq!(error.requirement, Requirement::OfPlaced);
     let gone = PlaneLattice {
         columns: Some(1),
         disorder: Disorder {

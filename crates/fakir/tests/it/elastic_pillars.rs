@@ -6,7 +6,7 @@ use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper
 use fakir::problem::{
     Accuracy, Adhesion, Control, Disorder, ElementMesh, HexagonalLattice, LatticeForm, Lens,
     LensShape, ListedPillar, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice,
-    PunchForm, Quantity, Requirement, ShapedLens, System, Texture,
+    PunchForm, Quantity, Requirement, Scatter, ShapedLens, System, Texture,
 };
 use fakir::state::{Run, Warning};
 
@@ -302,9 +302,8 @@ fn derivatives_are_those_of_differences() {
         let lattice = PlaneLattice {
             offset: 0.2,
             disorder: Disorder {
-                height_spread: if scatter { 0.01 } else { 0.0 },
+                heights: Scatter::normal(if scatter { 0.01 } else { 0.0 }, 3),
                 missing: 0.0,
-                seed: 3,
             },
             ..PlaneLattice::new(LatticeForm::Square { pitch })
         };
@@ -381,9 +380,8 @@ fn what_is_not_known_of_elastic_pillars_is_refused() {
     let tall = of(29e-6, 0.5).unwrap();
     let scattered = PlaneLattice {
         disorder: Disorder {
-            height_spread: 0.01,
+            heights: Scatter::normal(0.01, 1),
             missing: 0.0,
-            seed: 1,
         },
         ..PlaneLattice::new(LatticeForm::Square { pitch: 20e-6 })
     };

@@ -1,7 +1,7 @@
 //! What every method has to do, whatever it computes with: on textures and on general surfaces.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_system};
-use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
+use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
     Accuracy, Boundary, Control, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
     InvalidQuantity, Lens, Material, MeshLayout, Method, PillarCompliance, PunchForm, Quantity,
@@ -107,10 +107,7 @@ fn texture(offset: f64, degrees: f64) -> System {
 fn surface(boundary: Boundary, form: Form, offset: f64) -> SurfaceSystem {
     let material = Material::new(INTERMEDIATE, 0.5);
     let lattice = paper_lattice(0.03, offset);
-    let pattern = Pattern::new(
-        PillarShape::cylinder(6.0e-6, 2.2e-6),
-        Arrangement::Hexagonal(lattice),
-    );
+    let pattern = Pattern::new(PillarShape::cylinder(6.0e-6, 2.2e-6), lattice);
     let period = pattern.period().expect("a lattice has a period");
     // Four periods along each side, with cells of 1.2 um or so.
     let cells = [4 * 46, 4 * 26];

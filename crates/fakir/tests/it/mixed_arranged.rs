@@ -7,8 +7,8 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Accuracy, Arrangement, Control, Disorder, ElementMesh, LatticeForm, LensProfile, LensShape,
-    ListedPillar, Material, Method, PillarCompliance, PillarList, PlaneLattice, ShapedLens, System,
-    Texture,
+    ListedPillar, Material, Method, PillarCompliance, PillarList, PlaneLattice, Scatter,
+    ShapedLens, System, Texture,
 };
 use fakir::state::{ContactState, Run, SolveError};
 use rayon::prelude::*;
@@ -138,9 +138,8 @@ fn elements_agree_on_every_arrangement() {
             "scattered",
             PlaneLattice {
                 disorder: Disorder {
-                    height_spread: 0.05,
+                    heights: Scatter::normal(0.05, 4),
                     missing: 0.15,
-                    seed: 4,
                 },
                 ..beside
             }
@@ -504,10 +503,13 @@ impl Random {
             ..square(surface_fraction)
         };
         let pitch = lattice.form.pitch();
-        let disorder = |random: &mut Self| Disorder {
-            height_spread: random.uniform(0.0, 0.1),
-            missing: random.uniform(0.0, 0.3),
-            seed: random.0.next_u64(),
+        let disorder = |random: &mut Self| {
+            let deviation = random.uniform(0.0, 0.1);
+            let missing = random.uniform(0.0, 0.3);
+            Disorder {
+                heights: Scatter::normal(deviation, random.0.next_u64()),
+                missing,
+            }
         };
         let columns = |random: &mut Self| Some(2 + (random.uniform(0.0, 4.0) as u32));
         match number % 5 {

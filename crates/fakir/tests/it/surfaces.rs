@@ -2,10 +2,10 @@
 //! spectral method.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
-use fakir::problem::pattern::{Arrangement, Pattern, PillarShape};
+use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
-    Boundary, Control, Floor, Grid, HeightMap, Indenter, Lens, Material, Method, PillarColumns,
-    PillarCompliance, Quantity, SurfaceSystem,
+    Boundary, Control, Floor, Grid, HeightMap, Indenter, LatticeForm, Lens, Material, Method,
+    PillarColumns, PillarCompliance, PlaneLattice, Quantity, SurfaceSystem,
 };
 use fakir::state::{CancelToken, Regime, Run, SolveError, SurfaceContact, Warning};
 use std::f64::consts::PI;
@@ -142,9 +142,8 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
     let pattern = |width: f64| {
         let cells = 8 * (width / 6.0e-6).ceil() as usize;
         let grid = Grid::centred(cells, cells, width / cells as f64).expect("a grid");
-        let arrangement = Arrangement::Hexagonal(paper_lattice(0.03, 0.0));
         let pillar = PillarShape::cylinder(6.0e-6, 2.2e-6);
-        let surface = Pattern::new(pillar, arrangement)
+        let surface = Pattern::new(pillar, paper_lattice(0.03, 0.0))
             .height_map(&grid, &rubber())
             .expect("a valid surface");
         let lens = Indenter::Lens(paper_lens());
@@ -461,7 +460,7 @@ fn paper_texture(surface_fraction: f64, offset: f64, reach: f64, across: usize) 
     let grid = Grid::centred(cells, cells, size).expect("a grid");
     let pattern = Pattern::new(
         PillarShape::cylinder(pillar.diameter, pillar.height),
-        Arrangement::Hexagonal(paper_lattice(surface_fraction, offset)),
+        paper_lattice(surface_fraction, offset),
     );
     let substrate = Material::new(INTERMEDIATE, 0.5);
     let surface = pattern
@@ -586,11 +585,8 @@ fn round_top_bears_the_force_of_a_flat_punch() {
     let grid = Grid::new(40, 44, [0.31e-6, 0.28e-6], [-5.1e-6, -6.3e-6]).unwrap();
     let mut pillar = PillarShape::cylinder(6.0e-6, 2.2e-6);
     pillar.compliance = PillarCompliance::None;
-    let arrangement = Arrangement::Square {
-        pitch: 50.0e-6,
-        offset: [0.0, 0.0],
-    };
-    let surface = Pattern::new(pillar, arrangement)
+    let square = PlaneLattice::new(LatticeForm::Square { pitch: 50.0e-6 });
+    let surface = Pattern::new(pillar, square)
         .height_map(&grid, &rubber())
         .unwrap();
     let plate = Indenter::Flat(Some(rubber()));
@@ -606,12 +602,9 @@ fn round_top_bears_the_force_of_a_flat_punch() {
 #[test]
 fn plate_on_periodic_pillars_reaches_the_floor() {
     let pillar = PillarShape::cylinder(6.0e-6, 0.2e-6);
-    let arrangement = Arrangement::Square {
-        pitch: 16.0e-6,
-        offset: [0.0, 0.0],
-    };
+    let square = PlaneLattice::new(LatticeForm::Square { pitch: 16.0e-6 });
     let grid = Grid::centred(64, 64, 0.25e-6).unwrap();
-    let surface = Pattern::new(pillar, arrangement)
+    let surface = Pattern::new(pillar, square)
         .height_map(&grid, &rubber())
         .unwrap();
     let plate = Indenter::Flat(Some(rubber()));

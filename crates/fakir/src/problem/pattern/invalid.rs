@@ -30,13 +30,17 @@ pub enum PatternQuantity {
     Offset,
     /// Direction of the offset, rad.
     OffsetAngle,
+    /// By how much a lattice is turned, rad.
+    Rotation,
+    /// Between the rows of an oblique lattice, rad.
+    LatticeAngle,
     /// Fraction of the surface that is pillar.
     SurfaceFraction,
     /// Smallest distance between pillars placed at random, m.
     MinimumDistance,
     /// Fraction of the pillars that are missing.
     Missing,
-    /// Relative variation of heights.
+    /// Largest deviation of heights, over the height: the half-width of a uniform law.
     HeightHalfWidth,
     /// Young's modulus of the substrate, Pa.
     YoungModulus,
@@ -58,6 +62,8 @@ impl PatternQuantity {
             Self::Pitch => "pitch",
             Self::Offset => "offset",
             Self::OffsetAngle => "offset angle",
+            Self::Rotation => "rotation",
+            Self::LatticeAngle => "angle of the lattice",
             Self::SurfaceFraction => "surface fraction",
             Self::MinimumDistance => "minimum distance",
             Self::Missing => "fraction of missing pillars",
@@ -129,6 +135,16 @@ pub enum InvalidPattern {
         /// Largest extent of a pillar, m.
         outer_diameter: f64,
     },
+    /// Pillars of a list, each of which may have its own height and diameter.
+    #[error(
+        "the pillars of a pattern have one form: give a lattice, or pillars at random, in place of a list"
+    )]
+    Listed,
+    /// An endless lattice without a period along x and y.
+    #[error(
+        "a lattice that is turned or oblique has no period along x and y: draw it on a grid with free borders"
+    )]
+    NoPeriod,
     /// A grid that is no period of the lattice.
     #[error(
         "a side of {side:e} m is not a whole multiple of the period of the lattice, {period:e} m"

@@ -1,6 +1,6 @@
 //! Surfaces patterned with pillars of any form and arrangement, as height maps.
 //!
-//! A [`Pattern`] has pillars of one [shape](PillarShape) on a lattice or at random, some of them
+//! A [`Pattern`] has pillars of one [shape](PillarShape) in an [`Arrangement`](crate::problem::Arrangement): on a lattice or at random, some of them
 //! missing or of another height if wanted. It is drawn on the cells of a grid about the lens
 //! axis, as a [`HeightMap`](crate::problem::HeightMap) with the pillars labelled and their compliance as columns. The same
 //! pattern and seed give the same surface; on a lattice, also where grids of different extent or
@@ -8,13 +8,13 @@
 //!
 //! The floor has height 0. A cell belongs to a pillar if its centre does.
 
-pub(crate) mod arrangement;
+pub(crate) mod drawing;
 mod invalid;
 mod placement;
 pub(crate) mod shape;
 #[cfg(test)]
 mod tests;
 
-pub use arrangement::{Arrangement, Pattern};
+pub use drawing::Pattern;
 pub use invalid::{InvalidPattern, PatternQuantity};
 pub use shape::{CrossSection, PillarShape, Top};

@@ -1,11 +1,11 @@
 //! Where the pillars of a pattern stand.
 
 use super::invalid::InvalidPattern;
+use crate::problem::arrangement::{PlaneLattice, RandomPlaces, coordinates};
 use crate::problem::grid::Grid;
-use crate::problem::lattice::HexagonalLattice;
 use crate::problem::point::Point;
+use crate::problem::scatter::Random;
 use std::collections::HashMap;
-use std::ops::RangeInclusive;
 
 /// Places that are tried for each pillar before giving up: random addition of discs comes to
 /// cover 0.547 of the plane (J. Feder, J. Theor. Biol. 87, 237 (1980)), very slowly at last.
@@ -14,55 +14,9 @@ const TRIALS: usize = 2000;
 /// A pillar to be drawn.
 pub(super) struct Site {
     /// Tells it from the others, whatever the grid.
-    name: [i64; 2],
+    pub(super) index: (i64, i64),
     /// Its centre; and those of its images, where it reaches over the border of a period.
     pub(super) centres: Vec<Point>,
-}
-
-impl Site {
-    /// The random numbers that belong to this pillar alone.
-    pub(super) fn random(&self, seed: u64) -> Random {
-        let [i, j] = self.name.map(|index| index as u64);
-        let mut random = Random::new(seed ^ i.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        Random::new(random.next() ^ j.wrapping_mul(0xd1b5_4a32_d192_ed03))
-    }
-}
-
-/// A sequence of random numbers: SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014).
-pub(super) struct Random(u64);
-
-impl Random {
-    pub(super) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    /// A number from 0 to below 1.
-    pub(super) fn uniform(&mut self) -> f64 {
-        // The 53 bits that a double holds.
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
-/// The multiples of `step` in the extent of the grid along an axis, and `reach` beyond it, as
-/// seen from `offset`.
-fn multiples(
-    grid: &Grid,
-    axis: usize,
-    step: f64,
-    offset: Point,
-    reach: f64,
-) -> RangeInclusive<i64> {
-    let start = grid.origin()[axis] + offset[axis];
-    let end = start + extent(grid)[axis];
-    ((start - reach) / step).ceil() as i64..=((end + reach) / step).floor() as i64
 }
 
 /// Sides of the grid, m.
@@ -71,34 +25,46 @@ pub(super) fn extent(grid: &Grid) -> Point {
     [grid.columns() as f64 * width, grid.rows() as f64 * height]
 }
 
-pub(super) fn square(pitch: f64, offset: Point, grid: &Grid, reach: f64) -> Vec<Site> {
-    let rows = multiples(grid, 1, pitch, offset, reach);
-    let columns = multiples(grid, 0, pitch, offset, reach);
-    rows.flat_map(|j| columns.clone().map(move |i| (i, j)))
-        .map(|(i, j)| Site {
-            name: [i, j],
-            centres: vec![[pitch * i as f64 - offset[0], pitch * j as f64 - offset[1]]],
-        })
-        .collect()
-}
-
-pub(super) fn hexagonal(lattice: &HexagonalLattice, grid: &Grid, reach: f64) -> Vec<Site> {
-    // x goes as the sum of the two indices and y as their difference.
-    let offset = lattice.offset_vector();
-    let [x_step, y_step] = [0, 1].map(|axis| lattice.lattice_vector(1, 0)[axis]);
-    let differences = multiples(grid, 1, y_step, offset, reach);
-    let sums = multiples(grid, 0, x_step, offset, reach);
-    differences
-        .flat_map(|difference| sums.clone().map(move |sum| (sum, difference)))
-        .filter(|(sum, difference)| (sum + difference) % 2 == 0)
-        .map(|(sum, difference)| {
-            let (i, j) = ((sum + difference) / 2, (sum - difference) / 2);
-            Site {
-                name: [i, j],
-                centres: vec![lattice.centre(i, j)],
-            }
-        })
-        .collect()
+/// The pillars of a lattice with centres on the grid or within `reach` of it, missing ones too, by rows along x where the lattice has such rows.
+pub(super) fn on_lattice(lattice: &PlaneLattice, grid: &Grid, reach: f64) -> Vec<Site> {
+    let (start, sides) = (grid.origin(), extent(grid));
+    let ends = [0, 1].map(|axis| [start[axis] - reach, start[axis] + sides[axis] + reach]);
+    let (vectors, origin) = (lattice.vectors(), lattice.origin());
+    let corners = ends[0].into_iter().flat_map(|x| ends[1].map(|y| [x, y]));
+    let corners = corners.map(|[x, y]| coordinates([x - origin[0], y - origin[1]], vectors));
+    let [first, last] = corners.fold(
+        [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]],
+        |[first, last], corner| {
+            [
+                [0, 1].map(|k| first[k].min(corner[k])),
+                [0, 1].map(|k| last[k].max(corner[k])),
+            ]
+        },
+    );
+    let range = |k: usize| {
+        let [mut first, mut end] = [first[k].floor() as i64, last[k].ceil() as i64 + 1];
+        if let Some([least, most]) = lattice.ends() {
+            (first, end) = (first.max(least), end.min(most));
+        }
+        first..end
+    };
+    // A hexagonal lattice has the same y to the bit along its rows by its own sum.
+    let hexagonal = lattice.hexagonal();
+    let centre = |(i, j): (i64, i64)| {
+        hexagonal.map_or_else(|| lattice.place((i, j)), |lattice| lattice.centre(i, j))
+    };
+    let is_near = |centre: &Point| (0..2).all(|k| (ends[k][0]..=ends[k][1]).contains(&centre[k]));
+    let indices = range(0).flat_map(|i| range(1).map(move |j| (i, j)));
+    let mut sites: Vec<_> = indices
+        .map(|index| (index, centre(index)))
+        .filter(|(_, centre)| is_near(centre))
+        .collect();
+    sites.sort_by(|(_, [x, y]), (_, [u, v])| y.total_cmp(v).then(x.total_cmp(u)));
+    let site = |(index, centre)| Site {
+        index,
+        centres: vec![centre],
+    };
+    sites.into_iter().map(site).collect()
 }
 
 /// The sites whose centres lie in the grid, continued over its border as over that of a period.
@@ -120,12 +86,11 @@ pub(super) fn continued(sites: Vec<Site>, grid: &Grid) -> Vec<Site> {
 }
 
 /// Random sequential addition on the grid as a period.
-pub(super) fn random(
-    count: usize,
-    minimum_distance: f64,
-    grid: &Grid,
-    random: &mut Random,
-) -> Result<Vec<Site>, InvalidPattern> {
+pub(super) fn random(places: &RandomPlaces, grid: &Grid) -> Result<Vec<Site>, InvalidPattern> {
+    let minimum_distance = places.minimum_distance;
+    let area = grid.cell_count() as f64 * grid.cell_area();
+    let count = (area / places.cell_area).round() as usize;
+    let mut random = Random::new(places.disorder.heights.seed);
     let period = extent(grid);
     let mut bins = Bins::new(period, minimum_distance);
     let mut placed: Vec<Point> = Vec::with_capacity(count);
@@ -149,7 +114,7 @@ pub(super) fn random(
         .into_iter()
         .zip(0..)
         .map(|(place, number)| Site {
-            name: [number, 0],
+            index: (number, 0),
             centres: images(place, period)
                 .map(|[x, y]| [origin[0] + x, origin[1] + y])
                 .collect(),
@@ -223,14 +188,28 @@ impl Bins {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::arrangement::LatticeForm;
+    use crate::problem::scatter::{Disorder, Scatter};
+    use std::f64::consts::PI;
 
     #[test]
     fn random_pillars_keep_their_distance_over_the_border_too() {
         let grid = Grid::new(100, 60, [1.0, 1.0], [-20.0, 5.0]).unwrap();
+        let random = |count: f64| {
+            let places = RandomPlaces {
+                cell_area: 6000.0 / count,
+                minimum_distance: 4.0,
+                disorder: Disorder {
+                    heights: Scatter::uniform(0.0, 3),
+                    missing: 0.0,
+                },
+            };
+            random(&places, &grid)
+        };
         // Discs of diameter 4 that cover 0.45 of the period.
-        let count = (0.45 * 6000.0 / (4.0 * std::f64::consts::PI)) as usize;
-        let sites = random(count, 4.0, &grid, &mut Random::new(3)).unwrap();
-        assert_eq!(sites.len(), count);
+        let count = (0.45 * 6000.0 / (4.0 * PI)).floor();
+        let sites = random(count).unwrap();
+        assert_eq!(sites.len(), count as usize);
         for (k, site) in sites.iter().enumerate() {
             let [x, y] = site.centres[0];
             assert!((-20.0..=80.0).contains(&x) && (5.0..=65.0).contains(&y));
@@ -240,14 +219,14 @@ mod tests {
                 }
             }
         }
-        let crowded = random(2 * count, 4.0, &grid, &mut Random::new(3)).err();
+        let crowded = random(2.0 * count).err();
         let Some(InvalidPattern::TooCrowded { placed, wanted, .. }) = crowded else {
             panic!("too many pillars were placed");
         };
         // Not far below the coverage at which random addition comes to an end.
-        let coverage = placed as f64 * 4.0 * std::f64::consts::PI / 6000.0;
+        let coverage = placed as f64 * 4.0 * PI / 6000.0;
         assert!(
-            wanted == 2 * count && coverage > 0.48 && coverage < 0.56,
+            wanted == 2 * count as usize && coverage > 0.48 && coverage < 0.56,
             "{coverage}"
         );
     }
@@ -255,27 +234,36 @@ mod tests {
     #[test]
     fn lattices_are_complete_in_the_grid_and_around_it() {
         let grid = Grid::new(30, 20, [1.0, 1.0], [-3.0, -11.0]).unwrap();
-        let lattice = HexagonalLattice {
-            pitch: 2.3,
-            offset: 0.4,
-            offset_angle: 0.3,
-        };
-        let inside = |[x, y]: Point| (-4.0..=28.0).contains(&x) && (-12.0..=10.0).contains(&y);
-        let sites = hexagonal(&lattice, &grid, 1.0);
-        assert!(sites.iter().all(|site| inside(site.centres[0])));
-        let expected = (-60..60)
-            .flat_map(|i| (-60..60).map(move |j| (i, j)))
-            .filter(|(i, j)| inside(lattice.centre(*i, *j)))
-            .count();
-        assert_eq!(sites.len(), expected);
-        let sites = square(2.3, [0.7, -0.4], &grid, 1.0);
-        let on_axis = |index: i64, offset: f64, range: RangeInclusive<f64>| {
-            range.contains(&(2.3 * index as f64 - offset))
-        };
-        let columns = (-60..60).filter(|i| on_axis(*i, 0.7, -4.0..=28.0)).count();
-        let rows = (-60..60)
-            .filter(|j| on_axis(*j, -0.4, -12.0..=10.0))
-            .count();
-        assert_eq!(sites.len(), columns * rows);
+        let inside = |[x, y]: &Point| (-4.0..=28.0).contains(x) && (-12.0..=10.0).contains(y);
+        let (pitch, pitch_y, angle) = (2.3, 3.1, 0.8);
+        let forms = [
+            LatticeForm::Hexagonal { pitch },
+            LatticeForm::Square { pitch },
+            LatticeForm::Rectangular { pitch, pitch_y },
+            LatticeForm::Oblique {
+                pitch,
+                pitch_y,
+                angle,
+            },
+        ];
+        for (form, rotation, columns) in forms.into_iter().flat_map(|form| {
+            [(0.0, None), (0.0, Some(8)), (0.7, None)].map(|(angle, cut)| (form, angle, cut))
+        }) {
+            let lattice = PlaneLattice {
+                offset: 0.4,
+                offset_angle: 0.3,
+                rotation,
+                columns,
+                ..PlaneLattice::new(form)
+            };
+            let sites = on_lattice(&lattice, &grid, 1.0);
+            assert!(sites.iter().all(|site| inside(&site.centres[0])));
+            let range = || columns.map_or(-80..80, |_| -4..4);
+            let expected = range()
+                .flat_map(|i| range().map(move |j| (i, j)))
+                .filter(|index| inside(&lattice.place(*index)))
+                .count();
+            assert_eq!(sites.len(), expected, "{lattice:?}");
+        }
     }
 }

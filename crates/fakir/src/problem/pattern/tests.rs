@@ -1,7 +1,10 @@
 //! Patterns as they are drawn.
 
 use crate::problem::pattern::*;
-use crate::problem::{Grid, HeightMap, HexagonalLattice, Material, PillarCompliance};
+use crate::problem::{
+    Disorder, Grid, HeightMap, HexagonalLattice, LatticeForm, ListedPillar, Material,
+    PillarCompliance, PillarList, PlaneLattice, RandomPlaces, Scatter,
+};
 use proptest::prelude::*;
 
 const HEIGHT: f64 = 2.0e-6;
@@ -47,13 +50,25 @@ fn pillars() -> [PillarShape; 5] {
     ]
 }
 
-fn hexagonal(pitch: f64) -> Arrangement {
-    Arrangement::Hexagonal(HexagonalLattice::new(pitch))
+fn hexagonal(pitch: f64) -> PlaneLattice {
+    HexagonalLattice::new(pitch).into()
 }
 
-fn square(pitch: f64) -> Arrangement {
-    let offset = [0.2 * pitch, 0.3 * pitch];
-    Arrangement::Square { pitch, offset }
+fn square(pitch: f64) -> PlaneLattice {
+    PlaneLattice {
+        offset: 0.2f64.hypot(0.3),
+        offset_angle: 0.3f64.atan2(0.2),
+        ..PlaneLattice::new(LatticeForm::Square { pitch })
+    }
+}
+
+/// Pillars with heights of a uniform law, some of which are missing.
+fn disordered(lattice: PlaneLattice, half_width: f64, missing: f64, seed: u64) -> PlaneLattice {
+    let heights = Scatter::uniform(half_width, seed);
+    PlaneLattice {
+        disorder: Disorder { heights, missing },
+        ..lattice
+    }
 }
 
 fn covered(surface: &HeightMap) -> f64 {
@@ -66,26 +81,24 @@ fn covered(surface: &HeightMap) -> f64 {
 fn surface_fraction_is_that_of_the_cells() {
     // Whole periods, of cells a fiftieth of a pillar.
     let pitch = 9.0e-6;
-    let grids = |arrangement: &Arrangement| match arrangement {
-        Arrangement::Hexagonal(_) => {
+    let grids = |lattice: &PlaneLattice| match lattice.form {
+        LatticeForm::Hexagonal { .. } => {
             let [width, height] = [3f64.sqrt() * pitch, pitch];
             Grid::new(120, 70, [width / 120.0, height / 70.0], [0.3e-6, -1.0e-6])
         }
         _ => Grid::new(80, 80, [pitch / 80.0; 2], [0.1e-6, 0.2e-6]),
     };
     for pillar in pillars() {
-        for arrangement in [hexagonal(pitch), square(pitch)] {
-            let pattern = Pattern::new(pillar, arrangement);
-            let grid = grids(&arrangement).unwrap();
+        for lattice in [hexagonal(pitch), square(pitch)] {
+            let pattern = Pattern::new(pillar, lattice);
+            let grid = grids(&lattice).unwrap();
             let surface = pattern.height_map(&grid, &rubber()).unwrap();
             let error = covered(&surface) / pattern.surface_fraction() - 1.0;
             assert!(error.abs() < 0.01, "{pattern:?}: {error}");
         }
-        let arrangement = Arrangement::Random {
-            surface_fraction: 0.1,
-            minimum_distance: 7.5e-6,
-        };
-        let pattern = Pattern::new(pillar, arrangement);
+        let area = pillar.cross_section.area();
+        let places = RandomPlaces::with_surface_fraction(0.1, area, 7.5e-6);
+        let pattern = Pattern::new(pillar, places);
         let grid = Grid::centred(1000, 800, 0.2e-6).unwrap();
         let surface = pattern.height_map(&grid, &rubber()).unwrap();
         // Half a pillar of the 113 to 274, and the cells.
@@ -120,8 +133,8 @@ fn symmetric_patterns_are_symmetric() {
         sides: 6,
         diameter: 5.0e-6,
     };
-    let on_axis = |cross_section, arrangement| {
-        Pattern::new(pillar(cross_section, 0.0), arrangement)
+    let on_axis = |cross_section, lattice: PlaneLattice| {
+        Pattern::new(pillar(cross_section, 0.0), lattice)
             .height_map(&grid, &rubber())
             .unwrap()
     };
@@ -137,11 +150,8 @@ fn symmetric_patterns_are_symmetric() {
             }
         }
     }
-    let arrangement = Arrangement::Square {
-        pitch: 8.1e-6,
-        offset: [0.0, 0.0],
-    };
-    let surface = on_axis(CrossSection::Square { side: 5.0e-6 }, arrangement);
+    let lattice = PlaneLattice::new(LatticeForm::Square { pitch: 8.1e-6 });
+    let surface = on_axis(CrossSection::Square { side: 5.0e-6 }, lattice);
     for row in 0..301 {
         for column in 0..301 {
             let turned = at(&surface, 300 - row, column).to_bits();
@@ -152,23 +162,17 @@ fn symmetric_patterns_are_symmetric() {
 
 #[test]
 fn the_seed_decides_and_the_grid_does_not() {
-    let pattern = Pattern {
-        missing: 0.2,
-        height_half_width: 0.1,
-        seed: 11,
-        ..Pattern::new(pillars()[0], hexagonal(9.0e-6))
+    let pattern = |seed| {
+        let lattice = disordered(hexagonal(9.0e-6), 0.1, 0.2, seed);
+        Pattern::new(pillars()[0], lattice)
     };
     let small = Grid::centred(200, 160, 0.5e-6).unwrap();
     let large = Grid::centred(400, 300, 0.5e-6).unwrap();
     let drawn = |pattern: &Pattern, grid| pattern.height_map(grid, &rubber()).unwrap();
-    let first = drawn(&pattern, &small);
-    assert_eq!(first, drawn(&pattern, &small));
-    let other = Pattern {
-        seed: 12,
-        ..pattern
-    };
-    assert_ne!(first, drawn(&other, &small));
-    let wide = drawn(&pattern, &large);
+    let first = drawn(&pattern(11), &small);
+    assert_eq!(first, drawn(&pattern(11), &small));
+    assert_ne!(first, drawn(&pattern(12), &small));
+    let wide = drawn(&pattern(11), &large);
     for (cell, height) in first.heights().iter().enumerate() {
         let (column, row) = (cell % 200 + 100, cell / 200 + 70);
         assert_eq!(
@@ -180,10 +184,9 @@ fn the_seed_decides_and_the_grid_does_not() {
 
 #[test]
 fn missing_pillars_are_as_many_as_asked_for() {
-    let pattern = |missing| Pattern {
-        missing,
-        seed: 5,
-        ..Pattern::new(pillars()[0], square(8.0e-6))
+    let pattern = |missing| {
+        let lattice = disordered(square(8.0e-6), 0.0, missing, 5);
+        Pattern::new(pillars()[0], lattice)
     };
     let grid = Grid::centred(400, 400, 1.0e-6).unwrap();
     let count = |missing| {
@@ -266,25 +269,16 @@ fn what_cannot_be_is_refused() {
         InvalidPattern::Value { quantity, .. } => quantity,
         other => panic!("{other}"),
     };
-    let good = Pattern::new(circle, hexagonal(9.0e-6));
-    let with_top = |top| Pattern {
-        pillar: PillarShape { top, ..circle },
-        ..good
-    };
+    let good = hexagonal(9.0e-6);
+    let with_top = |top| Pattern::new(PillarShape { top, ..circle }, good);
     use PatternQuantity as Q;
     for (pattern, expected) in [
         (
-            Pattern {
-                missing: 1.0,
-                ..good
-            },
+            Pattern::new(circle, disordered(good, 0.0, 1.0, 0)),
             Q::Missing,
         ),
         (
-            Pattern {
-                height_half_width: f64::NAN,
-                ..good
-            },
+            Pattern::new(circle, disordered(good, f64::NAN, 0.0, 0)),
             Q::HeightHalfWidth,
         ),
         (Pattern::new(circle, hexagonal(-1.0)), Q::Pitch),
@@ -306,23 +300,33 @@ fn what_cannot_be_is_refused() {
                     },
                     0.0,
                 ),
-                good.arrangement,
+                good,
             ),
             Q::Sides,
         ),
         (
             Pattern::new(
                 circle,
-                Arrangement::Random {
-                    surface_fraction: 0.1,
-                    minimum_distance: 5.0e-6,
-                },
+                RandomPlaces::with_surface_fraction(0.1, circle.cross_section.area(), 5.0e-6),
             ),
             Q::MinimumDistance,
         ),
     ] {
         assert_eq!(quantity(pattern), expected);
     }
+    let listed = ListedPillar {
+        centre: [0.0; 2],
+        height: HEIGHT,
+        diameter: 6.0e-6,
+    };
+    let list = PillarList::new(vec![listed]).unwrap();
+    assert_eq!(refused(Pattern::new(circle, list)), InvalidPattern::Listed);
+    let turned = PlaneLattice {
+        rotation: 0.1,
+        ..good
+    };
+    let periodic = Pattern::new(circle, turned).periodic_height_map(&grid, &rubber());
+    assert_eq!(periodic.unwrap_err(), InvalidPattern::NoPeriod);
 }
 
 proptest! {
@@ -337,13 +341,8 @@ proptest! {
         spread in 0.0..0.5,
         seed in any::<u64>(),
     ) {
-        let arrangement = if on_square { square(pitch) } else { hexagonal(pitch) };
-        let pattern = Pattern {
-            missing,
-            height_half_width: spread,
-            seed,
-            ..Pattern::new(pillars()[which], arrangement)
-        };
+        let lattice = if on_square { square(pitch) } else { hexagonal(pitch) };
+        let pattern = Pattern::new(pillars()[which], disordered(lattice, spread, missing, seed));
         let grid = Grid::centred(90, 70, 0.7e-6).unwrap();
         let surface = pattern.height_map(&grid, &rubber()).unwrap();
         let pillars = surface.pillars().unwrap();

@@ -120,7 +120,7 @@ fn has_one_pitch(arrangement: &Arrangement) -> bool {
             lattice.form,
             LatticeForm::Hexagonal { .. } | LatticeForm::Square { .. }
         ),
-        Arrangement::Listed(_) => false,
+        Arrangement::Listed(_) | Arrangement::Random(_) => false,
     }
 }
 

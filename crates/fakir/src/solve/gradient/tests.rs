@@ -5,7 +5,7 @@ use crate::problem::column::Column;
 use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Disorder, HexagonalLattice, Lens, Pillar, PillarCompliance, PlaneLattice, Texture,
+    Disorder, HexagonalLattice, Lens, Pillar, PillarCompliance, PlaneLattice, Scatter, Texture,
 };
 use crate::solve::newton::Degrees;
 use crate::solve::spectral::Solution;
@@ -509,9 +509,8 @@ impl Hexagonal {
                     offset_angle,
                     rotation: 0.3,
                     disorder: Disorder {
-                        height_spread: 0.04,
+                        heights: Scatter::normal(0.04, seed),
                         missing: 0.1,
-                        seed,
                     },
                     ..PlaneLattice::new(LatticeForm::Square { pitch })
                 },

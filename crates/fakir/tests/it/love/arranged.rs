@@ -5,7 +5,7 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Arrangement, Control, Disorder, ElementMesh, LatticeForm, ListedPillar, Material, MeshLayout,
-    Method, PillarCompliance, PillarList, PlaneLattice, System, Texture,
+    Method, PillarCompliance, PillarList, PlaneLattice, Scatter, System, Texture,
 };
 use fakir::state::{Run, SolveError};
 use fakir::{Verdict, Verification, verify};
@@ -47,9 +47,8 @@ impl Random {
 
     fn disorder(&mut self, missing: f64) -> Disorder {
         Disorder {
-            height_spread: self.uniform(0.0, 0.1),
+            heights: Scatter::normal(self.uniform(0.0, 0.1), self.0.next_u64()),
             missing,
-            seed: self.0.next_u64(),
         }
     }
 
@@ -214,9 +213,8 @@ fn a_list_of_many_pillars_of_a_lattice_is_that_lattice() {
 /// One lattice as that, and as a list of its pillars: two operators for the same elements.
 fn compare_with_list(cells_per_diameter: usize, controls: &[Control]) {
     let disorder = Disorder {
-        height_spread: 0.05,
+        heights: Scatter::normal(0.05, 3),
         missing: 0.1,
-        seed: 3,
     };
     let lattice = PlaneLattice {
         disorder,

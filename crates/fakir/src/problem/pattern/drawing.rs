@@ -1,100 +1,61 @@
 //! Pillars of one form on a lattice or at random, drawn on a grid.
 
 use super::invalid::{InvalidPattern, PatternQuantity};
-use super::placement::{Random, Site};
+use super::placement::{self, Site};
 use super::shape::PillarShape;
 use crate::numerics::convergence::clamped;
+use crate::problem::arrangement::{Arrangement, LatticeForm, PlaneLattice, RandomPlaces, reduced};
 use crate::problem::column::PillarCompliance;
 use crate::problem::grid::Grid;
 use crate::problem::height_map::{HeightMap, PillarColumns};
-use crate::problem::lattice::HexagonalLattice;
 use crate::problem::lens::Material;
-use crate::problem::pattern::placement;
 use crate::problem::point::Point;
-
-/// Where the pillars stand.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Arrangement {
-    /// On a hexagonal lattice.
-    Hexagonal(HexagonalLattice),
-    /// On a square lattice with its rows along x and y.
-    Square {
-        /// Distance between the centres of neighbouring pillars, m.
-        pitch: f64,
-        /// From a pillar centre to the lens axis, m.
-        offset: Point,
-    },
-    /// At random within the rectangle of the grid, one after the other, each wherever it keeps
-    /// its distance from those before (random sequential addition). The rectangle is filled as
-    /// one period, so that the pattern can be continued.
-    Random {
-        /// Fraction of the surface that is pillar; the number of pillars is rounded.
-        surface_fraction: f64,
-        /// Smallest distance between centres, m.
-        minimum_distance: f64,
-    },
-}
+use std::f64::consts::PI;
 
 /// A surface patterned with pillars.
 ///
 /// ```
-/// use fakir::problem::Grid;
-/// use fakir::problem::pattern::{Arrangement, CrossSection, Pattern, PillarShape};
-/// use fakir::problem::Material;
+/// use fakir::problem::pattern::{CrossSection, Pattern, PillarShape};
+/// use fakir::problem::{Disorder, Grid, LatticeForm, Material, PlaneLattice, Scatter};
 ///
 /// // Square pillars on a square lattice, one in ten missing.
 /// let pillar = PillarShape {
 ///     cross_section: CrossSection::Square { side: 6.0e-6 },
 ///     ..PillarShape::cylinder(6.0e-6, 2.2e-6)
 /// };
-/// let arrangement = Arrangement::Square { pitch: 20.0e-6, offset: [0.0, 0.0] };
-/// let pattern = Pattern { missing: 0.1, seed: 7, ..Pattern::new(pillar, arrangement) };
+/// let lattice = PlaneLattice {
+///     disorder: Disorder { heights: Scatter::uniform(0.0, 7), missing: 0.1 },
+///     ..PlaneLattice::new(LatticeForm::Square { pitch: 20.0e-6 })
+/// };
+/// let pattern = Pattern::new(pillar, lattice);
 /// assert!((pattern.surface_fraction() - 0.9 * 36.0 / 400.0).abs() < 1e-12);
 /// let grid = Grid::centred(200, 200, 1.0e-6)?;
 /// let surface = pattern.height_map(&grid, &Material::new(2.0e6, 0.5))?;
 /// assert_eq!(surface.highest(), 2.2e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     /// One pillar.
     pub pillar: PillarShape,
-    /// Where they stand.
+    /// Where they stand, on a lattice or at random, and how their heights differ.
     pub arrangement: Arrangement,
-    /// Fraction of the pillars that are missing; each is with this probability.
-    pub missing: f64,
-    /// Relative variation of heights: those of the pillars are spread evenly between
-    /// `1 - height_half_width` and `1 + height_half_width` times the height.
-    pub height_half_width: f64,
-    /// Decides everything that is random.
-    pub seed: u64,
 }
 
 impl Pattern {
-    /// A pattern with no pillar missing and all of one height.
+    /// Pillars of one form in an arrangement.
     #[must_use]
-    pub fn new(pillar: PillarShape, arrangement: Arrangement) -> Self {
+    pub fn new(pillar: PillarShape, arrangement: impl Into<Arrangement>) -> Self {
         Self {
             pillar,
-            arrangement,
-            missing: 0.0,
-            height_half_width: 0.0,
-            seed: 0,
+            arrangement: arrangement.into(),
         }
     }
 
     /// Fraction of the surface that is pillar, on average.
     #[must_use]
     pub fn surface_fraction(&self) -> f64 {
-        let area = self.pillar.cross_section.area();
-        let complete = match self.arrangement {
-            Arrangement::Hexagonal(lattice) => area / lattice.cell_area(),
-            Arrangement::Square { pitch, .. } => area / (pitch * pitch),
-            Arrangement::Random {
-                surface_fraction, ..
-            } => surface_fraction,
-        };
-        (1.0 - self.missing) * complete
+        self.pillar.cross_section.area() / self.arrangement.cell_area()
     }
 
     /// The surface on the cells of a grid, whose origin of coordinates is the lens axis. Columns
@@ -117,8 +78,8 @@ impl Pattern {
     /// centres of pillars.
     ///
     /// # Errors
-    /// As [`height_map`](Self::height_map); [`InvalidPattern::NotAPeriod`] if the sides of the
-    /// grid are not whole multiples of those of [`period`](Self::period).
+    /// As [`height_map`](Self::height_map); [`InvalidPattern::NoPeriod`] of an endless lattice that is turned or oblique, and
+    /// [`InvalidPattern::NotAPeriod`] if the sides of the grid are not whole multiples of those of [`period`](Self::period).
     pub fn periodic_height_map(
         &self,
         grid: &Grid,
@@ -126,30 +87,38 @@ impl Pattern {
     ) -> Result<HeightMap, InvalidPattern> {
         self.check()?;
         let sites = self.sites(grid)?;
-        let Some(period) = self.period() else {
+        let Some(lattice) = self.arrangement.lattice() else {
             return self.draw(grid, &sites, substrate);
         };
-        let extent = placement::extent(grid);
-        for (side, period) in extent.into_iter().zip(period) {
-            let count = side / period;
-            if count < 0.5 || (count - count.round()).abs() > 1e-9 * count {
-                return Err(InvalidPattern::NotAPeriod { side, period });
+        if lattice.columns.is_none() {
+            let period = self.period().ok_or(InvalidPattern::NoPeriod)?;
+            let extent = placement::extent(grid);
+            for (side, period) in extent.into_iter().zip(period) {
+                let count = side / period;
+                if count < 0.5 || (count - count.round()).abs() > 1e-9 * count {
+                    return Err(InvalidPattern::NotAPeriod { side, period });
+                }
             }
         }
         self.draw(grid, &placement::continued(sites, grid), substrate)
     }
 
-    /// Sides of the smallest rectangle along x and y that repeats on the complete lattice, m; none
-    /// of a random arrangement, which takes any rectangle as its period.
+    /// Sides of the smallest rectangle along x and y that repeats on the complete lattice, m; none of a lattice that is turned, oblique or
+    /// finite. Finitely many pillars, and those at random, take any rectangle as their period.
     #[must_use]
     pub fn period(&self) -> Option<Point> {
-        match self.arrangement {
-            Arrangement::Hexagonal(lattice) => {
-                let [x, y] = lattice.lattice_vector(1, 0);
+        let lattice = self.arrangement.lattice()?;
+        if lattice.columns.is_some() || lattice.rotation != 0.0 {
+            return None;
+        }
+        match lattice.form {
+            LatticeForm::Hexagonal { .. } => {
+                let [[x, y], _] = lattice.vectors();
                 Some([2.0 * x, 2.0 * y])
             }
-            Arrangement::Square { pitch, .. } => Some([pitch, pitch]),
-            Arrangement::Random { .. } => None,
+            LatticeForm::Square { pitch } => Some([pitch, pitch]),
+            LatticeForm::Rectangular { pitch, pitch_y } => Some([pitch, pitch_y]),
+            LatticeForm::Oblique { .. } => None,
         }
     }
 
@@ -161,13 +130,12 @@ impl Pattern {
     ) -> Result<HeightMap, InvalidPattern> {
         PatternQuantity::YoungModulus.positive(substrate.young_modulus)?;
         let mut drawing = Drawing::new(grid);
+        let disorder = self.arrangement.disorder();
         for site in sites {
-            let mut random = site.random(self.seed);
-            if random.uniform() < self.missing {
+            let Some(ratio) = disorder.height_ratio(site.index) else {
                 continue;
-            }
-            let spread = self.height_half_width * (2.0 * random.uniform() - 1.0);
-            let height = self.pillar.height * (1.0 + spread);
+            };
+            let height = self.pillar.height * ratio;
             let compliance = match self.pillar.compliance {
                 PillarCompliance::Column => {
                     height / (substrate.young_modulus * self.pillar.cross_section.area())
@@ -182,20 +150,10 @@ impl Pattern {
 
     fn sites(&self, grid: &Grid) -> Result<Vec<Site>, InvalidPattern> {
         let reach = 0.5 * self.pillar.cross_section.outer_diameter();
-        match self.arrangement {
-            Arrangement::Hexagonal(lattice) => Ok(placement::hexagonal(&lattice, grid, reach)),
-            Arrangement::Square { pitch, offset } => {
-                Ok(placement::square(pitch, offset, grid, reach))
-            }
-            Arrangement::Random {
-                surface_fraction,
-                minimum_distance,
-            } => {
-                let area = grid.cell_count() as f64 * grid.cell_area();
-                let count = surface_fraction * area / self.pillar.cross_section.area();
-                let mut random = Random::new(self.seed);
-                placement::random(count.round() as usize, minimum_distance, grid, &mut random)
-            }
+        match (&self.arrangement, self.arrangement.lattice()) {
+            (_, Some(lattice)) => Ok(placement::on_lattice(&lattice, grid, reach)),
+            (Arrangement::Random(places), None) => placement::random(places, grid),
+            _ => Err(InvalidPattern::Listed),
         }
     }
 
@@ -205,66 +163,83 @@ impl Pattern {
     /// The first of them that cannot be.
     pub fn check(&self) -> Result<(), InvalidPattern> {
         use PatternQuantity as Q;
-        let is_fraction = |value: &f64| (0.0..1.0).contains(value);
+        let is_fraction = |value: f64| (0.0..1.0).contains(&value);
+        let disorder = self.arrangement.disorder();
         Q::Missing.within(
-            self.missing,
-            is_fraction(&self.missing),
+            disorder.missing,
+            is_fraction(disorder.missing),
             "from 0 to below 1",
         )?;
-        let spread = self.height_half_width;
-        Q::HeightHalfWidth.within(spread, is_fraction(&spread), "from 0 to below 1")?;
-        self.pillar.check(spread)?;
+        let most = disorder.heights.most();
+        Q::HeightHalfWidth.within(most, is_fraction(most), "from 0 to below 1")?;
+        self.pillar.check(most)?;
         if self.pillar.compliance == PillarCompliance::Elastic {
             return Err(InvalidPattern::NotElastic);
         }
-        let outer = self.pillar.cross_section.outer_diameter();
-        match self.arrangement {
-            Arrangement::Hexagonal(lattice) => {
-                Q::Pitch.positive(lattice.pitch)?;
-                Q::Offset.within(lattice.offset, true, "a finite number")?;
-                Q::OffsetAngle.within(lattice.offset_angle, true, "a finite number")?;
-                self.check_overlap(lattice.pitch, |i, j| lattice.lattice_vector(i, j))
-            }
-            Arrangement::Square { pitch, offset } => {
-                Q::Pitch.positive(pitch)?;
-                for coordinate in offset {
-                    Q::Offset.within(coordinate, true, "a finite number")?;
-                }
-                self.check_overlap(pitch, |i, j| [pitch * i as f64, pitch * j as f64])
-            }
-            Arrangement::Random {
-                surface_fraction: fraction,
-                minimum_distance: distance,
-            } => {
-                Q::SurfaceFraction.within(fraction, is_fraction(&fraction), "from 0 to below 1")?;
+        let outline = &self.pillar.cross_section;
+        match (&self.arrangement, self.arrangement.lattice()) {
+            (_, Some(lattice)) => self.check_lattice(&lattice),
+            (Arrangement::Random(places), None) => {
+                let RandomPlaces {
+                    cell_area,
+                    minimum_distance: distance,
+                    ..
+                } = *places;
+                let fraction = outline.area() / cell_area;
+                Q::SurfaceFraction.within(fraction, is_fraction(fraction), "from 0 to below 1")?;
                 let wanted = "at least the outer diameter of a pillar";
-                Q::MinimumDistance.within(distance, distance >= outer, wanted)
+                Q::MinimumDistance.within(distance, distance >= outline.outer_diameter(), wanted)
             }
+            _ => Err(InvalidPattern::Listed),
         }
     }
 
-    fn check_overlap(
-        &self,
-        pitch: f64,
-        vector: impl Fn(i64, i64) -> Point,
-    ) -> Result<(), InvalidPattern> {
+    fn check_lattice(&self, lattice: &PlaneLattice) -> Result<(), InvalidPattern> {
+        use PatternQuantity as Q;
+        Q::Pitch.positive(lattice.form.pitch())?;
+        match lattice.form {
+            LatticeForm::Hexagonal { .. } | LatticeForm::Square { .. } => {}
+            LatticeForm::Rectangular { pitch_y, .. } => Q::Pitch.positive(pitch_y)?,
+            LatticeForm::Oblique { pitch_y, angle, .. } => {
+                Q::Pitch.positive(pitch_y)?;
+                let spans = angle > 0.0 && angle < PI && angle.sin() > FLATTEST;
+                Q::LatticeAngle.within(
+                    angle,
+                    spans,
+                    "between the rows, above 0 and below 180 deg",
+                )?;
+            }
+        }
+        for (quantity, value) in [
+            (Q::Offset, lattice.offset),
+            (Q::OffsetAngle, lattice.offset_angle),
+            (Q::Rotation, lattice.rotation),
+        ] {
+            quantity.within(value, true, "a finite number")?;
+        }
         let outline = &self.pillar.cross_section;
-        // In a hexagonal lattice a step along each vector brings at least half a pitch.
+        let vectors = reduced(lattice.vectors());
+        let pitch = vectors[0][0].hypot(vectors[0][1]);
+        // A step along each reduced vector brings at least half the shortest of them.
         let reach = (2.0 * outline.outer_diameter() / pitch)
             .ceil()
             .min(LONGEST_REACH) as i64;
         let mut neighbours = (-reach..=reach)
             .flat_map(|i| (-reach..=reach).map(move |j| (i, j)))
-            .filter(|place| *place != (0, 0));
-        if neighbours.any(|(i, j)| outline.overlaps(self.pillar.turned_back(vector(i, j)))) {
+            .filter(|index| *index != (0, 0))
+            .map(|(i, j)| [0, 1].map(|k| vectors[0][k] * i as f64 + vectors[1][k] * j as f64));
+        if neighbours.any(|vector| outline.overlaps(self.pillar.turned_back(vector))) {
             return Err(InvalidPattern::Overlap {
-                pitch,
+                pitch: lattice.form.pitch(),
                 outer_diameter: outline.outer_diameter(),
             });
         }
         Ok(())
     }
 }
+
+/// The least sine of the angle between the rows of a lattice: pillars of flatter ones overlap.
+const FLATTEST: f64 = 1e-9;
 
 /// Pillars longer than this many pitches are checked for overlap with neighbours as far only:
 /// they overlap with the nearest ones long before.
