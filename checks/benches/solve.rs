@@ -3,7 +3,7 @@
 
 use divan::Bencher;
 use fakir::problem::{
-    Accuracy, Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
     Texture,
 };
 use fakir::state::Run;
@@ -48,7 +48,7 @@ fn press(bencher: Bencher<'_, '_>, pillars: usize) {
     let cell = system(1e-3, 0.2).arrangement().cell_area();
     let contact_radius = (pillars as f64 * cell / PI).sqrt();
     let system = system(10.0 * contact_radius, 0.2);
-    let load = Control::Indentation(0.1 * contact_radius);
+    let load = Load::Indentation(0.1 * contact_radius);
     bencher.bench(|| fakir::press(&system, load, Method::default(), &Run::default()));
 }
 

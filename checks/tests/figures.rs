@@ -5,9 +5,9 @@
 
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
-    Adhesion, Boundary, Cap, CapField, Control, CyclePlan, Drive, Floor, Grid, HeightMap,
-    HexagonalLattice, Indenter, Lens, Material, Method, Pillar, PillarCompliance, SurfaceSystem,
-    System, Texture, Turn,
+    Adhesion, Boundary, Cap, CapField, CyclePlan, Drive, Floor, Grid, HeightMap, HexagonalLattice,
+    Indenter, Lens, Load, Material, Method, Pillar, PillarCompliance, SurfaceSystem, System,
+    Texture, Turn,
 };
 use fakir::state::{ContactState, CriticalState, Run};
 use fakir::theory::closed_forms;
@@ -47,7 +47,7 @@ fn transition(system: &System, method: Method) -> CriticalState {
 }
 
 fn press(system: &System, force: f64) -> ContactState {
-    let load = Control::Force(force);
+    let load = Load::Force(force);
     fakir::press(system, load, Method::default(), &Run::default()).unwrap()
 }
 
@@ -206,14 +206,14 @@ fn figures_of_surfaces() -> Vec<Figure> {
         .unwrap();
     let plate = Indenter::Flat(None);
     let plate = SurfaceSystem::new(plate, rubber, surface, Boundary::Periodic).unwrap();
-    let pressed = plate.press(Control::Force(3e-5), &Run::default()).unwrap();
+    let pressed = plate.press(Load::Force(3e-5), &Run::default()).unwrap();
 
     let grid = Grid::centred(64, 64, 1e-6).unwrap();
     let waves = |[x, y]: [f64; 2]| 1e-7 * ((4e5 * x).sin() + (3e5 * y).cos());
     let rough = HeightMap::from_height(grid, waves).unwrap();
     let rough = SurfaceSystem::new(lens, rubber, rough, Boundary::FreeSpace).unwrap();
     let touched = rough
-        .press(Control::Indentation(1e-8), &Run::default())
+        .press(Load::Indentation(1e-8), &Run::default())
         .unwrap();
 
     let state = |system, contact, floor_contact| SurfaceState {
@@ -645,7 +645,7 @@ fn rounded_tops() {
     };
     let map = |rim| {
         let field = field(rim);
-        let load = Control::Indentation(2e-6);
+        let load = Load::Indentation(2e-6);
         let contact = field.press_quickly(
             load,
             fakir::problem::Accuracy::Default,

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use fakir::problem::{Control, CyclePlan, Drive, Turn};
+use fakir::problem::{CyclePlan, Drive, Load, Turn};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
 use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
@@ -340,10 +340,10 @@ impl Press {
         self.fields.maps(&self.case)
     }
 
-    pub(crate) fn control(&self) -> Control {
+    pub(crate) fn control(&self) -> Load {
         match (self.indentation, self.force) {
-            (Some(indentation), _) => Control::Indentation(indentation),
-            (None, force) => Control::Force(force.unwrap_or(0.0)), // clap requires one of them
+            (Some(indentation), _) => Load::Indentation(indentation),
+            (None, force) => Load::Force(force.unwrap_or(0.0)), // clap requires one of them
         }
     }
 
@@ -473,11 +473,11 @@ pub(crate) struct Verify {
 }
 
 impl Verify {
-    pub(crate) fn control(&self) -> Control {
+    pub(crate) fn control(&self) -> Load {
         match (self.indentation, self.force) {
-            (Some(indentation), _) => Control::Indentation(indentation),
-            (None, Some(force)) => Control::Force(force),
-            (None, None) => Control::FloorContact,
+            (Some(indentation), _) => Load::Indentation(indentation),
+            (None, Some(force)) => Load::Force(force),
+            (None, None) => Load::FloorContact,
         }
     }
 }
@@ -676,9 +676,9 @@ impl Design {
     }
 
     /// The load at which a floor share is wanted.
-    fn load(&self) -> Option<Control> {
-        let force = self.at_force.map(Control::Force);
-        force.or(self.at_indentation.map(Control::Indentation))
+    fn load(&self) -> Option<Load> {
+        let force = self.at_force.map(Load::Force);
+        force.or(self.at_indentation.map(Load::Indentation))
     }
 
     /// What is drawn, if a spread is asked for.

@@ -7,7 +7,7 @@ use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars};
 use fakir::problem::{
-    Accuracy, Arrangement, Control, Disorder, FloorModel, Method, PlaneLattice, Point, System,
+    Accuracy, Arrangement, Disorder, FloorModel, Load, Method, PlaneLattice, Point, System,
 };
 use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
 use fakir::theory::closed_forms;
@@ -106,7 +106,7 @@ pub(crate) fn solve(
     let pressed = if is_critical {
         None
     } else {
-        let control = Control::Indentation(indentation(case, target, load.fraction));
+        let control = Load::Indentation(indentation(case, target, load.fraction));
         let state = fakir::press(&case.system, control, case.method, &with(true))?;
         Some((state, start.elapsed().as_secs_f64()))
     };
@@ -309,7 +309,7 @@ pub(crate) fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
         let indentation = indentation(case, critical.indentation, load.fraction);
         match fakir::press(
             system,
-            Control::Indentation(indentation),
+            Load::Indentation(indentation),
             Method::Homogenised,
             &run,
         ) {
@@ -665,7 +665,7 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             continue;
         }
         worker.give_way()?;
-        let load = Control::Indentation(indentation(&case, critical, fraction));
+        let load = Load::Indentation(indentation(&case, critical, fraction));
         match fakir::press(system, load, method, &run) {
             Ok(state) => {
                 worker.send(&PhaseLine::Path(PathState {

@@ -5,7 +5,7 @@ use crate::cycle::SolvedCycle;
 use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
 use crate::request::{self, LoadPoint};
-use fakir::problem::{Control, Point};
+use fakir::problem::{Load, Point};
 use fakir::state::{ContactState, Run};
 use fakir_case::{Case, Key};
 use fakir_figure::{
@@ -123,7 +123,7 @@ impl Answer {
     }
 
     fn question(&self) -> String {
-        let at = |state: &ContactState| control_words(Control::Indentation(state.indentation));
+        let at = |state: &ContactState| control_words(Load::Indentation(state.indentation));
         match self {
             Self::Contact(solved) => match &solved.pressed {
                 None => "critical state".to_owned(),

@@ -130,7 +130,7 @@ fn ends(ranges: impl Iterator<Item = (usize, usize)>) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fakir::problem::{Control, Method};
+    use fakir::problem::{Load, Method};
     use fakir::state::{ContactState, Run};
     use fakir_case::{Case, CaseFile};
     use fakir_figure::{Section, SectionDetail};
@@ -139,7 +139,7 @@ mod tests {
         let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
         file.set("texture.surface_fraction=0.01").unwrap();
         let system = file.case().unwrap().system;
-        let load = Control::Indentation(4e-6);
+        let load = Load::Indentation(4e-6);
         fakir::press(&system, load, Method::default(), &Run::default()).unwrap()
     }
 

@@ -1,7 +1,7 @@
 //! Every figure, of the paper's lens and pillars, written to the folder given as argument.
 
 use fakir::problem::{
-    Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
 };
 use fakir::state::{CriticalState, Run};
 use fakir::theory::closed_forms;
@@ -60,7 +60,7 @@ fn states(folder: &Path, surface_fraction: f64, offset: f64) -> Result<(), Box<d
     let system = system(2e6, surface_fraction, offset)?;
     let critical = fakir::transition(&system, Method::default(), &run)?;
     let at = |share: f64| {
-        let load = Control::Force(share * critical.contact.force);
+        let load = Load::Force(share * critical.contact.force);
         fakir::press(&system, load, Method::default(), &run)
     };
     let (before, middle) = (at(0.0)?, at(0.3)?);
@@ -114,7 +114,7 @@ fn phases() -> Result<Figure, Box<dyn Error>> {
         let mut points = Vec::new();
         for step in 1..=24 {
             let share = (f64::from(step) / 20.0).powi(2);
-            let load = Control::Force(share * critical.contact.force);
+            let load = Load::Force(share * critical.contact.force);
             let state = fakir::press(&system, load, Method::default(), &run)?;
             points.push(phase_point(&system, state.force, state.contact_radius));
         }

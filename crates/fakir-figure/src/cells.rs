@@ -207,7 +207,7 @@ fn sides(grid: &Grid) -> [f64; 2] {
 mod tests {
     use super::*;
     use fakir::problem::pattern::{CrossSection, Pattern, PillarShape, Top};
-    use fakir::problem::{Control, Floor, LatticeForm, Material, PillarCompliance, PlaneLattice};
+    use fakir::problem::{Floor, LatticeForm, Load, Material, PillarCompliance, PlaneLattice};
     use fakir::state::Run;
 
     const HEIGHT: f64 = 1e-6;
@@ -234,7 +234,7 @@ mod tests {
         system.with_floor(Floor::OffPillars)
     }
 
-    fn section(system: &SurfaceSystem, load: Control) -> (Section, SurfaceContact) {
+    fn section(system: &SurfaceSystem, load: Load) -> (Section, SurfaceContact) {
         let contact = system.press(load, &Run::default()).unwrap();
         let state = SurfaceState {
             label: Text::default(),
@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn a_rigid_plate_is_flat_in_section() {
         let system = system(None, RUBBER);
-        let (section, contact) = section(&system, Control::Force(1e-4));
+        let (section, contact) = section(&system, Load::Force(1e-4));
         let level = HEIGHT - contact.indentation;
         for lens in &section.lens {
             // The gap is solved to a part in 1e6 of the indentation or better.
@@ -265,7 +265,7 @@ mod tests {
     #[test]
     fn a_rigid_substrate_keeps_its_outline() {
         let rigid = Material::new(2e15, 0.5);
-        let (section, _) = section(&system(Some(RUBBER), rigid), Control::Force(1e-4));
+        let (section, _) = section(&system(Some(RUBBER), rigid), Load::Force(1e-4));
         for ground in &section.surface {
             let wrong = ground.abs().min((ground - HEIGHT).abs());
             assert!(wrong < 1e-6 * HEIGHT, "{ground}");
@@ -285,7 +285,7 @@ mod tests {
     #[test]
     fn pixels_show_the_cells_that_they_cover() {
         let periodic = system(None, RUBBER);
-        let contact = periodic.press(Control::Force(1e-4), &Run::default());
+        let contact = periodic.press(Load::Force(1e-4), &Run::default());
         let contact = contact.unwrap();
         let state = |system| SurfaceState {
             label: Text::default(),

@@ -201,8 +201,7 @@ fn places(pillars: &[CutPillar], half_width: f64, radius: f64, detail: SectionDe
 mod tests {
     use super::*;
     use fakir::problem::{
-        Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
-        Texture,
+        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
     };
 
     const PITCH: f64 = 30e-6;
@@ -264,7 +263,7 @@ mod tests {
     fn pillars_are_cut_where_they_stand() {
         let state = fakir::press(
             &system(0.0),
-            Control::Indentation(0.0),
+            Load::Indentation(0.0),
             Method::default(),
             &Run::default(),
         )
@@ -284,7 +283,7 @@ mod tests {
     fn bodies_without_load_have_their_own_shape() {
         let state = fakir::press(
             &system(0.0),
-            Control::Indentation(0.0),
+            Load::Indentation(0.0),
             Method::default(),
             &Run::default(),
         )

@@ -11,7 +11,7 @@
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::Run;
 use fakir_case::{Case, CaseFile};
 use rand_distr::{Distribution, Normal};
@@ -52,7 +52,7 @@ fn contact(case: &Case, indentation: f64) -> Result<[f64; 2], Box<dyn Error>> {
     if indentation <= 0.0 {
         return Ok([0.0; 2]);
     }
-    let load = Control::Indentation(indentation);
+    let load = Load::Indentation(indentation);
     let state = fakir::press(&case.system, load, case.method, &Run::default())?;
     Ok([state.force, state.contact_radius])
 }

@@ -6,7 +6,7 @@
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::Run;
 use fakir_case::{Case, CaseFile};
 use rand_distr::{Distribution, Normal};
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for step in 0..36 {
         let indentation = f64::from(step) * 0.1e-6 - 0.35e-6;
         let force = if indentation > 0.0 {
-            let load = Control::Indentation(indentation);
+            let load = Load::Indentation(indentation);
             fakir::press(&case.system, load, case.method, &Run::default())?.force
         } else {
             0.0

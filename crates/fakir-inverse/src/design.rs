@@ -18,7 +18,7 @@
 
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{Control, CyclePlan, FloorModel, LensShape, Method};
+use fakir::problem::{CyclePlan, FloorModel, LensShape, Load, Method};
 use fakir::state::{ContactState, CriticalState, Cycle, Run, SolveError};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Capability, Case, CaseError, CaseFile, Key};
@@ -38,7 +38,7 @@ pub enum Wanted {
         /// That part, more than 0 and less than 1.
         share: f64,
         /// Under this force or at this indentation.
-        load: Control,
+        load: Load,
     },
     /// The largest pull on the way back from the critical state, N, as a positive number.
     PullOff(f64),
@@ -505,7 +505,7 @@ pub fn design(
         if !(share > 0.0 && share < 1.0) {
             return Err(DesignError::NotAShare(share));
         }
-        let (Control::Force(size) | Control::Indentation(size)) = load else {
+        let (Load::Force(size) | Load::Indentation(size)) = load else {
             return Err(DesignError::NotALoad);
         };
         if !(size > 0.0 && size.is_finite()) {
@@ -1226,11 +1226,11 @@ mod tests {
     fn a_floor_share_is_had_by_the_case_that_is_found() {
         let run = Run::default();
         for (free, share, load) in [
-            (Key::Pitch, 0.2, Control::Force(1e-3)),
-            (Key::SurfaceFraction, 0.002, Control::Force(1e-3)),
-            (Key::PillarHeight, 0.05, Control::Indentation(8e-6)),
-            (Key::LensRadius, 0.5, Control::Indentation(12e-6)),
-            (Key::SubstrateYoungModulus, 0.1, Control::Force(1e-3)),
+            (Key::Pitch, 0.2, Load::Force(1e-3)),
+            (Key::SurfaceFraction, 0.002, Load::Force(1e-3)),
+            (Key::PillarHeight, 0.05, Load::Indentation(8e-6)),
+            (Key::LensRadius, 0.5, Load::Indentation(12e-6)),
+            (Key::SubstrateYoungModulus, 0.1, Load::Force(1e-3)),
         ] {
             let candidate = found(&paper(0.03), free, Wanted::FloorShare { share, load });
             let written = CaseFile::parse("found", &candidate.case.to_toml()).unwrap();
@@ -1261,7 +1261,7 @@ mod tests {
         let critical = found(&paper(0.03), Key::Pitch, Wanted::Force(load)).value;
         let mut last = critical;
         for share in [1e-5, 0.01, 0.1, 0.5, 0.9] {
-            let load = Control::Force(load);
+            let load = Load::Force(load);
             let wanted = Wanted::FloorShare { share, load };
             let pitch = found(&paper(0.03), Key::Pitch, wanted).value;
             assert!(pitch > last, "{share}: {pitch:e} after {last:e}");
@@ -1287,7 +1287,7 @@ mod tests {
         }
         let of = |force: f64| Wanted::FloorShare {
             share: 0.1,
-            load: Control::Force(force),
+            load: Load::Force(force),
         };
         let [small, large] = [
             found(&small, Key::Pitch, of(1e-3)),
@@ -1305,7 +1305,7 @@ mod tests {
         let text = Case::example().to_toml().replace("\"column\"", "\"none\"");
         let mut file = CaseFile::parse("rigid", &text).unwrap();
         file.set_number(Key::SurfaceFraction, 0.03);
-        let (run, load) = (Run::default(), Control::Indentation(8e-6));
+        let (run, load) = (Run::default(), Load::Indentation(8e-6));
         let case = file.case().unwrap();
         let pressed = fakir::press(&case.system, load, case.method, &run).unwrap();
         let floor = pressed.floor.unwrap();
@@ -1325,7 +1325,7 @@ mod tests {
 
     #[test]
     fn a_floor_share_that_makes_no_sense_is_refused() {
-        let refused = |file: &CaseFile, share: f64, load: Control| {
+        let refused = |file: &CaseFile, share: f64, load: Load| {
             let wanted = Wanted::FloorShare { share, load };
             design(file, Key::Pitch, wanted, &Run::default())
                 .unwrap_err()
@@ -1333,24 +1333,24 @@ mod tests {
         };
         let file = paper(0.03);
         for share in [0.0, 1.0, -0.1, 20.0, f64::NAN] {
-            let told = refused(&file, share, Control::Force(1e-3));
+            let told = refused(&file, share, Load::Force(1e-3));
             assert!(told.contains("greater than 0 and less than 1"), "{told}");
         }
-        let infinite = Control::Indentation(f64::INFINITY);
-        for load in [Control::FloorContact, Control::Force(0.0), infinite] {
+        let infinite = Load::Indentation(f64::INFINITY);
+        for load in [Load::FloorContact, Load::Force(0.0), infinite] {
             let told = refused(&file, 0.2, load);
             assert!(told.contains("give a force or an indentation"), "{told}");
         }
         let mut other = file.case().unwrap();
         other.method = Method::Homogenised;
         let other = CaseFile::parse("homogenised", &other.to_toml()).unwrap();
-        let told = refused(&other, 0.2, Control::Force(1e-3));
+        let told = refused(&other, 0.2, Load::Force(1e-3));
         assert!(told.contains("homogenised leaves the floor out"), "{told}");
         let mut ignored = file.case().unwrap();
         ignored.system = ignored.system.with_floor(FloorModel::Ignored);
         let ignored = ignored.to_toml();
         let ignored = CaseFile::parse("ignored", &ignored).unwrap();
-        let told = refused(&ignored, 0.2, Control::Force(1e-3));
+        let told = refused(&ignored, 0.2, Load::Force(1e-3));
         assert!(told.contains("needs floor.contact = true"), "{told}");
     }
 
@@ -1413,7 +1413,7 @@ mod tests {
             file.set("texture.columns=3").unwrap();
             file.set(&format!("lens.shape={shape}")).unwrap();
             let case = file.case().unwrap();
-            let load = Control::Indentation(8e-6);
+            let load = Load::Indentation(8e-6);
             let wanted = Wanted::FloorShare { share: 0.15, load };
             let state = fakir::press(&case.system, load, case.method, &Run::default()).unwrap();
             assert!(state.floor.is_none() && state.smallest_floor_gap < 0.0);

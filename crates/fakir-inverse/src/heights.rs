@@ -11,7 +11,7 @@
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::numerics::dense::{Lu, Matrix};
-use fakir::problem::{Accuracy, Cap, CapField, Control, Indenter, InvalidCaps};
+use fakir::problem::{Accuracy, Cap, CapField, Indenter, InvalidCaps, Load};
 use fakir::state::{CapContact, Run, SolveError};
 use std::f64::consts::PI;
 
@@ -91,10 +91,10 @@ impl Curve {
 
     /// The load that is prescribed.
     #[must_use]
-    pub fn control(self, load: f64) -> Control {
+    pub fn control(self, load: f64) -> Load {
         match self {
-            Self::AreaOfForce => Control::Force(load),
-            Self::ForceOfIndentation | Self::AreaOfIndentation => Control::Indentation(load),
+            Self::AreaOfForce => Load::Force(load),
+            Self::ForceOfIndentation | Self::AreaOfIndentation => Load::Indentation(load),
         }
     }
 

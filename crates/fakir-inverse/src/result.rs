@@ -3,7 +3,7 @@
 use crate::design::{Answer, Design, Reached, Wanted};
 use crate::pillar_heights::PillarHeights;
 use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
-use fakir::problem::{Control, Method};
+use fakir::problem::{Load, Method};
 use fakir_study::VERSION;
 use fakir_study::record::Object;
 use fakir_study::result::{CycleSummary, press, transition};
@@ -84,13 +84,13 @@ impl AnswerObject {
         let mut wanted = named(wanted.to_owned(), answer.wanted.value());
         match answer.wanted {
             Wanted::FloorShare {
-                load: Control::Force(force),
+                load: Load::Force(force),
                 ..
             } => {
                 wanted.insert("force_N".to_owned(), force.into());
             }
             Wanted::FloorShare {
-                load: Control::Indentation(indentation),
+                load: Load::Indentation(indentation),
                 ..
             } => {
                 wanted.insert("indentation_m".to_owned(), indentation.into());

@@ -6,7 +6,7 @@
 
 use crate::derivative::ByKey;
 use chacha20::ChaCha12Rng;
-use fakir::problem::{Arrangement, Control, CyclePlan, Disorder, Point};
+use fakir::problem::{Arrangement, CyclePlan, Disorder, Load, Point};
 use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_quantity};
 use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
@@ -273,7 +273,7 @@ fn first_order(
     if varied.is_empty() && disorder.is_none() {
         return Ok(Err("only the place of landing varies".to_owned()));
     }
-    let gradient = match fakir::gradient(&case.system, Control::FloorContact, case.method, run) {
+    let gradient = match fakir::gradient(&case.system, Load::FloorContact, case.method, run) {
         Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
         Err(error) => return Ok(Err(error.to_string())),
         Ok(gradient) => gradient,
@@ -407,7 +407,7 @@ impl Draw<'_> {
         };
         let mut forces = Vec::with_capacity(self.sampling.indentations.len());
         for indentation in &self.sampling.indentations {
-            let control = Control::Indentation(*indentation);
+            let control = Load::Indentation(*indentation);
             let state = fakir::press(&case.system, control, case.method, run)?;
             if !state.converged() {
                 return Ok(Err(state.termination.description().to_owned()));
@@ -788,7 +788,7 @@ mod tests {
             file.set_number(Key::TextureSeed, f64::from(sample.texture_seed.unwrap()));
             file.set_number(Key::SubstrateYoungModulus, sample.values[0]);
             let case = file.case().unwrap();
-            let control = Control::Indentation(3e-6);
+            let control = Load::Indentation(3e-6);
             let state = fakir::press(&case.system, control, case.method, &Run::default());
             assert_eq!(sample.forces, [state.unwrap().force]);
         }

@@ -1,7 +1,7 @@
 //! Contacts of the paper that figures show one by one.
 
 use crate::grid::{Substrate, system};
-use fakir::problem::{Control, Method};
+use fakir::problem::{Load, Method};
 use fakir::state::{ContactState, CriticalState, Run, SolveError};
 use fakir_case::CaseError;
 use rayon::prelude::*;
@@ -159,8 +159,8 @@ fn approach(substrate: Substrate, run: &Run<'_>) -> Result<Approach, StateError>
     let system = &critical.contact.system;
     let press = |load| fakir::press(system, load, Method::default(), run);
     Ok(Approach {
-        before: press(Control::Indentation(0.0))?,
-        middle: press(Control::Force(MIDDLE * critical.contact.force))?,
+        before: press(Load::Indentation(0.0))?,
+        middle: press(Load::Force(MIDDLE * critical.contact.force))?,
         critical,
     })
 }
@@ -172,7 +172,7 @@ fn loading(surface_fraction: f64, run: &Run<'_>) -> Result<Loading, StateError> 
         .into_par_iter()
         .map(|step| {
             let share = f64::from(step) / f64::from(STEPS);
-            let load = Control::Indentation(share * share * critical.contact.indentation);
+            let load = Load::Indentation(share * share * critical.contact.indentation);
             fakir::press(&system, load, Method::default(), run)
         })
         .collect::<Result<_, _>>()?;
@@ -186,7 +186,7 @@ fn loading(surface_fraction: f64, run: &Run<'_>) -> Result<Loading, StateError> 
 /// The mixed contact that is shown.
 fn past_transition(run: &Run<'_>) -> Result<ContactState, StateError> {
     let critical = critical(Substrate::Intermediate, SECTION, run)?.contact;
-    let control = Control::Indentation(PAST * critical.indentation);
+    let control = Load::Indentation(PAST * critical.indentation);
     Ok(fakir::press(
         &critical.system,
         control,

@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::error::{approach_error, solve_error, value_error};
 use crate::study::columns;
 use crate::watched::{Options, watched};
-use fakir::problem::{Control, CyclePlan, Drive, ElementMesh, Method, Point, Turn};
+use fakir::problem::{CyclePlan, Drive, ElementMesh, Load, Method, Point, Turn};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::record::GradientObject;
@@ -247,18 +247,18 @@ pub(crate) fn gradient(
 }
 
 /// The one of both that is given.
-pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Control> {
+pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
     match (indentation, force) {
-        (Some(indentation), None) => Ok(Control::Indentation(indentation)),
-        (None, Some(force)) => Ok(Control::Force(force)),
+        (Some(indentation), None) => Ok(Load::Indentation(indentation)),
+        (None, Some(force)) => Ok(Load::Force(force)),
         _ => Err(value_error("give an indentation or a force, one of them")),
     }
 }
 
 /// The one of both that is given; that the floor is just reached if neither is.
-pub(crate) fn control(indentation: Option<f64>, force: Option<f64>) -> PyResult<Control> {
+pub(crate) fn control(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
     match (indentation, force) {
-        (None, None) => Ok(Control::FloorContact),
+        (None, None) => Ok(Load::FloorContact),
         _ => load(indentation, force),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::numbers::{DIGITS, with_unit};
 use crate::result::{LoadingRow, SurfaceLoadingRow, warnings};
-use fakir::problem::{Control, Method, SurfaceSystem, System};
+use fakir::problem::{Load, Method, SurfaceSystem, System};
 use fakir::state::{
     Contact, ContactState, Critical, CriticalState, Run, SolveError, SurfaceContact,
     SurfaceTransition,
@@ -149,7 +149,7 @@ pub trait Loadable {
     ///
     /// # Errors
     /// As [`fakir::press`].
-    fn press(&self, control: Control, run: &Run<'_>) -> Result<Self::Contact, SolveError>;
+    fn press(&self, control: Load, run: &Run<'_>) -> Result<Self::Contact, SolveError>;
 
     /// The critical state; none where it is not known what the floor is.
     ///
@@ -172,7 +172,7 @@ impl Loadable for (System, Method) {
     type Contact = ContactState;
     type Row = LoadingRow;
 
-    fn press(&self, control: Control, run: &Run<'_>) -> Result<ContactState, SolveError> {
+    fn press(&self, control: Load, run: &Run<'_>) -> Result<ContactState, SolveError> {
         fakir::press(&self.0, control, self.1, run)
     }
 
@@ -197,7 +197,7 @@ impl Loadable for SurfaceSystem {
     type Contact = SurfaceContact;
     type Row = SurfaceLoadingRow;
 
-    fn press(&self, control: Control, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
+    fn press(&self, control: Load, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
         SurfaceSystem::press(self, control, run)
     }
 
@@ -277,7 +277,7 @@ pub fn approach<P: Loadable>(
     let mut last = None;
     if let LoadingEnd::Force(force) = path.end {
         next("state under the last force");
-        let contact = problem.press(Control::Force(force), run)?;
+        let contact = problem.press(Load::Force(force), run)?;
         last = Some((contact, begun.elapsed()));
     }
     let end = match (path.end, &last, critical_indentation) {
@@ -306,7 +306,7 @@ pub fn approach<P: Loadable>(
             Some(found) if number + 1 == steps.len() => found,
             later => {
                 last = later;
-                let contact = problem.press(Control::Indentation(indentation), run)?;
+                let contact = problem.press(Load::Indentation(indentation), run)?;
                 (contact, begun.elapsed())
             }
         };

@@ -1,7 +1,7 @@
 //! How a floor that sticks collapses and lets go, by the fast model of a collapsed floor and by closed forms.
 
 use crate::exact;
-use fakir::problem::{Control, Method, System};
+use fakir::problem::{Load, Method, System};
 use fakir::state::{Run, SolveError, Termination};
 use fakir::theory::collapsed_floor::{
     CollapsedCycle, CollapsedFloor, CollapsedPoint, MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE,
@@ -372,7 +372,7 @@ impl Collapsed {
             } else {
                 f64::from(2 + 2 * (k % 2))
             };
-            let control = Control::Indentation(from + width * f64::from(k));
+            let control = Load::Indentation(from + width * f64::from(k));
             sum += weight * fakir::press(bare, control, method, run)?.force;
         }
         Ok(sum * width / 3.0)

@@ -4,7 +4,7 @@ use crate::answer::{Answer, problem_of};
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use crate::record::{Record, SurfaceAnswer};
 use fakir::numerics::convergence::larger;
-use fakir::problem::{Control, ElementMesh, Method};
+use fakir::problem::{ElementMesh, Load, Method};
 use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
 use fakir::{Difference, Doubt, Verdict};
 use fakir_case::unit::Dimension;
@@ -74,7 +74,7 @@ pub enum SurfaceError {
 /// What a case of a study with a general surface answers, on a grid that is wide enough.
 pub(crate) fn answer(
     file: &CaseFile,
-    control: Control,
+    control: Load,
     run: &Run<'_>,
 ) -> Result<(Answer, Option<String>), SurfaceError> {
     let needed = |error: &SurfaceError| match error {
@@ -83,7 +83,7 @@ pub(crate) fn answer(
     };
     let answered = on_wide_enough_a_grid(file, run.memory_limit(), needed, |case| {
         Ok(match control {
-            Control::FloorContact => {
+            Load::FloorContact => {
                 let critical = case.system.transition(run)?;
                 let answer = Record::of(&SurfaceAnswer {
                     system: &case.system,
@@ -184,7 +184,7 @@ impl SurfaceVerification {
 /// See [`SurfaceVerifyError`].
 pub fn verify(
     file: &CaseFile,
-    control: Control,
+    control: Load,
     cells_per_diameter: usize,
     run: &Run<'_>,
     next: &dyn Fn(&str),

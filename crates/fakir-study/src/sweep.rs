@@ -6,7 +6,7 @@ use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
 use crate::record::Record;
 use crate::surfaces::{self, SurfaceError};
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::{CancelToken, Run, SolveError, Threads};
 use fakir_case::Study;
 use fakir_case::study::{Question, StudiedCase, StudyCase};
@@ -269,7 +269,7 @@ impl<'a> SharedSweep<'a> {
         };
         let (system, method) = (&of_texture.system, of_texture.method);
         match control {
-            Control::FloorContact => {
+            Load::FloorContact => {
                 let critical = fakir::transition(system, method, &run)?;
                 let answer = Answer::Numbers(Record::of(&critical));
                 Ok((answer, problem_of(&critical.contact)))

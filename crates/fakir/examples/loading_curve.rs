@@ -2,7 +2,7 @@
 //! which it reaches the floor: comma-separated values on the standard output.
 
 use fakir::problem::{
-    Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
 };
 use fakir::state::Run;
 
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .indentation;
     println!("indentation_m,force_N,contact_radius_m,pillars_in_contact,smallest_floor_gap_m");
     for step in 0..=40 {
-        let load = Control::Indentation(critical * f64::from(step) / 40.0);
+        let load = Load::Indentation(critical * f64::from(step) / 40.0);
         let state = fakir::press(&system, load, method, &run)?;
         println!(
             "{:.6e},{:.6e},{:.6e},{},{:.6e}",

@@ -3,7 +3,7 @@
 //! `cargo run --release --example mixed -- [phi] [indentation over critical] [offset] [default|accurate]`
 
 use fakir::problem::{
-    Accuracy, Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
     Texture,
 };
 use fakir::state::Run;
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let system = System::new(lens, substrate, Texture::new(pillar, lattice))?;
     let run = Run::default();
     let critical = fakir::transition(&system, Method::Spectral(accuracy), &run)?;
-    let indentation = Control::Indentation(ratio * critical.contact.indentation);
+    let indentation = Load::Indentation(ratio * critical.contact.indentation);
     let start = Instant::now();
     let tops = fakir::press(&system, indentation, Method::Spectral(accuracy), &run)?;
     let on_tops = start.elapsed();

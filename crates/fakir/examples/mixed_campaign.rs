@@ -6,7 +6,7 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Accuracy, Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
     Texture,
 };
 use fakir::state::{ContactState, Run};
@@ -61,7 +61,7 @@ fn row(seed: u64) -> Result<(), Box<dyn std::error::Error>> {
         )?;
         let run = Run::default();
         let critical = fakir::transition(&system, Method::default(), &run)?;
-        let load = Control::Indentation(ratio * critical.contact.indentation);
+        let load = Load::Indentation(ratio * critical.contact.indentation);
         let tops = fakir::press(&system, load, Method::default(), &run)?;
         if tops.pillars_in_contact > MOST_PILLARS {
             continue;

@@ -16,7 +16,7 @@ use crate::halfspace::floor::grid::{Division, FloorGrid};
 use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, Cells, Control, Grid, HexagonalLattice, Lens, Material, PunchForm};
+use crate::problem::{Accuracy, Cells, Grid, HexagonalLattice, Lens, Load, Material, PunchForm};
 use crate::solve::estimate::estimate;
 use crate::solve::floor::{Discs, FloorDisplacement, LoadedDiscs};
 use crate::solve::newton::{Newton, Purpose};
@@ -385,7 +385,7 @@ pub fn press_discs(
         pressure: 1.0,
         rotation: 0.0,
     };
-    let target = Control::Indentation(indentation);
+    let target = Load::Indentation(indentation);
     let form = PunchForm::Corrected;
     let punch = solve_punch(&scene, target, None, form, Purpose::Start, run)?;
     let products = |newton: &Newton<'_>| newton.contact.products();

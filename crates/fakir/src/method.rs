@@ -2,7 +2,7 @@
 
 use crate::problem::lens::LARGEST_CONTACT;
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, Control, CyclePlan, FloorModel, LensShape, Method, System};
+use crate::problem::{Accuracy, CyclePlan, FloorModel, LensShape, Load, Method, System};
 use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
@@ -28,7 +28,7 @@ use crate::theory;
 /// [`ContactState::termination`].
 pub fn press(
     system: &System,
-    control: Control,
+    control: Load,
     method: Method,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
@@ -55,7 +55,7 @@ pub fn press(
 /// adhesion, as long as the floor bears nothing. It takes about as long as [`press`]; of a critical state, a linear solution more.
 ///
 /// ```
-/// use fakir::problem::{Control, Method, Quantity};
+/// use fakir::problem::{Load, Method, Quantity};
 /// use fakir::state::Run;
 /// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 /// # let rubber = Material::new(2.0e6, 0.5);
@@ -63,7 +63,7 @@ pub fn press(
 /// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
 /// # let lens = Lens { radius: 2.2e-3, material: rubber };
 /// # let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
-/// let gradient = fakir::gradient(&system, Control::FloorContact, Method::default(), &Run::default())?;
+/// let gradient = fakir::gradient(&system, Load::FloorContact, Method::default(), &Run::default())?;
 /// let force = gradient.force.ok_or("it is prescribed")?;
 /// let by_height = force.by(Quantity::PillarHeight).ok_or("it is not known")?; // N/m
 /// // The critical force grows faster than the height.
@@ -76,7 +76,7 @@ pub fn press(
 /// the load, where tops stick, of other methods, and of a contact that did not converge; and as [`press`].
 pub fn gradient(
     system: &System,
-    control: Control,
+    control: Load,
     method: Method,
     run: &Run<'_>,
 ) -> Result<Gradient, SolveError> {
@@ -99,7 +99,7 @@ pub fn gradient(
 }
 
 /// The critical state, in which the lens just reaches the floor, by the given method: [`press`] with
-/// [`Control::FloorContact`], and where the floor is touched.
+/// [`Load::FloorContact`], and where the floor is touched.
 ///
 /// Where the lens reaches the floor before any pillar, that is a valid answer: the critical
 /// indentation is the pillar height and the critical force zero.
@@ -111,7 +111,7 @@ pub fn transition(
     method: Method,
     run: &Run<'_>,
 ) -> Result<CriticalState, SolveError> {
-    let contact = press(system, Control::FloorContact, method, run)?;
+    let contact = press(system, Load::FloorContact, method, run)?;
     CriticalState::new(contact).checked()
 }
 
@@ -220,8 +220,8 @@ pub fn follow_cycle(
 }
 
 /// What is prescribed, if it can be. An indentation counts from the common height and may be negative as far as pillars are higher than that.
-fn checked_control(system: &System, control: Control) -> Result<Control, SolveError> {
-    if let Control::Indentation(indentation) = control
+fn checked_control(system: &System, control: Load) -> Result<Load, SolveError> {
+    if let Load::Indentation(indentation) = control
         && indentation < 0.0
         && indentation >= -Scene::new(system).highest()
     {
@@ -232,8 +232,8 @@ fn checked_control(system: &System, control: Control) -> Result<Control, SolveEr
 }
 
 /// Refuses the critical state under what comes nearest to the floor beyond the pillars.
-fn refuse_transition(system: &System, control: Control) -> Result<(), SolveError> {
-    if control == Control::FloorContact && !system.lens().is_axisymmetric() {
+fn refuse_transition(system: &System, control: Load) -> Result<(), SolveError> {
+    if control == Load::FloorContact && !system.lens().is_axisymmetric() {
         return Err(SolveError::NoTransition {
             shape: system.lens().shape_name(),
         });

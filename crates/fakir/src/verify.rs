@@ -7,7 +7,7 @@
 
 use crate::method::press;
 use crate::numerics::convergence::{larger, within};
-use crate::problem::{Accuracy, Control, ElementMesh, FloorModel, Method, System};
+use crate::problem::{Accuracy, ElementMesh, FloorModel, Load, Method, System};
 use crate::solve::elements::texture;
 use crate::state::{ContactState, FloorErrors, LARGEST_ERROR, Run, SolveError, Termination};
 
@@ -196,7 +196,7 @@ impl Verification {
 /// As [`press`](crate::press).
 pub fn verify(
     system: &System,
-    control: Control,
+    control: Load,
     mesh: ElementMesh,
     run: &Run<'_>,
 ) -> Result<Verification, SolveError> {
@@ -283,9 +283,9 @@ mod tests {
         let system = intermediate(0.01);
         let run = Run::default();
         for question in [
-            Control::FloorContact,
-            Control::Indentation(2e-6),
-            Control::Force(5e-5),
+            Load::FloorContact,
+            Load::Indentation(2e-6),
+            Load::Force(5e-5),
         ] {
             let verification = verify(&system, question, ElementMesh::default(), &run).unwrap();
             assert_eq!(verification.verdict(), Verdict::Agree, "{question:?}");
@@ -299,7 +299,7 @@ mod tests {
     fn both_methods_agree_on_what_the_floor_bears() {
         let system = intermediate(0.01);
         let run = Run::default();
-        let question = Control::Indentation(5e-6);
+        let question = Load::Indentation(5e-6);
         let verification = verify(&system, question, ElementMesh::default(), &run).unwrap();
         assert_eq!(verification.verdict(), Verdict::Agree, "{verification:?}");
         let share = verification.floor_share.unwrap();
@@ -338,7 +338,7 @@ mod tests {
         let system = System::new(lens, substrate, Texture::new(pillar, lattice)).unwrap();
         let run = Run::default();
         let mesh = ElementMesh::default();
-        let verification = verify(&system, Control::FloorContact, mesh, &run).unwrap();
+        let verification = verify(&system, Load::FloorContact, mesh, &run).unwrap();
         let [coarse, exact] = [&verification.elements[0], &verification.spectral];
         assert!(coarse.converged() && exact.converged());
         assert!((coarse.force / exact.force - 1.0).abs() < 0.01);
@@ -352,7 +352,7 @@ mod tests {
         let system = intermediate(0.01);
         let mesh = ElementMesh::default();
         let run = Run::default();
-        let good = verify(&system, Control::FloorContact, mesh, &run).unwrap();
+        let good = verify(&system, Load::FloorContact, mesh, &run).unwrap();
         for termination in [
             Termination::IterationLimit,
             Termination::Stagnated,
@@ -389,7 +389,7 @@ mod tests {
         let system = intermediate(0.01);
         let run = Run::default();
         // The nearest of 16 cells is some 0.19 um from the axis: 8 pm of sag.
-        let load = Control::Indentation(1e-12);
+        let load = Load::Indentation(1e-12);
         let state = press(&system, load, Method::Love(ElementMesh::default()), &run);
         let state = state.unwrap();
         assert_eq!(state.pillars_in_contact, 0);

@@ -43,7 +43,7 @@ use crate::parts::Words;
 use crate::surface::SurfaceExample;
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
-use fakir::problem::{Control, CyclePlan, Drive, Method, Turn};
+use fakir::problem::{CyclePlan, Drive, Load, Method, Turn};
 use posed::{Surfaces, looked_at};
 use std::fmt::Write;
 use std::path::Path;
@@ -113,7 +113,7 @@ pub struct StudyFile {
 #[derive(Debug, Clone)]
 struct FixedLoad {
     variable: Variable,
-    load: Control,
+    load: Load,
     place: Place,
 }
 
@@ -403,14 +403,14 @@ impl StudyFile {
             }
             coordinates.push(coordinate);
         }
-        let load = load.unwrap_or(Control::FloorContact);
+        let load = load.unwrap_or(Load::FloorContact);
         let question = match self.asked {
             Asked::Transition | Asked::Press => Question::Contact(load),
             Asked::Cycle => Question::Cycle(CyclePlan {
                 turn: match load {
-                    Control::FloorContact => Turn::Critical(1.0),
-                    Control::Indentation(indentation) => Turn::Indentation(indentation),
-                    Control::Force(force) => Turn::Force(force),
+                    Load::FloorContact => Turn::Critical(1.0),
+                    Load::Indentation(indentation) => Turn::Indentation(indentation),
+                    Load::Force(force) => Turn::Force(force),
                 },
                 drive: self.drive,
                 retract: true,
@@ -489,7 +489,7 @@ impl StudyFile {
 }
 
 /// The load of an entry.
-fn prescribed(variable: Variable, entry: &Entry) -> Result<Control, CaseError> {
+fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
     let measured = variable.measured();
     let value = quantity(&measured, entry)?;
     let dimension = measured.dimension;
@@ -502,8 +502,8 @@ fn prescribed(variable: Variable, entry: &Entry) -> Result<Control, CaseError> {
         .accepted("it must be a finite number, 0 or greater"));
     }
     Ok(match variable {
-        Variable::Force => Control::Force(value),
-        _ => Control::Indentation(value),
+        Variable::Force => Load::Force(value),
+        _ => Load::Indentation(value),
     })
 }
 
@@ -525,7 +525,7 @@ pub struct Study {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Question {
     /// The contact at a load, or where the floor is reached.
-    Contact(Control),
+    Contact(Load),
     /// Loading and unloading with adhesion.
     Cycle(CyclePlan),
     /// How a floor that sticks collapses and lets go.
@@ -655,7 +655,7 @@ impl Study {
         let _ = writeln!(text, "combine = \"{}\"", file.combine.word());
         if let Some(FixedLoad {
             variable,
-            load: Control::Force(value) | Control::Indentation(value),
+            load: Load::Force(value) | Load::Indentation(value),
             ..
         }) = &file.load
         {

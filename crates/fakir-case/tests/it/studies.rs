@@ -1,7 +1,7 @@
 //! What study files mean.
 
 use fakir::problem::pattern::CrossSection;
-use fakir::problem::{Accuracy, Control, ElementMesh, Grid, Indenter, Method, PunchForm};
+use fakir::problem::{Accuracy, ElementMesh, Grid, Indenter, Load, Method, PunchForm};
 use fakir_case::height_map::to_npy;
 use fakir_case::study::{Asked, Axis, Coordinate, Question, StudiedCase, Variable};
 use fakir_case::{Case, CaseFile, Key, Study, StudyFile, SurfaceCase, SurfaceOrigin};
@@ -128,14 +128,14 @@ fn a_value_of_an_axis_is_that_of_a_case_file_bit_for_bit() {
 fn loads() {
     let load = |study: &Study, index| study.case(index).question;
     let axis = study("[study]\nquestion = \"press\"\n[axes]\nforce = [\"20 uN\", 0]");
-    assert_eq!(load(&axis, 0), Question::Contact(Control::Force(20e-6)));
-    assert_eq!(load(&axis, 1), Question::Contact(Control::Force(0.0)));
+    assert_eq!(load(&axis, 0), Question::Contact(Load::Force(20e-6)));
+    assert_eq!(load(&axis, 1), Question::Contact(Load::Force(0.0)));
     let column = axis.axes().next().unwrap().variable().column();
     assert_eq!(column, "load.force_N");
     let fixed = "[study]\nquestion = \"press\"\nindentation = \"3 um\"\n[axes]\noffset = [0, 0.5]";
     assert_eq!(
         load(&study(fixed), 1),
-        Question::Contact(Control::Indentation(3e-6))
+        Question::Contact(Load::Indentation(3e-6))
     );
 }
 

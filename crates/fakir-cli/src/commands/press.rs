@@ -9,7 +9,7 @@ use crate::report::state::{
     QuantityList, radius_digits, strained_range, strained_words, texture_line, with_derivatives,
 };
 use crate::session::Session;
-use fakir::problem::{Control, FloorModel, Method};
+use fakir::problem::{FloorModel, Load, Method};
 use fakir::state::{Contact, ContactState, CriticalState, Normalized, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
@@ -21,7 +21,7 @@ use std::time::Instant;
 
 pub(crate) fn run(
     case: &Case,
-    control: Control,
+    control: Load,
     range: Option<f64>,
     with_gradient: bool,
     maps: Maps,

@@ -7,7 +7,7 @@ use crate::report::maps::Maps;
 use crate::report::rounded::{case_line, method_line};
 use crate::report::state::{QuantityList, error_remark};
 use crate::session::Session;
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::{Contact, PillarStatus};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseFile, RoundedCase};
@@ -23,7 +23,7 @@ use std::time::Instant;
 
 pub(crate) fn press(
     file: &CaseFile,
-    control: Control,
+    control: Load,
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {

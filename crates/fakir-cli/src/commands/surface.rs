@@ -5,7 +5,7 @@ use crate::report::Report;
 use crate::report::maps::Maps;
 use crate::report::surface::{loaded, pressed, reached, verified};
 use crate::session::Session;
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::SolveError;
 use fakir_case::{CaseFile, SurfaceCase};
 use fakir_study::approach::{self, LoadingPath};
@@ -15,7 +15,7 @@ use std::time::Instant;
 
 pub(crate) fn press(
     file: &CaseFile,
-    control: Control,
+    control: Load,
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
@@ -94,7 +94,7 @@ pub(crate) fn approach(
 /// Pillars of any form on two meshes.
 pub(crate) fn verify(
     file: &CaseFile,
-    control: Control,
+    control: Load,
     cells_per_diameter: usize,
     session: &Session,
 ) -> Result<Report, Failure> {

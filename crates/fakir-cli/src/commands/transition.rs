@@ -9,7 +9,7 @@ use crate::report::state::{
     QuantityList, radius_digits, strained_range, strained_words, texture_line, with_derivatives,
 };
 use crate::session::Session;
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::{Contact, CriticalState, Regime};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
@@ -29,7 +29,7 @@ pub(crate) fn run(
     maps.check_memory(session)?;
     let start = Instant::now();
     let (critical, gradient) = if with_gradient {
-        let floor = Control::FloorContact;
+        let floor = Load::FloorContact;
         let found = fakir::gradient(&case.system, floor, case.method, &session.run())?;
         (found.critical_state()?, Some(GradientObject::from(&found)))
     } else {

@@ -6,7 +6,7 @@ use crate::report::Report;
 use crate::report::state::{difference, radius_digits, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
-use fakir::problem::{Accuracy, Control, ElementMesh, Method};
+use fakir::problem::{Accuracy, ElementMesh, Load, Method};
 use fakir::state::ContactState;
 use fakir::{Verdict, Verification};
 use fakir_case::Case;
@@ -26,7 +26,7 @@ pub(crate) const WITHOUT_ADHESION: &str = "--set adhesion.work=0 verifies the co
 
 pub(crate) fn run(
     case: &Case,
-    control: Control,
+    control: Load,
     cells_per_diameter: usize,
     session: &Session,
 ) -> Result<Report, Failure> {
@@ -56,7 +56,7 @@ pub(crate) fn run(
     })
 }
 
-fn provenance(case: &Case, control: Control, mesh: ElementMesh) -> Provenance {
+fn provenance(case: &Case, control: Load, mesh: ElementMesh) -> Provenance {
     let methods = [Method::Spectral(Accuracy::Accurate), Method::Love(mesh)];
     Provenance::new(
         control_words(control),

@@ -8,7 +8,7 @@ use super::table::{Column, table};
 use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::problem::pattern::{CrossSection, Pattern};
-use fakir::problem::{Arrangement, Boundary, Control, Indenter, Point, SurfaceSystem};
+use fakir::problem::{Arrangement, Boundary, Indenter, Load, Point, SurfaceSystem};
 use fakir::state::{Contact, Regime, Shares, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
@@ -32,7 +32,7 @@ const AREA_DIGITS: usize = 4;
 /// The contact under a load.
 pub(crate) fn pressed(
     case: &SurfaceCase,
-    control: Control,
+    control: Load,
     contact: &SurfaceContact,
     maps: Maps,
     wall_time: f64,
@@ -194,7 +194,7 @@ fn columns(rows: &[SurfaceLoadingRow], indenter: &Indenter) -> Vec<Column<Surfac
 }
 
 /// A second opinion.
-pub(crate) fn verified(control: Control, found: &SurfaceVerification, wall_time: f64) -> Report {
+pub(crate) fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Report {
     let summary = SurfaceVerifySummary::new(control, found, wall_time);
     let rows = summary.answers();
     let case = &found.answers[1].case;

@@ -275,7 +275,7 @@ impl Shown<'_> {
 mod tests {
     use super::*;
     use crate::samples;
-    use fakir::problem::{Control, HexagonalLattice, Method};
+    use fakir::problem::{HexagonalLattice, Load, Method};
 
     /// At the edges the lines leave the frame: no two neighbours along them have the same pressure
     /// but 0.
@@ -283,7 +283,7 @@ mod tests {
     fn pressures_along_the_line_are_as_computed() {
         let system = samples::system(HexagonalLattice::new(60e-6));
         let run = Run::default();
-        let load = Control::Force(2e-6);
+        let load = Load::Force(2e-6);
         let state = fakir::press(&system, load, Method::default(), &run).unwrap();
         let figure = pillar_pressure(&state, &run).unwrap();
         let lines: Vec<_> = figure

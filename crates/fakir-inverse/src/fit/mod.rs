@@ -67,7 +67,7 @@ pub use report::FitSummary;
 
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::{Branch, Cycle, Limit, Run, SolveError, Termination};
 use fakir_case::{Capability, CaseError, CaseFile, Key};
 use least_squares::Linear;
@@ -1696,7 +1696,7 @@ impl<'a> Search<'a> {
         }
         Ok(self
             .model
-            .contact(&settings.case, Control::Indentation(deepest))?
+            .contact(&settings.case, Load::Indentation(deepest))?
             .limits(None))
     }
 

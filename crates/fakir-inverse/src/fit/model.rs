@@ -8,7 +8,7 @@ use super::radius::smooth_radius;
 use super::{FitError, FitOptions};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
-use fakir::problem::{Adhesion, Control, CyclePlan, Drive, Method, Turn};
+use fakir::problem::{Adhesion, CyclePlan, Drive, Load, Method, Turn};
 use fakir::state::{Branch, ContactState, Cycle, Gradient, Run, SolveError};
 use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
@@ -429,7 +429,7 @@ impl<'a> Model<'a> {
             .min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
         match nearest {
             Some((position, force)) => {
-                let state = self.solve(&self.start.case, Control::Force(force))?;
+                let state = self.solve(&self.start.case, Load::Force(force))?;
                 Ok(position - self.start.machine_compliance * force - state.indentation)
             }
             None => {
@@ -828,7 +828,7 @@ impl<'a> Model<'a> {
         moment: f64,
     ) -> Result<State, FitError> {
         let force = settings.load(Position::None, reading, moment);
-        Ok(self.solve(&settings.case, Control::Force(force.max(0.0)))?)
+        Ok(self.solve(&settings.case, Load::Force(force.max(0.0)))?)
     }
 
     /// The state at a reading: the indentation `zeta` with
@@ -846,7 +846,7 @@ impl<'a> Model<'a> {
             Position::Displacement => settings.machine_compliance,
             _ => 0.0,
         };
-        let solve = |zeta: f64| self.solve(&settings.case, Control::Indentation(zeta));
+        let solve = |zeta: f64| self.solve(&settings.case, Load::Indentation(zeta));
         if compliance == 0.0 || target <= 0.0 {
             return Ok(solve(target)?);
         }
@@ -881,8 +881,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    fn solve(&self, case: &Case, load: Control) -> Result<State, SolveError> {
-        if let Control::Indentation(zeta) = load
+    fn solve(&self, case: &Case, load: Load) -> Result<State, SolveError> {
+        if let Load::Indentation(zeta) = load
             && zeta <= 0.0
         {
             return Ok(State {
@@ -903,7 +903,7 @@ impl<'a> Model<'a> {
         })
     }
 
-    pub(super) fn contact(&self, case: &Case, load: Control) -> Result<ContactState, SolveError> {
+    pub(super) fn contact(&self, case: &Case, load: Load) -> Result<ContactState, SolveError> {
         self.solved.fetch_add(1, Ordering::Relaxed);
         fakir::press(&case.system, load, case.method, &self.single)
     }
@@ -949,8 +949,8 @@ impl<'a> Model<'a> {
             }
             let moment = self.moments[row_number];
             let load = match row.position {
-                Some(_) => Control::Indentation(state.indentation),
-                None => Control::Force(state.force),
+                Some(_) => Load::Indentation(state.indentation),
+                None => Load::Force(state.force),
             };
             let gradient = self.gradient(&settings.case, load, state)?;
             let along = match &gradient {
@@ -1019,11 +1019,11 @@ impl<'a> Model<'a> {
     fn gradient(
         &self,
         case: &Case,
-        load: Control,
+        load: Load,
         state: &State,
     ) -> Result<Option<Gradient>, SolveError> {
         let above_floor = state.smallest_floor_gap.is_some_and(|gap| gap > 0.0);
-        let Control::Indentation(zeta) = load else {
+        let Load::Indentation(zeta) = load else {
             return Ok(None); // a force that is the load is not compared
         };
         if zeta <= 0.0 || !above_floor || !matches!(case.method, Method::Spectral(_)) {
@@ -1113,12 +1113,7 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives of force and smooth contact radius by the load, about the state under it.
-    fn along_load(
-        &self,
-        case: &Case,
-        load: Control,
-        state: &State,
-    ) -> Result<[f64; 2], SolveError> {
+    fn along_load(&self, case: &Case, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
         let value = value_of(load);
         if value <= 0.0 {
             return Ok([0.0; 2]);
@@ -1128,7 +1123,7 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives of force and smooth contact radius from one case to another, about the state under the load.
-    fn between(&self, sides: &Sides, load: Control, state: &State) -> Result<[f64; 2], SolveError> {
+    fn between(&self, sides: &Sides, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
         let side = |side: &Option<(Case, f64)>| match side {
             Some((case, away)) => self.side(case, load, *away),
             None => Ok(None),
@@ -1138,12 +1133,7 @@ impl<'a> Model<'a> {
     }
 
     /// A state on one side of another, so far away; none outside of the model.
-    fn side(
-        &self,
-        case: &Case,
-        load: Control,
-        away: f64,
-    ) -> Result<Option<(State, f64)>, SolveError> {
+    fn side(&self, case: &Case, load: Load, away: f64) -> Result<Option<(State, f64)>, SolveError> {
         match self.solve(case, load) {
             Ok(state) => Ok(Some((state, away))),
             Err(SolveError::Interrupted) => Err(SolveError::Interrupted),
@@ -1153,18 +1143,18 @@ impl<'a> Model<'a> {
 }
 
 /// A load times a factor.
-fn scaled(load: Control, factor: f64) -> Control {
+fn scaled(load: Load, factor: f64) -> Load {
     match load {
-        Control::Indentation(value) => Control::Indentation(factor * value),
-        Control::Force(value) => Control::Force(factor * value),
-        Control::FloorContact => Control::FloorContact,
+        Load::Indentation(value) => Load::Indentation(factor * value),
+        Load::Force(value) => Load::Force(factor * value),
+        Load::FloorContact => Load::FloorContact,
     }
 }
 
-fn value_of(load: Control) -> f64 {
+fn value_of(load: Load) -> f64 {
     match load {
-        Control::Indentation(value) | Control::Force(value) => value,
-        Control::FloorContact => 0.0, // nothing to go along
+        Load::Indentation(value) | Load::Force(value) => value,
+        Load::FloorContact => 0.0, // nothing to go along
     }
 }
 

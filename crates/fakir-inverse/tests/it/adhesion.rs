@@ -217,7 +217,7 @@ fn a_work_of_adhesion_that_vanishes_has_a_one_sided_interval() {
         if depth <= 0.0 {
             return 0.0;
         }
-        let load = fakir::problem::Control::Indentation(depth);
+        let load = fakir::problem::Load::Indentation(depth);
         let state = fakir::press(&case.system, load, case.method, &Run::default());
         state.unwrap().force
     };
@@ -291,7 +291,7 @@ fn an_offset_of_the_force_is_found() {
     let case = file.case().unwrap();
     let depths: Vec<f64> = (0..12).map(|k| 0.2e-6 * f64::from(k) - 0.4e-6).collect();
     let forces = depths.iter().map(|depth| {
-        let load = fakir::problem::Control::Indentation(depth.max(1e-12));
+        let load = fakir::problem::Load::Indentation(depth.max(1e-12));
         let state = fakir::press(&case.system, load, case.method, &Run::default());
         OFFSET
             + if *depth > 0.0 {

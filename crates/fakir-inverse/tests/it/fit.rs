@@ -2,7 +2,7 @@
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::{Branch, Run, Termination};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_inverse::fit::{
@@ -36,7 +36,7 @@ fn loading(file: &CaseFile, indentations: &[f64]) -> [Vec<f64>; 3] {
     let mut columns = [const { Vec::new() }; 3];
     for zeta in indentations {
         let (force, radius) = if *zeta > 0.0 {
-            let load = Control::Indentation(*zeta);
+            let load = Load::Indentation(*zeta);
             let state = fakir::press(&case.system, load, case.method, &Run::default()).unwrap();
             (state.force, state.contact_radius)
         } else {

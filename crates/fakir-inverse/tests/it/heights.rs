@@ -1,6 +1,6 @@
 //! Heights of rounded tops for wanted curves: 64 caps of radius of curvature 526 um on a square lattice under a rigid plate.
 
-use fakir::problem::{Accuracy, Cap, CapField, Control, Indenter, Material};
+use fakir::problem::{Accuracy, Cap, CapField, Indenter, Load, Material};
 use fakir::state::Run;
 use fakir_inverse::heights::{Curve, HeightDesign, HeightDesignError, WantedPoint, design_heights};
 
@@ -52,7 +52,7 @@ fn check_accurately(design: &HeightDesign, tolerance: f64) {
         .with_heights(&design.heights)
         .expect("a field");
     let point = design.points[8];
-    let load = Control::Force(point.wanted.load);
+    let load = Load::Force(point.wanted.load);
     let contact = field.press_quickly(load, Accuracy::Accurate, None, &Run::default());
     let area = contact.expect("a contact").area;
     assert!((area / point.wanted.value - 1.0).abs() < tolerance);

@@ -6,7 +6,7 @@ use super::study::{Cases, FloorCase, Scope, same};
 use crate::PaperError;
 use crate::figures::Plate;
 use crate::grid::{Substrate, system};
-use fakir::problem::{Adhesion, Control, Method, System};
+use fakir::problem::{Adhesion, Load, Method, System};
 use fakir::state::{Run, SolveError};
 use fakir::theory::collapsed_floor::CollapsedCycle;
 use fakir_figure::{
@@ -41,7 +41,7 @@ fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
     let mut tops = Vec::new();
     for step in 1..STEPS {
         let part = f64::from(step) / f64::from(STEPS);
-        let control = Control::Indentation(part * part * critical.indentation);
+        let control = Load::Indentation(part * part * critical.indentation);
         let state = fakir::press(&bare, control, Method::default(), run)?;
         tops.push([state.indentation, state.force, state.contact_radius]);
     }

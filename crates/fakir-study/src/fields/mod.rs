@@ -282,7 +282,7 @@ fn positions(x: &[f64], y: &[f64]) -> impl Iterator<Item = Point> {
 mod tests {
     use super::*;
     use crate::citations::Topic;
-    use fakir::problem::{Control, LatticeForm, Method, PlaneLattice};
+    use fakir::problem::{LatticeForm, Load, Method, PlaneLattice};
     use fakir_case::Case;
 
     fn stamp(case: &Case) -> Provenance {
@@ -305,7 +305,7 @@ mod tests {
     fn pressed(force: f64, points: Option<usize>) -> FieldMap {
         let case = Case::example();
         let run = Run::default();
-        let state = fakir::press(&case.system, Control::Force(force), case.method, &run).unwrap();
+        let state = fakir::press(&case.system, Load::Force(force), case.method, &run).unwrap();
         FieldMap::of_contact(&state, points, &run).unwrap().unwrap()
     }
 
@@ -330,7 +330,7 @@ mod tests {
             ..PlaneLattice::new(LatticeForm::Square { pitch: 10e-6 })
         };
         case.system = case.system.with_arrangement(array).unwrap();
-        let (load, run) = (Control::Indentation(5e-6), Run::default());
+        let (load, run) = (Load::Indentation(5e-6), Run::default());
         let state = fakir::press(&case.system, load, case.method, &run).unwrap();
         let floor = state.floor.as_ref().unwrap();
         assert!(floor.radius > 2.0 * state.contact_radius + 10e-6);
@@ -376,7 +376,7 @@ mod tests {
     fn methods_without_fields_have_none() {
         let case = Case::example();
         let run = Run::default();
-        let load = Control::Force(2e-3);
+        let load = Load::Force(2e-3);
         let state = fakir::press(&case.system, load, Method::Homogenised, &run).unwrap();
         assert_eq!(FieldMap::of_contact(&state, None, &run).unwrap(), None);
     }

@@ -30,7 +30,7 @@ pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
 use crate::record::{GradientObject, Object, RoundedAnswer, SurfaceAnswer};
-use fakir::problem::Control;
+use fakir::problem::Load;
 use fakir::state::{
     Contact, ContactState, CriticalState, SurfaceContact, SurfaceTransition, Termination,
     Unresolved, Warning,
@@ -100,17 +100,17 @@ fn warnings_of(
 
 /// What is asked in words: `contact under a force of 20 uN`, `critical state`.
 #[must_use]
-pub fn control_words(control: Control) -> String {
+pub fn control_words(control: Load) -> String {
     match control {
-        Control::Force(force) => format!(
+        Load::Force(force) => format!(
             "contact under a force of {}",
             format_quantity(force, Dimension::Force)
         ),
-        Control::Indentation(indentation) => format!(
+        Load::Indentation(indentation) => format!(
             "contact at an indentation of {}",
             format_quantity(indentation, Dimension::Length)
         ),
-        Control::FloorContact => "critical state".to_owned(),
+        Load::FloorContact => "critical state".to_owned(),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::VERSION;
 use crate::record::{METHOD, boundary_name, indenter_name, of_floor};
 use crate::surfaces::SurfaceVerification;
-use fakir::problem::{Control, Method};
+use fakir::problem::{Load as Control, Method};
 use fakir::state::{ContactState, SurfaceContact};
 use fakir::{Difference, Verification};
 use serde::Serialize;

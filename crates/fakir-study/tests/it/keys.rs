@@ -1,7 +1,7 @@
 //! Every key in every kind of case, by every method: it changes the answer, or is refused by its name, or is in a list of keys without
 //! effect with the reason. A key that a solver does not read falls through, and fails here.
 
-use fakir::problem::{Control, CyclePlan};
+use fakir::problem::{CyclePlan, Load};
 use fakir::state::{Run, SolveError};
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile, Key, Kind, Setting};
@@ -203,7 +203,7 @@ type Answer = Result<Vec<f64>, String>;
 /// Asks a case.
 fn answer(file: &CaseFile, question: Question) -> Answer {
     let run = Run::default();
-    let load = Control::Indentation(INDENTATION);
+    let load = Load::Indentation(INDENTATION);
     let refused = |error: SolveError| error.to_string();
     if file.is_surface() {
         let case = file.surface_case(1_000_000_000).map_err(|e| e.one_line())?;
@@ -251,8 +251,8 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
             Ok(numbers(&Record::of(&critical)))
         }
         Question::PastTransition => {
-            let critical = press(Control::FloorContact)?.indentation;
-            let past = press(Control::Indentation(1.1 * critical))?;
+            let critical = press(Load::FloorContact)?.indentation;
+            let past = press(Load::Indentation(1.1 * critical))?;
             Ok(numbers(&Record::of(&past)))
         }
         Question::Cycle => {

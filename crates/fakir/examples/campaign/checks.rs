@@ -2,7 +2,7 @@
 
 use crate::draw::{Asked, Drawn, control};
 use fakir::problem::{
-    Accuracy, Arrangement, Control, ElementMesh, HexagonalLattice, Lens, Material, Method, Pillar,
+    Accuracy, Arrangement, ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar,
     PunchForm, System, Texture,
 };
 use fakir::state::{ContactState, ErrorEstimate, Run, SolveError};
@@ -167,7 +167,7 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
     let force = match drawn.asked {
         Asked::ForceNear(indentation) => {
             let method = Method::Punch(PunchForm::Corrected);
-            let near = fakir::press(system, Control::Indentation(indentation), method, &run);
+            let near = fakir::press(system, Load::Indentation(indentation), method, &run);
             match findings.take(near) {
                 Some(state) => state.force,
                 None => return findings,
@@ -226,11 +226,11 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
         }
     }
     units(drawn, control, &state, &mut findings);
-    if let Control::Indentation(indentation) = control
+    if let Load::Indentation(indentation) = control
         && state.force > 0.0
     {
         let press = |load| fakir::press(system, load, Method::default(), &run);
-        if let Some(back) = findings.take(press(Control::Force(state.force))) {
+        if let Some(back) = findings.take(press(Load::Force(state.force))) {
             let checks = [
                 "force and back, force",
                 "force and back, indentation",
@@ -239,7 +239,7 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
             let state = with_error_of(&state, &back);
             findings.compare(checks, &state, &back);
         }
-        let deeper = press(Control::Indentation(1.01 * indentation));
+        let deeper = press(Load::Indentation(1.01 * indentation));
         if let Some(deeper) = findings.take(deeper) {
             let slack = state.error.force * state.force + deeper.error.force * deeper.force;
             findings.pairs.push(Pair {
@@ -267,7 +267,7 @@ fn with_error_of(state: &ContactState, back: &ContactState) -> ContactState {
 }
 
 /// The same system in other units: lengths and moduli times powers of two give the same digits.
-fn units(drawn: &Drawn, control: Control, state: &ContactState, findings: &mut Findings) {
+fn units(drawn: &Drawn, control: Load, state: &ContactState, findings: &mut Findings) {
     const LENGTH: f64 = 1024.0;
     const MODULUS: f64 = 0.0625;
     let system = &drawn.system;
@@ -299,9 +299,9 @@ fn units(drawn: &Drawn, control: Control, state: &ContactState, findings: &mut F
     let method = Method::default();
     let run = Run::default();
     let larger_control = match control {
-        Control::Indentation(indentation) => Control::Indentation(indentation * LENGTH),
-        Control::Force(f) => Control::Force(f * force),
-        Control::FloorContact => Control::FloorContact,
+        Load::Indentation(indentation) => Load::Indentation(indentation * LENGTH),
+        Load::Force(f) => Load::Force(f * force),
+        Load::FloorContact => Load::FloorContact,
     };
     if let Some(other) = findings.take(fakir::press(&larger, larger_control, method, &run)) {
         for (check, one, other) in [
@@ -323,7 +323,7 @@ fn units(drawn: &Drawn, control: Control, state: &ContactState, findings: &mut F
     }
 }
 
-fn elements(system: &System, control: Control, findings: &mut Findings) {
+fn elements(system: &System, control: Load, findings: &mut Findings) {
     match verify(system, control, ElementMesh::default(), &Run::default()) {
         Ok(verification) => {
             findings.verdict = Some(verification.verdict());

@@ -3,8 +3,8 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Arrangement, Control, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Point,
-    System, Texture,
+    Arrangement, HexagonalLattice, Lens, Load, Material, Pillar, PillarCompliance, Point, System,
+    Texture,
 };
 use std::f64::consts::{FRAC_PI_6, PI, TAU};
 
@@ -235,10 +235,10 @@ fn expected_pillars(system: &System, asked: Asked) -> f64 {
 }
 
 /// What is prescribed, with the force that is meant.
-pub(crate) fn control(asked: Asked, force: f64) -> Control {
+pub(crate) fn control(asked: Asked, force: f64) -> Load {
     match asked {
-        Asked::Transition => Control::FloorContact,
-        Asked::Indentation(indentation) => Control::Indentation(indentation),
-        Asked::ForceNear(_) => Control::Force(force),
+        Asked::Transition => Load::FloorContact,
+        Asked::Indentation(indentation) => Load::Indentation(indentation),
+        Asked::ForceNear(_) => Load::Force(force),
     }
 }

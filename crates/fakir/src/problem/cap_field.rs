@@ -46,14 +46,14 @@ impl Cap {
 /// negative ones.
 ///
 /// ```
-/// use fakir::problem::{Accuracy, Cap, CapField, Control, Indenter, Material};
+/// use fakir::problem::{Accuracy, Cap, CapField, Indenter, Load, Material};
 /// use fakir::state::Run;
 ///
 /// // A rigid plate on one cap of rubber: Hertz, F = 4/3 E* sqrt(R) zeta^(3/2).
 /// let rubber = Material::new(2.0e6, 0.5);
 /// let caps = vec![Cap::new([0.0, 0.0], 1.0e-4)];
 /// let field = CapField::new(Indenter::Flat(None), rubber, caps)?;
-/// let contact = field.press(Control::Indentation(1.0e-6), Accuracy::Default, &Run::default())?;
+/// let contact = field.press(Load::Indentation(1.0e-6), Accuracy::Default, &Run::default())?;
 /// let hertz = 4.0 / 3.0 * field.reduced_modulus() * 1.0e-4f64.sqrt() * 1.0e-6f64.powf(1.5);
 /// assert!((contact.force / hertz - 1.0).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,6 +1,6 @@
 //! How a lens is brought down onto pillars that stick, and off again.
 
-use super::control::Control;
+use super::load::Load;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
 /// A cycle of loading and unloading. The default goes to the critical state and back until nothing is in contact, by displacement.
@@ -69,18 +69,18 @@ impl Drive {
 }
 
 impl CyclePlan {
-    /// What is planned, if it can be; `length` and `modulus` as for [`Control::checked`].
+    /// What is planned, if it can be; `length` and `modulus` as for [`Load::checked`].
     pub(crate) fn checked(self, length: f64, modulus: f64) -> Result<Self, InvalidQuantity> {
         let turn = match self.turn {
             Turn::Critical(part) => {
                 Turn::Critical(Requirement::PartOfWhole.check(Quantity::CriticalPart, part)?)
             }
             Turn::Indentation(indentation) => {
-                Control::Indentation(indentation).checked(length, modulus)?;
+                Load::Indentation(indentation).checked(length, modulus)?;
                 Turn::Indentation(indentation + 0.0)
             }
             Turn::Force(force) => {
-                Control::Force(force).checked(length, modulus)?;
+                Load::Force(force).checked(length, modulus)?;
                 Turn::Force(force + 0.0)
             }
         };

@@ -19,7 +19,6 @@ pub(crate) mod adhesion;
 pub(crate) mod arrangement;
 pub(crate) mod cap_field;
 pub(crate) mod column;
-pub(crate) mod control;
 pub(crate) mod cycle_plan;
 pub(crate) mod grid;
 pub(crate) mod height_map;
@@ -27,6 +26,7 @@ pub(crate) mod lattice;
 pub(crate) mod layer;
 pub(crate) mod lens;
 pub(crate) mod lens_profile;
+pub(crate) mod load;
 pub(crate) mod method;
 pub mod pattern;
 pub(crate) mod pillar_field;
@@ -46,7 +46,6 @@ pub use arrangement::{
 };
 pub use cap_field::{Cap, CapField, InvalidCaps};
 pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS, Pillar, PillarCompliance};
-pub use control::Control;
 pub use cycle_plan::{CyclePlan, Drive, Turn};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
 pub use height_map::{HeightMap, InvalidHeightMap, PillarColumns};
@@ -54,6 +53,7 @@ pub use lattice::{HexagonalLattice, LatticeSymmetry, MAXIMUM_SURFACE_FRACTION};
 pub use layer::{Base, Layer};
 pub use lens::{Lens, LensShape, Material, ShapedLens};
 pub use lens_profile::{InvalidProfile, LensProfile};
+pub use load::Load;
 pub use method::{Accuracy, ElementMesh, MeshLayout, Method, PunchForm};
 pub use point::Point;
 pub use quantity::{InvalidQuantity, LARGEST_TILT, Quantity, Requirement};
@@ -61,3 +61,7 @@ pub use scatter::{Disorder, Law, Scatter};
 pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
 pub use system::{FloorModel, System, Texture};
 pub use tops::Tops;
+
+/// The former name of [`Load`].
+#[deprecated(note = "renamed to `Load`")]
+pub type Control = Load;

@@ -70,7 +70,7 @@ impl Floor {
 /// An indenter above a surface: the complete problem, validated.
 ///
 /// ```
-/// use fakir::problem::Control;
+/// use fakir::problem::Load;
 /// use fakir::state::Run;
 /// use fakir::problem::{Boundary, Grid, HeightMap, Indenter, SurfaceSystem};
 /// use fakir::problem::{Lens, Material};
@@ -80,7 +80,7 @@ impl Floor {
 /// let lens = Indenter::Lens(Lens { radius: 1.0e-3, material: rubber });
 /// let flat = HeightMap::from_height(Grid::centred(64, 64, 1.0e-6)?, |_| 0.0)?;
 /// let system = SurfaceSystem::new(lens, rubber, flat, Boundary::FreeSpace)?;
-/// let contact = system.press(Control::Indentation(0.5e-6), &Run::default())?;
+/// let contact = system.press(Load::Indentation(0.5e-6), &Run::default())?;
 /// let hertz = 4.0 / 3.0 * system.reduced_modulus() * 1.0e-3f64.sqrt() * 0.5e-6f64.powf(1.5);
 /// assert!((contact.force / hertz - 1.0).abs() < 2e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

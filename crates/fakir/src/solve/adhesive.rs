@@ -13,7 +13,7 @@ use crate::halfspace::disc::basis::{BasisEvaluator, TILT_MODE, UNIT_FORCE, degre
 use crate::numerics::vector::dot;
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Accuracy, Control, CyclePlan, Drive, FloorModel, Method, PillarCompliance, System, Turn,
+    Accuracy, CyclePlan, Drive, FloorModel, Load as Control, Method, PillarCompliance, System, Turn,
 };
 use crate::state::contact::contact_warnings;
 use crate::state::fields::{Disc, HeldPart};

@@ -20,7 +20,7 @@ use crate::numerics::workers::CancelToken;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarBody, PillarField};
 use crate::problem::scaled::{RISING, Scene};
-use crate::problem::{Accuracy, Control, FloorModel, LensProfile, LensShape, PunchForm, System};
+use crate::problem::{Accuracy, FloorModel, LensProfile, LensShape, Load, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
@@ -52,7 +52,7 @@ const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
 /// The contact under what is prescribed, which has been checked.
 pub(crate) fn press(
     system: &System,
-    control: Control,
+    control: Load,
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
@@ -68,9 +68,9 @@ pub(crate) fn press(
         return Err(SolveError::not_made_for(what, system));
     }
     let target = match control {
-        Control::Indentation(indentation) => Control::Indentation(indentation / scene.length),
-        Control::Force(force) => Control::Force(force / scene.force()),
-        Control::FloorContact => Control::FloorContact,
+        Load::Indentation(indentation) => Load::Indentation(indentation / scene.length),
+        Load::Force(force) => Load::Force(force / scene.force()),
+        Load::FloorContact => Load::FloorContact,
     };
     let first_touch = scene.first_touch();
     let floor_first = first_touch >= scene.height;
@@ -78,9 +78,9 @@ pub(crate) fn press(
         && floor_first
     {
         match target {
-            Control::Indentation(indentation) if indentation <= scene.height => {}
-            Control::FloorContact => {}
-            Control::Force(force) if force <= 0.0 => {
+            Load::Indentation(indentation) if indentation <= scene.height => {}
+            Load::FloorContact => {}
+            Load::Force(force) if force <= 0.0 => {
                 return Ok(without_contact(system, &scene, method, scene.height));
             }
             _ if scene.floor_bears() => {
@@ -90,10 +90,10 @@ pub(crate) fn press(
         }
     }
     match target {
-        Control::Indentation(indentation) if indentation <= first_touch => {
+        Load::Indentation(indentation) if indentation <= first_touch => {
             Ok(without_contact(system, &scene, method, indentation))
         }
-        Control::Force(force) if force <= 0.0 => {
+        Load::Force(force) if force <= 0.0 => {
             // A lens that cannot reach any pillar comes down to the floor.
             let level = if first_touch.is_finite() {
                 first_touch
@@ -102,7 +102,7 @@ pub(crate) fn press(
             };
             Ok(without_contact(system, &scene, method, level))
         }
-        Control::FloorContact if floor_first => {
+        Load::FloorContact if floor_first => {
             let contact = without_contact(system, &scene, method, scene.height);
             Ok(ContactState {
                 smallest_floor_gap: 0.0,
@@ -110,7 +110,7 @@ pub(crate) fn press(
                 ..contact
             })
         }
-        Control::FloorContact => {
+        Load::FloorContact => {
             let contact = solve(system, &scene, target, method, run)?;
             Ok(ContactState {
                 smallest_floor_gap: 0.0, // but for rounding
@@ -135,7 +135,7 @@ pub(crate) fn press_to_floor_shares(
     let mut states = Vec::with_capacity(shares.len());
     for share in shares.iter().copied() {
         let near = reached * (1.0 + start_of_share(share, &known));
-        let near = Control::Indentation(near);
+        let near = Load::Indentation(near);
         let guess = homogenised_radius(system, &scene, near);
         let tops = mixed::on_tops_alone(&scene, near, guess, run)?;
         let of_share = [share, reached];
@@ -189,11 +189,11 @@ fn start_of_share(share: f64, known: &[KnownShare]) -> f64 {
 fn solve(
     system: &System,
     scene: &Scene,
-    target: Control,
+    target: Load,
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let borne = system.floor_model() == FloorModel::Contact && target != Control::FloorContact;
+    let borne = system.floor_model() == FloorModel::Contact && target != Load::FloorContact;
     let bears = borne && scene.floor_bears();
     let warned = |mut state: ContactState| {
         let depth = -state.smallest_floor_gap;
@@ -227,7 +227,7 @@ fn solve(
             let form = PunchForm::Corrected;
             let mut punch = solve_punch(scene, target, guess, form, Purpose::Start, run)?;
             // Under a prescribed force a state is assembled at the cost of the solution.
-            let listener = run.interim.filter(|_| !matches!(target, Control::Force(_)));
+            let listener = run.interim.filter(|_| !matches!(target, Load::Force(_)));
             if let Some(listener) = listener
                 && punch.newton.touched() > MANY_TO_WAIT_FOR
             {
@@ -297,7 +297,7 @@ fn solve(
 }
 
 /// What a punch lattice leaves out.
-fn punch_error(form: PunchForm, target: Control, solution: &Solution<'_>) -> ErrorEstimate {
+fn punch_error(form: PunchForm, target: Load, solution: &Solution<'_>) -> ErrorEstimate {
     let error = match form {
         PunchForm::Plain => PUNCH_ERROR[0],
         PunchForm::Corrected => PUNCH_ERROR[1],
@@ -345,26 +345,26 @@ const MANY_PILLARS: f64 = 40.0;
 const MANY_TO_WAIT_FOR: usize = 1000;
 
 /// Contact radius of the homogenised lattice, where it can be trusted.
-pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Control) -> Option<f64> {
+pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Load) -> Option<f64> {
     let lattice = scene.hexagonal_lattice()?;
     let rough = rough_contact_radius(scene, target);
     if Window::expected_len(lattice, rough) < MANY_PILLARS {
         return None;
     }
     let control = match target {
-        Control::Indentation(indentation) => Control::Indentation(indentation * scene.length),
-        Control::Force(force) => Control::Force(force * scene.force()),
-        Control::FloorContact => Control::FloorContact,
+        Load::Indentation(indentation) => Load::Indentation(indentation * scene.length),
+        Load::Force(force) => Load::Force(force * scene.force()),
+        Load::FloorContact => Load::FloorContact,
     };
     let radius = homogenised::rough_contact_radius(system, control)? / scene.length;
     Some(radius).filter(|radius| *radius > 0.0)
 }
 
 /// The lowest point of the floor, or that which decided the indentation.
-pub(super) fn lowest_point(target: Control, solution: &mut Solution<'_>) -> Option<FloorPoint> {
+pub(super) fn lowest_point(target: Load, solution: &mut Solution<'_>) -> Option<FloorPoint> {
     match target {
-        Control::FloorContact => solution.outcome.floor,
-        Control::Force(_) | Control::Indentation(_) => solution.newton.lowest_gap(),
+        Load::FloorContact => solution.outcome.floor,
+        Load::Force(_) | Load::Indentation(_) => solution.newton.lowest_gap(),
     }
 }
 
@@ -423,7 +423,7 @@ fn lowest_floor(scene: &Scene, reach: f64, discs: &LoadedDiscs<'_>) -> Option<Fl
 const SEARCHED: f64 = 4.0;
 
 /// The contact as a circle inside the pillar top under the lens axis, if it is one, with that pillar.
-pub(super) fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPillar, Patch)> {
+pub(super) fn find_patch(scene: &Scene, target: Load) -> Option<(IndexedPillar, Patch)> {
     if !scene.lens.is_axisymmetric() {
         return None;
     }
@@ -445,14 +445,12 @@ pub(super) fn find_patch(scene: &Scene, target: Control) -> Option<(IndexedPilla
     let sag = |r: f64| scene.lens.sag([r * unit, 0.0]) / unit;
     let height = (scene.height + body.raised) / unit;
     let own = match target {
-        Control::Indentation(value) => {
+        Load::Indentation(value) => {
             let value = (value + body.raised) / unit;
             solver.find(largest, sag, |patch| patch.indentation, value)
         }
-        Control::Force(value) => {
-            solver.find(largest, sag, |patch| patch.force, value / (unit * unit))
-        }
-        Control::FloorContact => {
+        Load::Force(value) => solver.find(largest, sag, |patch| patch.force, value / (unit * unit)),
+        Load::FloorContact => {
             // The pressure moves the floor of half-spaces away from the lens, which has to come down by its height at least.
             if scene.layers.is_empty() && solver.with_radius(largest, sag).indentation < height {
                 return None;
@@ -627,7 +625,7 @@ fn patch_state(
 fn elements(
     system: &System,
     scene: &Scene,
-    target: Control,
+    target: Load,
     method: PillarMethod,
     solution: &ElementSolution<'_>,
 ) -> ContactState {

@@ -7,7 +7,7 @@ use super::reach::{Reach, contact_reach};
 use super::spectral::{degrees, solve_punch, solve_spectral};
 use super::touched::touched_pillars;
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, Control, Point, PunchForm};
+use crate::problem::{Accuracy, Load, Point, PunchForm};
 use crate::state::{ErrorEstimate, PillarState, Run, SolveError, Termination};
 
 /// What becomes of a scene under a load, in its units.
@@ -31,7 +31,7 @@ pub(crate) struct Arranged {
 /// The contact of the pillar tops where some are touched. A force is the sum over all tops; the floor is looked at and bears nothing.
 fn solve(
     scene: &Scene,
-    target: Control,
+    target: Load,
     degrees: Degrees,
     run: &Run<'_>,
 ) -> Result<Arranged, SolveError> {
@@ -39,8 +39,8 @@ fn solve(
     let punch = solve_punch(scene, target, None, form, purpose, run)?;
     let mut solution = solve_spectral(scene, target, punch, degrees, run)?;
     let lowest = match target {
-        Control::FloorContact => solution.outcome.floor,
-        Control::Force(_) | Control::Indentation(_) => solution.newton.lowest_gap(),
+        Load::FloorContact => solution.outcome.floor,
+        Load::Force(_) | Load::Indentation(_) => solution.newton.lowest_gap(),
     };
     let error = refined(&mut solution, target, run)?;
     let (newton, outcome) = (&solution.newton, &solution.outcome);
@@ -125,7 +125,7 @@ mod tests {
         PillarField::Listed(Arc::new(PillarList::new(pillars).unwrap()))
     }
 
-    fn solved(scene: &Scene, target: Control, accuracy: Accuracy) -> Arranged {
+    fn solved(scene: &Scene, target: Load, accuracy: Accuracy) -> Arranged {
         let state = solve(scene, target, degrees(accuracy, scene), &Run::default()).unwrap();
         assert_eq!(state.termination, Termination::Converged);
         assert!(state.steps < 30, "{} steps", state.steps);
@@ -142,7 +142,7 @@ mod tests {
 
     /// As finely as the prototype, whose errors are those of other nodes but not of more modes: these change the force on the rectangular lattice
     /// by 1.4e-6, and more than 24 nodes that on nine pillars under a sphere by 2.5e-6.
-    fn as_finely(scene: &Scene, coupling: usize, target: Control) -> Arranged {
+    fn as_finely(scene: &Scene, coupling: usize, target: Load) -> Arranged {
         let tops = Resolution::of_nodes(24);
         let degrees = Degrees { coupling, tops };
         let state = solve(scene, target, degrees, &Run::default()).unwrap();
@@ -153,7 +153,7 @@ mod tests {
     /// Force and indentation at the contact with the floor, in um^2 and um.
     #[track_caller]
     fn assert_critical(scene: &Scene, force: f64, indentation: f64) -> Arranged {
-        let state = as_finely(scene, 3, Control::FloorContact);
+        let state = as_finely(scene, 3, Load::FloorContact);
         println!("{:?}, claimed {:?}", state.lowest, state.error);
         assert_is(RADIUS * RADIUS * state.force, force);
         assert_is(RADIUS * state.indentation, indentation);
@@ -198,7 +198,7 @@ mod tests {
     #[ignore = "slow: the accurate solution beside that of the prototype"]
     fn accurate_on_a_rectangular_lattice() {
         let (scene, state) = critical_on_a_rectangular_lattice();
-        let finer = solved(&scene, Control::FloorContact, Accuracy::Accurate);
+        let finer = solved(&scene, Load::FloorContact, Accuracy::Accurate);
         let change = (finer.force / state.force - 1.0).abs();
         assert!(
             change < state.error.force && state.error.force < 1e-5,
@@ -261,7 +261,7 @@ mod tests {
         for (text, [force, indentation, at_4]) in HEIGHTS.into_iter().zip(expected) {
             let scene = papers(listed(table(text, RADIUS)));
             assert_critical(&scene, force, indentation);
-            let pressed = as_finely(&scene, 3, Control::Indentation(4.0 / RADIUS));
+            let pressed = as_finely(&scene, 3, Load::Indentation(4.0 / RADIUS));
             assert_is(RADIUS * RADIUS * pressed.force, at_4);
         }
     }
@@ -275,16 +275,16 @@ mod tests {
         for unit in [1.0, 4.0] {
             let square = unit * unit;
             let plate = scene(listed(nine(unit)), f64::INFINITY, 2.2, unit);
-            let target = Control::Indentation(1.0 / unit);
+            let target = Load::Indentation(1.0 / unit);
             let pressed = solved(&plate, target, Accuracy::Accurate);
             assert_is(square * pressed.force, 27.8797845791);
             assert_eq!(pressed.pillars.len(), 9);
             assert!(pressed.lowest.is_none());
             let sphere = scene(listed(nine(unit)), 400.0, 2.2, unit);
-            let target = Control::Indentation(1.2 / unit);
+            let target = Load::Indentation(1.2 / unit);
             let pressed = as_finely(&sphere, 4, target);
             assert_is(square * pressed.force, 22.428578226);
-            let back = as_finely(&sphere, 4, Control::Force(pressed.force));
+            let back = as_finely(&sphere, 4, Load::Force(pressed.force));
             assert!((back.indentation / pressed.indentation - 1.0).abs() < 1e-8);
             let finer = solved(&sphere, target, Accuracy::Accurate);
             let claimed = pressed.error.force.min(1e-5);
@@ -308,7 +308,7 @@ mod tests {
         let pillars = nine(2.0);
         let critical = |pillars: Vec<ListedPillar>| {
             let scene = scene(listed(pillars), 4000.0, 0.3, 2.0);
-            solved(&scene, Control::FloorContact, Accuracy::Default)
+            solved(&scene, Load::FloorContact, Accuracy::Default)
         };
         let straight = critical(pillars.clone());
         for copy in [moved(&pillars, turn), moved(&pillars, mirror)] {
@@ -323,7 +323,7 @@ mod tests {
         let [a, b] = [[9.0, 1.0], [2.0, 8.0]];
         let lattice = |vectors: [Point; 2], origin: Point| {
             let scene = papers(on(PlaneLattice::new(vectors, origin, RIGID).unwrap()));
-            solved(&scene, Control::Indentation(1.1), Accuracy::Default)
+            solved(&scene, Load::Indentation(1.1), Accuracy::Default)
         };
         let straight = lattice([a, b], [0.6, -2.0]);
         let far = [a[0] - 2.0 * b[0], a[1] - 2.0 * b[1]];
@@ -364,11 +364,10 @@ mod tests {
             let (accuracy, run) = (Accuracy::Default, Run::default());
             let method = PillarMethod::Spectral(accuracy);
             for indentation in [None, Some(0.5 * scene.height)] {
-                let control = indentation.map_or(Control::FloorContact, |z| {
-                    Control::Indentation(z * scene.length)
-                });
+                let control =
+                    indentation.map_or(Load::FloorContact, |z| Load::Indentation(z * scene.length));
                 let before = answers::press(&system, control, method, &run).unwrap();
-                let target = indentation.map_or(Control::FloorContact, Control::Indentation);
+                let target = indentation.map_or(Load::FloorContact, Load::Indentation);
                 let state = solved(&any, target, accuracy);
                 let found = state.force * scene.force() / before.force - 1.0;
                 // The touched pillars and some around them are coupled pair by pair, or on a grid.
@@ -413,7 +412,7 @@ mod tests {
             scene(listed(pillars), 400.0, 2.2, 3.0)
         };
         let force = |scene: &Scene, indentation: f64| {
-            let state = solved(scene, Control::Indentation(indentation), Accuracy::Default);
+            let state = solved(scene, Load::Indentation(indentation), Accuracy::Default);
             (state.force, state)
         };
         let (level, _) = force(&with(0.0, [0.4; 2]), 0.35);
@@ -445,7 +444,7 @@ mod tests {
                 f64::tan(tilt) * (direction.cos() * centre[0] + direction.sin() * centre[1]);
         }
         let moved = scene(listed(pillars), f64::INFINITY, 2.2, 3.0);
-        for target in [Control::Indentation(0.3), Control::Force(3.0)] {
+        for target in [Load::Indentation(0.3), Load::Force(3.0)] {
             let run = Run::default();
             let [one, other] = [&tilted, &moved].map(|scene| {
                 let (form, purpose) = (PunchForm::Corrected, Purpose::Answer);
@@ -477,7 +476,7 @@ mod tests {
             },
         };
         let scene = scene(listed(vec![pillar]), f64::INFINITY, 2.2, 1.0);
-        let state = solved(&scene, Control::Indentation(0.4), Accuracy::Default);
+        let state = solved(&scene, Load::Indentation(0.4), Accuracy::Default);
         assert!((state.force / (5.0 * 0.5 / 1.25) - 1.0).abs() < 1e-12);
         // A lens that stays higher than that touches nothing.
         assert!((scene.first_touch() + 0.1).abs() < 1e-15);

@@ -9,7 +9,7 @@ use super::touched::{TouchedPillar, touched_pillars};
 use crate::halfspace::disc::basis::degree_with;
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Accuracy, Control, ElementMesh, LensShape, Method, PillarCompliance, Point, PunchForm, System,
+    Accuracy, ElementMesh, LensShape, Load, Method, PillarCompliance, Point, PunchForm, System,
 };
 use crate::state::contact::contact_warnings;
 use crate::state::{
@@ -39,7 +39,7 @@ impl From<PillarMethod> for Method {
 /// Error estimate of the spectral method, from other nodes and a higher degree.
 pub(super) fn refined(
     solution: &mut Solution<'_>,
-    target: Control,
+    target: Load,
     run: &Run<'_>,
 ) -> Result<ErrorEstimate, SolveError> {
     let termination = solution.outcome.termination;
@@ -111,7 +111,7 @@ pub(super) enum OfFloor {
 pub(super) fn assemble(
     system: &System,
     scene: &Scene,
-    target: Control,
+    target: Load,
     method: PillarMethod,
     solution: &Solution<'_>,
     floor: OfFloor,
@@ -225,15 +225,10 @@ const PILLARS_MISMATCH: f64 = 100.0 * MISMATCH_TOLERANCE;
 
 /// The force on all pillars and on the floor. What is prescribed is met within the solver's tolerance; the pillars
 /// share what is missing, so that they bear it to the last digit.
-fn share_force(
-    touched: &mut [TouchedPillar],
-    on_floor: f64,
-    target: Control,
-    scene: &Scene,
-) -> f64 {
+fn share_force(touched: &mut [TouchedPillar], on_floor: f64, target: Load, scene: &Scene) -> f64 {
     let on_tops: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
     let sum = on_tops + on_floor;
-    let Control::Force(force) = target else {
+    let Load::Force(force) = target else {
         return sum;
     };
     let prescribed = force * scene.force();

@@ -4,19 +4,19 @@ use super::floor::FloorPoint;
 use super::frozen::FrozenContact;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::numerics::convergence::within;
-use crate::problem::Control;
+use crate::problem::Load;
 
 /// What a solution is to meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Target {
     /// What is prescribed.
-    Prescribed(Control),
+    Prescribed(Load),
     /// That the floor bears this part of the force. It is first `reached` at that indentation, in units of the solvers.
     FloorShare { share: f64, reached: f64 },
 }
 
-impl From<Control> for Target {
-    fn from(control: Control) -> Self {
+impl From<Load> for Target {
+    fn from(control: Load) -> Self {
         Self::Prescribed(control)
     }
 }
@@ -28,9 +28,8 @@ impl Target {
     /// The indentation, if it is prescribed.
     pub(crate) fn indentation(self) -> Option<f64> {
         match self {
-            Self::Prescribed(Control::Indentation(indentation)) => Some(indentation),
-            Self::Prescribed(Control::Force(_) | Control::FloorContact)
-            | Self::FloorShare { .. } => None,
+            Self::Prescribed(Load::Indentation(indentation)) => Some(indentation),
+            Self::Prescribed(Load::Force(_) | Load::FloorContact) | Self::FloorShare { .. } => None,
         }
     }
 
@@ -38,7 +37,7 @@ impl Target {
     pub(crate) fn at_first(self, present: f64) -> Self {
         match self {
             Self::Prescribed(_) => self,
-            Self::FloorShare { .. } => Self::Prescribed(Control::Indentation(present)),
+            Self::FloorShare { .. } => Self::Prescribed(Load::Indentation(present)),
         }
     }
 
@@ -53,15 +52,13 @@ impl Target {
         lowest: Option<FloorPoint>,
     ) -> Option<(f64, Option<FloorPoint>)> {
         match self {
-            Self::Prescribed(Control::Indentation(indentation)) => Some((indentation, None)),
-            Self::Prescribed(Control::Force(force)) => {
+            Self::Prescribed(Load::Indentation(indentation)) => Some((indentation, None)),
+            Self::Prescribed(Load::Force(force)) => {
                 let stiffness = contact.stiffness();
                 let missing = force - contact.force();
                 (stiffness > 0.0).then(|| (contact.indentation() + missing / stiffness, None))
             }
-            Self::Prescribed(Control::FloorContact) => {
-                lowest.map(|point| (point.indentation, lowest))
-            }
+            Self::Prescribed(Load::FloorContact) => lowest.map(|point| (point.indentation, lowest)),
             // Cells may be too coarse for the first patches.
             Self::FloorShare { .. } if contact.floor_force() <= 0.0 => {
                 Some((contact.indentation(), None))
@@ -88,9 +85,9 @@ impl Target {
     ) -> bool {
         let meets = |value: f64, wanted: f64| within((value - wanted).abs(), tolerance * wanted);
         match self {
-            Self::Prescribed(Control::Force(force)) => meets(contact.force(), force),
+            Self::Prescribed(Load::Force(force)) => meets(contact.force(), force),
             Self::FloorShare { share, .. } => meets(share_of(contact), share),
-            Self::Prescribed(Control::Indentation(_) | Control::FloorContact) => true,
+            Self::Prescribed(Load::Indentation(_) | Load::FloorContact) => true,
         }
     }
 }

@@ -21,7 +21,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::disc::projection::LensProjector;
 use crate::numerics::vector::widest;
-use crate::problem::{Control, Point, ShapedLens};
+use crate::problem::{Load, Point, ShapedLens};
 use crate::state::{ErrorEstimate, PillarStatus, SolveError, Termination};
 use std::f64::consts::PI;
 
@@ -82,7 +82,7 @@ impl Adjoint {
 pub(crate) fn estimate(
     newton: &mut Newton<'_>,
     outcome: &Outcome,
-    target: Control,
+    target: Load,
 ) -> Result<ErrorEstimate, SolveError> {
     let force = newton.force();
     // Pillars higher than the common height are touched above it.
@@ -162,7 +162,7 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
 fn adjoints(
     newton: &mut Newton<'_>,
     outcome: &Outcome,
-    target: Control,
+    target: Load,
 ) -> Result<[Adjoint; 2], SolveError> {
     if newton.cells.is_none() {
         newton.solve_unit(ADJOINT_TOLERANCE)?;
@@ -201,9 +201,9 @@ fn adjoints(
             .collect(),
     };
     Ok(match target {
-        Control::Force(_) => [nothing(), combine(-1.0 / stiffness, 0.0)],
-        Control::FloorContact => [combine(1.0, stiffness * factor), combine(0.0, factor)],
-        Control::Indentation(_) => [combine(1.0, 0.0), nothing()],
+        Load::Force(_) => [nothing(), combine(-1.0 / stiffness, 0.0)],
+        Load::FloorContact => [combine(1.0, stiffness * factor), combine(0.0, factor)],
+        Load::Indentation(_) => [combine(1.0, 0.0), nothing()],
     })
 }
 
@@ -613,7 +613,7 @@ fn add_columns(matrix: &[f64], coefficients: &[f64], sum: &mut [f64]) {
 
 /// The error estimate of a solution: none for what was prescribed, all where it is no solution.
 pub(crate) fn unknowns_only(
-    target: Control,
+    target: Load,
     termination: Termination,
     [force, indentation]: [f64; 2],
 ) -> ErrorEstimate {
@@ -625,11 +625,11 @@ pub(crate) fn unknowns_only(
     }
     ErrorEstimate {
         force: match target {
-            Control::Force(_) => 0.0,
+            Load::Force(_) => 0.0,
             _ => force,
         },
         indentation: match target {
-            Control::Indentation(_) => 0.0,
+            Load::Indentation(_) => 0.0,
             _ => indentation,
         },
     }

@@ -17,7 +17,7 @@ use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent};
 use crate::halfspace::floor::grid::{Division, FloorGrid};
 use crate::numerics::convergence::{clamped, larger};
 use crate::numerics::neighbours::{Nearest, Neighbours};
-use crate::problem::Control;
+use crate::problem::Load;
 use crate::problem::pillar_field::PillarField;
 use crate::problem::scaled::{RISING, Scene};
 use crate::problem::{Accuracy, HexagonalLattice, Point, PunchForm, System};
@@ -130,7 +130,7 @@ const UNIT_TOLERANCE: f64 = 3e-3;
 /// The solution on the tops alone by the default accuracy.
 pub(crate) fn on_tops_alone<'a>(
     scene: &Scene,
-    target: Control,
+    target: Load,
     contact_radius: Option<f64>,
     run: &'a Run<'a>,
 ) -> Result<Solution<'a>, SolveError> {
@@ -143,7 +143,7 @@ pub(crate) fn on_tops_alone<'a>(
 /// That solution, if the lens enters the floor by so much that another accuracy does not matter.
 pub(crate) fn far_past_transition<'a>(
     scene: &Scene,
-    target: Control,
+    target: Load,
     contact_radius: Option<f64>,
     run: &'a Run<'a>,
 ) -> Result<Option<Solution<'a>>, SolveError> {
@@ -157,7 +157,7 @@ pub(crate) fn far_past_transition<'a>(
 pub(crate) fn past_transition(
     system: &System,
     scene: &Scene,
-    target: Control,
+    target: Load,
     accuracy: Accuracy,
     mut tops: Solution<'_>,
     run: &Run<'_>,
@@ -191,22 +191,22 @@ pub(crate) fn at_floor_share(
 pub(crate) fn floor_first(
     system: &System,
     scene: &Scene,
-    target: Control,
+    target: Load,
     accuracy: Accuracy,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let lens = scene.lens.apex_radius();
     // Hertz's solution, which holds about the apex before any pillar is touched.
     let (depth, radius) = match target {
-        Control::Force(force) => {
+        Load::Force(force) => {
             let radius = (0.75 * lens * force).cbrt();
             (radius * radius / lens, radius)
         }
-        Control::Indentation(indentation) => {
+        Load::Indentation(indentation) => {
             let depth = indentation - scene.height;
             (depth, (lens * depth.min(lens)).sqrt())
         }
-        Control::FloorContact => (0.0, 0.0),
+        Load::FloorContact => (0.0, 0.0),
     };
     let indentation = scene.height + depth;
     let contact = (lens * indentation.min(lens)).sqrt();
@@ -232,7 +232,7 @@ fn finish(
         levels,
     } = mixed;
     let termination = solution.outcome.termination;
-    let held = Control::Indentation(solution.outcome.indentation);
+    let held = Load::Indentation(solution.outcome.indentation);
     let prescribed = match target {
         Target::Prescribed(control) => control,
         // Met by an indentation as good as prescribed.
@@ -887,7 +887,7 @@ mod tests {
     /// The problem of the tests of Newton's method, past its transition, on one grid.
     fn level(scene: &Scene, indentation: f64, fineness: usize) -> Level {
         let run = Run::default();
-        let target = Control::Indentation(indentation).into();
+        let target = Load::Indentation(indentation).into();
         let division = Division::new(&scene.field, fineness);
         let degrees = degrees(Accuracy::Default, scene);
         let start = untouched(scene, indentation, 30.0, degrees, &run).unwrap();
@@ -1000,7 +1000,7 @@ mod tests {
         let alone = level(&scene, indentation, 12);
         let degrees = degrees(Accuracy::Default, &scene);
         let start = untouched(&scene, indentation, 30.0, degrees, &run).unwrap();
-        let target = Control::Indentation(indentation).into();
+        let target = Load::Indentation(indentation).into();
         let nested = solve_floor(&scene, target, Accuracy::Default, start, None, &run).unwrap();
         let nested = nested.levels.last().unwrap();
         assert_eq!(nested.division, division);

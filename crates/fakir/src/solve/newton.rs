@@ -27,7 +27,7 @@ use crate::halfspace::floor::grid::FloorGrid;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::convergence::{Judgement, clamped, judge, larger, within};
 use crate::problem::scaled::Scene;
-use crate::problem::{Control, Point};
+use crate::problem::{Load, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 use std::sync::Arc;
 
@@ -466,7 +466,7 @@ impl<'a> Newton<'a> {
 
     /// The indentation that meets the target with the present responses.
     fn close(&mut self, target: Target) -> Option<(f64, Option<FloorPoint>)> {
-        let reaches = target == Target::Prescribed(Control::FloorContact);
+        let reaches = target == Target::Prescribed(Load::FloorContact);
         let lowest = reaches.then(|| self.search_floor(true)).flatten();
         target.close(&self.contact, lowest)
     }
@@ -883,11 +883,7 @@ pub(crate) mod tests {
         newton
     }
 
-    const TARGETS: [Control; 3] = [
-        Control::Indentation(0.3),
-        Control::Force(0.3),
-        Control::FloorContact,
-    ];
+    const TARGETS: [Load; 3] = [Load::Indentation(0.3), Load::Force(0.3), Load::FloorContact];
 
     /// One number of the data that is none, on any pillar, touched or not, in any mode.
     #[test]
@@ -927,7 +923,7 @@ pub(crate) mod tests {
         let force = |indentation: f64, by: &dyn Fn(usize) -> f64| {
             let mut newton = newton(&problem, &run);
             raise(&mut newton, by);
-            let target = Control::Indentation(indentation);
+            let target = Load::Indentation(indentation);
             let outcome = newton.solve(target, Purpose::Answer).unwrap();
             assert_eq!(outcome.termination, Termination::Converged);
             newton.force()
@@ -979,7 +975,7 @@ pub(crate) mod tests {
         for target in TARGETS {
             assert_eq!(solve(&problem(), target), converged);
         }
-        for target in [Control::Indentation(f64::NAN), Control::Force(f64::NAN)] {
+        for target in [Load::Indentation(f64::NAN), Load::Force(f64::NAN)] {
             assert_ne!(solve(&problem(), target), converged);
         }
         let soft = Scene {
@@ -996,6 +992,6 @@ pub(crate) mod tests {
         for target in TARGETS {
             assert_ne!(solve(&soft, target), converged);
         }
-        assert_ne!(solve(&tall, Control::FloorContact), converged);
+        assert_ne!(solve(&tall, Load::FloorContact), converged);
     }
 }

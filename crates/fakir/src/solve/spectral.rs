@@ -12,7 +12,7 @@ use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::problem::pillar_field::{ListedPillar, PillarField};
 use crate::problem::scaled::{SMALL_LENS, Scene};
-use crate::problem::{Accuracy, Control, HexagonalLattice, LensShape, PunchForm};
+use crate::problem::{Accuracy, HexagonalLattice, LensShape, Load, PunchForm};
 use crate::state::{Run, SolveError, Stage, Termination};
 
 pub(crate) use crate::problem::lens::LARGEST_CONTACT;
@@ -72,7 +72,7 @@ const CENTRES: Resolution = Resolution::of_nodes(0);
 /// Solves the punch lattice, in which pillars are touched or not as a whole.
 pub(crate) fn solve_punch<'a>(
     scene: &Scene,
-    target: Control,
+    target: Load,
     contact_radius: Option<f64>,
     form: PunchForm,
     purpose: Purpose,
@@ -118,7 +118,7 @@ pub(crate) fn solve_punch<'a>(
 /// Solves in full, starting from the corrected punch lattice.
 pub(crate) fn solve_spectral<'a>(
     scene: &Scene,
-    target: Control,
+    target: Load,
     punch: Solution<'a>,
     mut degrees: Degrees,
     run: &'a Run<'a>,
@@ -160,7 +160,7 @@ pub(crate) fn solve_spectral<'a>(
 }
 
 /// A radius near that of the contact, by the roughest of means.
-pub(crate) fn rough_contact_radius(scene: &Scene, target: Control) -> f64 {
+pub(crate) fn rough_contact_radius(scene: &Scene, target: Load) -> f64 {
     let pitch = scene.field.spacing();
     let lens = match &scene.lens.shape {
         LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => *radius,
@@ -190,11 +190,11 @@ pub(crate) fn rough_contact_radius(scene: &Scene, target: Control) -> f64 {
 const HALVINGS: usize = 30;
 
 /// [`rough_contact_radius`] under a sphere or a paraboloid of this radius.
-fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Control) -> f64 {
+fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Load) -> f64 {
     let pitch = scene.field.spacing();
     match target {
         // Half the area in which the undeformed lens enters pillar tops, as in Hertz's contact.
-        Control::Indentation(indentation) => {
+        Load::Indentation(indentation) => {
             let depth = if indentation > 0.0 {
                 indentation
             } else {
@@ -202,7 +202,7 @@ fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Control) -> f64 {
             };
             (depth.max(0.0).min(lens) * lens).sqrt()
         }
-        Control::Force(force) => {
+        Load::Force(force) => {
             // Of Hertz, and of the lens on independent pillars, the larger.
             let hertz = (0.75 * lens * force).cbrt();
             let cell = scene.field.cell_area();
@@ -211,21 +211,21 @@ fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Control) -> f64 {
             hertz.max(springs)
         }
         // The paper's a_c = e sqrt(1 + (k phi)^2), which is e sqrt(1 + (R h/e^2)^2).
-        Control::FloorContact => pitch.hypot(lens * scene.height / pitch),
+        Load::FloorContact => pitch.hypot(lens * scene.height / pitch),
     }
 }
 
 /// The indentation at which a lens that is not axisymmetric enters about the pillars that it touches in the end; none of others, which touch those
 /// next to their axis.
-fn entered_at(scene: &Scene, target: Control) -> Option<f64> {
+fn entered_at(scene: &Scene, target: Load) -> Option<f64> {
     let extent = scene
         .field
         .extent()
         .filter(|_| !scene.lens.is_axisymmetric())?;
     Some(match target {
-        Control::Indentation(indentation) => indentation,
-        Control::FloorContact => 2.0 * scene.height,
-        Control::Force(force) => {
+        Load::Indentation(indentation) => indentation,
+        Load::FloorContact => 2.0 * scene.height,
+        Load::Force(force) => {
             // Under which pillars that do not act on each other bear as much: the force grows with the indentation, so that halving finds it.
             let (pillars, _) = scene.field.listed_within(extent);
             let springs: Vec<[f64; 2]> = pillars
@@ -482,7 +482,7 @@ mod tests {
             },
         }];
         let run = Run::default();
-        let target = Control::FloorContact;
+        let target = Load::FloorContact;
         let form = PunchForm::Corrected;
         for (accuracy, tolerance) in [(Accuracy::Default, 1e-4), (Accuracy::Accurate, 5e-5)] {
             let punch = solve_punch(&scene, target, None, form, Purpose::Start, &run).unwrap();

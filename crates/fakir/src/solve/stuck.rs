@@ -619,7 +619,7 @@ mod tests {
         path.stick(lowest, division, window).unwrap();
         path.go(Course::Loading, End::Indentation(indentation), false)
             .unwrap();
-        let control = crate::problem::Control::Indentation(indentation * scene.length);
+        let control = crate::problem::Load::Indentation(indentation * scene.length);
         let mixed =
             crate::press(&system, control, crate::problem::Method::default(), &run).unwrap();
         let force = path.force() * scene.force();

@@ -124,7 +124,7 @@ pub(crate) fn check_number(what: &'static str, value: &mut f64) -> Result<(), So
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{Control, Method};
+    use crate::problem::{Load, Method};
     use crate::state::{PillarState, PillarStatus, Regime, Run};
     use crate::theory::reference::intermediate;
 
@@ -192,8 +192,8 @@ mod tests {
         let system = state().system;
         // 1e-20 of the pillar radius, 3 um, and 1e-30 of E* = 4/3 MPa times its square.
         for (smallest, load) in [
-            (3e-26, Control::Indentation as fn(f64) -> Control),
-            (1.2e-35, Control::Force),
+            (3e-26, Load::Indentation as fn(f64) -> Load),
+            (1.2e-35, Load::Force),
         ] {
             let press =
                 |value: f64| crate::press(&system, load(value), Method::default(), &Run::default());

@@ -41,7 +41,7 @@ pub struct Critical<C> {
 pub type CriticalState = Critical<ContactState>;
 
 impl CriticalState {
-    /// The critical state with this contact, solved for [`Control::FloorContact`](crate::problem::Control).
+    /// The critical state with this contact, solved for [`Load::FloorContact`](crate::problem::Load).
     #[must_use]
     pub fn new(contact: ContactState) -> Self {
         let system = &contact.system;

@@ -89,7 +89,7 @@ impl Derivatives {
 }
 
 impl Gradient {
-    /// The critical state, where the floor is just reached: of a gradient for [`Control::FloorContact`](crate::problem::Control).
+    /// The critical state, where the floor is just reached: of a gradient for [`Load::FloorContact`](crate::problem::Load).
     ///
     /// # Errors
     /// A number that is infinite or undefined.

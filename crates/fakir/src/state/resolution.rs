@@ -44,12 +44,11 @@ impl Unresolved {
 #[cfg(test)]
 mod tests {
     use crate::problem::{
-        Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
-        Texture,
+        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
     };
     use crate::state::{Contact, ContactState, ErrorEstimate, FloorErrors, Run, Termination};
 
-    fn pressed(control: Control) -> ContactState {
+    fn pressed(control: Load) -> ContactState {
         let pillar = Pillar {
             diameter: 6e-6,
             height: 2.2e-6,
@@ -66,7 +65,7 @@ mod tests {
 
     #[test]
     fn numbers_without_a_first_digit_are_no_answer() {
-        let state = pressed(Control::Indentation(1e-6));
+        let state = pressed(Load::Indentation(1e-6));
         assert!(state.is_answer() && state.unresolved().is_none());
         for (errors, quantity) in [([2.0, 0.0], "force"), ([0.0, 0.6], "indentation")] {
             let error = ErrorEstimate {
@@ -96,14 +95,14 @@ mod tests {
     /// No error is known of a force that is zero.
     #[test]
     fn zero_is_an_answer() {
-        for load in [Control::Indentation(0.0), Control::Force(0.0)] {
+        for load in [Load::Indentation(0.0), Load::Force(0.0)] {
             assert!(pressed(load).is_answer());
         }
     }
 
     #[test]
     fn of_the_floor_what_is_estimated_counts() {
-        let state = pressed(Control::Indentation(8e-6));
+        let state = pressed(Load::Indentation(8e-6));
         assert!(state.is_answer());
         let with = |share: f64, area: f64| {
             let mut state = state.clone();
@@ -120,7 +119,7 @@ mod tests {
     /// Pillars that pull hold those that are pressed: the force is nearly zero, and so is its error beside what pillars carry.
     #[test]
     fn a_small_difference_of_large_forces_is_an_answer() {
-        let mut state = pressed(Control::Indentation(1e-6));
+        let mut state = pressed(Load::Indentation(1e-6));
         state.error.force = 5.0;
         for (pillar, part) in state
             .pillars

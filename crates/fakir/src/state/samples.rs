@@ -517,7 +517,7 @@ impl Convolution {
 #[cfg(test)]
 mod tests {
     use super::{BYTES_PER_POINT, Fields, SolveError};
-    use crate::problem::{Control, Method, PillarCompliance, Point};
+    use crate::problem::{Load, Method, PillarCompliance, Point};
     use crate::state::Run;
     use crate::theory::reference;
     use std::sync::Arc;
@@ -527,7 +527,7 @@ mod tests {
         let lattice = reference::lattice(surface_fraction).offset_by(offset);
         let compliance = PillarCompliance::Column;
         let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
-        let load = Control::Indentation(4e-6);
+        let load = Load::Indentation(4e-6);
         let state = crate::press(&system, load, Method::default(), &Run::default()).unwrap();
         assert!(state.pillars_in_contact > touched);
         state.fields.unwrap()

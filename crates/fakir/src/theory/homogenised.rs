@@ -9,7 +9,7 @@ use crate::halfspace::layer::LayerResponse;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::roots;
 use crate::problem::layer::WeightedLayer;
-use crate::problem::{Control, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
+use crate::problem::{Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
 use crate::state::contact::contact_warnings;
 use crate::state::{ContactState, ErrorEstimate, Run, SolveError, Termination};
 use std::f64::consts::PI;
@@ -70,10 +70,10 @@ impl HomogenisedLattice {
     }
 
     /// Indentation (m), force (N) or, where the floor is to be reached, central pressure (Pa).
-    fn wanted(&self, control: Control) -> f64 {
+    fn wanted(&self, control: Load) -> f64 {
         match control {
-            Control::Indentation(value) | Control::Force(value) => value,
-            Control::FloorContact => self.critical_central_pressure,
+            Load::Indentation(value) | Load::Force(value) => value,
+            Load::FloorContact => self.critical_central_pressure,
         }
     }
 }
@@ -176,24 +176,24 @@ pub fn central_force_amplification(system: &System) -> f64 {
 /// Where the lens meets the floor before any pillar, the critical state is exact: no force.
 pub(crate) fn press(
     system: &System,
-    control: Control,
+    control: Load,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     run.check_cancelled()?;
     let first_touch = system.first_touch();
     let bottom_first = system.touches_floor_first();
     let without_contact = match control {
-        Control::Indentation(zeta) => {
+        Load::Indentation(zeta) => {
             (zeta <= 0.0 || (bottom_first && zeta <= first_touch)).then_some(zeta)
         }
-        Control::Force(force) => (force <= 0.0).then_some(0.0),
-        Control::FloorContact => bottom_first.then(|| system.pillar().height),
+        Load::Force(force) => (force <= 0.0).then_some(0.0),
+        Load::FloorContact => bottom_first.then(|| system.pillar().height),
     };
     if let Some(zeta) = without_contact {
         return Ok(ContactState::untouched(system, Method::Homogenised, zeta));
     }
     let mut contact = solve(system, &HomogenisedLattice::new(system)?, control)?;
-    if control == Control::FloorContact {
+    if control == Load::FloorContact {
         contact.smallest_floor_gap = 0.0; // by what is prescribed, but for rounding
     } else if bottom_first {
         // No pillar carries a force before the lens has come down to the nearest one.
@@ -208,7 +208,7 @@ pub(crate) fn press(
 
 /// Contact radius under what is prescribed, to three digits, m: a first guess for other methods. None where the
 /// model does not apply. Layers count as half-spaces, as they take more time here than a better guess would save.
-pub(crate) fn rough_contact_radius(system: &System, control: Control) -> Option<f64> {
+pub(crate) fn rough_contact_radius(system: &System, control: Load) -> Option<f64> {
     let system = &system.with_layers(None, None).ok()?;
     let lattice = HomogenisedLattice::new(system).ok()?;
     let (contact, _) = contact_at(system, &lattice, LayerModes::rough(), control).ok()?;
@@ -247,11 +247,11 @@ impl LayerContact {
     }
 
     /// By how much it is beyond what is prescribed.
-    fn excess(&self, lattice: &HomogenisedLattice, control: Control) -> Result<f64, SolveError> {
+    fn excess(&self, lattice: &HomogenisedLattice, control: Load) -> Result<f64, SolveError> {
         let reached = match control {
-            Control::Indentation(_) => self.indentation,
-            Control::Force(_) => self.force,
-            Control::FloorContact => self.central_pressure,
+            Load::Indentation(_) => self.indentation,
+            Load::Force(_) => self.force,
+            Load::FloorContact => self.central_pressure,
         };
         let wanted = lattice.wanted(control);
         match judge(wanted, reached) {
@@ -268,7 +268,7 @@ fn contact_at(
     system: &System,
     lattice: &HomogenisedLattice,
     modes: &LayerModes,
-    control: Control,
+    control: Load,
 ) -> Result<(LayerContact, usize), SolveError> {
     let lens_radius = system.lens().sphere_radius();
     let largest = LARGEST_CONTACT * lens_radius;
@@ -290,7 +290,7 @@ fn contact_at(
 fn solve(
     system: &System,
     lattice: &HomogenisedLattice,
-    control: Control,
+    control: Load,
 ) -> Result<ContactState, SolveError> {
     let (contact, iterations) = contact_at(system, lattice, LayerModes::fine(), control)?;
     let (coarse, _) = contact_at(system, lattice, LayerModes::coarse(), control)?;
@@ -362,7 +362,7 @@ mod tests {
         crate::transition(system, Method::Homogenised, run)
     }
 
-    fn press(system: &System, load: Control, run: &Run<'_>) -> Result<ContactState, SolveError> {
+    fn press(system: &System, load: Load, run: &Run<'_>) -> Result<ContactState, SolveError> {
         crate::press(system, load, Method::Homogenised, run)
     }
 
@@ -415,28 +415,28 @@ mod tests {
         let state = critical(&system).contact;
         let h = system.pillar().height;
         let pressed = |load| press(&system, load, &Run::default()).unwrap();
-        let by_indentation = pressed(Control::Indentation(state.indentation));
-        let by_force = pressed(Control::Force(state.force));
+        let by_indentation = pressed(Load::Indentation(state.indentation));
+        let by_force = pressed(Load::Force(state.force));
         for same in [&by_indentation, &by_force] {
             assert!((same.force / state.force - 1.0).abs() < 1e-12);
             assert!((same.indentation / state.indentation - 1.0).abs() < 1e-12);
             assert!((same.contact_radius / state.contact_radius - 1.0).abs() < 1e-12);
             assert!(same.smallest_floor_gap.abs() < 1e-12 * h);
         }
-        let before = pressed(Control::Force(0.9 * state.force));
+        let before = pressed(Load::Force(0.9 * state.force));
         assert!(!before.beyond_transition() && before.smallest_floor_gap < h);
-        assert!(pressed(Control::Force(1.1 * state.force)).beyond_transition());
+        assert!(pressed(Load::Force(1.1 * state.force)).beyond_transition());
     }
 
     #[test]
     fn unloaded_lens_touches_nothing() {
         let system = intermediate(0.1);
-        for load in [Control::Indentation(0.0), Control::Force(0.0)] {
+        for load in [Load::Indentation(0.0), Load::Force(0.0)] {
             let state = press(&system, load, &Run::default()).unwrap();
             assert_eq!(state.pillars_in_contact, 0);
             assert!((state.smallest_floor_gap - system.pillar().height).abs() < 1e-20);
         }
-        let tiny = press(&system, Control::Indentation(4e-26), &Run::default()).unwrap();
+        let tiny = press(&system, Load::Indentation(4e-26), &Run::default()).unwrap();
         assert!(tiny.force > 0.0 && tiny.pillars_in_contact == 1 && tiny.converged());
     }
 
@@ -453,10 +453,10 @@ mod tests {
             ..lattice
         };
         for (lattice, target) in [
-            (soft, Control::Indentation(1e-6)),
-            (soft, Control::Force(1e-4)),
-            (lattice, Control::Indentation(f64::NAN)),
-            (undefined, Control::FloorContact),
+            (soft, Load::Indentation(1e-6)),
+            (soft, Load::Force(1e-4)),
+            (lattice, Load::Indentation(f64::NAN)),
+            (undefined, Load::FloorContact),
         ] {
             let error = solve(&system, &lattice, target).unwrap_err();
             assert!(matches!(error, SolveError::NotFinite { .. }), "{error}");
@@ -522,9 +522,9 @@ mod tests {
         assert!((state.contact.indentation - h).abs() < 1e-20);
         assert!(state.contact.pillars.is_empty() && state.contact.pillars_in_contact == 0);
         let pressed = |load| press(&system, load, &Run::default()).unwrap();
-        assert!(!pressed(Control::Indentation(0.9 * h)).beyond_transition());
-        assert!(pressed(Control::Indentation(1.1 * h)).beyond_transition());
-        assert!(pressed(Control::Force(1e-9)).beyond_transition());
+        assert!(!pressed(Load::Indentation(0.9 * h)).beyond_transition());
+        assert!(pressed(Load::Indentation(1.1 * h)).beyond_transition());
+        assert!(pressed(Load::Force(1e-9)).beyond_transition());
         // phi = 0.002 there has a top contact first.
         let denser = offset_by(&intermediate(0.002), 0.75f64.sqrt());
         assert_eq!(critical(&denser).regime, Regime::TopFirst);
@@ -554,15 +554,15 @@ mod tests {
         let run = Run::default();
         let system = intermediate(0.1);
         for load in [
-            Control::Indentation(-1e-9),
-            Control::Indentation(f64::NAN),
-            Control::Force(-1.0),
-            Control::Force(f64::INFINITY),
+            Load::Indentation(-1e-9),
+            Load::Indentation(f64::NAN),
+            Load::Force(-1.0),
+            Load::Force(f64::INFINITY),
         ] {
             let refused = press(&system, load, &run).unwrap_err();
             assert!(matches!(refused, SolveError::InvalidQuantity(_)));
         }
-        let refused = press(&system, Control::Force(1e3), &run).unwrap_err();
+        let refused = press(&system, Load::Force(1e3), &run).unwrap_err();
         assert!(matches!(refused, SolveError::ContactExceedsLens { .. }));
         let dense = paper(0.6, RIGID, PillarCompliance::None);
         let refused = transition(&dense, &run).unwrap_err();
@@ -586,7 +586,7 @@ mod tests {
         // Between a Hertz and a Winkler contact: zeta R/a^2 from 1/2 to 1.
         for (ratio, warned) in [(0.1, false), (0.3, true)] {
             let zeta = ratio * ratio * radius;
-            let state = press(&system, Control::Indentation(zeta), &Run::default()).unwrap();
+            let state = press(&system, Load::Indentation(zeta), &Run::default()).unwrap();
             assert_eq!(!state.warnings.is_empty(), warned);
         }
     }

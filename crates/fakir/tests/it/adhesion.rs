@@ -2,9 +2,9 @@
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{
-    Accuracy, Adhesion, Control, CyclePlan, Disorder, Drive, ElementMesh, FloorModel,
-    HexagonalLattice, LatticeForm, Lens, ListedPillar, Material, Method, PillarCompliance,
-    PillarList, PlaneLattice, PunchForm, Quantity, Scatter, System, Turn,
+    Accuracy, Adhesion, CyclePlan, Disorder, Drive, ElementMesh, FloorModel, HexagonalLattice,
+    LatticeForm, Lens, ListedPillar, Load, Material, Method, PillarCompliance, PillarList,
+    PlaneLattice, PunchForm, Quantity, Scatter, System, Turn,
 };
 use fakir::state::{
     CancelToken, Cycle, CycleEventKind, PillarState, PillarStatus, Progress, Run, SolveError,
@@ -160,9 +160,9 @@ fn no_adhesion_is_the_contact_as_it_was() {
     let none = plain.with_adhesion(Adhesion::new(0.0)).unwrap();
     let run = Run::default();
     for control in [
-        Control::Indentation(1e-6),
-        Control::Force(2e-5),
-        Control::FloorContact,
+        Load::Indentation(1e-6),
+        Load::Force(2e-5),
+        Load::FloorContact,
     ] {
         let [a, b] = [&plain, &none]
             .map(|system| fakir::press(system, control, Method::default(), &run).unwrap());
@@ -307,24 +307,21 @@ fn states_on_loading_are_those_of_the_cycle() {
         .find(|s| s.indentation > 2e-6)
         .unwrap();
     let press = |control| fakir::press(&system, control, Method::default(), &run);
-    let at = press(Control::Indentation(station.indentation)).unwrap();
+    let at = press(Load::Indentation(station.indentation)).unwrap();
     assert!((at.force / station.force - 1.0).abs() < 1e-6);
     assert_eq!(at.error.indentation.to_bits(), 0);
-    let under = press(Control::Force(1e-4)).unwrap();
+    let under = press(Load::Force(1e-4)).unwrap();
     assert!((under.force / 1e-4 - 1.0).abs() < 1e-9);
-    let again = press(Control::Indentation(under.indentation)).unwrap();
+    let again = press(Load::Indentation(under.indentation)).unwrap();
     assert!((again.force / 1e-4 - 1.0).abs() < 1e-6);
     // Without load the lens rests where it snapped in.
-    let resting = press(Control::Force(0.0)).unwrap();
+    let resting = press(Load::Force(0.0)).unwrap();
     assert!(resting.pillars_in_contact > 0 && resting.force.abs() < 1e-12);
     assert!((resting.indentation - cycle.zero_load_indentation.unwrap()).abs() < 1e-12);
     // Above the tops nothing is in contact.
-    assert_eq!(
-        press(Control::Indentation(0.0)).unwrap().pillars_in_contact,
-        0
-    );
+    assert_eq!(press(Load::Indentation(0.0)).unwrap().pillars_in_contact, 0);
     // Past the transition the path has ended, unless the floor is ignored.
-    let past = Control::Indentation(1.1 * critical.contact.indentation);
+    let past = Load::Indentation(1.1 * critical.contact.indentation);
     let refused = press(past).unwrap_err();
     assert!(matches!(refused, SolveError::PastTransition { .. }));
     assert!(refused.to_string().contains("ignore the floor"));
@@ -430,7 +427,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
         Method::Homogenised,
     ] {
         for error in [
-            fakir::press(&sticky, Control::Force(1e-5), method, &run).unwrap_err(),
+            fakir::press(&sticky, Load::Force(1e-5), method, &run).unwrap_err(),
             fakir::transition(&sticky, method, &run).unwrap_err(),
             fakir::cycle(&sticky, CyclePlan::default(), method, &run).unwrap_err(),
         ] {
@@ -438,7 +435,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
             assert!(error.to_string().contains("the spectral method"));
         }
     }
-    assert!(fakir::verify(&sticky, Control::FloorContact, ElementMesh::default(), &run).is_err());
+    assert!(fakir::verify(&sticky, Load::FloorContact, ElementMesh::default(), &run).is_err());
     for (plan, quantity) in [
         (Turn::Critical(1.5), Quantity::CriticalPart),
         (Turn::Critical(0.0), Quantity::CriticalPart),
@@ -540,7 +537,7 @@ fn default_and_accurate_cycles_agree_within_what_they_claim() {
 fn pressures_pull_where_tops_are_held() {
     // Down by a hundredth of the height after the snap: the outer tops are pulled.
     let system = sticky(0.03, 0.3, 0.003);
-    let control = Control::Indentation(2.5e-6);
+    let control = Load::Indentation(2.5e-6);
     let state = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
     let fields = state.fields.as_ref().unwrap();
     let partly = state.pillars_partially_in_contact;

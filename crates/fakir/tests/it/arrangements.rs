@@ -1,9 +1,9 @@
 //! Systems whose pillars stand otherwise than on the endless hexagonal lattice of equal ones.
 
 use fakir::problem::{
-    Accuracy, Arrangement, Control, Disorder, HexagonalLattice, InvalidQuantity, LatticeForm, Lens,
-    ListedPillar, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice, Quantity,
-    RandomPlaces, Requirement, Scatter, System, Texture,
+    Accuracy, Arrangement, Disorder, HexagonalLattice, InvalidQuantity, LatticeForm, Lens,
+    ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice,
+    Quantity, RandomPlaces, Requirement, Scatter, System, Texture,
 };
 use fakir::state::{ContactState, CriticalState, Run, SolveError};
 use std::f64::consts::PI;
@@ -46,7 +46,7 @@ fn critical(system: &System, accuracy: Accuracy) -> CriticalState {
     state
 }
 
-fn pressed(system: &System, control: Control) -> ContactState {
+fn pressed(system: &System, control: Load) -> ContactState {
     let state =
         fakir::press(system, control, Method::default(), &Run::default()).expect("a solution");
     assert!(state.converged());
@@ -72,21 +72,21 @@ fn an_indentation_counts_from_the_common_height() {
             },
             ..PlaneLattice::new(form_of(0.1))
         });
-        let level = pressed(&scattered, Control::Indentation(0.0));
+        let level = pressed(&scattered, Load::Indentation(0.0));
         if level.force == 0.0 {
             continue;
         }
         assert!(level.error.force < 0.5, "{seed}: {:e}", level.error.force);
-        let by_force = pressed(&scattered, Control::Force(0.3 * level.force));
+        let by_force = pressed(&scattered, Load::Force(0.3 * level.force));
         assert!(by_force.indentation < 0.0);
-        let above = Control::Indentation(by_force.indentation);
+        let above = Load::Indentation(by_force.indentation);
         let off = pressed(&scattered, above).force / by_force.force - 1.0;
         assert!(off.abs() < 1e-6, "{seed}: {off:e}");
     }
     // Above all pillars there is nothing, and none of equal ones is higher.
     let method = Method::default();
     let equal = system(PlaneLattice::new(form_of(0.1)));
-    let refused = fakir::press(&equal, Control::Indentation(-1e-9), method, &Run::default());
+    let refused = fakir::press(&equal, Load::Indentation(-1e-9), method, &Run::default());
     assert!(
         matches!(refused, Err(SolveError::InvalidQuantity(_))),
         "{refused:?}"
@@ -233,7 +233,7 @@ fn scattered_heights_are_met_by_the_lens() {
         ..PlaneLattice::new(LatticeForm::Hexagonal { pitch: 25e-6 })
     };
     let system = system(lattice);
-    let state = pressed(&system, Control::Indentation(2e-6));
+    let state = pressed(&system, Load::Indentation(2e-6));
     let fields = state.fields.as_deref().unwrap();
     for pillar in &state.pillars {
         let ratio = disorder.height_ratio(pillar.index).unwrap();
@@ -246,17 +246,17 @@ fn scattered_heights_are_met_by_the_lens() {
     let forces: f64 = state.pillars.iter().map(|pillar| pillar.force).sum();
     assert!((forces / state.force - 1.0).abs() < 1e-12);
     // The same force leads to the same indentation.
-    let back = pressed(&system, Control::Force(state.force));
+    let back = pressed(&system, Load::Force(state.force));
     assert!((back.indentation / state.indentation - 1.0).abs() < 1e-8);
     // Just before and just after the first touch, which may be above the common height.
     let first = system.first_touch();
     assert!(
-        pressed(&system, Control::Indentation(first - 1e-9))
+        pressed(&system, Load::Indentation(first - 1e-9))
             .pillars
             .is_empty()
             || first <= 1e-9
     );
-    let touched = pressed(&system, Control::Indentation(first + 1e-8));
+    let touched = pressed(&system, Load::Indentation(first + 1e-8));
     assert!(!touched.pillars.is_empty());
 }
 
@@ -270,7 +270,7 @@ fn a_contact_inside_one_wide_top() {
     };
     let system = system(PillarList::new(vec![pillar]).unwrap());
     let depth = 0.5e-6;
-    let state = pressed(&system, Control::Indentation(depth + 0.2e-6));
+    let state = pressed(&system, Load::Indentation(depth + 0.2e-6));
     let hertz = 4.0 / 3.0 * 1e6 * 2.2e-3_f64.sqrt() * depth.powf(1.5);
     // The sphere differs from a paraboloid by about (a/R)^2.
     assert!(
@@ -279,7 +279,7 @@ fn a_contact_inside_one_wide_top() {
         state.force
     );
     assert!((state.pillars[0].diameter / 400e-6 - 1.0).abs() < 1e-15);
-    let back = pressed(&system, Control::Force(state.force));
+    let back = pressed(&system, Load::Force(state.force));
     assert!((back.indentation - state.indentation).abs() < 1e-13);
 }
 
@@ -299,7 +299,7 @@ fn tall_pillars_beyond_low_ones_are_found() {
     let all = system(PillarList::new(pillars.clone()).unwrap());
     pillars.push(pillar(0, 0, -500e-6, 2.2e-6));
     let with_one_more = system(PillarList::new(pillars).unwrap());
-    let control = Control::Indentation(0.3e-6);
+    let control = Load::Indentation(0.3e-6);
     for method in [Method::default(), Method::Love(Default::default())] {
         let [found, expected] = [&all, &with_one_more].map(|system| {
             let state = fakir::press(system, control, method, &Run::default()).unwrap();
@@ -317,7 +317,7 @@ fn tall_pillars_beyond_low_ones_are_found() {
         assert!(difference.abs() < 1e-7);
     }
     let deep = pressed(&all, control);
-    let back = pressed(&all, Control::Force(deep.force));
+    let back = pressed(&all, Load::Force(deep.force));
     assert!((back.indentation / deep.indentation - 1.0).abs() < 1e-8);
 }
 
@@ -330,7 +330,7 @@ fn finite_arrays_end() {
     let system = system(array);
     assert_eq!(system.pillars_within(1.0).len(), 9);
     // Past the transition, with the floor between and around them.
-    let deep = pressed(&system, Control::Indentation(8e-6));
+    let deep = pressed(&system, Load::Indentation(8e-6));
     assert_eq!(deep.pillars.len(), 9);
     assert!(deep.floor.is_some_and(|floor| floor.share > 0.1));
     // Symmetric arrangements have symmetric answers: four on the axes, four at the corners.
@@ -360,7 +360,7 @@ fn finite_arrays_are_solved_under_lenses_as_flat_as_plates() {
         columns: Some(5),
         ..PlaneLattice::new(LatticeForm::Square { pitch: 30e-6 })
     };
-    let load = Control::Indentation(1e-6);
+    let load = Load::Indentation(1e-6);
     let [flat, flatter, flattest] =
         [1e5, 1e6, 1e12].map(|radius| pressed(&system_under(radius, array), load));
     for state in [&flatter, &flattest] {
@@ -379,7 +379,7 @@ fn what_is_made_for_the_lattice_of_the_paper_says_so() {
     let system = system(PlaneLattice::new(form_of(0.03)));
     let refused = |error: SolveError| matches!(error, SolveError::NotOnArrangement { .. });
     for method in [Method::Homogenised, Method::Punch(Default::default())] {
-        let error = fakir::press(&system, Control::Indentation(1e-6), method, &Run::default());
+        let error = fakir::press(&system, Load::Indentation(1e-6), method, &Run::default());
         let error = error.unwrap_err();
         assert!(error.to_string().contains("(square)"), "{error}");
         assert!(refused(error));

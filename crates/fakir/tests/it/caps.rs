@@ -3,7 +3,7 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Accuracy, Boundary, Cap, CapField, Control, Grid, HeightMap, Indenter, Lens, Material, Point,
+    Accuracy, Boundary, Cap, CapField, Grid, HeightMap, Indenter, Lens, Load, Material, Point,
     SurfaceSystem,
 };
 use fakir::state::{CapContact, PillarStatus, Run, SolveError, Termination};
@@ -37,7 +37,7 @@ fn field(indenter: Indenter, caps: &[(Point, f64, f64)]) -> CapField {
     CapField::new(indenter, substrate(), caps.collect()).expect("a field")
 }
 
-fn press(field: &CapField, control: Control, accuracy: Accuracy) -> CapContact {
+fn press(field: &CapField, control: Load, accuracy: Accuracy) -> CapContact {
     let contact = field.press(control, accuracy, &Run::default());
     let contact = contact.expect("a contact");
     assert!(contact.converged(), "{:?}", contact.termination);
@@ -85,7 +85,7 @@ fn a_plate_on_one_cap() {
     let field = field(indenter(f64::INFINITY), &[([3.0, -7.0], 100.0, 0.4)]);
     for zeta in [-0.3, 0.01, 1.0] {
         for accuracy in [Accuracy::Default, Accuracy::Accurate] {
-            let contact = press(&field, Control::Indentation(zeta * UM), accuracy);
+            let contact = press(&field, Load::Indentation(zeta * UM), accuracy);
             let overlap: f64 = zeta + 0.4;
             let force = 40.0 / 3.0 * overlap.powf(1.5) * FORCE;
             assert!((contact.force / force - 1.0).abs() < 1e-12);
@@ -96,11 +96,11 @@ fn a_plate_on_one_cap() {
             assert!((slopes.force_with_indentation / stiffness - 1.0).abs() < 1e-9);
             assert!((slopes.area_with_height[0] / (PI * 100.0 * UM) - 1.0).abs() < 1e-9);
             assert!(contact.error.expect("an estimate").force < 1e-8);
-            let back = press(&field, Control::Force(force), accuracy);
+            let back = press(&field, Load::Force(force), accuracy);
             assert!((back.indentation - zeta * UM).abs() < 1e-12 * overlap * UM);
         }
     }
-    let lifted = press(&field, Control::Indentation(-0.5 * UM), Accuracy::Default);
+    let lifted = press(&field, Load::Indentation(-0.5 * UM), Accuracy::Default);
     assert!(lifted.force == 0.0 && lifted.touched() == 0);
 }
 
@@ -116,10 +116,7 @@ fn a_plate_on_one_cap_with_a_column() {
     for pressed in [0.2, 1.0_f64] {
         let force = 40.0 / 3.0 * pressed.powf(1.5);
         let zeta = pressed + compliance * force;
-        for control in [
-            Control::Indentation(zeta * UM),
-            Control::Force(force * FORCE),
-        ] {
+        for control in [Load::Indentation(zeta * UM), Load::Force(force * FORCE)] {
             let contact = press(&field, control, Accuracy::Default);
             assert!((contact.force / (force * FORCE) - 1.0).abs() < 1e-12);
             assert!((contact.indentation / (zeta * UM) - 1.0).abs() < 1e-12);
@@ -133,7 +130,7 @@ fn a_plate_on_one_cap_with_a_column() {
 fn a_sphere_on_a_cap_off_its_axis() {
     let radius = 1e6;
     let field = field(indenter(radius), &[([24.0, -18.0], 100.0, 0.0)]);
-    let contact = press(&field, Control::Indentation(1.0 * UM), Accuracy::Default);
+    let contact = press(&field, Load::Indentation(1.0 * UM), Accuracy::Default);
     let overlap: f64 = 1.0 - 900.0 / (2.0 * (radius + 100.0));
     let effective = radius * 100.0 / (radius + 100.0);
     let force = 4.0 / 3.0 * effective.sqrt() * overlap.powf(1.5) * FORCE;
@@ -164,7 +161,7 @@ fn seven_caps_are_those_of_the_reference() {
     ] {
         let field = field(plate(), &caps);
         for accuracy in [Accuracy::Default, Accuracy::Accurate] {
-            let contact = press(&field, Control::Indentation(UM), accuracy);
+            let contact = press(&field, Load::Indentation(UM), accuracy);
             let found = contact.force / FORCE;
             let error = contact.error.expect("an estimate");
             println!(
@@ -231,7 +228,7 @@ fn check_random_fields(fields: usize) {
         let field = field(indenter(radius), &random_caps(&mut draws, count, side));
         let zeta = draws.between(-0.4, 1.0) * UM;
         let run = Run::default();
-        match field.press(Control::Indentation(zeta), Accuracy::Default, &run) {
+        match field.press(Load::Indentation(zeta), Accuracy::Default, &run) {
             Ok(contact) => {
                 assert!(contact.converged(), "{number}: {:?}", contact.termination);
                 solved += 1;
@@ -241,7 +238,7 @@ fn check_random_fields(fields: usize) {
                 }
                 let error = contact.error.expect("an estimate");
                 assert!(error.force < 1e-2, "{number}: {error:?}");
-                let back = press(&field, Control::Force(contact.force), Accuracy::Default);
+                let back = press(&field, Load::Force(contact.force), Accuracy::Default);
                 assert!((back.indentation - zeta).abs() < 1e-9 * UM, "{number}");
                 assert!((back.area / contact.area - 1.0).abs() < 1e-9, "{number}");
                 println!(
@@ -256,7 +253,7 @@ fn check_random_fields(fields: usize) {
                 println!("{number}: merges");
                 merged += 1;
                 assert!(indentation < zeta);
-                let below = Control::Indentation(indentation);
+                let below = Load::Indentation(indentation);
                 let below = field.press_quickly(below, Accuracy::Default, None, &run);
                 assert!(below.is_ok_and(|below| below.converged()), "{number}");
             }
@@ -277,13 +274,13 @@ fn steep_spheres_are_solved_or_refused() {
         let side = draws.between(12.0, 20.0) * (count as f64).sqrt();
         let radius = draws.between(200.0, 600.0);
         let field = field(indenter(radius), &random_caps(&mut draws, count, side));
-        let control = Control::Force(draws.between(0.1, 40.0) * FORCE);
+        let control = Load::Force(draws.between(0.1, 40.0) * FORCE);
         match field.press(control, Accuracy::Default, &Run::default()) {
             Ok(contact) => {
                 assert!(contact.converged(), "{number}: {:?}", contact.termination);
                 solved += 1;
                 steps = steps.max(contact.iterations);
-                let back = Control::Indentation(contact.indentation);
+                let back = Load::Indentation(contact.indentation);
                 let back = press(&field, back, Accuracy::Default);
                 assert!((back.force / contact.force - 1.0).abs() < 1e-9, "{number}");
             }
@@ -316,12 +313,12 @@ fn slopes_are_those_of_central_differences() {
         }
         let field = CapField::new(indenter(radius), substrate(), caps).expect("a field");
         let zeta = 0.6 * UM;
-        let contact = press(&field, Control::Indentation(zeta), Accuracy::Default);
+        let contact = press(&field, Load::Indentation(zeta), Accuracy::Default);
         let run = Run::default();
         let totals = |field: &CapField, zeta: f64| {
             let near = field
                 .press_quickly(
-                    Control::Indentation(zeta),
+                    Load::Indentation(zeta),
                     contact.accuracy,
                     Some(&contact),
                     &run,
@@ -355,7 +352,7 @@ fn slopes_are_those_of_central_differences() {
                 let mut heights: Vec<f64> = field.caps().iter().map(|cap| cap.raised).collect();
                 heights[cap] += step;
                 let field = field.with_heights(&heights).expect("a field");
-                let control = Control::Force(contact.force);
+                let control = Load::Force(contact.force);
                 let near = field.press_quickly(control, contact.accuracy, Some(&contact), &run);
                 let near = near.expect("a contact");
                 [near.indentation, near.area]
@@ -375,7 +372,7 @@ fn scaled_and_turned_fields() {
     let caps = random_caps(&mut Draws::new(3), 12, 40.0);
     let at = |caps: &[(Point, f64, f64)], radius: f64, zeta: f64| {
         let field = field(indenter(radius), caps);
-        press(&field, Control::Indentation(zeta * UM), Accuracy::Default)
+        press(&field, Load::Indentation(zeta * UM), Accuracy::Default)
     };
     let contact = at(&caps, 900.0, 0.7);
     let scaled: Vec<_> = caps
@@ -403,10 +400,7 @@ fn contacts_that_merge_are_refused_with_the_load() {
     );
     let run = Run::default();
     let mut loads = Vec::new();
-    for control in [
-        Control::Indentation(3.0 * UM),
-        Control::Force(100.0 * FORCE),
-    ] {
+    for control in [Load::Indentation(3.0 * UM), Load::Force(100.0 * FORCE)] {
         let refused = field.press(control, Accuracy::Default, &run);
         let Err(SolveError::ContactsMerge {
             caps,
@@ -419,7 +413,7 @@ fn contacts_that_merge_are_refused_with_the_load() {
         assert_eq!(caps, [0, 1]);
         let last = press(
             &field,
-            Control::Indentation(0.998 * indentation),
+            Load::Indentation(0.998 * indentation),
             Accuracy::Default,
         );
         let centres = [0, 1].map(|cap| last.caps[cap].centre[0]);
@@ -447,7 +441,7 @@ fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> [f64; 2] {
     let system = SurfaceSystem::new(indenter(radius), substrate(), surface, Boundary::FreeSpace);
     let contact = system
         .expect("a system")
-        .press(Control::Indentation(from_highest), &Run::default());
+        .press(Load::Indentation(from_highest), &Run::default());
     let contact = contact.expect("a contact");
     assert_eq!(contact.termination, Termination::Converged);
     [contact.force / FORCE, contact.contact_area / FORCE]
@@ -483,7 +477,7 @@ fn check_by_elements(mut caps: Vec<(Point, f64, f64)>, radius: f64, half: f64, t
     }
     let cell = 0.125;
     let field = field(indenter(radius), &caps);
-    let contact = press(&field, Control::Indentation(UM), Accuracy::Accurate);
+    let contact = press(&field, Load::Indentation(UM), Accuracy::Accurate);
     let surface = cells(half, cell, |at| heights_of(&caps, at));
     let found = by_elements(radius, surface, 1.0);
     let mut bias = [0.0; 2];
@@ -521,7 +515,7 @@ fn a_contact_that_fills_its_top() {
     };
     let field = CapField::new(indenter(f64::INFINITY), substrate(), vec![cap]).expect("a field");
     for zeta in [0.3, 0.3599, 0.3601, 1.0, 3.0_f64] {
-        let contact = press(&field, Control::Indentation(zeta * UM), Accuracy::Default);
+        let contact = press(&field, Load::Indentation(zeta * UM), Accuracy::Default);
         let (force, status) = if zeta <= 0.36 {
             (40.0 / 3.0 * zeta.powf(1.5), PillarStatus::Partial)
         } else {
@@ -559,7 +553,7 @@ fn a_contact_that_leans_on_its_rim() {
     let field = CapField::new(indenter(lens), substrate(), vec![cap]).expect("a field");
     for overlap in [0.05, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 1.0, 2.0] {
         let zeta = overlap + place * place / (2.0 * (lens + cap_radius));
-        let contact = press(&field, Control::Indentation(zeta * UM), Accuracy::Accurate);
+        let contact = press(&field, Load::Indentation(zeta * UM), Accuracy::Accurate);
         let surface = disc(&|[x, y]| -(x * x + y * y) / (2.0 * cap_radius));
         let found = by_elements(lens, surface, zeta)[0];
         let error = found / (contact.force / FORCE) - 1.0;
@@ -581,22 +575,19 @@ fn a_contact_that_leans_on_its_rim() {
 #[test]
 fn what_cannot_be_answered_says_why() {
     let run = Run::default();
-    let ask = |field: &CapField, control: Control, run: &Run<'_>| {
+    let ask = |field: &CapField, control: Load, run: &Run<'_>| {
         field.press(control, Accuracy::Default, run).unwrap_err()
     };
     let seven = field(indenter(f64::INFINITY), &seven(50.0));
-    assert_eq!(
-        ask(&seven, Control::FloorContact, &run),
-        SolveError::NoFloor
-    );
-    for control in [Control::Force(-1.0), Control::Indentation(f64::NAN)] {
+    assert_eq!(ask(&seven, Load::FloorContact, &run), SolveError::NoFloor);
+    for control in [Load::Force(-1.0), Load::Indentation(f64::NAN)] {
         let refused = ask(&seven, control, &run);
         assert!(
             matches!(refused, SolveError::InvalidQuantity(_)),
             "{refused}"
         );
     }
-    let load = Control::Indentation(UM);
+    let load = Load::Indentation(UM);
     let small = Run {
         memory_limit: Some(1000),
         ..Run::default()
@@ -622,7 +613,7 @@ fn what_cannot_be_answered_says_why() {
     );
     assert!(refused.to_string().contains("2.000e-6 m"));
     let far = field(indenter(30.0), &[([0.0, 0.0], 1e4, 0.0)]);
-    let refused = ask(&far, Control::Indentation(10.0 * UM), &run);
+    let refused = ask(&far, Load::Indentation(10.0 * UM), &run);
     assert!(
         matches!(refused, SolveError::ContactExceedsLens { .. }),
         "{refused}"

@@ -4,8 +4,8 @@
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
-    Accuracy, Adhesion, Control, Disorder, ElementMesh, HexagonalLattice, LatticeForm, Lens,
-    LensShape, ListedPillar, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice,
+    Accuracy, Adhesion, Disorder, ElementMesh, HexagonalLattice, LatticeForm, Lens, LensShape,
+    ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice,
     PunchForm, Quantity, Requirement, Scatter, ShapedLens, System, Texture,
 };
 use fakir::state::{Run, Warning};
@@ -178,13 +178,7 @@ fn listed_pillars_give_way_by_their_own_height_and_diameter() {
     };
     let system = System::new(plate, material, Texture::new(pillar, list)).unwrap();
     let depth = 0.1e-6;
-    let state = fakir::press(
-        &system,
-        Control::Indentation(depth),
-        SPECTRAL,
-        &Run::default(),
-    )
-    .unwrap();
+    let state = fakir::press(&system, Load::Indentation(depth), SPECTRAL, &Run::default()).unwrap();
     for found in &state.pillars {
         let alone = compliance(&one_pillar(
             found.height / found.diameter,
@@ -222,7 +216,7 @@ fn pillars_lean_as_beams_on_a_half_space() {
         }]);
         let texture = Texture::new(pillar, list.unwrap());
         let system = System::new(plate, material, texture).unwrap();
-        let load = Control::Force(20e-6);
+        let load = Load::Force(20e-6);
         let state = fakir::press(&system, load, SPECTRAL, &Run::default()).unwrap();
         assert_eq!(state.pillars_partially_in_contact, 0);
         let fields = state.fields.as_ref().unwrap();
@@ -248,7 +242,7 @@ fn elements_agree_where_pillars_do_not_lean() {
             cells_per_diameter: 16,
             ..ElementMesh::default()
         };
-        let load = Control::FloorContact;
+        let load = Load::FloorContact;
         let found = fakir::verify(&system, load, mesh, &Run::default()).unwrap();
         println!("{:e} of {:e}", found.force.relative, found.force.allowed);
         assert!(found.agrees());
@@ -325,7 +319,7 @@ fn derivatives_are_those_of_differences() {
         Quantity::SubstratePoissonRatio,
     ];
     let run = Run::default();
-    let load = Control::Indentation(2.0e-6);
+    let load = Load::Indentation(2.0e-6);
     for scatter in [false, true] {
         let found = fakir::gradient(&of(values, scatter), load, SPECTRAL, &run).unwrap();
         let derivatives = found.force.unwrap();

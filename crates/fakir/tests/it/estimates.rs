@@ -1,7 +1,7 @@
 //! Systems on which estimates once were too small.
 
 use fakir::problem::{
-    Accuracy, Control, ElementMesh, HexagonalLattice, Lens, Material, Method, Pillar,
+    Accuracy, ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar,
     PillarCompliance, PunchForm, System, Texture,
 };
 use fakir::state::{ContactState, Run};
@@ -132,7 +132,7 @@ fn a_touch_that_only_the_whole_lens_shape_shows() {
     let system =
         System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
     let press = |accuracy| {
-        let load = Control::Indentation(8.787422628639028e-9);
+        let load = Load::Indentation(8.787422628639028e-9);
         fakir::press(&system, load, Method::Spectral(accuracy), &Run::default()).expect("a contact")
     };
     let (default, accurate) = (press(Accuracy::Default), press(Accuracy::Accurate));
@@ -167,12 +167,11 @@ fn slivers_beside_a_pillar_in_a_dense_texture() {
         System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
     // The force at which punches are about 1 nm in.
     let punches = Method::Punch(PunchForm::Corrected);
-    let near = Control::Indentation(9.832207915745805e-10);
+    let near = Load::Indentation(9.832207915745805e-10);
     let near = fakir::press(&system, near, punches, &Run::default()).expect("a contact");
     let press = |accuracy| {
         let method = Method::Spectral(accuracy);
-        fakir::press(&system, Control::Force(near.force), method, &Run::default())
-            .expect("a contact")
+        fakir::press(&system, Load::Force(near.force), method, &Run::default()).expect("a contact")
     };
     let (default, accurate) = (press(Accuracy::Default), press(Accuracy::Accurate));
     assert!(default.converged() && accurate.converged());

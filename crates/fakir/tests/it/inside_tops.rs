@@ -4,7 +4,7 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use fakir::problem::{
-    Adhesion, Base, Control, CyclePlan, Drive, FloorModel, Layer, Lens, LensShape, ListedPillar,
+    Adhesion, Base, CyclePlan, Drive, FloorModel, Layer, Lens, LensShape, ListedPillar, Load,
     Material, Method, Pillar, PillarCompliance, PillarList, ShapedLens, System, Texture, Turn,
 };
 use fakir::state::{Cycle, PillarStatus, Run, Termination};
@@ -90,7 +90,7 @@ fn a_top_wider_than_an_adhesive_contact() {
         let depth = natural * natural / LENS * between(&mut random, [0.05, 20.0]);
         let depth = depth.min(0.05 * radius);
         let expected = exact(modulus, work, radius, depth);
-        let control = Control::Indentation(depth);
+        let control = Load::Indentation(depth);
         let contact = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
         assert_eq!(contact.termination, Termination::Converged);
         let scale = expected.force.abs().max(work * LENS);
@@ -147,7 +147,7 @@ fn the_diameter_may_pass_the_contact() {
         .unwrap();
     let force = |part: f64| {
         let system = sticky(2.0 * part * contact.radius, work, [0.0; 2]);
-        let control = Control::Indentation(depth);
+        let control = Load::Indentation(depth);
         fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
     };
     let [smaller, larger] = [0.99, 1.01].map(force);
@@ -169,7 +169,7 @@ fn the_diameter_may_pass_the_contact() {
 fn an_adhesive_contact_anywhere_inside_a_top() {
     let (work, depth) = (10e-3, 0.2e-6);
     let pressed = |centre| {
-        let control = Control::Indentation(depth);
+        let control = Load::Indentation(depth);
         let system = sticky(400e-6, work, centre);
         fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
     };
@@ -256,7 +256,7 @@ fn press_onto_layers(numbers: std::ops::Range<u64>) {
             rim.force + stiffness * (inside.indentation - rim.indentation)
         };
         let system = layered(2.0 * radius, Some(layer)).with_floor(FloorModel::Ignored);
-        let control = Control::Indentation(inside.indentation);
+        let control = Load::Indentation(inside.indentation);
         let found = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
         assert!(found.converged());
         let off = (found.force / expected - 1.0).abs();
@@ -271,7 +271,7 @@ fn press_onto_layers(numbers: std::ops::Range<u64>) {
         if radius > contact && number % 4 == 0 {
             assert!((found.contact_radius / contact - 1.0).abs() < allowed);
             // A force gives the indentation back.
-            let control = Control::Force(found.force);
+            let control = Load::Force(found.force);
             let back = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
             assert!((back.indentation / inside.indentation - 1.0).abs() < 1e-6);
         }
@@ -289,7 +289,7 @@ fn a_thick_layer_is_a_half_space() {
     let thick = critical(Some(Layer::new(1.0))).contact;
     assert!((thick.force / half_space.force - 1.0).abs() < 1e-3);
     let pressed = |layer| {
-        let control = Control::Indentation(20e-9);
+        let control = Load::Indentation(20e-9);
         let system = layered(60e-6, layer);
         fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
     };

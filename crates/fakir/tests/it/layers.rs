@@ -6,8 +6,8 @@
 // The table is read by helpers too.
 use crate::common::{INTERMEDIATE, paper_lattice, paper_pillar, paper_system};
 use fakir::problem::{
-    Accuracy, Arrangement, Base, Boundary, Control, ElementMesh, FloorModel, Grid, HeightMap,
-    HexagonalLattice, Indenter, Layer, LensShape, ListedPillar, Material, MeshLayout, Method,
+    Accuracy, Arrangement, Base, Boundary, ElementMesh, FloorModel, Grid, HeightMap,
+    HexagonalLattice, Indenter, Layer, LensShape, ListedPillar, Load, Material, MeshLayout, Method,
     Pillar, PillarCompliance, PillarList, PunchForm, Quantity, ShapedLens, SurfaceSystem, System,
     Texture,
 };
@@ -621,18 +621,12 @@ fn what_is_not_made_for_layers_is_refused() {
     let run = Run::default();
     let system = layered(0.1, 0.0, Some(Layer::new(50e-6)), None);
     let ignored = system.with_floor(FloorModel::Ignored);
-    let state = fakir::press(
-        &ignored,
-        Control::Indentation(20e-6),
-        Method::default(),
-        &run,
-    )
-    .unwrap();
+    let state = fakir::press(&ignored, Load::Indentation(20e-6), Method::default(), &run).unwrap();
     assert!(state.smallest_floor_gap < 0.0);
     let sticky = system
         .with_adhesion(fakir::problem::Adhesion::new(50e-3))
         .unwrap();
-    let error = fakir::press(&sticky, Control::FloorContact, Method::default(), &run).unwrap_err();
+    let error = fakir::press(&sticky, Load::FloorContact, Method::default(), &run).unwrap_err();
     assert!(matches!(error, SolveError::NotWithLayers { .. }), "{error}");
     for thickness in [0.0, -1.0, f64::NAN, 2.1e-6] {
         assert!(
@@ -710,7 +704,7 @@ fn fine_elements_agree_on_seven_pillars() {
 fn element_errors(pitch: f64, thickness: f64, cells: [usize; 2]) -> [f64; 2] {
     let run = Run::default();
     let system = listed(&hexagon(pitch), thickness).with_floor(FloorModel::Ignored);
-    let control = Control::Indentation(1e-6);
+    let control = Load::Indentation(1e-6);
     let spectral = Method::Spectral(Accuracy::Accurate);
     let exact = fakir::press(&system, control, spectral, &run).unwrap();
     assert_eq!(exact.pillars_in_contact, 7);
@@ -747,7 +741,7 @@ fn assert_second_opinion(phi: f64, [substrate, lens]: [Option<Layer>; 2], layout
         layout,
         ..ElementMesh::default()
     };
-    let control = Control::FloorContact;
+    let control = Load::FloorContact;
     let verification = fakir::verify(&system, control, mesh, &Run::default()).unwrap();
     assert_eq!(
         verification.verdict(),
@@ -814,7 +808,7 @@ fn by_cells(cells: usize, boundary: Boundary, contact: f64, film: Layer) -> f64 
     let system = system.unwrap().with_layers(Some(film), None).unwrap();
     let layers = Layers::new([(rubber, Some(film)), (lens.material, None)]);
     let exact = layers.sphere(radius, contact);
-    let load = Control::Indentation(exact.indentation);
+    let load = Load::Indentation(exact.indentation);
     let found = system.press(load, &Run::default()).unwrap();
     found.force / exact.force - 1.0
 }
@@ -843,7 +837,7 @@ fn height_maps_have_layers() {
 /// Past the transition of the same system, by so much more than its indentation there.
 fn past(system: &System, times: f64) -> ContactState {
     let critical = transition(system, Accuracy::Default);
-    let load = Control::Indentation(times * critical.indentation);
+    let load = Load::Indentation(times * critical.indentation);
     let state = fakir::press(system, load, Method::default(), &Run::default()).unwrap();
     assert!(state.converged());
     state
@@ -857,7 +851,7 @@ fn floors_on_thick_layers_are_those_of_half_spaces() {
     for system in [lattice, list] {
         let [with, without] = [Some(thick), None].map(|layer| {
             let system = system.with_layers(layer, layer).unwrap();
-            let load = Control::Indentation(7e-6);
+            let load = Load::Indentation(7e-6);
             fakir::press(&system, load, Method::default(), &Run::default()).unwrap()
         });
         let [of_with, of_without] = [&with, &without].map(|state| state.floor.as_ref().unwrap());
@@ -880,7 +874,7 @@ fn a_bare_floor_is_a_sphere_on_a_layer() {
         let exact = Layers::new([(rubber, Some(film)), (rubber, None)]).sphere(2.2e-3, contact);
         let system = System::new(paraboloid.clone(), rubber, texture.clone()).unwrap();
         let system = system.with_layers(Some(film), None).unwrap();
-        let load = Control::Indentation(pillar.height + exact.indentation);
+        let load = Load::Indentation(pillar.height + exact.indentation);
         let state = fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
         let error = state.force / exact.force - 1.0;
         assert_eq!(state.pillars_in_contact, 0);
@@ -900,7 +894,7 @@ fn a_bare_floor_is_a_sphere_on_a_layer() {
 #[track_caller]
 fn assert_floor_of_elements(system: &System, times: f64) {
     let critical = transition(system, Accuracy::Default);
-    let load = Control::Indentation(times * critical.indentation);
+    let load = Load::Indentation(times * critical.indentation);
     let mesh = ElementMesh::default();
     let verification = fakir::verify(system, load, mesh, &Run::default()).unwrap();
     let share = verification.floor_share.unwrap();
@@ -941,7 +935,7 @@ fn loads_past_the_transition_join_the_others_on_layers() {
     assert!(floor.share < 1e-3 && state.force > critical.force);
     assert!((state.force / critical.force - 1.0).abs() < 5e-3);
     let state = past(&system, 1.3);
-    let load = Control::Force(state.force);
+    let load = Load::Force(state.force);
     let again = fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
     let allowed = again.error.indentation + state.error.force;
     assert!((again.indentation / state.indentation - 1.0).abs() < allowed.max(1e-6));
@@ -967,14 +961,14 @@ const VALUES: [f64; 12] = [
 ];
 
 /// Loads, and whether they are on a list of seven pillars.
-const LOADS: [(Control, bool); 3] = [
-    (Control::FloorContact, false),
-    (Control::Indentation(2.0e-6), false),
-    (Control::Indentation(1.5e-6), true),
+const LOADS: [(Load, bool); 3] = [
+    (Load::FloorContact, false),
+    (Load::Indentation(2.0e-6), false),
+    (Load::Indentation(1.5e-6), true),
 ];
 
 /// The gradient of a system of such values, with each multiplied by `1 + part`.
-fn gradient((load, listed): (Control, bool), parts: [f64; 12]) -> Gradient {
+fn gradient((load, listed): (Load, bool), parts: [f64; 12]) -> Gradient {
     let [
         height,
         diameter,
@@ -1025,7 +1019,7 @@ fn gradient((load, listed): (Control, bool), parts: [f64; 12]) -> Gradient {
 
 /// The derivative of the force along parts of all values, beside the central difference.
 #[track_caller]
-fn assert_difference(load: (Control, bool), found: &Gradient, parts: [f64; 12]) {
+fn assert_difference(load: (Load, bool), found: &Gradient, parts: [f64; 12]) {
     let derivatives = found.force.as_ref().unwrap();
     let by: f64 = (0..QUANTITIES.len())
         .filter(|which| parts[*which] != 0.0)
@@ -1040,7 +1034,7 @@ fn assert_difference(load: (Control, bool), found: &Gradient, parts: [f64; 12]) 
 }
 
 /// On a list pillars have heights, diameters and places of their own.
-fn first_with_derivative((_, listed): (Control, bool)) -> usize {
+fn first_with_derivative((_, listed): (Load, bool)) -> usize {
     if listed { 3 } else { 0 }
 }
 

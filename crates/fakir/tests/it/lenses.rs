@@ -1,8 +1,8 @@
 //! Lenses that are no spheres: paraboloids, cylinders, plates and tables of heights.
 
 use fakir::problem::{
-    Accuracy, Adhesion, Arrangement, Boundary, Control, Grid, HeightMap, HexagonalLattice,
-    Indenter, InvalidQuantity, LatticeForm, Lens, LensProfile, LensShape, ListedPillar, Material,
+    Accuracy, Adhesion, Arrangement, Boundary, Grid, HeightMap, HexagonalLattice, Indenter,
+    InvalidQuantity, LatticeForm, Lens, LensProfile, LensShape, ListedPillar, Load, Material,
     Method, Pillar, PillarCompliance, PillarList, PlaneLattice, Point, PunchForm, Quantity,
     Requirement, ShapedLens, SurfaceSystem, System, Texture,
 };
@@ -60,14 +60,14 @@ fn plate(tilt: f64, direction: f64) -> LensShape {
     LensShape::Plate { tilt, direction }
 }
 
-fn pressed_by(system: &System, control: Control, accuracy: Accuracy) -> ContactState {
+fn pressed_by(system: &System, control: Load, accuracy: Accuracy) -> ContactState {
     let state = fakir::press(system, control, Method::Spectral(accuracy), &Run::default())
         .expect("a solution");
     assert!(state.converged(), "{:?}", state.termination);
     state
 }
 
-fn pressed(system: &System, control: Control) -> ContactState {
+fn pressed(system: &System, control: Load) -> ContactState {
     pressed_by(system, control, Accuracy::Default)
 }
 
@@ -103,11 +103,11 @@ fn a_paraboloid_inside_a_wide_pillar_is_hertz() {
     let system = system(LensShape::Paraboloid { radius: RADIUS }, list);
     for depth in [0.05e-6, 0.5e-6, 1.5e-6] {
         let hertz = 4.0 / 3.0 * MODULUS * RADIUS.sqrt() * f64::powf(depth, 1.5);
-        let state = pressed(&system, Control::Indentation(depth));
+        let state = pressed(&system, Load::Indentation(depth));
         assert!((state.force / hertz - 1.0).abs() < 1e-12, "{depth}");
         let area = state.contact_radius.powi(2) / (RADIUS * depth);
         assert!((area - 1.0).abs() < 1e-12, "{depth}");
-        let back = pressed(&system, Control::Force(hertz));
+        let back = pressed(&system, Load::Force(hertz));
         assert!((back.indentation / depth - 1.0).abs() < 1e-12, "{depth}");
     }
 }
@@ -148,7 +148,7 @@ fn paraboloids_on_dense_lattices_are_those_of_the_homogenised_one() {
         let shape = LensShape::Paraboloid { radius: RADIUS };
         let exact = of_shape(shape, PillarCompliance::Column, lattice).unwrap();
         let layer = of_shape(sphere(RADIUS), PillarCompliance::Column, lattice).unwrap();
-        let control = Control::Indentation(6e-6);
+        let control = Load::Indentation(6e-6);
         let exact = pressed(&exact, control);
         let layer = fakir::press(&layer, control, Method::Homogenised, &Run::default()).unwrap();
         layer.force / exact.force - 1.0
@@ -294,7 +294,7 @@ fn cylinders_on_dense_rows_are_line_contacts() {
             .map(|place| place.map(|x| x * pitch))
             .collect();
         let system = of_shape(cylinder(0.0), PillarCompliance::Column, list(&places)).unwrap();
-        let state = pressed(&system, Control::Indentation(depth));
+        let state = pressed(&system, Load::Indentation(depth));
         let width = 2 * rows + 1;
         let middle = |j: i32| force_on(&state, (i64::from(along * width + j + rows), 0));
         let forces: Vec<f64> = (-rows..=rows).map(middle).collect();
@@ -342,10 +342,10 @@ fn a_plate_on_one_pillar_is_a_flat_punch() {
         .unwrap();
         let rise = f64::tan(tilt) * turned(place, -direction)[0];
         let depth = 0.4e-6;
-        let state = pressed(&system, Control::Indentation(depth));
+        let state = pressed(&system, Load::Indentation(depth));
         let punch = (depth - rise) / (1.0 / (MODULUS * 6e-6) + column);
         assert!((state.force / punch - 1.0).abs() < 1e-10, "{tilt}");
-        let back = pressed(&system, Control::Force(punch));
+        let back = pressed(&system, Load::Force(punch));
         assert!((back.indentation / depth - 1.0).abs() < 1e-9, "{tilt}");
     }
 }
@@ -364,14 +364,14 @@ fn plates_on_listed_pillars_as_the_prototype() {
     });
     let list = PillarList::new(pillars.collect()).unwrap();
     let system = system(plate(0.0, 0.0), list);
-    let state = pressed_by(&system, Control::Indentation(1e-6), Accuracy::Accurate);
+    let state = pressed_by(&system, Load::Indentation(1e-6), Accuracy::Accurate);
     assert_eq!(state.pillars.len(), 9);
     assert!(
         (state.force / 27.8797845791e-6 - 1.0).abs() < 1e-7,
         "{}",
         state.force
     );
-    let back = pressed_by(&system, Control::Force(state.force), Accuracy::Accurate);
+    let back = pressed_by(&system, Load::Force(state.force), Accuracy::Accurate);
     assert!((back.indentation / 1e-6 - 1.0).abs() < 1e-9);
 }
 
@@ -382,7 +382,7 @@ fn tilted_plates_press_linearly_and_symmetrically() {
     let places: Vec<Point> = [[-20.0, 0.0], [20.0, 0.0], [0.0, 12.0], [0.0, -12.0]]
         .map(|place| place.map(|x| 1e-6 * x))
         .to_vec();
-    let control = Control::Indentation(0.5e-6);
+    let control = Load::Indentation(0.5e-6);
     let forces = |tilt: f64, direction: f64| {
         let state = pressed(&system(plate(tilt, direction), list(&places)), control);
         [0, 1, 2, 3].map(|k| force_on(&state, (k, 0)))
@@ -431,7 +431,7 @@ fn profiles_of_a_sphere_are_the_sphere() {
     let lattice = PlaneLattice::new(LatticeForm::Square { pitch: 16e-6 });
     let force = |shape: LensShape| {
         let system = system(shape, lattice);
-        let state = pressed_by(&system, Control::Indentation(4e-6), Accuracy::Accurate);
+        let state = pressed_by(&system, Load::Indentation(4e-6), Accuracy::Accurate);
         state.force
     };
     let of_sphere = force(sphere(small));
@@ -485,7 +485,7 @@ fn a_profile_inside_a_wide_pillar_is_sneddon() {
     let depth = a * a / radius + 0.75 * PI * a.powi(3) / cube;
     let force =
         2.0 * MODULUS * (2.0 * a.powi(3) / (3.0 * radius) + 9.0 * PI * a.powi(4) / (16.0 * cube));
-    let state = pressed(&system, Control::Indentation(depth));
+    let state = pressed(&system, Load::Indentation(depth));
     let away = state.force / force - 1.0;
     println!("{away:e}, claimed {:e}", state.error.force);
     // Quadrature knows no better than 1e-7.
@@ -508,7 +508,7 @@ fn profiles_are_used_as_far_as_they_go() {
     let press = |depth: f64| {
         fakir::press(
             &short,
-            Control::Indentation(depth),
+            Load::Indentation(depth),
             Method::default(),
             &Run::default(),
         )
@@ -522,7 +522,7 @@ fn profiles_are_used_as_far_as_they_go() {
     assert!(error.to_string().contains("ends at 6.000e-5 m"), "{error}");
     // The lens comes nearest to the floor at the rim of the pillar, 3 um from its axis, beyond the end of this table.
     let shorter = system(profile(2.5e-6, 20, |r| exact.sag(r)), lattice);
-    let light = Control::Indentation(1e-9);
+    let light = Load::Indentation(1e-9);
     let error = fakir::press(&shorter, light, Method::default(), &Run::default()).unwrap_err();
     assert!(matches!(error, SolveError::ProfileEnds { .. }), "{error}");
 }
@@ -546,7 +546,7 @@ fn turning_all_changes_nothing() {
         (&|angle| plate(0.002, 0.4 + angle), 0.3e-6),
     ];
     for (shape, depth) in shapes {
-        let control = Control::Indentation(depth);
+        let control = Load::Indentation(depth);
         let straight = pressed_by(
             &system(shape(0.0), list(&places)),
             control,
@@ -569,7 +569,7 @@ fn turning_all_changes_nothing() {
         ..PlaneLattice::new(LatticeForm::Square { pitch: 14e-6 })
     };
     for (shape, depth) in shapes {
-        let control = Control::Indentation(depth);
+        let control = Load::Indentation(depth);
         let [straight, copy] =
             [0.0, by].map(|by| pressed(&system(shape(by), lattice(by)), control));
         assert!((copy.force / straight.force - 1.0).abs() < 1e-10);
@@ -608,13 +608,13 @@ fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
         let indenter = Indenter::Flat(Some(MATERIAL));
         let surface = SurfaceSystem::new(indenter, MATERIAL, map, Boundary::FreeSpace).unwrap();
         // Counted from the highest of the map.
-        let control = Control::Indentation(depth - (2.2e-6 - highest));
+        let control = Load::Indentation(depth - (2.2e-6 - highest));
         surface.press(control, &Run::default()).unwrap().force
     };
     let exactly = |shape: LensShape| {
         pressed_by(
             &system(shape, list(&places)),
-            Control::Indentation(depth),
+            Load::Indentation(depth),
             Accuracy::Accurate,
         )
         .force
@@ -652,7 +652,7 @@ fn gradients_know_the_shape() {
     for (shape, has_radius) in shapes {
         let of = |radius: f64, pitch: f64| system(shape(radius), lattice(pitch));
         let (radius, pitch) = (400e-6, 14e-6);
-        let control = Control::Indentation(0.9e-6);
+        let control = Load::Indentation(0.9e-6);
         let force = |radius: f64, pitch: f64| {
             let system = of(radius, pitch);
             let gradient = fakir::gradient(&system, control, Method::default(), &Run::default());
@@ -728,7 +728,7 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
     let hexagonal = HexagonalLattice::new(40e-6);
     let paraboloid = system(LensShape::Paraboloid { radius: RADIUS }, hexagonal);
     let run = Run::default();
-    let control = Control::Indentation(1e-6);
+    let control = Load::Indentation(1e-6);
     for method in [
         Method::Punch(PunchForm::Corrected),
         Method::Love(fakir::problem::ElementMesh::default()),
@@ -760,10 +760,9 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
         let few = system(shape, list(&[[0.0, 0.0], [20e-6, 0.0]]));
         let error = fakir::transition(&few, Method::default(), &run).unwrap_err();
         assert!(error.to_string().contains("has no transition"), "{error}");
-        let error =
-            fakir::gradient(&few, Control::FloorContact, Method::default(), &run).unwrap_err();
+        let error = fakir::gradient(&few, Load::FloorContact, Method::default(), &run).unwrap_err();
         assert!(matches!(error, SolveError::NoTransition { .. }));
-        let deep = pressed(&few, Control::Indentation(2.5e-6));
+        let deep = pressed(&few, Load::Indentation(2.5e-6));
         let beside = |warning: &Warning| matches!(warning, Warning::FloorBeside { .. });
         assert!(deep.warnings.iter().any(beside) && deep.smallest_floor_gap < 0.0);
     }

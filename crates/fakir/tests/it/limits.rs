@@ -2,7 +2,7 @@
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
-    Control, FloorModel, HexagonalLattice, Layer, Lens, ListedPillar, Material, Method, Pillar,
+    FloorModel, HexagonalLattice, Layer, Lens, ListedPillar, Load, Material, Method, Pillar,
     PillarCompliance, PillarList, System, Texture,
 };
 use fakir::state::{ContactState, Limit, Run};
@@ -15,7 +15,7 @@ fn critical(system: &System) -> ContactState {
     found.expect("a critical state").contact
 }
 
-fn press(system: &System, control: Control) -> ContactState {
+fn press(system: &System, control: Load) -> ContactState {
     let found = fakir::press(system, control, Method::default(), &Run::default());
     found.expect("a contact")
 }
@@ -55,10 +55,7 @@ fn the_floor_beyond_the_pillars_is_part_of_the_contact() {
     let list = PillarList::new(vec![pillar(-5e-6), pillar(5e-6)]).expect("pillars apart");
     let texture = Texture::new(paper_pillar(COLUMN), list);
     let system = System::new(lens, Material::new(INTERMEDIATE, 0.5), texture);
-    let state = press(
-        &system.expect("a valid system"),
-        Control::Indentation(30e-6),
-    );
+    let state = press(&system.expect("a valid system"), Load::Indentation(30e-6));
     let floor = state.floor.as_ref().expect("a floor in contact");
     assert!(floor.radius > 3.0 * state.contact_radius);
     assert!((state.whole_contact_radius() / floor.radius - 1.0).abs() < 1e-15);
@@ -76,7 +73,7 @@ fn the_floor_beyond_the_pillars_is_part_of_the_contact() {
 #[test]
 fn a_light_contact_strains_nothing() {
     let system = paper_system(paper_lattice(0.1, 0.0), INTERMEDIATE, COLUMN);
-    let state = press(&system, Control::Force(5e-6));
+    let state = press(&system, Load::Force(5e-6));
     let limits = state.limits(None);
     assert!(limits.iter().all(|limit| !limit.strained), "{limits:?}");
     assert!(
@@ -85,7 +82,7 @@ fn a_light_contact_strains_nothing() {
             .all(|limit| limit.nearness().unwrap_or(0.0) < 1.0)
     );
     // Without a force there is nothing that could change it.
-    let untouched = press(&system, Control::Force(0.0)).limits(None);
+    let untouched = press(&system, Load::Force(0.0)).limits(None);
     assert!(untouched.iter().all(|limit| limit.threshold.is_some()));
 }
 
@@ -100,7 +97,7 @@ fn wide_contacts() {
     let lattice = HexagonalLattice::with_surface_fraction(0.2, pillar.diameter);
     let substrate = Material::new(INTERMEDIATE, 0.5);
     let system = System::new(lens, substrate, Texture::new(pillar, lattice)).unwrap();
-    let state = press(&system, Control::Indentation(8e-6));
+    let state = press(&system, Load::Indentation(8e-6));
     let ratio = state.contact_radius / 100e-6;
     for name in ["slope", "contact_radius_over_lens_radius"] {
         let found = limit(&state, name);
@@ -113,7 +110,7 @@ fn wide_contacts() {
 #[test]
 fn hard_pressed_and_slender_pillars() {
     let alone = of_height(2.2e-6, 1e-3, INTERMEDIATE).with_floor(FloorModel::Ignored);
-    let state = press(&alone, Control::Force(20e-6));
+    let state = press(&alone, Load::Force(20e-6));
     assert_eq!(state.pillars.len(), 1);
     let stress = 20e-6 / (PI * 9e-12) / INTERMEDIATE;
     let found = limit(&state, "pillar_stress");
@@ -121,7 +118,7 @@ fn hard_pressed_and_slender_pillars() {
     assert!(found.strained && !limit(&state, "buckling").strained);
     // `F h^2/(pi^2 E I)` with `I = pi d^4/64`.
     let slender = of_height(24e-6, 1e-3, INTERMEDIATE);
-    let state = press(&slender, Control::Force(5e-6));
+    let state = press(&slender, Load::Force(5e-6));
     let second_moment = PI * 6e-6_f64.powi(4) / 64.0;
     let expected = 5e-6 * 24e-6_f64.powi(2) / (PI * PI * INTERMEDIATE * second_moment);
     let found = limit(&state, "buckling");
@@ -219,7 +216,7 @@ fn layers_beyond_what_they_stand_for() {
         limits.into_iter().map(|limit| limit.name).collect()
     };
     // At 3 um the contact reaches out to 80 um.
-    let load = Control::Indentation(3e-6);
+    let load = Load::Indentation(3e-6);
     let thick = press(&with(Some(1e-3), Some(1e-3)), load);
     let limits = thick.limits(None);
     assert!(limits.iter().all(|limit| !limit.strained), "{limits:?}");
@@ -253,7 +250,7 @@ fn layers_beyond_what_they_stand_for() {
     let film = press(&with(Some(40e-6), None), load);
     let wide = limit(&film, "contact_radius_over_substrate_thickness");
     assert!(wide.value > 1.0 && !wide.strained && wide.threshold.is_none());
-    let thin = press(&with(Some(11e-6), None), Control::Indentation(0.5e-6));
+    let thin = press(&with(Some(11e-6), None), Load::Indentation(0.5e-6));
     assert!(limit(&thin, "thickness_over_diameter").strained);
     assert!(!limit(&thin, "indentation_over_thickness").strained);
 }

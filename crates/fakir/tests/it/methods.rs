@@ -3,9 +3,9 @@
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_system};
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
-    Accuracy, Boundary, Control, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
-    InvalidQuantity, Lens, Material, MeshLayout, Method, PillarCompliance, PunchForm, Quantity,
-    Requirement, SurfaceSystem, System,
+    Accuracy, Boundary, ElementMesh, Floor, Grid, HeightMap, HexagonalLattice, Indenter,
+    InvalidQuantity, Lens, Load, Material, MeshLayout, Method, PillarCompliance, PunchForm,
+    Quantity, Requirement, SurfaceSystem, System,
 };
 use fakir::state::{CancelToken, ErrorEstimate, Run, SolveError, SurfaceContact, Termination};
 
@@ -151,14 +151,14 @@ impl Subject {
         self,
         offset: f64,
         degrees: f64,
-        question: Control,
+        question: Load,
         run: &Run<'_>,
     ) -> Result<Answer, Refusal> {
         match self {
             Self::Texture(method) => {
                 let system = texture(offset, degrees);
                 let (state, place) = match question {
-                    Control::FloorContact => {
+                    Load::FloorContact => {
                         let critical = fakir::transition(&system, method, run)?;
                         (critical.contact, critical.floor_contact)
                     }
@@ -186,11 +186,11 @@ impl Subject {
         }
     }
 
-    fn ask(self, question: Control, run: &Run<'_>) -> Result<Answer, Refusal> {
+    fn ask(self, question: Load, run: &Run<'_>) -> Result<Answer, Refusal> {
         self.ask_at(0.2, 10.0, question, run)
     }
 
-    fn press(self, load: Control) -> Result<Answer, Refusal> {
+    fn press(self, load: Load) -> Result<Answer, Refusal> {
         self.ask(load, &Run::default())
     }
 
@@ -214,8 +214,8 @@ fn loads_that_cannot_be_are_refused() {
             1e-100,
         ] {
             for (load, quantity) in [
-                (Control::Indentation(value), Quantity::Indentation),
-                (Control::Force(value), Quantity::Force),
+                (Load::Indentation(value), Quantity::Indentation),
+                (Load::Force(value), Quantity::Force),
             ] {
                 match subject.press(load) {
                     Err(Refusal::Load(refused)) => {
@@ -223,10 +223,8 @@ fn loads_that_cannot_be_are_refused() {
                         assert_eq!(refused.value.to_bits(), value.to_bits());
                         // The smallest that is not refused has an answer, or none for a reason.
                         let smallest = match refused.requirement {
-                            Requirement::ZeroOrForce(smallest) => Control::Force(smallest),
-                            Requirement::ZeroOrIndentation(smallest) => {
-                                Control::Indentation(smallest)
-                            }
+                            Requirement::ZeroOrForce(smallest) => Load::Force(smallest),
+                            Requirement::ZeroOrIndentation(smallest) => Load::Indentation(smallest),
                             other => panic!("{other:?}"),
                         };
                         if !pressed.contains(&smallest) {
@@ -246,7 +244,7 @@ fn nothing_is_touched_without_load() {
     for subject in subjects() {
         for offset in [0.0, 0.5] {
             for value in [0.0, -0.0] {
-                for load in [Control::Indentation(value), Control::Force(value)] {
+                for load in [Load::Indentation(value), Load::Force(value)] {
                     let question = load;
                     let answer = subject.ask_at(offset, 0.0, question, &Run::default());
                     let answer = answer.expect("there is always such a contact");
@@ -272,9 +270,9 @@ fn cancelled_computations_stop() {
     };
     for subject in subjects() {
         for question in [
-            Control::FloorContact,
-            Control::Indentation(3e-6),
-            Control::Force(1e-4),
+            Load::FloorContact,
+            Load::Indentation(3e-6),
+            Load::Force(1e-4),
         ] {
             let stopped = subject.ask(question, &run);
             assert_eq!(
@@ -297,7 +295,7 @@ fn memory_is_limited() {
         .into_iter()
         .filter(|subject| subject.is_limited())
     {
-        for question in [Control::FloorContact, Control::Indentation(3e-6)] {
+        for question in [Load::FloorContact, Load::Indentation(3e-6)] {
             match subject.ask(question, &run) {
                 Err(Refusal::Memory { bytes, limit }) => assert!(bytes > limit && limit == LIMIT),
                 other => panic!("{subject:?}: {other:?}"),
@@ -323,11 +321,11 @@ fn all_numbers_are_numbers_under_many_loads() {
 fn check_numbers(step: usize) {
     let indentations = (-26..=-6)
         .step_by(step)
-        .map(|power| Control::Indentation(10f64.powi(power)));
+        .map(|power| Load::Indentation(10f64.powi(power)));
     let forces = (-34..=-6)
         .step_by(step)
-        .map(|power| Control::Force(10f64.powi(power)));
-    let loads: Vec<Control> = indentations.chain(forces).collect();
+        .map(|power| Load::Force(10f64.powi(power)));
+    let loads: Vec<Load> = indentations.chain(forces).collect();
     for subject in subjects() {
         let (mut answers, mut converged) = (0, 0);
         // On a pillar, and beside one, of which the smallest loads touch next to nothing.
@@ -351,9 +349,9 @@ fn check_numbers(step: usize) {
             if answer.termination == Termination::Converged {
                 converged += 1;
                 let error = match *load {
-                    Control::Indentation(given) => answer.indentation / given - 1.0,
-                    Control::Force(given) => answer.force / given - 1.0,
-                    Control::FloorContact => 0.0,
+                    Load::Indentation(given) => answer.indentation / given - 1.0,
+                    Load::Force(given) => answer.force / given - 1.0,
+                    Load::FloorContact => 0.0,
                 };
                 assert!(error.abs() < 1e-6, "{subject:?} {load:?}: {error:e}");
             } else if matches!(subject, Subject::Texture(_)) {
@@ -450,21 +448,21 @@ fn wide_pillars_reach_beyond_a_small_lens() {
 #[test]
 fn symmetric_textures_have_the_same_answers() {
     // A turn and a reflection, of which all others are made.
-    compare_images(&[Control::Indentation(3e-6)], &[70.0, -10.0]);
+    compare_images(&[Load::Indentation(3e-6)], &[70.0, -10.0]);
 }
 
 #[test]
 #[ignore = "slow: under a force and where the floor is reached, and half-way round"]
 fn symmetric_textures_have_the_same_answers_to_all_questions() {
     let questions = [
-        Control::FloorContact,
-        Control::Indentation(3e-6),
-        Control::Force(1e-4),
+        Load::FloorContact,
+        Load::Indentation(3e-6),
+        Load::Force(1e-4),
     ];
     compare_images(&questions, &[70.0, 190.0, -10.0]);
 }
 
-fn compare_images(questions: &[Control], images: &[f64]) {
+fn compare_images(questions: &[Load], images: &[f64]) {
     for subject in subjects() {
         if matches!(subject, Subject::Surface(..)) {
             continue;
@@ -508,17 +506,17 @@ fn compare_images(questions: &[Control], images: &[f64]) {
 
 #[test]
 fn errors_are_as_estimated() {
-    check_errors(&[Control::Indentation(3e-6), Control::Force(1e-4)]);
+    check_errors(&[Load::Indentation(3e-6), Load::Force(1e-4)]);
 }
 
 #[test]
 fn errors_where_the_floor_is_reached_are_as_estimated() {
-    check_errors(&[Control::FloorContact]);
+    check_errors(&[Load::FloorContact]);
 }
 
 /// Those that know their error know it: the accurate spectral method is within it. The homogenised
 /// lattice gives the error of its numbers, not that of the model.
-fn check_errors(questions: &[Control]) {
+fn check_errors(questions: &[Load]) {
     let exact = Subject::Texture(Method::Spectral(Accuracy::Accurate));
     for &question in questions {
         let exact = exact.ask(question, &Run::default()).expect("an answer");

@@ -8,7 +8,7 @@
 
 use crate::common::{paper_lattice, paper_system};
 use fakir::problem::{
-    Accuracy, Adhesion, Control, FloorModel, Method, PillarCompliance, PunchForm, System,
+    Accuracy, Adhesion, FloorModel, Load, Method, PillarCompliance, PunchForm, System,
 };
 use fakir::state::{ContactState, Run, SolveError, Warning};
 use std::sync::LazyLock;
@@ -36,7 +36,7 @@ impl Row {
                     .map(|v| v.parse().expect("a number"))
                     .collect();
                 let system = system(values[0], values[1] * 1e6, values[2]);
-                let load = Control::Indentation(values[4] * UM);
+                let load = Load::Indentation(values[4] * UM);
                 Self {
                     computed: pressed(&system, load, accuracy),
                     values,
@@ -55,7 +55,7 @@ fn system(phi: f64, modulus: f64, offset: f64) -> System {
     paper_system(lattice, modulus, PillarCompliance::Column)
 }
 
-fn pressed(system: &System, load: Control, accuracy: Accuracy) -> ContactState {
+fn pressed(system: &System, load: Load, accuracy: Accuracy) -> ContactState {
     let state = fakir::press(system, load, Method::Spectral(accuracy), &Run::default());
     let state = state.expect("a state past the transition");
     assert!(state.converged());
@@ -188,8 +188,8 @@ fn check_before_transition(phi: f64, modulus: f64, offset: f64) {
     let first = critical(&system);
     for part in [0.3, 0.999] {
         for load in [
-            Control::Indentation(part * first.indentation),
-            Control::Force(part * first.force),
+            Load::Indentation(part * first.indentation),
+            Load::Force(part * first.force),
         ] {
             for accuracy in [Accuracy::Default, Accuracy::Accurate] {
                 let with = pressed(&system, load, accuracy);
@@ -216,7 +216,7 @@ fn the_floor_takes_load_as_hertz_at_first() {
     let method = Method::Spectral(Accuracy::Accurate);
     let first = fakir::transition(&system, method, &Run::default()).unwrap();
     let shares = [1e-4, 1e-2].map(|past: f64| {
-        let load = Control::Indentation((1.0 + past) * first.contact.indentation);
+        let load = Load::Indentation((1.0 + past) * first.contact.indentation);
         share(&pressed(&system, load, Accuracy::Accurate))
     });
     let exponent = (shares[1] / shares[0]).log10() / 2.0;
@@ -228,7 +228,7 @@ fn the_floor_takes_load_as_hertz_at_first() {
 fn force_and_stiffness_join_at_the_transition() {
     let system = system(0.03, 2e6, 1.0 / 3f64.sqrt());
     let first = critical(&system);
-    let load = |past: f64| Control::Indentation((1.0 + past) * first.indentation);
+    let load = |past: f64| Load::Indentation((1.0 + past) * first.indentation);
     let at = pressed(&system, load(0.0), Accuracy::Default).force;
     assert!((at / first.force - 1.0).abs() < 1e-7);
     // Over what the tops alone bear.
@@ -254,11 +254,7 @@ fn a_floor_contact_close_to_a_rim_is_warned_of() {
     let system = system(0.03, 2e6, 0.0);
     let first = critical(&system).indentation;
     let near = |ratio: f64| {
-        let state = pressed(
-            &system,
-            Control::Indentation(ratio * first),
-            Accuracy::Default,
-        );
+        let state = pressed(&system, Load::Indentation(ratio * first), Accuracy::Default);
         let warned = state.warnings.iter().find_map(|warning| match warning {
             Warning::FloorNearRim { distance, .. } => Some(*distance),
             _ => None,
@@ -282,11 +278,7 @@ fn far_past_the_transition_it_is_the_contact_of_hertz() {
     let hertz = |depth: f64| 4.0 / 3.0 * modulus * radius.sqrt() * depth.powf(1.5);
     for (ratio, quotient, effective) in [(2.0, 1.139, 1.66), (3.0, 1.065, 1.77), (5.0, 1.027, 1.88)]
     {
-        let state = pressed(
-            &system,
-            Control::Indentation(ratio * first),
-            Accuracy::Default,
-        );
+        let state = pressed(&system, Load::Indentation(ratio * first), Accuracy::Default);
         let over_hertz = state.force / hertz(state.indentation - height);
         assert!(
             (over_hertz - quotient).abs() < 6e-4,
@@ -306,7 +298,7 @@ fn no_pillar_outside_is_touched_on_the_way() {
     let system = system(0.08, 2e6, 0.0);
     let state = pressed(
         &system,
-        Control::Indentation(89.550_684 * UM),
+        Load::Indentation(89.550_684 * UM),
         Accuracy::Default,
     );
     assert!((state.force / 6.835_697_36e-2 - 1.0).abs() < 1e-8);
@@ -323,12 +315,8 @@ fn a_force_returns_its_indentation() {
     ] {
         let system = system(phi, modulus, offset);
         let indentation = ratio * critical(&system).indentation;
-        let state = pressed(
-            &system,
-            Control::Indentation(indentation),
-            Accuracy::Default,
-        );
-        let back = pressed(&system, Control::Force(state.force), Accuracy::Default);
+        let state = pressed(&system, Load::Indentation(indentation), Accuracy::Default);
+        let back = pressed(&system, Load::Force(state.force), Accuracy::Default);
         let change = (back.indentation / indentation - 1.0).abs();
         assert!(change < 1e-8, "{phi}: {change:e}");
         assert!((share(&back) / share(&state) - 1.0).abs() < 1e-6);
@@ -344,7 +332,7 @@ fn a_force_returns_its_indentation() {
 #[test]
 fn copies_of_an_offset_agree() {
     let base = system(0.03, 2e6, 0.3);
-    let indentation = Control::Indentation(1.4 * critical(&base).indentation);
+    let indentation = Load::Indentation(1.4 * critical(&base).indentation);
     let state = pressed(&base, indentation, Accuracy::Default);
     let across = std::f64::consts::PI;
     for (offset, angle, tolerance) in [(0.3 + 3f64.sqrt(), 0.0, 1e-9), (0.3, across, 1e-5)] {
@@ -380,8 +368,8 @@ fn results_scale() {
         lattice.pitch *= 1e3;
         System::new(lens, Material::new(2e9, 0.5), Texture::new(pillar, lattice)).unwrap()
     };
-    let a = pressed(&small, Control::Indentation(6e-6), Accuracy::Default);
-    let b = pressed(&large, Control::Indentation(6e-3), Accuracy::Default);
+    let a = pressed(&small, Load::Indentation(6e-6), Accuracy::Default);
+    let b = pressed(&large, Load::Indentation(6e-3), Accuracy::Default);
     assert!((b.force / a.force / 1e9 - 1.0).abs() < 1e-9);
     let (a, b) = (a.floor.unwrap(), b.floor.unwrap());
     assert!((b.area / a.area / 1e6 - 1.0).abs() < 1e-9);
@@ -423,7 +411,7 @@ fn a_lens_may_meet_the_floor_first() {
     for depth in [0.1e-6, 0.4e-6] {
         let state = pressed(
             &system,
-            Control::Indentation(2.2e-6 + depth),
+            Load::Indentation(2.2e-6 + depth),
             Accuracy::Default,
         );
         let quotient = (state.force / on_a_flat(&system, depth) - 1.0).abs();
@@ -438,16 +426,16 @@ fn a_lens_may_meet_the_floor_first() {
         assert!((share(&state) - 1.0).abs() < 1e-12);
     }
     // Nothing is touched at the height of the pillars.
-    let at = pressed(&system, Control::Indentation(2.2e-6), Accuracy::Default);
+    let at = pressed(&system, Load::Indentation(2.2e-6), Accuracy::Default);
     assert!(at.floor.is_none() && at.force == 0.0);
 }
 
 #[test]
 fn a_force_on_the_floor_alone_returns_its_indentation() {
     let (system, _) = between_far_pillars();
-    let load = Control::Indentation(2.3e-6);
+    let load = Load::Indentation(2.3e-6);
     let state = pressed(&system, load, Accuracy::Default);
-    let back = pressed(&system, Control::Force(state.force), Accuracy::Default);
+    let back = pressed(&system, Load::Force(state.force), Accuracy::Default);
     assert!((back.indentation / state.indentation - 1.0).abs() < 1e-8);
 }
 
@@ -457,7 +445,7 @@ fn pillars_join_a_lens_on_the_floor() {
     let (system, first_pillar) = between_far_pillars();
     let deep = pressed(
         &system,
-        Control::Indentation(1.6 * first_pillar),
+        Load::Indentation(1.6 * first_pillar),
         Accuracy::Default,
     );
     assert!(deep.pillars_in_contact >= 3, "{}", deep.pillars_in_contact);
@@ -469,7 +457,7 @@ fn pillars_join_a_lens_on_the_floor() {
 #[test]
 fn the_pressure_bears_the_force_and_closes_the_gap() {
     let system = system(0.03, 2e6, 0.0);
-    let load = Control::Indentation(1.4 * critical(&system).indentation);
+    let load = Load::Indentation(1.4 * critical(&system).indentation);
     let state = pressed(&system, load, Accuracy::Default);
     let floor = state.floor.as_ref().unwrap();
     let sum: f64 = floor.pressure.iter().sum::<f64>() * floor.cell()[0] * floor.cell()[1];
@@ -494,7 +482,7 @@ fn what_is_asked_of_a_run_is_kept() {
     use fakir::state::{CancelToken, SolveError, Stage};
     use std::sync::Mutex;
     let system = system(0.03, 2e6, 0.0);
-    let load = Control::Indentation(1.4 * critical(&system).indentation);
+    let load = Load::Indentation(1.4 * critical(&system).indentation);
     let press = |run: &Run<'_>| fakir::press(&system, load, Method::default(), run);
     let run = Run {
         memory_limit: Some(2_000_000),
@@ -577,8 +565,8 @@ fn check_shares(systems: &[(f64, f64, f64)], wanted: &[f64]) {
                 "{phi}: {wanted}"
             );
             for load in [
-                Control::Indentation(state.indentation),
-                Control::Force(state.force),
+                Load::Indentation(state.indentation),
+                Load::Force(state.force),
             ] {
                 let again = pressed(&system, load, Accuracy::Default);
                 let [force, indentation] = [

@@ -6,8 +6,8 @@ use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Accuracy, Arrangement, Control, Disorder, ElementMesh, LatticeForm, LensProfile, LensShape,
-    ListedPillar, Material, Method, PillarCompliance, PillarList, PlaneLattice, Scatter,
+    Accuracy, Arrangement, Disorder, ElementMesh, LatticeForm, LensProfile, LensShape,
+    ListedPillar, Load, Material, Method, PillarCompliance, PillarList, PlaneLattice, Scatter,
     ShapedLens, System, Texture,
 };
 use fakir::state::{ContactState, Run, SolveError};
@@ -39,7 +39,7 @@ fn square(surface_fraction: f64) -> PlaneLattice {
     })
 }
 
-fn solved(system: &System, control: Control, accuracy: Accuracy) -> ContactState {
+fn solved(system: &System, control: Load, accuracy: Accuracy) -> ContactState {
     let method = Method::Spectral(accuracy);
     let state = fakir::press(system, control, method, &Run::default());
     let state = state.expect("a state past the transition");
@@ -47,7 +47,7 @@ fn solved(system: &System, control: Control, accuracy: Accuracy) -> ContactState
     state
 }
 
-fn pressed(system: &System, control: Control) -> ContactState {
+fn pressed(system: &System, control: Load) -> ContactState {
     solved(system, control, Accuracy::Default)
 }
 
@@ -57,8 +57,8 @@ fn critical(system: &System) -> ContactState {
 }
 
 /// At so many times the indentation at which the floor is reached.
-fn past(system: &System, times: f64) -> Control {
-    Control::Indentation(times * critical(system).indentation)
+fn past(system: &System, times: f64) -> Load {
+    Load::Indentation(times * critical(system).indentation)
 }
 
 fn share(state: &ContactState) -> f64 {
@@ -195,7 +195,7 @@ fn force_joins_at_the_transition() {
     ] {
         let system = system(arrangement);
         let first = critical(&system);
-        let load = |past: f64| Control::Indentation((1.0 + past) * first.indentation);
+        let load = |past: f64| Load::Indentation((1.0 + past) * first.indentation);
         let at = pressed(&system, load(0.0)).force;
         assert!((at / first.force - 1.0).abs() < 1e-7);
         let alone = system.with_floor(fakir::problem::FloorModel::Ignored);
@@ -210,7 +210,7 @@ fn force_joins_at_the_transition() {
             "{near:e} {far:e}"
         );
         let deep = pressed(&system, load(0.3));
-        let back = pressed(&system, Control::Force(deep.force));
+        let back = pressed(&system, Load::Force(deep.force));
         assert!((back.indentation / deep.indentation - 1.0).abs() < 1e-8);
     }
 }
@@ -384,7 +384,7 @@ fn a_bare_floor_is_the_contact_of_hertz() {
     ] {
         let system = under(lens.clone(), arrangement);
         for depth in [0.5e-6, 2e-6] {
-            let load = Control::Indentation(2.2e-6 + depth);
+            let load = Load::Indentation(2.2e-6 + depth);
             let state = pressed(&system, load);
             let error = (state.force / hertz(&system, depth) - 1.0).abs();
             println!("{name} {depth:e}: {error:e}, {:?}", state.error);
@@ -437,7 +437,7 @@ fn dense_array() -> System {
 #[test]
 fn the_floor_beyond_an_array_is_found() {
     let system = dense_array();
-    let state = pressed(&system, Control::Indentation(8e-6));
+    let state = pressed(&system, Load::Indentation(8e-6));
     let floor = state.floor.as_ref().unwrap();
     let edge = 1.5 * system.pitch();
     assert!(floor.share > 0.05 && floor.radius > 2.0 * edge);
@@ -456,7 +456,7 @@ fn the_floor_beyond_an_array_is_found() {
 #[test]
 fn the_floor_far_beyond_an_array_is_found() {
     let system = dense_array();
-    let deep = pressed(&system, Control::Indentation(40e-6));
+    let deep = pressed(&system, Load::Indentation(40e-6));
     let over = deep.force / hertz(&system, 40e-6 - 2.2e-6);
     assert!((over - 1.0).abs() < 0.05, "{over}");
 }

@@ -3,7 +3,7 @@
 //! The cases are the same in every run; a failing one is shrunk and printed.
 
 use fakir::problem::{
-    Control, FloorModel, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, Point,
+    FloorModel, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, Point,
     System, Texture,
 };
 use fakir::state::{ContactState, Fields, PillarState, PillarStatus, Regime, Run, SolveError};
@@ -392,7 +392,7 @@ fn many_pressed_contacts_meet_the_contact_conditions() {
 fn check_pressed(number: u32) {
     check(number, &indented(), 0.9, |(system, indentation), tally| {
         let press = |system: &System| {
-            let load = Control::Indentation(indentation);
+            let load = Load::Indentation(indentation);
             solution(fakir::press(
                 system,
                 load,
@@ -443,12 +443,12 @@ fn check_forces(number: u32) {
                     &Run::default(),
                 ))
             };
-            let Some(deep) = press(Control::Indentation(indentation))? else {
+            let Some(deep) = press(Load::Indentation(indentation))? else {
                 count(&tally.refused);
                 return Ok(());
             };
             let force = part * deep.force.max(0.0);
-            let Some(state) = press(Control::Force(force))? else {
+            let Some(state) = press(Load::Force(force))? else {
                 count(&tally.refused);
                 return Ok(());
             };
@@ -472,7 +472,7 @@ fn check_forces(number: u32) {
                 "{}",
                 summary(&state)
             );
-            if let Some(back) = press(Control::Indentation(state.indentation))? {
+            if let Some(back) = press(Load::Indentation(state.indentation))? {
                 if !tally.counts(&back, 0.0) {
                     return Ok(());
                 }

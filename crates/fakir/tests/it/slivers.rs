@@ -1,7 +1,7 @@
 //! The lightest touches: a lens beside a pillar meets its rim, and the contact is a sliver along it.
 
 use fakir::problem::{
-    Accuracy, Control, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
     Texture,
 };
 use fakir::state::{ContactState, Run};
@@ -34,7 +34,7 @@ fn first_touch(system: &System) -> f64 {
 
 fn press(system: &System, indentation: f64, accuracy: Accuracy) -> ContactState {
     let method = Method::Spectral(accuracy);
-    let load = Control::Indentation(indentation);
+    let load = Load::Indentation(indentation);
     let state = fakir::press(system, load, method, &Run::default()).expect("a contact");
     assert!(state.converged());
     state

@@ -4,7 +4,7 @@
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
-    Boundary, Control, Floor, Grid, HeightMap, Indenter, LatticeForm, Lens, Material, Method,
+    Boundary, Floor, Grid, HeightMap, Indenter, LatticeForm, Lens, Load, Material, Method,
     PillarColumns, PillarCompliance, PlaneLattice, Quantity, SurfaceSystem,
 };
 use fakir::state::{CancelToken, Regime, Run, SolveError, SurfaceContact, Warning};
@@ -30,7 +30,7 @@ fn flat(cells: usize) -> SurfaceSystem {
     SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).expect("a valid system")
 }
 
-fn press(system: &SurfaceSystem, load: Control) -> SurfaceContact {
+fn press(system: &SurfaceSystem, load: Load) -> SurfaceContact {
     let contact = system.press(load, &Run::default()).expect("a contact");
     assert!(contact.converged());
     contact
@@ -51,7 +51,7 @@ fn flat_surface_as_hertz() {
     let radius = (LENS_RADIUS * indentation).sqrt();
     for (cells, tolerance) in [(64, 2e-4), (128, 1e-4), (256, 3e-5)] {
         let system = flat(cells);
-        let contact = press(&system, Control::Indentation(indentation));
+        let contact = press(&system, Load::Indentation(indentation));
         let error = contact.force / hertz(&system, indentation) - 1.0;
         println!(
             "{cells} cells: force {error:.2e}, estimated {:?}",
@@ -74,7 +74,7 @@ fn fields_of_hertz() {
     // of cells away from the edge of the contact.
     let system = flat(256);
     let indentation: f64 = 0.25e-6;
-    let contact = press(&system, Control::Indentation(indentation));
+    let contact = press(&system, Load::Indentation(indentation));
     let radius = (LENS_RADIUS * indentation).sqrt();
     let peak = 2.0 / PI * system.reduced_modulus() * radius / LENS_RADIUS;
     for (cell, [x, y]) in contact.grid.centres().enumerate() {
@@ -101,14 +101,14 @@ fn fields_of_hertz() {
 fn force_and_indentation_belong_together() {
     let system = flat(100);
     for indentation in [0.01e-6, 0.1e-6, 0.3e-6] {
-        let first = press(&system, Control::Indentation(indentation));
-        let second = press(&system, Control::Force(first.force));
+        let first = press(&system, Load::Indentation(indentation));
+        let second = press(&system, Load::Force(first.force));
         assert!((second.force / first.force - 1.0).abs() < 1e-12);
         assert!((second.indentation / indentation - 1.0).abs() < 1e-8);
         assert_eq!(second.error.unwrap().force.to_bits(), 0);
         assert!((second.contact_area / first.contact_area - 1.0).abs() < 0.02);
     }
-    let contact = press(&system, Control::Force(0.0));
+    let contact = press(&system, Load::Force(0.0));
     assert!(contact.force.abs() < f64::MIN_POSITIVE && contact.indentation.abs() < 1e-18);
 }
 
@@ -119,9 +119,9 @@ fn indentation_counts_from_the_highest_point() {
     let height = |[x, _]: [f64; 2]| if x > 25.0e-6 { 0.1e-6 } else { 0.0 };
     let surface = HeightMap::from_height(grid, height).unwrap();
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
-    let contact = press(&system, Control::Indentation(0.1e-6));
+    let contact = press(&system, Load::Indentation(0.1e-6));
     assert!(contact.force.abs() < f64::MIN_POSITIVE);
-    let contact = press(&system, Control::Indentation(0.2e-6));
+    let contact = press(&system, Load::Indentation(0.2e-6));
     let hertz = hertz(&system, 0.1e-6);
     assert!((contact.force / hertz - 1.0).abs() < 0.02);
     // With the axis there, the higher part is touched first.
@@ -132,7 +132,7 @@ fn indentation_counts_from_the_highest_point() {
         .unwrap();
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
     // It goes on beyond the map.
-    let refused = system.press(Control::Indentation(0.2e-6), &Run::default());
+    let refused = system.press(Load::Indentation(0.2e-6), &Run::default());
     assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
 }
 
@@ -154,7 +154,7 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
     };
     let run = Run::default();
     // The border of 100 um lies between pillars, 33 um apart: none of them is cut.
-    for load in [Control::Indentation(3.0e-6), Control::Force(0.2e-3)] {
+    for load in [Load::Indentation(3.0e-6), Load::Force(0.2e-3)] {
         let Err(SolveError::SurfaceEnds { sides, needed }) = pattern(100e-6).press(load, &run)
         else {
             panic!("{load:?}: the contact is 200 um wide");
@@ -174,7 +174,7 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
     // A contact that stays inside is no concern of the border.
     assert!(
         pattern(100e-6)
-            .press(Control::Indentation(0.2e-6), &run)
+            .press(Load::Indentation(0.2e-6), &run)
             .is_ok()
     );
 }
@@ -184,9 +184,9 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
 fn a_map_ends_where_its_border_is_reached() {
     let run = Run::default();
     let flat = flat(64);
-    assert!(flat.press(Control::Indentation(0.3e-6), &run).is_ok());
+    assert!(flat.press(Load::Indentation(0.3e-6), &run).is_ok());
     // Hertz's radius of 22 um is beyond the border at 20 um.
-    let refused = flat.press(Control::Indentation(0.5e-6), &run);
+    let refused = flat.press(Load::Indentation(0.5e-6), &run);
     let Err(SolveError::SurfaceEnds { needed, .. }) = refused else {
         panic!("{refused:?}");
     };
@@ -196,9 +196,9 @@ fn a_map_ends_where_its_border_is_reached() {
     let pillar = |[x, y]: [f64; 2]| if x.hypot(y) < 4e-6 { 5e-6 } else { 0.0 };
     let alone = HeightMap::from_height(grid, pillar).unwrap();
     let alone = SurfaceSystem::new(lens(), rubber(), alone, Boundary::FreeSpace).unwrap();
-    let contact = press(&alone, Control::Indentation(0.5e-6));
+    let contact = press(&alone, Load::Indentation(0.5e-6));
     assert!(contact.warnings.contains(&Warning::ReachesBorder));
-    let refused = alone.continued().press(Control::Indentation(0.5e-6), &run);
+    let refused = alone.continued().press(Load::Indentation(0.5e-6), &run);
     assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
 }
 
@@ -214,7 +214,7 @@ fn rectangular_cells_give_the_same_contact() {
     .unwrap();
     let surface = HeightMap::from_height(grid, |_| 0.0).unwrap();
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
-    let contact = press(&system, Control::Indentation(indentation));
+    let contact = press(&system, Load::Indentation(indentation));
     assert!((contact.force / hertz(&system, indentation) - 1.0).abs() < 1e-3);
 }
 
@@ -239,7 +239,7 @@ fn wave_in_partial_contact_as_westergaard() {
     let full = PI * system.reduced_modulus() * AMPLITUDE / WAVELENGTH;
     for fraction in [0.1, 0.35, 0.8] {
         let half_width = f64::sqrt(fraction).asin() / PI;
-        let contact = press(&system, Control::Force(fraction * full * period));
+        let contact = press(&system, Load::Force(fraction * full * period));
         assert!((contact.mean_pressure() / (fraction * full) - 1.0).abs() < 1e-9);
         let area = contact.contact_area / period;
         println!(
@@ -249,7 +249,7 @@ fn wave_in_partial_contact_as_westergaard() {
         assert!((area - 2.0 * half_width).abs() < 4.0 / 512.0);
         assert!(contact.contact_radius.is_none());
         // The same contact from its indentation.
-        let again = press(&system, Control::Indentation(contact.indentation));
+        let again = press(&system, Load::Indentation(contact.indentation));
         assert!((again.force / contact.force - 1.0).abs() < 1e-5);
     }
 }
@@ -263,7 +263,7 @@ fn crossed_waves_in_full_contact() {
     let system = wavy(64, height, 64);
     let full = 2f64.sqrt() * PI * system.reduced_modulus() * AMPLITUDE / WAVELENGTH;
     let period = WAVELENGTH * WAVELENGTH;
-    let contact = press(&system, Control::Force(1.01 * full * period));
+    let contact = press(&system, Load::Force(1.01 * full * period));
     assert!((contact.contact_area / period - 1.0).abs() < 1e-12);
     let highest = system.surface().highest();
     assert!((contact.indentation / highest - 1.0).abs() < 1e-6);
@@ -271,10 +271,10 @@ fn crossed_waves_in_full_contact() {
         let exact = full * (1.01 + wave(x) * wave(y));
         assert!((pressure - exact).abs() < 1e-3 * full);
     }
-    let contact = press(&system, Control::Force(0.9 * full * period));
+    let contact = press(&system, Load::Force(0.9 * full * period));
     assert!(contact.contact_area < 0.99 * period && contact.indentation < highest);
     let error = system
-        .press(Control::Indentation(1.001 * highest), &Run::default())
+        .press(Load::Indentation(1.001 * highest), &Run::default())
         .unwrap_err();
     assert!(matches!(error, SolveError::FullContact { .. }));
 }
@@ -285,14 +285,14 @@ fn lens_on_a_period_is_free_while_it_is_small() {
     let grid = Grid::centred(256, 256, 1.0e-6).unwrap();
     let surface = || HeightMap::from_height(grid, |_| 0.0).unwrap();
     let system = |boundary| SurfaceSystem::new(lens(), rubber(), surface(), boundary).unwrap();
-    let free = press(&system(Boundary::FreeSpace), Control::Force(20.0e-6));
-    let periodic = press(&system(Boundary::Periodic), Control::Force(20.0e-6));
+    let free = press(&system(Boundary::FreeSpace), Load::Force(20.0e-6));
+    let periodic = press(&system(Boundary::Periodic), Load::Force(20.0e-6));
     let [a, b] = [&free, &periodic].map(|contact| contact.contact_radius.unwrap());
     assert!((a - b).abs() < 1.5e-6);
     // The mean displacement is that of the free half-space but for the distant field.
     assert!(periodic.indentation < free.indentation);
     let error = system(Boundary::Periodic)
-        .press(Control::Force(0.1), &Run::default())
+        .press(Load::Force(0.1), &Run::default())
         .unwrap_err();
     assert!(matches!(error, SolveError::ContactExceedsPeriod { .. }));
 }
@@ -317,7 +317,7 @@ fn square_pillar_bears_the_force_of_a_square_punch() {
     // (1997), five of seven digits), so that F = 1.15230 E* zeta L.
     let capacity = |across: usize| {
         let system = square_pillar(across);
-        let contact = press(&system, Control::Indentation(0.1e-6));
+        let contact = press(&system, Load::Indentation(0.1e-6));
         assert!((contact.contact_area / 64.0e-12 - 1.0).abs() < 1e-12);
         contact.force / (system.reduced_modulus() * 0.1e-6 * 8.0e-6)
     };
@@ -353,8 +353,8 @@ fn column_sinks_under_the_whole_force() {
     let surface = surface.with_pillars(columns).unwrap();
     let plate = Indenter::Flat(Some(rubber()));
     let soft = SurfaceSystem::new(plate, rubber(), surface, Boundary::FreeSpace).unwrap();
-    let alone = press(&stiff, Control::Force(1.0e-6));
-    let column = press(&soft, Control::Force(1.0e-6));
+    let alone = press(&stiff, Load::Force(1.0e-6));
+    let column = press(&soft, Load::Force(1.0e-6));
     let sunk = column.indentation - alone.indentation;
     assert!((sunk / (compliance * 1.0e-6) - 1.0).abs() < 1e-6);
     for cell in 0..alone.pressure.len() {
@@ -375,7 +375,7 @@ fn what_cannot_be_solved_is_refused() {
     let run = Run::default();
     for value in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(
-            error(Control::Indentation(value), &run),
+            error(Load::Indentation(value), &run),
             SolveError::InvalidQuantity(refused) if refused.quantity == Quantity::Indentation
         ));
     }
@@ -383,7 +383,7 @@ fn what_cannot_be_solved_is_refused() {
         memory_limit: Some(400_000),
         ..Run::default()
     };
-    let refused = error(Control::Indentation(0.2e-6), &small);
+    let refused = error(Load::Indentation(0.2e-6), &small);
     let SolveError::TooManyCells {
         bytes,
         limit,
@@ -398,11 +398,7 @@ fn what_cannot_be_solved_is_refused() {
     assert!((cell / (40.0e-6 / 64.0) - 1.0).abs() < 1e-12 && suggested_cell > cell);
     // The suggestion fits.
     let cells = (40.0e-6 / suggested_cell).floor() as usize;
-    assert!(
-        flat(cells)
-            .press(Control::Indentation(0.2e-6), &small)
-            .is_ok()
-    );
+    assert!(flat(cells).press(Load::Indentation(0.2e-6), &small).is_ok());
 
     let cancelled = Run {
         cancel: CancelToken::default(),
@@ -410,24 +406,21 @@ fn what_cannot_be_solved_is_refused() {
     };
     cancelled.cancel.cancel();
     assert_eq!(
-        error(Control::Force(1e-6), &cancelled),
+        error(Load::Force(1e-6), &cancelled),
         SolveError::Interrupted
     );
 
     let grid = Grid::centred(64, 64, 0.05 * LENS_RADIUS).unwrap();
     let wide = HeightMap::from_height(grid, |_| 0.0).unwrap();
     let wide = SurfaceSystem::new(lens(), rubber(), wide, Boundary::FreeSpace).unwrap();
-    for load in [
-        Control::Indentation(0.4 * LENS_RADIUS),
-        Control::Force(1.0e3),
-    ] {
+    for load in [Load::Indentation(0.4 * LENS_RADIUS), Load::Force(1.0e3)] {
         let error = wide.press(load, &run).unwrap_err();
         assert!(
             matches!(error, SolveError::ContactExceedsLens { .. }),
             "{error}"
         );
     }
-    let warned = press(&wide, Control::Indentation(0.08 * LENS_RADIUS));
+    let warned = press(&wide, Load::Indentation(0.08 * LENS_RADIUS));
     assert!(matches!(
         warned.warnings[..],
         [Warning::LargeContact { ratio }] if ratio > 0.2 && ratio < 0.4
@@ -445,9 +438,7 @@ fn cancelled_from_the_progress_report() {
         progress: Some(&listener),
         ..Run::default()
     };
-    let error = system
-        .press(Control::Indentation(0.2e-6), &run)
-        .unwrap_err();
+    let error = system.press(Load::Indentation(0.2e-6), &run).unwrap_err();
     assert_eq!(error, SolveError::Interrupted);
 }
 
@@ -519,7 +510,7 @@ fn floor_takes_its_share_past_the_transition() {
     let by_height = system.clone().with_floor(Floor::AtOrBelow(1.0e-9));
     let critical = system.transition(&Run::default()).unwrap();
     let at = |factor: f64| {
-        let load = Control::Indentation(factor * critical.contact.indentation);
+        let load = Load::Indentation(factor * critical.contact.indentation);
         let contact = press(&system, load);
         let shares = contact.shares.unwrap();
         assert_eq!(Some(shares), press(&by_height, load).shares);
@@ -550,7 +541,7 @@ fn pressing_before_the_transition_agrees_with_the_spectral_method() {
         INTERMEDIATE,
         PillarCompliance::Column,
     );
-    let load = Control::Indentation(3.0e-6);
+    let load = Load::Indentation(3.0e-6);
     let spectral = fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
     let surface = paper_texture(0.03, 0.0, 130.0e-6, 16);
     let surface = surface.with_round_tops(6.0e-6).unwrap();
@@ -570,7 +561,7 @@ fn floor_before_any_pillar() {
     // The lowest point of the lens lies on a corner of cells, half a diagonal from a centre.
     assert!((critical.contact.indentation / 2.2e-6 - 1.0).abs() < 1e-3);
     assert!(critical.contact.force.abs() < f64::MIN_POSITIVE);
-    let contact = press(&system, Control::Indentation(2.5e-6));
+    let contact = press(&system, Load::Indentation(2.5e-6));
     let shares = contact.shares.unwrap();
     assert!(shares.floor.force > 0.0 && shares.tops.force.abs() < f64::MIN_POSITIVE);
     let error = flat(64)
@@ -592,9 +583,9 @@ fn round_top_bears_the_force_of_a_flat_punch() {
     let plate = Indenter::Flat(Some(rubber()));
     let system = SurfaceSystem::new(plate, rubber(), surface, Boundary::FreeSpace).unwrap();
     let exact = system.reduced_modulus() * 6.0e-6 * 0.1e-6;
-    let plain = press(&system, Control::Indentation(0.1e-6)).force / exact - 1.0;
+    let plain = press(&system, Load::Indentation(0.1e-6)).force / exact - 1.0;
     let matched = system.with_round_tops(6.0e-6).unwrap();
-    let matched = press(&matched, Control::Indentation(0.1e-6)).force / exact - 1.0;
+    let matched = press(&matched, Load::Indentation(0.1e-6)).force / exact - 1.0;
     println!("plain {plain:.2e} matched {matched:.2e}");
     assert!(plain.abs() > 1e-3 && matched.abs() < 1e-7);
 }
@@ -614,7 +605,7 @@ fn plate_on_periodic_pillars_reaches_the_floor() {
     let critical = system.transition(&Run::default()).unwrap();
     assert!(critical.contact.converged() && critical.regime == Regime::TopFirst);
     let floor = |factor: f64| {
-        let contact = press(&system, Control::Force(factor * critical.contact.force));
+        let contact = press(&system, Load::Force(factor * critical.contact.force));
         contact.shares.unwrap().floor
     };
     assert!(floor(0.999).force.abs() < f64::MIN_POSITIVE);
@@ -655,9 +646,9 @@ fn rough_surfaces_meet_the_contact_conditions_everywhere() {
         // The contact of the lens stays away from the border.
         let scale = if indenter == plate { 1.0 } else { 1.0e-3 };
         for force in [1.0e-9, 1.0e-6, 1.0e-4].map(|force| scale * force) {
-            let contact = press(&system, Control::Force(force));
+            let contact = press(&system, Load::Force(force));
             assert!((contact.force / force - 1.0).abs() < 1e-12);
-            let again = press(&system, Control::Indentation(contact.indentation));
+            let again = press(&system, Load::Indentation(contact.indentation));
             assert!((again.force / force - 1.0).abs() < 1e-6);
             for (pressure, gap) in contact.pressure.iter().zip(&contact.gap) {
                 let closed = *pressure > 0.0;

@@ -4,7 +4,7 @@
 use crate::common::squares::CoveredPillars;
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
-    Accuracy, Arrangement, Control, FloorModel, HexagonalLattice, Lens, Material, Method, Pillar,
+    Accuracy, Arrangement, FloorModel, HexagonalLattice, Lens, Load, Material, Method, Pillar,
     PillarCompliance, Point, PunchForm, System, Texture,
 };
 use fakir::state::{
@@ -48,7 +48,7 @@ fn intermediate(surface_fraction: f64, offset: f64, degrees: f64) -> System {
     paper_system(lattice, INTERMEDIATE, PillarCompliance::Column)
 }
 
-fn press(system: &System, load: Control, method: Method) -> ContactState {
+fn press(system: &System, load: Load, method: Method) -> ContactState {
     let state = fakir::press(system, load, method, &Run::default()).expect("a valid load");
     assert!(state.converged(), "{:?}: {system:?}", state.termination);
     state
@@ -86,7 +86,7 @@ fn flat_punch_alone() {
         let depth = zeta / (1.0 + system.column_compliance_ratio());
         let force = 2.0 * system.reduced_modulus() * a * depth;
         for method in [Method::default(), ACCURATE] {
-            let state = press(&system, Control::Indentation(zeta), method);
+            let state = press(&system, Load::Indentation(zeta), method);
             assert_eq!(state.pillars_in_contact, 1);
             assert_eq!(state.pillars[0].status, PillarStatus::Full);
             assert_near(state.force, force, 1e-8);
@@ -127,7 +127,7 @@ fn covered_pillar_beside_the_lens_axis() {
         let (sin, cos) = 0.7_f64.sin_cos();
         let away = 20e-6;
         let zeta = 20e-6;
-        let state = press(&system, Control::Indentation(zeta), Method::default());
+        let state = press(&system, Load::Indentation(zeta), Method::default());
         assert_eq!(state.pillars_in_contact, 1);
         assert_eq!(state.pillars_partially_in_contact, 0);
         assert_near(state.contact_radius, away + a, 1e-12);
@@ -169,7 +169,7 @@ fn hertz_inside_a_pillar_top() {
                 let a = fraction * 3e-6;
                 let force = 4.0 * stiffness * a.powi(3) / (3.0 * radius);
                 let zeta = a * a / radius + force * system.column_compliance();
-                let loads = [Control::Indentation(zeta), Control::Force(force)];
+                let loads = [Load::Indentation(zeta), Load::Force(force)];
                 for state in loads.map(|load| press(&system, load, Method::default())) {
                     assert_near(state.force, force, 1e-5);
                     assert_near(state.indentation, zeta, 1e-5);
@@ -208,7 +208,7 @@ fn few_pillars() -> [(System, usize, f64); 3] {
 #[test]
 fn few_pillars_agree_with_squares_of_constant_pressure() {
     for (system, count, zeta) in few_pillars() {
-        let state = press(&system, Control::Indentation(zeta), Method::default());
+        let state = press(&system, Load::Indentation(zeta), Method::default());
         assert_eq!(state.pillars_in_contact, count);
         assert_eq!(state.pillars_partially_in_contact, 0);
         let centres: Vec<Point> = state.pillars.iter().map(|pillar| pillar.centre).collect();
@@ -234,7 +234,7 @@ fn few_pillars_agree_with_squares_of_constant_pressure() {
 #[test]
 fn displacement_far_away_is_that_of_a_point_force() {
     let system = intermediate(0.03, 0.0, 0.0);
-    let state = press(&system, Control::Indentation(4e-6), Method::default());
+    let state = press(&system, Load::Indentation(4e-6), Method::default());
     for angle in [0.0_f64, 1.0, 2.5] {
         let r = 100.0 * state.contact_radius;
         let expected = system.contact_compliance() * state.force / (PI * r);
@@ -276,7 +276,7 @@ fn integrate_pressure(state: &ContactState, pillar: usize, of: impl Fn(Point) ->
 fn covered_pillars_bear_pressure_without_gap() {
     let system = intermediate(0.1, 0.3, 0.0);
     for (method, tolerance) in [(Method::default(), 1e-10), (ACCURATE, 1e-11)] {
-        let state = press(&system, Control::Indentation(5e-6), method);
+        let state = press(&system, Load::Indentation(5e-6), method);
         check_covered_pillars(&state, tolerance);
     }
 }
@@ -315,13 +315,8 @@ fn check_covered_pillars(state: &ContactState, tolerance: f64) {
 #[test]
 fn work_is_reciprocal() {
     for (system, _, zeta) in few_pillars() {
-        let [one, two] = [1.0, 1.05].map(|factor| {
-            press(
-                &system,
-                Control::Indentation(factor * zeta),
-                Method::default(),
-            )
-        });
+        let [one, two] = [1.0, 1.05]
+            .map(|factor| press(&system, Load::Indentation(factor * zeta), Method::default()));
         assert_eq!(one.pillars_in_contact, two.pillars_in_contact);
         let work = |of: &ContactState, on: &ContactState| -> f64 {
             let displacement = |point| on.indentation - system.lens().sag([distance(point), 0.0]);
@@ -377,10 +372,10 @@ fn lengths_and_moduli_scale() {
             assert_near(critical.contact.indentation, indentation, 1e-10);
             let pressed = press(
                 &scaled(length, modulus),
-                Control::Force(0.3 * expected.contact.force * force),
+                Load::Force(0.3 * expected.contact.force * force),
                 method,
             );
-            let reference = press(&base, Control::Force(0.3 * expected.contact.force), method);
+            let reference = press(&base, Load::Force(0.3 * expected.contact.force), method);
             assert_near(pressed.indentation, reference.indentation * length, 1e-10);
             assert_near(
                 pressed.contact_radius,
@@ -401,7 +396,7 @@ fn force_rises_with_indentation() {
         for step in 1..=400 {
             // Finer at the start, where the contact grows over the first pillar.
             let zeta = 2e-6 * (f64::from(step) / 400.0).powi(3);
-            let state = press(&system, Control::Indentation(zeta), Method::default());
+            let state = press(&system, Load::Indentation(zeta), Method::default());
             let touched = zeta > system.lens().sag([nearest_edge(&system), 0.0]);
             if touched {
                 assert!(state.force > previous, "{phi} {offset}: {zeta:e} m");
@@ -441,7 +436,7 @@ fn force_across_the_edge_of_a_top() {
         let zeta = a * a / system.lens().sphere_radius() + force * system.column_compliance();
         let mut previous = 0.0;
         for step in -5..50 {
-            let load = Control::Indentation(zeta * (1.0 + 0.002 * f64::from(step)));
+            let load = Load::Indentation(zeta * (1.0 + 0.002 * f64::from(step)));
             let state = press(&system, load, method);
             assert!(
                 state.force * (1.0 + state.error.force) > previous,
@@ -461,8 +456,8 @@ fn force_and_indentation_invert_each_other() {
         for rise in [1e-9, 2e-8, 0.3e-6, 3e-6] {
             let zeta = first_touch + rise;
             for method in [Method::default(), ACCURATE, Method::Homogenised] {
-                let state = press(&system, Control::Indentation(zeta), method);
-                let back = press(&system, Control::Force(state.force), method);
+                let state = press(&system, Load::Indentation(zeta), method);
+                let back = press(&system, Load::Force(state.force), method);
                 assert_near(back.indentation, zeta, 1e-8);
             }
         }
@@ -670,7 +665,7 @@ fn interim_states_lead_to_the_result() {
         interim: Some(&listener),
         ..Run::default()
     };
-    let load = Control::Indentation(3e-6);
+    let load = Load::Indentation(3e-6);
     let critical = fakir::transition(&system, Method::default(), &run).unwrap();
     let pressed = fakir::press(&system, load, Method::default(), &run).unwrap();
     let told = told.into_inner().unwrap();
@@ -725,7 +720,7 @@ fn contacts_large_for_the_lens() {
     for method in [Method::default(), PUNCH, Method::Homogenised] {
         let mut warned = 0;
         for step in 1..=20 {
-            let load = Control::Indentation(f64::from(step) * 2e-6);
+            let load = Load::Indentation(f64::from(step) * 2e-6);
             match fakir::press(&system, load, method, &Run::default()) {
                 Ok(state) => {
                     let ratio = state.contact_radius / system.lens().sphere_radius();
@@ -765,11 +760,11 @@ fn a_lens_narrower_than_the_pitch_meets_the_floor() {
     };
     let texture = Texture::new(paper_pillar(PillarCompliance::Column), lattice);
     let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
-    let state = press(&system, Control::Force(0.0), Method::default());
+    let state = press(&system, Load::Force(0.0), Method::default());
     assert_near(state.indentation, system.pillar().height, 1e-15);
     assert!(state.smallest_floor_gap.abs() < 1e-15);
     let pressed = |system: &System| {
-        let load = Control::Force(1e-9);
+        let load = Load::Force(1e-9);
         fakir::press(system, load, Method::default(), &Run::default())
     };
     // Without the floor nothing holds the lens up before pillars are far beyond it.
@@ -802,7 +797,7 @@ fn a_touch_too_light_for_the_nodes_is_resolved() {
     let edge = x.hypot(y) - 0.5 * system.pillar().diameter;
     let first_touch = system.lens().sag([edge, 0.0]);
     for above in [1e-6, 1e-5, 1e-4, 1e-3] {
-        let load = Control::Indentation(first_touch * (1.0 + above));
+        let load = Load::Indentation(first_touch * (1.0 + above));
         let [state, accurate] = [Accuracy::Default, Accuracy::Accurate]
             .map(|accuracy| press(&system, load, Method::Spectral(accuracy)));
         assert!(state.converged() && accurate.converged(), "{above}");

@@ -7,7 +7,7 @@ use super::newton::{self, Settled, Trouble};
 use super::start::Target;
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
 use crate::numerics::dense::Lu;
-use crate::problem::{Accuracy, Cap, CapField, Control, Quantity, Requirement};
+use crate::problem::{Accuracy, Cap, CapField, Load, Quantity, Requirement};
 use crate::state::cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
 use crate::state::discs::{Contacts, Hold};
 use crate::state::{PillarStatus, Run, SolveError, Termination};
@@ -79,17 +79,17 @@ impl Bench {
         }
     }
 
-    fn target(&self, control: Control) -> Result<Target, SolveError> {
+    fn target(&self, control: Load) -> Result<Target, SolveError> {
         Ok(match control {
-            Control::Indentation(value) => {
+            Load::Indentation(value) => {
                 let value = Requirement::Finite.check(Quantity::Indentation, value)?;
                 Target::Indentation(value / self.units.length)
             }
-            Control::Force(_) => match control.checked(self.units.length, self.units.pressure)? {
-                Control::Force(force) => Target::Force(force / self.units.force()),
+            Load::Force(_) => match control.checked(self.units.length, self.units.pressure)? {
+                Load::Force(force) => Target::Force(force / self.units.force()),
                 _ => return Err(SolveError::NoFloor),
             },
-            Control::FloorContact => return Err(SolveError::NoFloor),
+            Load::FloorContact => return Err(SolveError::NoFloor),
         })
     }
 
@@ -279,12 +279,12 @@ impl CapField {
     ///
     /// # Errors
     /// A load that cannot be, contacts that merge ([`SolveError::ContactsMerge`]), a cap touched at its rim
-    /// ([`SolveError::TouchedAtRim`]), contact too large for the lens or the memory allowed, or interruption. [`Control::FloorContact`] is
+    /// ([`SolveError::TouchedAtRim`]), contact too large for the lens or the memory allowed, or interruption. [`Load::FloorContact`] is
     /// [`SolveError::NoFloor`]: there is none under the caps. A solution that did not converge is not an error: it says so in
     /// [`CapContact::termination`].
     pub fn press(
         &self,
-        control: Control,
+        control: Load,
         accuracy: Accuracy,
         run: &Run<'_>,
     ) -> Result<CapContact, SolveError> {
@@ -304,7 +304,7 @@ impl CapField {
     /// As [`press`](Self::press).
     pub fn press_quickly(
         &self,
-        control: Control,
+        control: Load,
         accuracy: Accuracy,
         near: Option<&CapContact>,
         run: &Run<'_>,

@@ -27,7 +27,7 @@ use crate::numerics::workers::CancelToken;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::pillar_field::{Counted, ListedPillar};
 use crate::problem::scaled::Scene;
-use crate::problem::{Cells, Control, ElementMesh, Grid, MeshLayout, Point};
+use crate::problem::{Cells, ElementMesh, Grid, Load, MeshLayout, Point};
 use crate::solve::elements::solver;
 use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch, Surroundings, Uncovered};
 use crate::solve::outside::farthest_entered;
@@ -724,7 +724,7 @@ impl ElementSolution<'_> {
 /// Solves for a target level by level, up to the mesh.
 pub(crate) fn solve<'a>(
     scene: &'a Scene,
-    target: Control,
+    target: Load,
     contact_radius: Option<f64>,
     mesh: ElementMesh,
     run: &'a Run<'a>,
@@ -797,13 +797,13 @@ struct Search {
 impl Level<'_> {
     fn find(
         &mut self,
-        target: Control,
+        target: Load,
         search: &mut Search,
     ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
         let load = match target {
-            Control::Indentation(indentation) => Prescribed::Indentation(indentation),
-            Control::Force(force) => Prescribed::Force(force),
-            Control::FloorContact => return self.close_floor(search),
+            Load::Indentation(indentation) => Prescribed::Indentation(indentation),
+            Load::Force(force) => Prescribed::Force(force),
+            Load::FloorContact => return self.close_floor(search),
         };
         let contact = self.press(load)?;
         let floor = self.lowest(&contact)?;

@@ -32,13 +32,13 @@
 use super::solver::Prescribed;
 use super::surface_level::{Level, Pressed, check_whole};
 use crate::numerics::convergence::larger;
-use crate::problem::{Boundary, Control, HeightMap, SurfaceSystem};
+use crate::problem::{Boundary, HeightMap, Load, SurfaceSystem};
 use crate::state::{ErrorEstimate, Regime, Run, SolveError, SurfaceContact, SurfaceTransition};
 
 impl SurfaceSystem {
     /// The contact under what is prescribed.
     ///
-    /// Under [`Control::FloorContact`] it is the state just before the floor bears pressure, with the floor touched and
+    /// Under [`Load::FloorContact`] it is the state just before the floor bears pressure, with the floor touched and
     /// not loaded. It is found with the floor taken away: the gap to where it was falls steadily with the
     /// indentation, as no free part of the surface is moved by more than the parts in contact.
     ///
@@ -47,11 +47,11 @@ impl SurfaceSystem {
     /// allowed, [`SolveError::NoFloor`] if a floor is to be reached and no cell is one, or interruption: see
     /// [`SolveError`]. A solution that did not converge is not an
     /// error: it says so in [`SurfaceContact::termination`].
-    pub fn press(&self, control: Control, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
+    pub fn press(&self, control: Load, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
         let control = self.checked(control)?;
         let removed_floor = match control {
-            Control::FloorContact => Some(self.floor().ok_or(SolveError::NoFloor)?),
-            Control::Indentation(_) | Control::Force(_) => None,
+            Load::FloorContact => Some(self.floor().ok_or(SolveError::NoFloor)?),
+            Load::Indentation(_) | Load::Force(_) => None,
         };
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
@@ -66,35 +66,35 @@ impl SurfaceSystem {
                 level.start_from(last, pressed.indentation);
             }
             let pressed = match control {
-                Control::Indentation(value) => level.press(Prescribed::Indentation(value))?,
-                Control::Force(force) => level.press(Prescribed::Force(force))?,
-                Control::FloorContact => level.close_floor()?,
+                Load::Indentation(value) => level.press(Prescribed::Indentation(value))?,
+                Load::Force(force) => level.press(Prescribed::Force(force))?,
+                Load::FloorContact => level.close_floor()?,
             };
             history.push([pressed.force, pressed.indentation]);
             solved = Some((level, pressed));
         }
         let (level, pressed) = solved.ok_or(SolveError::NoFloor)?;
         let error = estimate(&history).map(|estimate| match control {
-            Control::Indentation(_) => ErrorEstimate {
+            Load::Indentation(_) => ErrorEstimate {
                 indentation: 0.0,
                 ..estimate
             },
-            Control::Force(_) => ErrorEstimate {
+            Load::Force(_) => ErrorEstimate {
                 force: 0.0,
                 ..estimate
             },
-            Control::FloorContact => estimate,
+            Load::FloorContact => estimate,
         });
         level.finish(&pressed, error)?.checked()
     }
 
     /// The critical state: the first indentation at which the [floor](Self::floor) bears pressure.
-    /// It is [`press`](Self::press) with [`Control::FloorContact`], and where the floor is touched.
+    /// It is [`press`](Self::press) with [`Load::FloorContact`], and where the floor is touched.
     ///
     /// # Errors
     /// As [`press`](Self::press).
     pub fn transition(&self, run: &Run<'_>) -> Result<SurfaceTransition, SolveError> {
-        let contact = self.press(Control::FloorContact, run)?;
+        let contact = self.press(Load::FloorContact, run)?;
         let (_, floor_contact) = contact.nearest_floor.ok_or(SolveError::NoFloor)?;
         Ok(SurfaceTransition {
             regime: if contact.force > 0.0 {
@@ -129,7 +129,7 @@ impl SurfaceSystem {
     }
 
     /// The load, relative to the size of a cell.
-    fn checked(&self, control: Control) -> Result<Control, SolveError> {
+    fn checked(&self, control: Load) -> Result<Load, SolveError> {
         let [width, height] = self.surface.grid().cell();
         Ok(control.checked(0.5 * width.min(height), self.reduced_modulus())?)
     }
@@ -177,7 +177,7 @@ mod tests {
         let grid = Grid::centred(32, 32, 1.25e-6).unwrap();
         let flat = HeightMap::from_height(grid, |_| 0.0).unwrap();
         let system = SurfaceSystem::new(lens, material, flat, Boundary::FreeSpace).unwrap();
-        let load = Control::Indentation(0.1e-6);
+        let load = Load::Indentation(0.1e-6);
         system.press(load, &Run::default()).unwrap()
     }
 

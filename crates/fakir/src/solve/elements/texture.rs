@@ -5,9 +5,8 @@
 use super::surface_level::check_fields;
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::{
-    Boundary, Cells, Control, ElementMesh, Floor, Grid, HeightMap, Indenter, InvalidGrid,
-    InvalidHeightMap, Layer, Lens, MeshLayout, Method, PillarColumns, PlacedPillar, SurfaceSystem,
-    System,
+    Boundary, Cells, ElementMesh, Floor, Grid, HeightMap, Indenter, InvalidGrid, InvalidHeightMap,
+    Layer, Lens, Load, MeshLayout, Method, PillarColumns, PlacedPillar, SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -22,7 +21,7 @@ use std::collections::HashMap;
 /// As [`SurfaceSystem::press`].
 pub(crate) fn press_with_floor(
     system: &System,
-    control: Control,
+    control: Load,
     cells_per_diameter: usize,
     reach: f64,
     run: &Run<'_>,
@@ -46,7 +45,7 @@ pub(crate) fn press_with_floor(
     // Elements count the indentation from the highest pillar, others from the common height.
     let raised = surface.surface().highest() - system.pillar().height;
     let control = match control {
-        Control::Indentation(indentation) => Control::Indentation(indentation + raised),
+        Load::Indentation(indentation) => Load::Indentation(indentation + raised),
         other => other,
     };
     let contact = surface.press(control, run)?;

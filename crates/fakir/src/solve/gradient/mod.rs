@@ -13,7 +13,7 @@ use crate::problem::column::{Column, ColumnSlopes};
 use crate::problem::pillar_field::PillarBody;
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Accuracy, Arrangement, Control, FloorModel, LatticeForm, Material, PunchForm, Quantity, System,
+    Accuracy, Arrangement, FloorModel, LatticeForm, Load, Material, PunchForm, Quantity, System,
 };
 use crate::state::{
     ContactState, Derivatives, Gradient, PillarStatus, Run, SolveError, Termination,
@@ -23,21 +23,21 @@ use std::f64::consts::PI;
 /// The contact of the spectral method under what is prescribed, which has been checked, with its derivatives.
 pub(crate) fn gradient(
     system: &System,
-    control: Control,
+    control: Load,
     accuracy: Accuracy,
     run: &Run<'_>,
 ) -> Result<Gradient, SolveError> {
     let scene = Scene::new(system);
     let target = match control {
-        Control::Indentation(indentation) => Control::Indentation(indentation / scene.length),
-        Control::Force(force) => Control::Force(force / scene.force()),
-        Control::FloorContact => Control::FloorContact,
+        Load::Indentation(indentation) => Load::Indentation(indentation / scene.length),
+        Load::Force(force) => Load::Force(force / scene.force()),
+        Load::FloorContact => Load::FloorContact,
     };
     let first_touch = scene.first_touch();
     let touches_nothing = match target {
-        Control::Indentation(indentation) => indentation <= first_touch,
-        Control::Force(force) => force <= 0.0,
-        Control::FloorContact => first_touch >= scene.height,
+        Load::Indentation(indentation) => indentation <= first_touch,
+        Load::Force(force) => force <= 0.0,
+        Load::FloorContact => first_touch >= scene.height,
     };
     if touches_nothing {
         return Err(refused("no pillar is touched; raise the load"));
@@ -61,8 +61,8 @@ pub(crate) fn gradient(
     }
     let indentation = solution.outcome.indentation;
     let lowest = lowest_point(target, &mut solution);
-    let enters = target != Control::FloorContact
-        && lowest.is_some_and(|point| point.indentation < indentation);
+    let enters =
+        target != Load::FloorContact && lowest.is_some_and(|point| point.indentation < indentation);
     if enters && system.floor_model() == FloorModel::Contact {
         return Err(refused(
             "the floor between the pillars bears a part of the load; lower the load, or ignore the floor",
@@ -75,7 +75,7 @@ pub(crate) fn gradient(
     let method = PillarMethod::Spectral(accuracy);
     let floor = OfFloor::Lowest(lowest);
     let mut contact = assemble(system, &scene, target, method, &solution, floor, error)?;
-    if target == Control::FloorContact {
+    if target == Load::FloorContact {
         contact.smallest_floor_gap = 0.0; // but for rounding
     }
     let units = Units {
@@ -89,16 +89,16 @@ pub(crate) fn gradient(
     let stiffness = derivatives.stiffness * scene.force() / scene.length;
     let at_depth = units.of_force();
     let (force, indentation) = match (control, &derivatives.floor) {
-        (Control::Indentation(_), _) => (Some(at_depth), None),
-        (Control::Force(_), _) => (None, Some(at_depth.times(-1.0 / stiffness))),
-        (Control::FloorContact, Some(of_scene)) => {
+        (Load::Indentation(_), _) => (Some(at_depth), None),
+        (Load::Force(_), _) => (None, Some(at_depth.times(-1.0 / stiffness))),
+        (Load::FloorContact, Some(of_scene)) => {
             let indentation = units.of_indentation(of_scene);
             (
                 Some(at_depth.plus(stiffness, &indentation)),
                 Some(indentation),
             )
         }
-        (Control::FloorContact, None) => {
+        (Load::FloorContact, None) => {
             return Err(refused("the floor is not reached anywhere"));
         }
     };

@@ -68,7 +68,7 @@ impl States {
 }
 
 /// `None` if the contact is too large for the lens.
-fn solve<'a>(scene: &Scene, target: Control, run: &'a Run<'a>) -> Option<Solution<'a>> {
+fn solve<'a>(scene: &Scene, target: Load, run: &'a Run<'a>) -> Option<Solution<'a>> {
     let (form, purpose) = (PunchForm::Corrected, Purpose::Start);
     let punch = solve_punch(scene, target, None, form, purpose, run).ok()?;
     let degrees = degrees(Accuracy::Default, scene);
@@ -78,7 +78,7 @@ fn solve<'a>(scene: &Scene, target: Control, run: &'a Run<'a>) -> Option<Solutio
 }
 
 /// A solution to rounding, and the states; `None` if they do not settle.
-fn sharp<'a>(scene: &Scene, target: Control, run: &'a Run<'a>) -> Option<(Solution<'a>, States)> {
+fn sharp<'a>(scene: &Scene, target: Load, run: &'a Run<'a>) -> Option<(Solution<'a>, States)> {
     let mut solution = solve(scene, target, run)?;
     let settled = solution
         .newton
@@ -92,7 +92,7 @@ fn sharp<'a>(scene: &Scene, target: Control, run: &'a Run<'a>) -> Option<(Soluti
 /// way.
 fn difference(
     scene: &dyn Fn(f64) -> Scene,
-    target: Control,
+    target: Load,
     states: &States,
     step: f64,
 ) -> Option<[f64; 2]> {
@@ -280,9 +280,9 @@ fn compare_arrangements(count: usize) {
         let listed = Listed::random(&mut dice);
         let scene = listed.scene();
         let target = if systems % 2 == 0 {
-            Control::FloorContact
+            Load::FloorContact
         } else {
-            Control::Indentation(dice.between(0.3, 2.0) * listed.depth)
+            Load::Indentation(dice.between(0.3, 2.0) * listed.depth)
         };
         let Some((mut solution, states)) = sharp(&scene, target, &run) else {
             continue;
@@ -350,7 +350,7 @@ fn compare_arrangements(count: usize) {
             } else if !matches!(along, Along::Depth) {
                 compare("force", of_force, force, unit * scale);
                 if systems % 4 == 0 {
-                    let at_force = Control::Force(scale);
+                    let at_force = Load::Force(scale);
                     if let Some([_, moved]) = difference(&changed, at_force, &states, step) {
                         let by = -of_force / found.stiffness;
                         compare("indentation", by, moved, unit * listed.depth);
@@ -527,16 +527,16 @@ impl Hexagonal {
 }
 
 /// In the units of the solvers.
-fn target(control: Control, scene: &Scene) -> Control {
+fn target(control: Load, scene: &Scene) -> Load {
     match control {
-        Control::Indentation(indentation) => Control::Indentation(indentation / scene.length),
-        Control::Force(force) => Control::Force(force / scene.force()),
-        Control::FloorContact => Control::FloorContact,
+        Load::Indentation(indentation) => Load::Indentation(indentation / scene.length),
+        Load::Force(force) => Load::Force(force / scene.force()),
+        Load::FloorContact => Load::FloorContact,
     }
 }
 
 /// Force and indentation, N and m, and the states; `None` if they do not settle.
-fn answer(system: &System, control: Control) -> Option<([f64; 2], States)> {
+fn answer(system: &System, control: Load) -> Option<([f64; 2], States)> {
     let (scene, run) = (Scene::new(system), Run::default());
     let (solution, states) = sharp(&scene, target(control, &scene), &run)?;
     let force = solution.newton.force() * scene.force();
@@ -548,7 +548,7 @@ fn answer(system: &System, control: Control) -> Option<([f64; 2], States)> {
 fn answer_difference(
     hexagonal: &Hexagonal,
     which: usize,
-    control: Control,
+    control: Load,
     states: &States,
     step: f64,
 ) -> Option<[f64; 2]> {
@@ -613,13 +613,13 @@ fn compare_systems(count: usize, seed: u64, scatters: bool) {
         hexagonal.scatter = scatters.then_some(systems as u64);
         let system = hexagonal.system();
         let height = system.pillar().height;
-        let depth = Control::Indentation(height * dice.between(0.3, 1.5));
-        let mut control = [Control::FloorContact, depth][systems % 2];
+        let depth = Load::Indentation(height * dice.between(0.3, 1.5));
+        let mut control = [Load::FloorContact, depth][systems % 2];
         if systems % 4 == 3 {
             let Some(([force, _], _)) = answer(&system, control) else {
                 continue;
             };
-            control = Control::Force(force);
+            control = Load::Force(force);
         }
         let found = gradient(&system, control, Accuracy::Default, &run);
         let (Ok(found), Some((_, states))) = (found, answer(&system, control)) else {
@@ -662,11 +662,7 @@ fn compare_systems(count: usize, seed: u64, scatters: bool) {
 }
 
 /// What follows from scaling lengths, moduli, and from raising all pillars at once: relative errors.
-fn identities(
-    hexagonal: &Hexagonal,
-    control: Control,
-    found: &Gradient,
-) -> Vec<(&'static str, f64)> {
+fn identities(hexagonal: &Hexagonal, control: Load, found: &Gradient) -> Vec<(&'static str, f64)> {
     let sum = |derivatives: &Derivatives, of: &[Quantity]| -> f64 {
         let term = |(quantity, value): (Quantity, f64)| {
             let counts = of.contains(&quantity);
@@ -690,13 +686,13 @@ fn identities(
     };
     let mut errors = Vec::new();
     match (control, &found.force, &found.indentation) {
-        (Control::Indentation(_), Some(of), _) => {
+        (Load::Indentation(_), Some(of), _) => {
             let all = sum(of, &lengths) + found.stiffness * indentation;
             errors.push(("lengths", all / (2.0 * force) - 1.0));
             errors.push(("moduli", sum(of, &moduli) / force - 1.0));
             errors.push(("heights", raised(of) / found.stiffness - 1.0));
         }
-        (Control::Force(_), _, Some(of)) => {
+        (Load::Force(_), _, Some(of)) => {
             let all = sum(of, &lengths) + 2.0 * force / found.stiffness;
             errors.push(("lengths", all / indentation - 1.0));
             let all = sum(of, &moduli) + force / found.stiffness;
@@ -733,8 +729,8 @@ fn compare_texture(phi: f64) {
     let lattice = reference::lattice(phi).offset_by(0.2);
     let column = PillarCompliance::Column;
     let system = reference::on_lattice(lattice, reference::INTERMEDIATE, column);
-    let found = gradient(&system, Control::FloorContact, Accuracy::Default, &run).unwrap();
-    let (_, states) = answer(&system, Control::FloorContact).unwrap();
+    let found = gradient(&system, Load::FloorContact, Accuracy::Default, &run).unwrap();
+    let (_, states) = answer(&system, Load::FloorContact).unwrap();
     let pillar = system.pillar();
     let hexagonal = Hexagonal {
         values: [
@@ -757,7 +753,7 @@ fn compare_texture(phi: f64) {
         // Of many nodes some soon change their states.
         let steps = [1e-4, 1e-5, 1e-6];
         let mut differences = steps.into_iter().filter_map(|step| {
-            answer_difference(&hexagonal, which, Control::FloorContact, &states, step)
+            answer_difference(&hexagonal, which, Load::FloorContact, &states, step)
         });
         let Some([expected, _]) = differences.next() else {
             continue;
@@ -773,7 +769,7 @@ fn compare_texture(phi: f64) {
         assert!((by / expected - 1.0).abs() < TOLERANCE);
     }
     assert!(compared > 0, "{phi}");
-    for (kind, error) in identities(&hexagonal, Control::FloorContact, &found) {
+    for (kind, error) in identities(&hexagonal, Load::FloorContact, &found) {
         println!("{kind} {error:e}");
         assert!(error.abs() < TOLERANCE, "{kind}: {error:e}");
     }
@@ -794,7 +790,7 @@ fn a_single_flat_punch() {
         depth: 2.2,
     };
     let run = Run::default();
-    let mut solution = solve(&listed.scene(), Control::Indentation(0.4), &run).unwrap();
+    let mut solution = solve(&listed.scene(), Load::Indentation(0.4), &run).unwrap();
     let found = scene_derivatives(&mut solution.newton, None, &[]).unwrap();
     let OfScene {
         raised,
@@ -826,7 +822,7 @@ fn what_has_no_gradient_is_refused() {
         Err(SolveError::NoGradient { why }) => why,
         other => panic!("{other:?}"),
     };
-    assert!(why(Control::Indentation(0.0)).contains("no pillar is touched"));
-    assert!(why(Control::Indentation(1e-9)).contains("one pillar top"));
-    assert!(why(Control::Indentation(40e-6)).contains("floor"));
+    assert!(why(Load::Indentation(0.0)).contains("no pillar is touched"));
+    assert!(why(Load::Indentation(1e-9)).contains("one pillar top"));
+    assert!(why(Load::Indentation(40e-6)).contains("floor"));
 }

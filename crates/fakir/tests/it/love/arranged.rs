@@ -4,7 +4,7 @@ use crate::common::{INTERMEDIATE, paper_lens, paper_pillar};
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Arrangement, Control, Disorder, ElementMesh, LatticeForm, ListedPillar, Material, MeshLayout,
+    Arrangement, Disorder, ElementMesh, LatticeForm, ListedPillar, Load, Material, MeshLayout,
     Method, PillarCompliance, PillarList, PlaneLattice, Scatter, System, Texture,
 };
 use fakir::state::{Run, SolveError};
@@ -121,26 +121,26 @@ impl Random {
     }
 
     /// Down to a contact of a few pitches, or a force, or, where few pillars are touched by then, down to the floor.
-    fn control(&mut self, system: &System) -> Control {
+    fn control(&mut self, system: &System) -> Load {
         if system.texture().surface_fraction() < 0.02 {
-            return Control::FloorContact;
+            return Load::FloorContact;
         }
         let reach = system.pitch() * self.uniform(0.5, 2.5);
         let depth = 0.5 * reach * reach / system.lens().sphere_radius();
         let indentation = system.first_touch().max(0.0) + depth;
         if self.uniform(0.0, 1.0) < 0.5 {
-            return Control::Indentation(indentation);
+            return Load::Indentation(indentation);
         }
         // A flat punch for every pillar within reach, somewhat less than half-way down.
         let pillars = (PI * reach * reach * system.texture().surface_fraction()
             / (0.25 * PI * DIAMETER * DIAMETER))
             .max(1.0);
-        Control::Force(0.3 * pillars * system.reduced_modulus() * DIAMETER * depth)
+        Load::Force(0.3 * pillars * system.reduced_modulus() * DIAMETER * depth)
     }
 }
 
 /// What elements and the spectral method say of a random system.
-fn opinion(number: u64) -> (&'static str, Control, Verification) {
+fn opinion(number: u64) -> (&'static str, Load, Verification) {
     let mut random = Random(ChaCha8Rng::seed_from_u64(number));
     let (name, arrangement) = random.arrangement(number);
     let system = system(arrangement);
@@ -201,17 +201,17 @@ fn agreeing(count: u64) -> usize {
 
 #[test]
 fn a_list_of_the_pillars_of_a_lattice_is_that_lattice() {
-    compare_with_list(8, &[Control::Indentation(0.8e-6)]);
+    compare_with_list(8, &[Load::Indentation(0.8e-6)]);
 }
 
 #[test]
 #[ignore = "slow: more pillars and cells, up to the floor"]
 fn a_list_of_many_pillars_of_a_lattice_is_that_lattice() {
-    compare_with_list(16, &[Control::Indentation(0.8e-6), Control::FloorContact]);
+    compare_with_list(16, &[Load::Indentation(0.8e-6), Load::FloorContact]);
 }
 
 /// One lattice as that, and as a list of its pillars: two operators for the same elements.
-fn compare_with_list(cells_per_diameter: usize, controls: &[Control]) {
+fn compare_with_list(cells_per_diameter: usize, controls: &[Load]) {
     let disorder = Disorder {
         heights: Scatter::normal(0.05, 3),
         missing: 0.1,
@@ -255,7 +255,7 @@ fn compare_with_list(cells_per_diameter: usize, controls: &[Control]) {
 fn layouts_agree_on_a_list() {
     let mut random = Random(ChaCha8Rng::seed_from_u64(11));
     let system = system(random.list(20e-6));
-    let load = Control::Indentation(0.2e-6);
+    let load = Load::Indentation(0.2e-6);
     let [pillars, pattern] = [MeshLayout::Pillars, MeshLayout::Pattern].map(|layout| {
         let method = Method::Love(ElementMesh {
             layout,
@@ -278,6 +278,6 @@ fn a_list_too_large_for_memory_is_refused() {
         ..Run::default()
     };
     let method = Method::Love(ElementMesh::default());
-    let refused = fakir::press(&system, Control::Indentation(0.4e-6), method, &run);
+    let refused = fakir::press(&system, Load::Indentation(0.4e-6), method, &run);
     assert!(matches!(refused, Err(SolveError::TooLarge { .. })));
 }

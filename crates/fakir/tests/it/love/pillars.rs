@@ -6,7 +6,7 @@ use super::{Indenter, assert_within, error, grid};
 use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::halfspace::elements::LatticeOfGrids;
 use fakir::problem::{
-    Accuracy, Cells, Control, ElementMesh, MeshLayout, Method, PillarCompliance, System,
+    Accuracy, Cells, ElementMesh, Load, MeshLayout, Method, PillarCompliance, System,
 };
 use fakir::solve::elements::solver;
 use fakir::solve::elements::solver::{Prescribed, Settings};
@@ -23,7 +23,7 @@ fn elements(cells_per_diameter: usize, layout: MeshLayout, matched: bool) -> Met
     })
 }
 
-fn press(system: &System, load: Control, method: Method) -> ContactState {
+fn press(system: &System, load: Load, method: Method) -> ContactState {
     let state = fakir::press(system, load, method, &Run::default()).expect("a valid system");
     assert!(state.converged(), "{method:?}");
     state
@@ -163,7 +163,7 @@ fn seven_pillars_of_many_cells_agree_with_the_spectral_method() {
 
 fn check_seven_pillars(most: usize, matched: &[usize]) {
     let system = intermediate(0.01);
-    let load = Control::Indentation(2.0e-6);
+    let load = Load::Indentation(2.0e-6);
     let exact = press(&system, load, SPECTRAL);
     assert_eq!(exact.pillars_in_contact, 7);
     assert_eq!(exact.pillars_partially_in_contact, 0);
@@ -227,7 +227,7 @@ fn layouts_of_many_cells_agree() {
 /// A grid on each pillar, and one over the pattern.
 fn compare_layouts(cells: &[usize]) {
     let system = intermediate(0.03);
-    let load = Control::Indentation(3.5e-6);
+    let load = Load::Indentation(3.5e-6);
     for (across, matched) in cells
         .iter()
         .flat_map(|across| [(*across, false), (*across, true)])
@@ -294,7 +294,7 @@ fn two_level_punches_far_apart() {
 fn two_pillars_agree_with_the_spectral_method() {
     let lattice = paper_lattice(0.01, 0.75_f64.sqrt());
     let system = paper_system(lattice, INTERMEDIATE, PillarCompliance::None);
-    let load = Control::Indentation(0.4e-6);
+    let load = Load::Indentation(0.4e-6);
     let exact = press(&system, load, SPECTRAL);
     assert_eq!(
         (exact.pillars_in_contact, exact.pillars_partially_in_contact),

@@ -4,7 +4,7 @@ use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
 /// What is prescribed, and with it how far the lens comes down.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Control {
+pub enum Load {
     /// Indentation `zeta`, m: zero, or at least 1e-20 of a pillar radius.
     Indentation(f64),
     /// Normal force `F`, N: zero, or at least 1e-30 of `E*` times a pillar radius squared.
@@ -17,7 +17,7 @@ pub enum Control {
 /// metre wide it is the size of an atom, 1e-10 m, and of all others less.
 const SMALLEST_CONTACT: f64 = 1e-10;
 
-impl Control {
+impl Load {
     /// What is prescribed, if it can be. A load is a finite number, zero or large enough for a contact of
     /// [`SMALLEST_CONTACT`] under a lens as small as what is touched. By Hertz's solution that
     /// takes an indentation of `length SMALLEST_CONTACT^2` and a force of about
