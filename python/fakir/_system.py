@@ -989,7 +989,7 @@ class System:
             If there is no such contact, or it has no gradient; it says why.
         """
         case = self._with_method("spectral", accuracy, None, None, None, None)
-        question = (None, None) if indentation is None and force is None else load(indentation, force)
+        question = load_or_critical(indentation, force)
         return gradient(case, question, options(threads, progress, memory_limit))
 
     def approach(
@@ -1086,7 +1086,7 @@ class System:
         The question is the critical state, or the contact under a load if one is given. Elements have no adhesion, so
         that a system with adhesion is refused: ``system.replace({"adhesion.work": 0})`` is the one without.
         """
-        question = (None, None) if indentation is None and force is None else load(indentation, force)
+        question = load_or_critical(indentation, force)
         run = options(threads, progress, memory_limit)
         return verify(self._case, question, cells_per_diameter, run)
 
@@ -1200,6 +1200,13 @@ def load(
         return si(indentation, "length", "indentation"), None
     assert force is not None
     return None, si(force, "force", "force")
+
+
+def load_or_critical(
+    indentation: Quantity | None, force: Quantity | None
+) -> tuple[float | None, float | None]:
+    """As :func:`load`; none of both is the critical state."""
+    return (None, None) if indentation is None and force is None else load(indentation, force)
 
 
 def _settings(overrides: Overrides | None) -> list[str]:

@@ -19,7 +19,15 @@ from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
 from ._state import FIELDS, ErrorEstimate, Limit
 from ._loading import Loading, checked_path
-from ._system import Lens, Overrides, Substrate, _refuse_layers, _settings, load
+from ._system import (
+    Lens,
+    Overrides,
+    Substrate,
+    _refuse_layers,
+    _settings,
+    load,
+    load_or_critical,
+)
 from ._verification import Opinion, checked_cells
 from .errors import NotConverged
 
@@ -270,7 +278,7 @@ class Surface:
         must be of pillars on a lattice, as a case file describes them: heights are known on their own
         cells only, and pillars at random stand elsewhere on other cells.
         """
-        question = (None, None) if indentation is None and force is None else load(indentation, force)
+        question = load_or_critical(indentation, force)
         checked_cells(cells_per_diameter)
         run = options(threads, progress, memory_limit)
         summary, found = _fakir.verify_surface(self._surface, *question, cells_per_diameter, run)

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::report::maps::Maps;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use fakir::problem::{CyclePlan, Drive, Load, Turn};
+use fakir::problem::{CyclePlan, Drive, Load};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
 use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
@@ -105,7 +105,7 @@ pub(crate) enum Command {
     /// A second opinion: the spectral method and Love elements on the same question
     ///
     /// Elements of constant pressure on two meshes against the accurate spectral method; both
-    /// methods estimate their errors. Past the transition elements cover pillar tops and floor, and what
+    /// methods estimate their errors. The question is the critical state, or the contact under a load if one is given. Past the transition elements cover pillar tops and floor, and what
     /// the floor bears is compared too. Exit status 1 says that they differ by more, or that it cannot
     /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
     /// mesh of elements counts. On a general surface (a case with a [surface]) there are elements only:
@@ -314,13 +314,8 @@ impl Transition {
 pub(crate) struct Press {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// How far the lens has come down since its lowest point was level with the pillar tops:
-    /// with a unit of length (m, mm, um, nm), or in m
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
-    indentation: Option<f64>,
-    /// Normal force on the lens: with a unit (N, mN, uN, nN), or in N
-    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
-    force: Option<f64>,
+    #[command(flatten)]
+    pub(crate) load: LoadArguments,
     #[command(flatten)]
     pub(crate) adhesion: RangeArguments,
     #[command(flatten)]
@@ -338,13 +333,6 @@ pub(crate) struct Press {
 impl Press {
     pub(crate) fn maps(&self) -> Maps {
         self.fields.maps(&self.case)
-    }
-
-    pub(crate) fn control(&self) -> Load {
-        match (self.indentation, self.force) {
-            (Some(indentation), _) => Load::Indentation(indentation),
-            (None, force) => Load::Force(force.unwrap_or(0.0)), // clap requires one of them
-        }
     }
 
     /// Refuses options that mean nothing for the surface of a case.
@@ -425,18 +413,15 @@ pub(crate) struct Cycle {
 
 impl Cycle {
     pub(crate) fn plan(&self) -> Result<CyclePlan, Failure> {
-        let turn = match LoadingEnd::of(None, false, self.to, self.to_force)? {
-            LoadingEnd::Indentation(indentation) => Turn::Indentation(indentation),
-            LoadingEnd::Force(force) => Turn::Force(force),
-            LoadingEnd::Critical | LoadingEnd::CriticalOr(_) => Turn::Critical(1.0),
-        };
+        LoadingEnd::of(None, false, self.to, self.to_force)?;
+        let end = Load::given(self.to, self.to_force);
         let drive = match (self.machine_stiffness, self.drive) {
             (Some(stiffness), _) => Drive::Machine(stiffness),
             (None, HeldLoad::Displacement) => Drive::Displacement,
             (None, HeldLoad::Force) => Drive::Force,
         };
         Ok(CyclePlan {
-            turn,
+            turn: end.unwrap_or(Load::FloorContact).into(),
             drive,
             retract: true,
         })
@@ -457,12 +442,8 @@ enum HeldLoad {
 pub(crate) struct Verify {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// Verify the contact at this indentation, instead of the critical state
-    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
-    indentation: Option<f64>,
-    /// Verify the contact under this force, instead of the critical state
-    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
-    force: Option<f64>,
+    #[command(flatten)]
+    pub(crate) load: LoadArguments,
     /// Squares across a pillar on the finer mesh; the other has half as many
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = cells)]
     pub(crate) cells: usize,
@@ -470,16 +451,6 @@ pub(crate) struct Verify {
     pub(crate) floor: FloorArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
-}
-
-impl Verify {
-    pub(crate) fn control(&self) -> Load {
-        match (self.indentation, self.force) {
-            (Some(indentation), _) => Load::Indentation(indentation),
-            (None, Some(force)) => Load::Force(force),
-            (None, None) => Load::FloorContact,
-        }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -630,7 +601,7 @@ impl Design {
             .or(self.pull_off.map(Wanted::PullOff))
             .or(self
                 .floor_share
-                .zip(self.load())
+                .zip(Load::given(self.at_indentation, self.at_force))
                 .map(|(share, load)| Wanted::FloorShare { share, load }));
         let free = match self.free {
             Some(Free::Heights) => {
@@ -673,12 +644,6 @@ impl Design {
             height_error: self.height_error,
             seed: self.seed,
         }))
-    }
-
-    /// The load at which a floor share is wanted.
-    fn load(&self) -> Option<Load> {
-        let force = self.at_force.map(Load::Force);
-        force.or(self.at_indentation.map(Load::Indentation))
     }
 
     /// What is drawn, if a spread is asked for.
@@ -1081,6 +1046,25 @@ impl CaseArguments {
         } else {
             Replace::Refused
         }
+    }
+}
+
+/// A load, by an indentation or by a force.
+#[derive(Debug, Args)]
+pub(crate) struct LoadArguments {
+    /// How far the lens has come down since its lowest point was level with the pillar tops:
+    /// with a unit of length (m, mm, um, nm), or in m
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
+    indentation: Option<f64>,
+    /// Normal force on the lens: with a unit (N, mN, uN, nN), or in N
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
+    force: Option<f64>,
+}
+
+impl LoadArguments {
+    /// The load that is given; the critical state if none is.
+    pub(crate) fn load(&self) -> Load {
+        Load::given(self.indentation, self.force).unwrap_or(Load::FloorContact)
     }
 }
 

@@ -74,12 +74,22 @@ fn run(command: &Command) -> Result<Status, Failure> {
             match file.surface_kind() {
                 SurfaceKind::HeightMap => {
                     return deliver(command, &options.case, file.warnings(), move || {
-                        commands::surface::press(&file, options.control(), options.maps(), &session)
+                        commands::surface::press(
+                            &file,
+                            options.load.load(),
+                            options.maps(),
+                            &session,
+                        )
                     });
                 }
                 SurfaceKind::Asperities => {
                     return deliver(command, &options.case, file.warnings(), move || {
-                        commands::rounded::press(&file, options.control(), options.maps(), &session)
+                        commands::rounded::press(
+                            &file,
+                            options.load.load(),
+                            options.maps(),
+                            &session,
+                        )
                     });
                 }
                 SurfaceKind::Pillars => {}
@@ -88,7 +98,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
                 let range = options.adhesion.of(case)?;
                 commands::press::run(
                     case,
-                    options.control(),
+                    options.load.load(),
                     range,
                     gradient,
                     options.maps(),
@@ -127,7 +137,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             options.floor.apply(&mut file)?;
             if file.surface_kind() == SurfaceKind::HeightMap {
                 return deliver(command, &options.case, file.warnings(), move || {
-                    commands::surface::verify(&file, options.control(), options.cells, &session)
+                    commands::surface::verify(&file, options.load.load(), options.cells, &session)
                 });
             }
             file.refuse_adhesion(
@@ -135,7 +145,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
                 commands::verify::WITHOUT_ADHESION,
             )?;
             answer(command, &options.case, &file, move |case| {
-                commands::verify::run(case, options.control(), options.cells, &session)
+                commands::verify::run(case, options.load.load(), options.cells, &session)
             })
         }
         Command::Theory(options) => {

@@ -216,11 +216,11 @@ pub(crate) fn press_rounded(
     force: Option<f64>,
     options: Options,
 ) -> PyResult<RoundedContact> {
-    let control = load(indentation, force)?;
+    let load = load(indentation, force)?;
     let case = tops.case.clone();
     let start = Instant::now();
     let contact = watched(py, &options, |run| {
-        case.field.press(control, case.accuracy, run)
+        case.field.press(load, case.accuracy, run)
     })?;
     Ok(RoundedContact {
         contact: contact.map_err(|error| solve_error(&error))?,

@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::error::{approach_error, solve_error, value_error};
 use crate::study::columns;
 use crate::watched::{Options, watched};
-use fakir::problem::{CyclePlan, Drive, ElementMesh, Load, Method, Point, Turn};
+use fakir::problem::{CyclePlan, Drive, ElementMesh, Load, Method, Point};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::record::GradientObject;
@@ -234,11 +234,11 @@ pub(crate) fn gradient(
     force: Option<f64>,
     options: Options,
 ) -> PyResult<(State, String)> {
-    let control = control(indentation, force)?;
+    let load = load_or_critical(indentation, force);
     let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
     let found = watched(py, &options, |run| {
-        fakir::gradient(&system, control, method, run)
+        fakir::gradient(&system, load, method, run)
     })?;
     let found = found.map_err(|error| solve_error(&error))?;
     let summary = json(&GradientObject::from(&found));
@@ -246,21 +246,15 @@ pub(crate) fn gradient(
     Ok((state, summary))
 }
 
-/// The one of both that is given.
+/// The load of an indentation (m) or of a force (N), one of which has to be given.
 pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
-    match (indentation, force) {
-        (Some(indentation), None) => Ok(Load::Indentation(indentation)),
-        (None, Some(force)) => Ok(Load::Force(force)),
-        _ => Err(value_error("give an indentation or a force, one of them")),
-    }
+    let load = Load::given(indentation, force);
+    load.ok_or_else(|| value_error("give an indentation or a force"))
 }
 
-/// The one of both that is given; that the floor is just reached if neither is.
-pub(crate) fn control(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
-    match (indentation, force) {
-        (None, None) => Ok(Load::FloorContact),
-        _ => load(indentation, force),
-    }
+/// The load of an indentation (m) or of a force (N); the critical state if neither is given.
+pub(crate) fn load_or_critical(indentation: Option<f64>, force: Option<f64>) -> Load {
+    Load::given(indentation, force).unwrap_or(Load::FloorContact)
 }
 
 /// A loading by steps of the indentation (m) up to the one end that is given, or to the critical state.
@@ -327,18 +321,13 @@ pub(crate) fn cycle<'py>(
     retract: bool,
     options: Options,
 ) -> PyResult<Cycled<'py>> {
-    let turn = match (to, to_force) {
-        (Some(indentation), _) => Turn::Indentation(indentation),
-        (None, Some(force)) => Turn::Force(force),
-        (None, None) => Turn::Critical(1.0),
-    };
     let drive = match (drive, machine_stiffness) {
         (_, Some(stiffness)) => Drive::Machine(stiffness),
         ("force", None) => Drive::Force,
         _ => Drive::Displacement,
     };
     let plan = CyclePlan {
-        turn,
+        turn: load_or_critical(to, to_force).into(),
         drive,
         retract,
     };
@@ -395,7 +384,7 @@ pub(crate) fn verify(
     cells_per_diameter: usize,
     options: Options,
 ) -> PyResult<Verified> {
-    let control = control(indentation, force)?;
+    let load = load_or_critical(indentation, force);
     let mesh = match case.case.method {
         Method::Love(mesh) => mesh,
         _ => ElementMesh::default(),
@@ -406,12 +395,10 @@ pub(crate) fn verify(
     };
     let system = case.case.system.clone();
     let start = Instant::now();
-    let answer = watched(py, &options, |run| {
-        fakir::verify(&system, control, mesh, run)
-    })?;
+    let answer = watched(py, &options, |run| fakir::verify(&system, load, mesh, run))?;
     let answer = answer.map_err(|error| solve_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let summary = VerifySummary::new(control, &answer, wall_time);
+    let summary = VerifySummary::new(load, &answer, wall_time);
     let [coarse, fine] = answer.elements;
     let states = [answer.spectral, coarse, fine].map(|state| State { state, wall_time });
     Ok((json(&summary), states.into()))

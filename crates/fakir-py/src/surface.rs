@@ -4,7 +4,7 @@ use crate::error::{
     approach_error, case_error, solve_error, surface_verify_error, value_error,
     warn_of_deprecations,
 };
-use crate::state::{control, load, path};
+use crate::state::{load, load_or_critical, path};
 use crate::watched::{Options, watched};
 use fakir::problem::{
     Boundary, Floor, Grid, HeightMap, Indenter, Lens, Material, Point, SurfaceSystem,
@@ -324,18 +324,18 @@ pub(crate) fn verify_surface(
     cells_per_diameter: usize,
     options: Options,
 ) -> PyResult<Verified> {
-    let control = control(indentation, force)?;
+    let load = load_or_critical(indentation, force);
     let file = surface
         .file
         .as_ref()
         .ok_or_else(|| value_error(SurfaceVerifyError::OneMesh))?;
     let start = Instant::now();
     let found = watched(py, &options, |run| {
-        surfaces::verify(file, control, cells_per_diameter, run, &|_| {})
+        surfaces::verify(file, load, cells_per_diameter, run, &|_| {})
     })?;
     let found = found.map_err(|error| surface_verify_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let summary = json(&SurfaceVerifySummary::new(control, &found, wall_time));
+    let summary = json(&SurfaceVerifySummary::new(load, &found, wall_time));
     let answers = found.answers.into_iter().map(|answered| {
         let surface = Surface {
             text: Some(answered.case.to_toml()),

@@ -23,17 +23,12 @@ pub struct LoadingPath {
 }
 
 /// Where a loading ends.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LoadingEnd {
-    /// At the critical state.
-    #[default]
-    Critical,
+    /// At a load, before the critical state, at it or past it.
+    At(Load),
     /// At this indentation, m, or at the critical state if that is reached earlier.
     CriticalOr(f64),
-    /// At this indentation, m, before the critical state or past it.
-    Indentation(f64),
-    /// Under this force, N, before the critical state or past it.
-    Force(f64),
 }
 
 impl LoadingEnd {
@@ -54,11 +49,12 @@ impl LoadingEnd {
             }
         }
         match (until, to, to_force) {
-            (None, None, None) => Ok(Self::Critical),
-            (Some(until), None, None) if past_transition => Ok(Self::Indentation(until)),
+            (Some(until), None, None) if past_transition => Ok(Self::At(Load::Indentation(until))),
             (Some(until), None, None) => Ok(Self::CriticalOr(until)),
-            (None, Some(to), None) => Ok(Self::Indentation(to)),
-            (None, None, Some(force)) => Ok(Self::Force(force)),
+            (None, None, _) | (None, _, None) => {
+                let load = Load::given(to, to_force);
+                Ok(Self::At(load.unwrap_or(Load::FloorContact)))
+            }
             _ => Err(ApproachError::Ends),
         }
     }
@@ -70,12 +66,14 @@ impl LoadingPath {
     pub fn words(&self) -> String {
         let length = |value| format_quantity(value, Dimension::Length);
         let end = match self.end {
-            LoadingEnd::Critical => "up to the critical state".to_owned(),
+            LoadingEnd::At(Load::FloorContact) => "up to the critical state".to_owned(),
             LoadingEnd::CriticalOr(until) => {
                 format!("up to {} or the critical state", length(until))
             }
-            LoadingEnd::Indentation(to) => format!("up to an indentation of {}", length(to)),
-            LoadingEnd::Force(force) => {
+            LoadingEnd::At(Load::Indentation(to)) => {
+                format!("up to an indentation of {}", length(to))
+            }
+            LoadingEnd::At(Load::Force(force)) => {
                 let force = format_quantity(force, Dimension::Force);
                 format!("up to a force of {force}")
             }
@@ -250,8 +248,10 @@ pub fn approach<P: Loadable>(
 ) -> Result<Approach<P>, ApproachError> {
     let start = Instant::now();
     match path.end {
-        LoadingEnd::Critical if !problem.has_floor() => return Err(ApproachError::NoEnd),
-        LoadingEnd::Indentation(end) | LoadingEnd::CriticalOr(end)
+        LoadingEnd::At(Load::FloorContact) if !problem.has_floor() => {
+            return Err(ApproachError::NoEnd);
+        }
+        LoadingEnd::At(Load::Indentation(end)) | LoadingEnd::CriticalOr(end)
             if end <= problem.first_touch() =>
         {
             let first_touch = problem.first_touch();
@@ -275,14 +275,14 @@ pub fn approach<P: Loadable>(
     // The last state of a loading up to a force tells which indentations there are.
     let begun = Instant::now();
     let mut last = None;
-    if let LoadingEnd::Force(force) = path.end {
+    if let LoadingEnd::At(load @ Load::Force(_)) = path.end {
         next("state under the last force");
-        let contact = problem.press(Load::Force(force), run)?;
+        let contact = problem.press(load, run)?;
         last = Some((contact, begun.elapsed()));
     }
     let end = match (path.end, &last, critical_indentation) {
-        (LoadingEnd::Force(_), Some((contact, _)), _) => contact.indentation(),
-        (LoadingEnd::Indentation(to), ..) => to,
+        (LoadingEnd::At(Load::Force(_)), Some((contact, _)), _) => contact.indentation(),
+        (LoadingEnd::At(Load::Indentation(to)), ..) => to,
         (LoadingEnd::CriticalOr(until), _, critical) => {
             critical.map_or(until, |critical| critical.min(until))
         }
@@ -413,13 +413,16 @@ mod tests {
     #[test]
     fn a_loading_has_one_end() {
         let of = |until, past, to, force| LoadingEnd::of(until, past, to, force).ok();
-        assert_eq!(of(None, false, None, None), Some(LoadingEnd::Critical));
+        assert_eq!(
+            of(None, false, None, None),
+            Some(LoadingEnd::At(Load::FloorContact))
+        );
         let until = Some(LoadingEnd::CriticalOr(2.0));
         assert_eq!(of(Some(2.0), false, None, None), until);
-        let to = Some(LoadingEnd::Indentation(2.0));
+        let to = Some(LoadingEnd::At(Load::Indentation(2.0)));
         assert_eq!(of(Some(2.0), true, None, None), to);
         assert_eq!(of(None, false, Some(2.0), None), to);
-        let force = Some(LoadingEnd::Force(3.0));
+        let force = Some(LoadingEnd::At(Load::Force(3.0)));
         assert_eq!(of(None, false, None, Some(3.0)), force);
         assert_eq!(of(None, false, Some(2.0), Some(3.0)), None);
         assert_eq!(of(None, false, Some(-2.0), None), None);

@@ -43,7 +43,7 @@ use crate::parts::Words;
 use crate::surface::SurfaceExample;
 use crate::unit::{Dimension, format_quantity};
 use axis::Values;
-use fakir::problem::{CyclePlan, Drive, Load, Method, Turn};
+use fakir::problem::{CyclePlan, Drive, Load, Method};
 use posed::{Surfaces, looked_at};
 use std::fmt::Write;
 use std::path::Path;
@@ -407,11 +407,7 @@ impl StudyFile {
         let question = match self.asked {
             Asked::Transition | Asked::Press => Question::Contact(load),
             Asked::Cycle => Question::Cycle(CyclePlan {
-                turn: match load {
-                    Load::FloorContact => Turn::Critical(1.0),
-                    Load::Indentation(indentation) => Turn::Indentation(indentation),
-                    Load::Force(force) => Turn::Force(force),
-                },
+                turn: load.into(),
                 drive: self.drive,
                 retract: true,
             }),

@@ -1144,11 +1144,7 @@ impl<'a> Model<'a> {
 
 /// A load times a factor.
 fn scaled(load: Load, factor: f64) -> Load {
-    match load {
-        Load::Indentation(value) => Load::Indentation(factor * value),
-        Load::Force(value) => Load::Force(factor * value),
-        Load::FloorContact => Load::FloorContact,
-    }
+    load.map(|value| factor * value, |value| factor * value)
 }
 
 fn value_of(load: Load) -> f64 {

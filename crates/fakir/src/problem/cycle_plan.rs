@@ -47,6 +47,16 @@ impl Default for CyclePlan {
     }
 }
 
+impl From<Load> for Turn {
+    fn from(load: Load) -> Self {
+        match load {
+            Load::Indentation(indentation) => Self::Indentation(indentation),
+            Load::Force(force) => Self::Force(force),
+            Load::FloorContact => Self::Critical(1.0),
+        }
+    }
+}
+
 impl Drive {
     /// The name used in case files and results.
     #[must_use]
@@ -75,14 +85,10 @@ impl CyclePlan {
             Turn::Critical(part) => {
                 Turn::Critical(Requirement::PartOfWhole.check(Quantity::CriticalPart, part)?)
             }
-            Turn::Indentation(indentation) => {
-                Load::Indentation(indentation).checked(length, modulus)?;
-                Turn::Indentation(indentation + 0.0)
-            }
-            Turn::Force(force) => {
-                Load::Force(force).checked(length, modulus)?;
-                Turn::Force(force + 0.0)
-            }
+            Turn::Indentation(indentation) => Load::Indentation(indentation)
+                .checked(length, modulus)?
+                .into(),
+            Turn::Force(force) => Load::Force(force).checked(length, modulus)?.into(),
         };
         if let Some(stiffness) = self.drive.stiffness() {
             Requirement::Positive.check(Quantity::MachineStiffness, stiffness)?;

@@ -1,4 +1,4 @@
-//! What fixes the indentation of a contact.
+//! What is prescribed to a contact.
 
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
@@ -17,7 +17,43 @@ pub enum Load {
 /// metre wide it is the size of an atom, 1e-10 m, and of all others less.
 const SMALLEST_CONTACT: f64 = 1e-10;
 
+/// A load for a solver that has no floor to reach, in any units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Prescribed {
+    /// An indentation.
+    Indentation(f64),
+    /// A normal force.
+    Force(f64),
+}
+
 impl Load {
+    /// The load of an indentation (m) or else of a force (N), if either is given: what command lines, forms and tables of arguments have.
+    #[must_use]
+    pub fn given(indentation: Option<f64>, force: Option<f64>) -> Option<Self> {
+        indentation
+            .map(Self::Indentation)
+            .or(force.map(Self::Force))
+    }
+
+    /// The load with another number, such as that in other units: one that follows from an indentation, or from a force.
+    #[must_use]
+    pub fn map(self, indentation: impl FnOnce(f64) -> f64, force: impl FnOnce(f64) -> f64) -> Self {
+        match self {
+            Self::Indentation(value) => Self::Indentation(indentation(value)),
+            Self::Force(value) => Self::Force(force(value)),
+            Self::FloorContact => self,
+        }
+    }
+
+    /// The indentation or the force; none of the critical state.
+    pub(crate) fn prescribed(self) -> Option<Prescribed> {
+        match self {
+            Self::Indentation(value) => Some(Prescribed::Indentation(value)),
+            Self::Force(value) => Some(Prescribed::Force(value)),
+            Self::FloorContact => None,
+        }
+    }
+
     /// What is prescribed, if it can be. A load is a finite number, zero or large enough for a contact of
     /// [`SMALLEST_CONTACT`] under a lens as small as what is touched. By Hertz's solution that
     /// takes an indentation of `length SMALLEST_CONTACT^2` and a force of about

@@ -4,6 +4,7 @@
 use super::lattice::HexagonalLattice;
 use super::layer::WeightedLayer;
 use super::lens::ShapedLens;
+use super::load::Load;
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::{Point, turned};
 use super::symmetry::Symmetry;
@@ -70,6 +71,14 @@ impl Scene {
     /// Unit of force, N.
     pub(crate) fn force(&self) -> f64 {
         self.pressure * self.length * self.length
+    }
+
+    /// A load in its units.
+    pub(crate) fn scaled(&self, load: Load) -> Load {
+        load.map(
+            |indentation| indentation / self.length,
+            |force| force / self.force(),
+        )
     }
 
     /// A point in metres.

@@ -67,11 +67,7 @@ pub(crate) fn press(
     if let Some(what) = what {
         return Err(SolveError::not_made_for(what, system));
     }
-    let target = match control {
-        Load::Indentation(indentation) => Load::Indentation(indentation / scene.length),
-        Load::Force(force) => Load::Force(force / scene.force()),
-        Load::FloorContact => Load::FloorContact,
-    };
+    let target = scene.scaled(control);
     let first_touch = scene.first_touch();
     let floor_first = first_touch >= scene.height;
     if let (FloorModel::Contact, PillarMethod::Spectral(accuracy)) = (system.floor_model(), method)
@@ -351,11 +347,10 @@ pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Load) -
     if Window::expected_len(lattice, rough) < MANY_PILLARS {
         return None;
     }
-    let control = match target {
-        Load::Indentation(indentation) => Load::Indentation(indentation * scene.length),
-        Load::Force(force) => Load::Force(force * scene.force()),
-        Load::FloorContact => Load::FloorContact,
-    };
+    let control = target.map(
+        |indentation| indentation * scene.length,
+        |force| force * scene.force(),
+    );
     let radius = homogenised::rough_contact_radius(system, control)? / scene.length;
     Some(radius).filter(|radius| *radius > 0.0)
 }

@@ -4,9 +4,9 @@ use super::climb::Found;
 use super::equations::Equations;
 use super::load::{Layout, Shape};
 use super::newton::{self, Settled, Trouble};
-use super::start::Target;
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
 use crate::numerics::dense::Lu;
+use crate::problem::load::Prescribed;
 use crate::problem::{Accuracy, Cap, CapField, Load, Quantity, Requirement};
 use crate::state::cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
 use crate::state::discs::{Contacts, Hold};
@@ -79,18 +79,17 @@ impl Bench {
         }
     }
 
-    fn target(&self, control: Load) -> Result<Target, SolveError> {
-        Ok(match control {
+    fn target(&self, load: Load) -> Result<Prescribed, SolveError> {
+        let Units { length, pressure } = self.units;
+        let load = match load {
             Load::Indentation(value) => {
-                let value = Requirement::Finite.check(Quantity::Indentation, value)?;
-                Target::Indentation(value / self.units.length)
+                Requirement::Finite.check(Quantity::Indentation, value)?;
+                load
             }
-            Load::Force(_) => match control.checked(self.units.length, self.units.pressure)? {
-                Load::Force(force) => Target::Force(force / self.units.force()),
-                _ => return Err(SolveError::NoFloor),
-            },
-            Load::FloorContact => return Err(SolveError::NoFloor),
-        })
+            other => other.checked(length, pressure)?,
+        };
+        let scaled = load.map(|value| value / length, |force| force / self.units.force());
+        scaled.prescribed().ok_or(SolveError::NoFloor)
     }
 
     /// The contact, and how it ended.
@@ -321,7 +320,7 @@ impl CapField {
     fn solve(
         &self,
         bench: &Bench,
-        target: Target,
+        target: Prescribed,
         (accuracy, near): (Accuracy, Option<&Contacts>),
         run: &Run<'_>,
     ) -> Result<CapContact, SolveError> {
@@ -337,7 +336,7 @@ impl Bench {
     fn estimate(
         &self,
         contact: &CapContact,
-        target: Target,
+        target: Prescribed,
         run: &Run<'_>,
     ) -> Result<Option<CapErrors>, SolveError> {
         if contact.contacts.discs.is_empty() {
@@ -363,8 +362,8 @@ impl Bench {
                 + force * contact.force / stiffness,
         };
         match target {
-            Target::Indentation(_) => errors.indentation = 0.0,
-            Target::Force(_) => errors.force = 0.0,
+            Prescribed::Indentation(_) => errors.indentation = 0.0,
+            Prescribed::Force(_) => errors.force = 0.0,
         }
         Ok(Some(errors))
     }

@@ -2,7 +2,8 @@
 
 use super::equations::Equations;
 use super::newton::{Settled, Trouble};
-use super::start::{Target, point_forces};
+use super::start::point_forces;
+use crate::problem::load::Prescribed;
 use crate::state::discs::Contacts;
 use crate::state::{Run, SolveError};
 
@@ -27,14 +28,14 @@ impl Equations<'_> {
     /// The contacts that are asked for, from some that are near, if there are any.
     pub(crate) fn find(
         &mut self,
-        target: Target,
+        target: Prescribed,
         near: Option<&Contacts>,
         run: &Run<'_>,
     ) -> Result<Found, SolveError> {
         let first = self.layout.first_touch();
         let nothing = match target {
-            Target::Indentation(indentation) => (indentation <= first).then_some(indentation),
-            Target::Force(force) => (force <= 0.0).then_some(first),
+            Prescribed::Indentation(indentation) => (indentation <= first).then_some(indentation),
+            Prescribed::Force(force) => (force <= 0.0).then_some(first),
         };
         if let Some(indentation) = nothing {
             return Ok(Found::Settled(Settled {
@@ -58,26 +59,26 @@ impl Equations<'_> {
     }
 
     /// The contacts that are asked for, from the first touch on.
-    pub(crate) fn climb(&mut self, target: Target, run: &Run<'_>) -> Result<Found, SolveError> {
+    pub(crate) fn climb(&mut self, target: Prescribed, run: &Run<'_>) -> Result<Found, SolveError> {
         let first = self.layout.first_touch();
         let end = match target {
-            Target::Indentation(indentation) => indentation,
-            Target::Force(_) => point_forces(self.layout, target).indentation,
+            Prescribed::Indentation(indentation) => indentation,
+            Prescribed::Force(_) => point_forces(self.layout, target).indentation,
         };
         let mut step = FIRST_STEP * (end - first);
         let mut good = self.layout.untouched(first);
         for _ in 0..STEP_LIMIT {
             let reached = good.indentation;
             let next = match target {
-                Target::Indentation(end) => end.min(reached + step),
-                Target::Force(_) => reached + step,
+                Prescribed::Indentation(end) => end.min(reached + step),
+                Prescribed::Force(_) => reached + step,
             };
             let trouble = match self.climb_to(next, &good, run)? {
                 Ok(settled) => match target {
-                    Target::Indentation(end) if next >= end => {
+                    Prescribed::Indentation(end) if next >= end => {
                         return Ok(Found::Settled(settled));
                     }
-                    Target::Force(force) if self.force(&settled.contacts) >= force => {
+                    Prescribed::Force(force) if self.force(&settled.contacts) >= force => {
                         match self.settle(settled.contacts, target, run)? {
                             Ok(settled) => return Ok(Found::Settled(settled)),
                             Err(trouble) => trouble,
@@ -108,7 +109,7 @@ impl Equations<'_> {
         good: &Contacts,
         run: &Run<'_>,
     ) -> Result<Result<Settled, Trouble>, SolveError> {
-        let target = Target::Indentation(next);
+        let target = Prescribed::Indentation(next);
         let start = if good.discs.is_empty() {
             self.contacts_of(&point_forces(self.layout, target))
         } else {

@@ -7,13 +7,14 @@
 use super::edge::LEANING;
 use super::equations::Equations;
 use super::load::{Layout, to_summit};
-use super::start::{PointForces, Target, pressed_with_column};
+use super::start::{PointForces, pressed_with_column};
 use crate::halfspace::coupling::moving::PairBlock;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::convergence::clamped;
 use crate::numerics::dense::Lu;
 use crate::numerics::vector::{add_scaled, dot};
 use crate::problem::Point;
+use crate::problem::load::Prescribed;
 use crate::state::discs::{Contacts, Disc, Hold};
 use crate::state::{Progress, Run, SolveError, Stage};
 
@@ -166,10 +167,10 @@ impl Equations<'_> {
     pub(crate) fn settle(
         &mut self,
         mut contacts: Contacts,
-        target: Target,
+        target: Prescribed,
         run: &Run<'_>,
     ) -> Result<Result<Settled, Trouble>, SolveError> {
-        if let Target::Indentation(indentation) = target {
+        if let Prescribed::Indentation(indentation) = target {
             contacts.indentation = indentation;
         }
         let mut crowded = None;
@@ -243,7 +244,7 @@ impl Equations<'_> {
     }
 
     /// One step of Newton's method.
-    fn step(&mut self, contacts: &mut Contacts, target: Target) -> (Stepped, Lu) {
+    fn step(&mut self, contacts: &mut Contacts, target: Prescribed) -> (Stepped, Lu) {
         let linearised = self.linearised(contacts);
         let factors = Lu::new(linearised.matrix);
         let mut step: Vec<f64> = linearised.missing.iter().map(|x| -x).collect();
@@ -254,8 +255,8 @@ impl Equations<'_> {
         factors.solve(&mut step);
         factors.solve(&mut lowering);
         let lower = match target {
-            Target::Indentation(_) => 0.0,
-            Target::Force(force) => {
+            Prescribed::Indentation(_) => 0.0,
+            Prescribed::Force(force) => {
                 let [row, _] = self.rows_of_totals(contacts);
                 (force - self.force(contacts) - dot(&row, &step)) / dot(&row, &lowering)
             }

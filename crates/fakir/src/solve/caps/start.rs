@@ -2,14 +2,8 @@
 
 use super::load::Layout;
 use crate::numerics::dense::{Lu, Matrix};
+use crate::problem::load::Prescribed;
 use std::f64::consts::PI;
-
-/// What contacts are asked for, in the units of the solver.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Target {
-    Indentation(f64),
-    Force(f64),
-}
 
 /// Newton steps, halvings of one of them, and part of the largest overlap at which the steps end.
 const STEP_LIMIT: usize = 60;
@@ -45,7 +39,7 @@ pub(crate) fn pressed_with_column(overlap: f64, curvature: f64, compliance: f64)
 }
 
 /// Solves for the point forces: Newton's method with a look at the residual. What does not end is a start all the same.
-pub(crate) fn point_forces(layout: &Layout, target: Target) -> PointForces {
+pub(crate) fn point_forces(layout: &Layout, target: Prescribed) -> PointForces {
     let summits = &layout.summits;
     let count = summits.len();
     let matrix = Matrix::from_fn(count, count, |i, j| {
@@ -57,8 +51,8 @@ pub(crate) fn point_forces(layout: &Layout, target: Target) -> PointForces {
     });
     let first = layout.first_touch();
     let mut indentation = match target {
-        Target::Indentation(value) => value,
-        Target::Force(force) => first + pressed_by(layout, force),
+        Prescribed::Indentation(value) => value,
+        Prescribed::Force(force) => first + pressed_by(layout, force),
     };
     let mut pressed: Vec<f64> = summits
         .iter()
@@ -72,12 +66,12 @@ pub(crate) fn point_forces(layout: &Layout, target: Target) -> PointForces {
         let mut missing: Vec<f64> = (0..count)
             .map(|i| indentation + summits[i].height - pressed[i] - sunk[i])
             .collect();
-        if let Target::Force(force) = target {
+        if let Prescribed::Force(force) = target {
             missing.push(force - forces.iter().sum::<f64>());
         }
         missing
     };
-    let unknowns = count + usize::from(matches!(target, Target::Force(_)));
+    let unknowns = count + usize::from(matches!(target, Prescribed::Force(_)));
     let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
     let mut missing = residual(&pressed, indentation);
     for _ in 0..STEP_LIMIT {

@@ -800,10 +800,8 @@ impl Level<'_> {
         target: Load,
         search: &mut Search,
     ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
-        let load = match target {
-            Load::Indentation(indentation) => Prescribed::Indentation(indentation),
-            Load::Force(force) => Prescribed::Force(force),
-            Load::FloorContact => return self.close_floor(search),
+        let Some(load) = target.prescribed() else {
+            return self.close_floor(search);
         };
         let contact = self.press(load)?;
         let floor = self.lowest(&contact)?;

@@ -37,14 +37,7 @@ use crate::numerics::convergence::{Judgement, judge, larger, largest, smaller, w
 use crate::numerics::workers::CancelToken;
 use crate::state::{Certificate, Termination};
 
-/// What is prescribed to the elements.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Prescribed {
-    /// Indentation, m.
-    Indentation(f64),
-    /// Normal force, N.
-    Force(f64),
-}
+pub use crate::problem::load::Prescribed;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]

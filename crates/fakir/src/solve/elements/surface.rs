@@ -29,7 +29,6 @@
 //! pillars of a few cells do so unsteadily. Measured heights are averaged on the larger cells, so that it contains the
 //! effect of the smallest wavelengths.
 
-use super::solver::Prescribed;
 use super::surface_level::{Level, Pressed, check_whole};
 use crate::numerics::convergence::larger;
 use crate::problem::{Boundary, HeightMap, Load, SurfaceSystem};
@@ -65,10 +64,9 @@ impl SurfaceSystem {
             if let Some((last, pressed)) = &solved {
                 level.start_from(last, pressed.indentation);
             }
-            let pressed = match control {
-                Load::Indentation(value) => level.press(Prescribed::Indentation(value))?,
-                Load::Force(force) => level.press(Prescribed::Force(force))?,
-                Load::FloorContact => level.close_floor()?,
+            let pressed = match control.prescribed() {
+                Some(load) => level.press(load)?,
+                None => level.close_floor()?,
             };
             history.push([pressed.force, pressed.indentation]);
             solved = Some((level, pressed));

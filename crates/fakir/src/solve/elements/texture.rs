@@ -44,10 +44,7 @@ pub(crate) fn press_with_floor(
     let surface = surface_system(system, sphere, &pillars, &grid).map_err(|_| impossible)?;
     // Elements count the indentation from the highest pillar, others from the common height.
     let raised = surface.surface().highest() - system.pillar().height;
-    let control = match control {
-        Load::Indentation(indentation) => Load::Indentation(indentation + raised),
-        other => other,
-    };
+    let control = control.map(|indentation| indentation + raised, |force| force);
     let contact = surface.press(control, run)?;
     let contact = SurfaceContact {
         indentation: contact.indentation - raised,

@@ -28,11 +28,7 @@ pub(crate) fn gradient(
     run: &Run<'_>,
 ) -> Result<Gradient, SolveError> {
     let scene = Scene::new(system);
-    let target = match control {
-        Load::Indentation(indentation) => Load::Indentation(indentation / scene.length),
-        Load::Force(force) => Load::Force(force / scene.force()),
-        Load::FloorContact => Load::FloorContact,
-    };
+    let target = scene.scaled(control);
     let first_touch = scene.first_touch();
     let touches_nothing = match target {
         Load::Indentation(indentation) => indentation <= first_touch,
