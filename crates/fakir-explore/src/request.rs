@@ -3,7 +3,7 @@
 use crate::refusal::Refusal;
 use fakir::numerics::roots::{self, Point};
 use fakir::problem::{Arrangement, Base, HexagonalLattice, System};
-use fakir::theory::homogenised;
+use fakir::solve::homogenised;
 use fakir_case::{Case, CaseFile, Key, Setting};
 use serde::Deserialize;
 use std::collections::BTreeMap;

@@ -1,9 +1,10 @@
 //! The formulas for the critical state, by name, with where they apply.
 
 use fakir::problem::System;
+use fakir::solve::homogenised;
 use fakir::state::SolveError;
+use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
-use fakir::theory::{closed_forms, homogenised};
 
 /// Contact radius over pitch beyond which lattice sums are not added up term by term.
 pub const LARGEST_SUM: f64 = 2000.0;

@@ -27,11 +27,11 @@
 //! * [`halfspace`]: how an elastic half-space gives way under pillar tops and rectangles, and under both at once;
 //! * [`state`]: what comes back: forces, radii, every pillar, [fields](state::Fields), convergence, error
 //!   estimates, and why there is no answer;
-//! * [`theory`]: the closed forms of the paper with their errata, those of lone contacts that stick, and the homogenised lattice;
-//! * [`solve`]: the contact conditions, spectral and by [elements](solve::elements).
+//! * [`theory`]: the closed forms of the paper with their errata, and those of lone contacts that stick;
+//! * [`solve`]: the contact conditions, spectral and by [elements](solve::elements), and the [homogenised lattice](solve::homogenised).
 //!
 //! [`press`] and [`transition`] hand a [`System`](problem::System) to a [`Method`](problem::Method), coarse to exact:
-//! [homogenised lattice](theory::homogenised), punch lattice, [Love elements](solve::elements), spectral.
+//! [homogenised lattice](solve::homogenised), punch lattice, [Love elements](solve::elements), spectral.
 //! The spectral one goes on past the transition: the floor between the pillars bears its part, unless the system is
 //! [told](problem::System::with_floor) to ignore it. It also has [adhesion](problem::Adhesion) on the pillar tops: [`cycle`] takes a lens
 //! down and off again, with all that snaps into contact and out of it on the way. [`gradient()`] has the exact derivatives of a contact. [`verify()`] asks two for the same. A lens or plate on any height map is a

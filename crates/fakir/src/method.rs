@@ -7,6 +7,7 @@ use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
 use crate::solve::gradient;
+use crate::solve::homogenised;
 use crate::state::limit::{DEEPEST_IN_LAYER, THINNEST_LAYER};
 use crate::state::{
     ContactState, CriticalState, Cycle, Gradient, Passage, Run, SolveError, Warning,
@@ -46,7 +47,7 @@ pub fn press(
         }
         Method::Punch(form) => answers::press(system, control, PillarMethod::Punch(form), run),
         Method::Love(mesh) => answers::press(system, control, PillarMethod::Love(mesh), run),
-        Method::Homogenised => theory::homogenised::press(system, control, run),
+        Method::Homogenised => homogenised::press(system, control, run),
     }
     .and_then(finished)
 }

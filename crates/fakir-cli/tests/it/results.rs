@@ -355,7 +355,7 @@ fn compare_puts_the_methods_side_by_side() {
         let row = methods.iter().find(|m| m["method"] == name).unwrap();
         row["force_difference"].as_f64().unwrap()
     };
-    // As the documentation of `fakir::theory::homogenised` says.
+    // As the documentation of `fakir::solve::homogenised` says.
     assert!((difference("homogenised") + 0.066).abs() < 0.002);
     assert!(difference("punch_corrected").abs() < 0.01);
     assert!(difference("love").abs() < 1e-3);

@@ -4,12 +4,12 @@ use super::AdhesionObject;
 use crate::VERSION;
 use crate::closed_forms::{ClosedForm, LARGEST_SUM, closed_forms, touches_one_pillar};
 use fakir::problem::{Method, System};
+use fakir::solve::homogenised::{central_force_amplification, largest_surface_fraction};
 use fakir::state::{CriticalState, Run, SolveError};
 use fakir::theory::closed_forms::{
     Form, TransitionEstimate, hertz_contact_radius, large_contact_radius, small_contact_limit,
     transition_force, transition_from_exact_sums,
 };
-use fakir::theory::homogenised::{central_force_amplification, largest_surface_fraction};
 use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
 use serde::Serialize;
 

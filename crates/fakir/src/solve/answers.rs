@@ -6,6 +6,7 @@ use super::elements::pillars;
 use super::elements::pillars::ElementSolution;
 use super::estimate::unknowns_only;
 use super::floor::{Discs, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
+use super::homogenised;
 use super::mixed;
 use super::newton::{Newton, Purpose};
 use super::rules::patch::{Patch, PatchSolver};
@@ -27,7 +28,6 @@ use crate::state::{
     ContactState, ErrorEstimate, Fields, PillarState, PillarStatus, Run, SolveError, Termination,
     Warning,
 };
-use crate::theory::homogenised;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 

@@ -18,6 +18,7 @@ pub(crate) mod floor;
 mod floor_start;
 mod frozen;
 pub(crate) mod gradient;
+pub mod homogenised;
 mod mixed;
 pub(crate) mod newton;
 mod outside;

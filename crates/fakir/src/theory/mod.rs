@@ -1,5 +1,4 @@
-//! Approximate answers in closed form or nearly so: the formulas of the paper, and the
-//! pillar lattice replaced by a layer of springs.
+//! Approximate answers in closed form or nearly so.
 //!
 //! * [`closed_forms`]: the paper's formulas for the critical state, as printed and
 //!   corrected where they differ, the transition curve and the phase diagram;
@@ -10,20 +9,17 @@
 //!   with the paper's fits and the exact limits of the fitted coefficients;
 //! * [`lattice_potential`]: what a uniformly loaded lattice of pillars does to one pillar
 //!   and to the floor between three;
-//! * [`layer`]: axisymmetric contacts with layers of finite thickness, and what a thick layer does to any contact;
-//! * [`homogenised`]: the model built on that, with no fitted constant.
+//! * [`layer`]: axisymmetric contacts with layers of finite thickness, and what a thick layer does to any contact.
 //!
 //! "The paper" is the one named in [`crate::problem`]. All quantities are in SI units.
 
 pub mod adhesion;
 pub mod closed_forms;
 pub mod collapsed_floor;
-pub mod homogenised;
 pub mod lattice_potential;
 pub mod lattice_sums;
 pub mod layer;
 mod limits;
 #[cfg(test)]
 pub(crate) mod reference;
-mod spring_layer;
 pub mod stuck_floor;

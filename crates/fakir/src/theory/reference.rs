@@ -3,15 +3,15 @@
 use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 
 /// Young's moduli of the rigid, intermediate and soft substrates of the paper, Pa.
-pub(super) const RIGID: f64 = 1e9;
+pub(crate) const RIGID: f64 = 1e9;
 pub(crate) const INTERMEDIATE: f64 = 2e6;
-pub(super) const SOFT: f64 = 2e3;
+pub(crate) const SOFT: f64 = 2e3;
 
 /// Diameter of the paper's pillars, m.
 const DIAMETER: f64 = 6.0e-6;
 
 /// The paper's lens and pillars on a lattice of the given surface fraction.
-pub(super) fn paper(
+pub(crate) fn paper(
     surface_fraction: f64,
     substrate_modulus: f64,
     compliance: PillarCompliance,
@@ -53,15 +53,15 @@ pub(crate) fn intermediate(surface_fraction: f64) -> System {
 
 /// A critical state of `tests/reference/critical_states.csv`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reference {
-    pub(super) force: f64,
-    pub(super) indentation: f64,
-    pub(super) floor_contact_distance: f64,
-    pub(super) top_contact_radius: f64,
+pub(crate) struct Reference {
+    pub(crate) force: f64,
+    pub(crate) indentation: f64,
+    pub(crate) floor_contact_distance: f64,
+    pub(crate) top_contact_radius: f64,
 }
 
 /// The reference for one of the paper's systems, with the lens axis on a pillar.
-pub(super) fn reference(system: &System) -> Reference {
+pub(crate) fn reference(system: &System) -> Reference {
     let table = include_str!("../../tests/reference/critical_states.csv");
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     let compliance = match system.pillar().compliance {

@@ -4,9 +4,10 @@
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{Method, PillarCompliance, PunchForm, System};
+use fakir::solve::homogenised;
 use fakir::state::{CriticalState, Run};
+use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::Form;
-use fakir::theory::{closed_forms, homogenised};
 use std::sync::LazyLock;
 
 const RIGID: f64 = 1e9;

@@ -1,10 +1,9 @@
 //! The homogenised lattice: many pillars seen as a layer of springs.
 #![doc = ""]
-#![doc = include_str!("../../doc/rendered/homogenised.md")]
+#![doc = include_str!("../../../doc/rendered/homogenised.md")]
 
-use super::closed_forms::TransitionEstimate;
-use super::lattice_potential::{hollow_potential, site_potential};
-use super::spring_layer::{LayerModes, UnitContact};
+mod spring_layer;
+
 use crate::halfspace::layer::LayerResponse;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::roots;
@@ -12,6 +11,9 @@ use crate::problem::layer::WeightedLayer;
 use crate::problem::{Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
 use crate::state::contact::contact_warnings;
 use crate::state::{ContactState, ErrorEstimate, Run, SolveError, Termination};
+use crate::theory::closed_forms::TransitionEstimate;
+use crate::theory::lattice_potential::{hollow_potential, site_potential};
+use spring_layer::{LayerModes, UnitContact};
 use std::f64::consts::PI;
 
 /// Beyond this fraction of the lens radius a contact is refused.
@@ -349,14 +351,11 @@ fn nearest_hollow(system: &System) -> Point {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reference::RIGID;
-    use super::super::reference::intermediate;
-    use super::super::reference::paper;
-    use super::super::reference::reference;
     use super::*;
     use crate::numerics::workers::CancelToken;
     use crate::problem::{HexagonalLattice, Lens, Material, PillarCompliance, Texture};
     use crate::state::{CriticalState, Regime};
+    use crate::theory::reference::{RIGID, intermediate, paper, reference};
 
     fn transition(system: &System, run: &Run<'_>) -> Result<CriticalState, SolveError> {
         crate::transition(system, Method::Homogenised, run)
