@@ -7,8 +7,8 @@ use crate::PaperError;
 use crate::figures::Plate;
 use crate::grid::{Substrate, system};
 use fakir::problem::{Adhesion, Load, Method, System};
+use fakir::solve::collapsed_floor::CollapsedCycle;
 use fakir::state::{Run, SolveError};
-use fakir::theory::collapsed_floor::CollapsedCycle;
 use fakir_figure::{
     Axis, Dash, LineChart, Marker, PhaseDiagram, Series, Style, Tint, lines, phase_diagram,
     phase_point,

@@ -4,7 +4,7 @@ use super::scaling::{HeldOut, Law, Reduced};
 use super::study::{Cases, FloorCase, Scope, same};
 use crate::claims::{percent, short};
 use crate::grid::Substrate;
-use fakir::theory::collapsed_floor::{MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE};
+use fakir::solve::collapsed_floor::{MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE};
 use fakir_study::{Fate, MODEL_ERROR_OF_LOSS, Validity};
 use std::fmt::Write;
 

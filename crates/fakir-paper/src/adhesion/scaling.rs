@@ -5,7 +5,7 @@
 //! or `w/w_c`, where `w_c` is that of collapse of the flat lattice.
 
 use super::study::{FloorCase, OnCells};
-use fakir::theory::collapsed_floor::{MODEL_ERROR_OF_AREA, NARROWEST_FRONT};
+use fakir::solve::collapsed_floor::{MODEL_ERROR_OF_AREA, NARROWEST_FRONT};
 use fakir_study::{Fate, FloorJump, FloorLoss, Validity};
 use std::f64::consts::PI;
 

@@ -11,6 +11,7 @@ pub(crate) mod answers;
 mod arranged;
 pub(crate) mod assembled;
 pub(crate) mod caps;
+pub mod collapsed_floor;
 pub(crate) mod control;
 pub mod elements;
 pub(crate) mod estimate;

@@ -3,7 +3,6 @@
 //! * [`closed_forms`]: the paper's formulas for the critical state, as printed and
 //!   corrected where they differ, the transition curve and the phase diagram;
 //! * [`adhesion`]: lone contacts that stick;
-//! * [`collapsed_floor`]: a lens on a floor that is stuck inside a circle, on loading and on unloading;
 //! * [`stuck_floor`]: the floor stuck to the lens: free annuli round pillars, and when it collapses;
 //! * [`lattice_sums`]: the sums over the pillars under a Hertz-like load that they rest on,
 //!   with the paper's fits and the exact limits of the fitted coefficients;
@@ -15,7 +14,6 @@
 
 pub mod adhesion;
 pub mod closed_forms;
-pub mod collapsed_floor;
 pub mod lattice_potential;
 pub mod lattice_sums;
 pub mod layer;

@@ -63,7 +63,7 @@ impl AnnulusCoefficients {
         Ok(Self::of(radius_ratio))
     }
 
-    pub(super) fn of(ratio: f64) -> Self {
+    pub(crate) fn of(ratio: f64) -> Self {
         let CrackSystem {
             factor,
             mut step,

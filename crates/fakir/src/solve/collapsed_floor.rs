@@ -19,11 +19,11 @@
 //!
 //! Left out: fronts that are no circle, tops that stick in part, what a sphere is beyond a paraboloid, and how the first patch comes about.
 
-use super::stuck_floor::{AnnulusCoefficients, FreeAnnulus, StuckPillar};
 use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
 use crate::problem::quantity::Requirement;
 use crate::problem::{Point, Quantity, System};
 use crate::state::{Run, SolveError};
+use crate::theory::stuck_floor::{AnnulusCoefficients, FreeAnnulus, StuckPillar};
 use std::f64::consts::PI;
 
 /// Standard deviation of the mean over radii of the front on loading, in pitches: so much that shells of pillars do not hold it.
