@@ -7,8 +7,6 @@
 
 pub(crate) mod adhesive;
 pub(crate) mod answers;
-#[cfg(test)]
-mod arranged;
 pub(crate) mod assembled;
 pub(crate) mod caps;
 pub mod collapsed_floor;

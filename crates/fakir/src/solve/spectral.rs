@@ -399,6 +399,8 @@ pub(super) fn check_contact(scene: &Scene, distance: f64) -> Result<(), SolveErr
 }
 
 #[cfg(test)]
+mod arrangements;
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::halfspace::coupling::direct::DirectCoupling;

@@ -1,13 +1,13 @@
 //! The contact with the tops of pillars of any arrangement, of any radii and heights, beside the numbers of the prototype in the units of the solvers.
 
-use super::assembled::refined;
-use super::floor::FloorPoint;
-use super::newton::{Degrees, Purpose};
-use super::reach::{Reach, contact_reach};
-use super::spectral::{degrees, solve_punch, solve_spectral};
-use super::touched::touched_pillars;
+use super::{degrees, solve_punch, solve_spectral};
 use crate::problem::scaled::Scene;
 use crate::problem::{Accuracy, Load, Point, PunchForm};
+use crate::solve::assembled::refined;
+use crate::solve::floor::FloorPoint;
+use crate::solve::newton::{Degrees, Purpose};
+use crate::solve::reach::{Reach, contact_reach};
+use crate::solve::touched::touched_pillars;
 use crate::state::{ErrorEstimate, PillarState, Run, SolveError, Termination};
 
 /// What becomes of a scene under a load, in its units.
@@ -248,8 +248,8 @@ mod tests {
 
     /// Heights on a square lattice of phi = 0.03, scattered by 1 and 5 % of the height: inputs of the prototype.
     const HEIGHTS: [&str; 2] = [
-        include_str!("../../tests/any/heights_0.01.csv"),
-        include_str!("../../tests/any/heights_0.05.csv"),
+        include_str!("../../../tests/any/heights_0.01.csv"),
+        include_str!("../../../tests/any/heights_0.05.csv"),
     ];
 
     #[test]
@@ -267,7 +267,7 @@ mod tests {
     }
 
     fn nine(unit: f64) -> Vec<ListedPillar> {
-        table(include_str!("../../tests/any/nine.csv"), unit)
+        table(include_str!("../../../tests/any/nine.csv"), unit)
     }
 
     #[test]
