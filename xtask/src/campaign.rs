@@ -11,7 +11,7 @@ const SYSTEMS: &str = "300";
 
 /// The short campaign of the checks.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
-    let campaign = tests::built_example(cargo, "campaign")?;
+    let campaign = tests::built_example(cargo, "campaign", &[])?;
     run(Command::new(campaign).args(["--systems", SYSTEMS, "--seed", "1"]))
 }
 

@@ -94,7 +94,7 @@ const CHECKS: [Check; 14] = [
     second("lints", "cargo clippy", |cargo| {
         run_cargo(
             cargo,
-            "clippy --release --workspace --all-targets --features fakir-cli/parquet --locked -- -D warnings",
+            "clippy --release --workspace --all-targets --features fakir-cli/parquet,fakir/kernels --locked -- -D warnings",
         )
     }),
     second("documentation", "cargo doc and its examples", |cargo| {

@@ -151,13 +151,18 @@ pub(crate) fn built_command(cargo: &OsStr) -> Result<PathBuf, String> {
     command()
 }
 
-/// Compiles an example of the crate `fakir`, with the features of the tests, so that what was compiled for them is used again.
-pub(crate) fn built_example(cargo: &OsStr, name: &str) -> Result<PathBuf, String> {
+/// Compiles an example of the crate `fakir`. Without options of its own it has the features of the tests, so that what was compiled for them is used again.
+pub(crate) fn built_example(
+    cargo: &OsStr,
+    name: &str,
+    options: &[&str],
+) -> Result<PathBuf, String> {
     let excluded = EXCLUDED.iter().flat_map(|name| ["--exclude", *name]);
     run(Command::new(cargo)
         .args(["build", "--release", "--locked", "--workspace"])
         .args(excluded)
-        .args(["--example", name]))?;
+        .args(["--example", name])
+        .args(options))?;
     let file = format!("release/examples/{name}{}", std::env::consts::EXE_SUFFIX);
     Ok(python::target_folder()?.join(file))
 }

@@ -1,5 +1,5 @@
 //! Presses a sphere onto many discs of several radii at random places, on one thread, and prints what every stage
-//! took: `cargo run --release -p fakir --example arrangement -- 100000`.
+//! took: `cargo run --release -p fakir --features kernels --example arrangement -- 100000`.
 //!
 //! Times are those of the processor; times and memory are known on Linux only.
 

@@ -1,5 +1,5 @@
 //! Times of the convolution, of products with the floor and of one-pillar problems beside what operations and bytes allow at the
-//! least on this machine, one thread: `cargo run --release -p fakir --example limits`.
+//! least on this machine, one thread: `cargo run --release -p fakir --features kernels --example limits`.
 //!
 //! The floor is the longer of two times: all operations at the rate of multiplications and additions in
 //! registers, in single precision twice as fast, and all bytes at the rate of a copy of arrays of that size.

@@ -56,7 +56,9 @@
 //! [`Run`](state::Run) hands it a thread pool, a listener for progress and a way to stop.
 
 pub mod halfspace;
+#[cfg(feature = "kernels")]
 #[doc(hidden)]
+#[path = "../examples/kernels/work.rs"]
 pub mod kernels;
 mod method;
 pub mod numerics;

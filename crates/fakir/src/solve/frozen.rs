@@ -277,6 +277,7 @@ impl<'a, O: Coupling> FrozenContact<'a, O> {
     }
 
     /// Products with the coupling so far.
+    #[cfg(any(test, feature = "kernels"))]
     pub(crate) fn products(&self) -> usize {
         self.products
     }

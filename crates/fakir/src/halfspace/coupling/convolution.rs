@@ -257,6 +257,7 @@ impl LatticeConvolution {
 
     /// Operations of a product at the least, and the bytes it moves if every array is read or written
     /// once: transforms of length `n` take `5 n log2 n`, of real numbers half of that. Of an exact product, or of a rough one.
+    #[cfg(feature = "kernels")]
     pub(crate) fn least_work(&self, rough: bool) -> [f64; 2] {
         let layout = &self.layout;
         let [modes, rows, half] = [layout.modes, layout.shape.0, layout.half].map(|n| n as f64);
@@ -276,6 +277,7 @@ impl LatticeConvolution {
     }
 
     /// The transforms of a product and nothing else, of numbers that stay in the cache.
+    #[cfg(feature = "kernels")]
     pub(crate) fn transforms_alone(&self, rough: bool) {
         if rough {
             self.rough.transforms_alone(&self.layout);
@@ -471,6 +473,7 @@ impl<R: Precision> Passes<R> {
         self.rows_back((layout, tiles), far, unit, workers);
     }
 
+    #[cfg(feature = "kernels")]
     fn transforms_alone(&self, layout: &Layout) {
         let mut rows = vec![Complex::default(); layout.padded.1];
         for _ in 0..layout.shape.0.div_ceil(2) * layout.modes {

@@ -301,6 +301,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
     }
 
     /// How many rows hold cells.
+    #[cfg(any(test, feature = "kernels"))]
     pub(crate) fn held_rows(&self) -> usize {
         self.rows.len()
     }

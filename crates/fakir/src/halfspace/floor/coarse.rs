@@ -17,6 +17,7 @@ pub(super) trait BesidePillars {
     fn gather(&self, coarse: &mut Coarse);
 
     /// Numbers of all kernels.
+    #[cfg(any(test, feature = "kernels"))]
     fn kernel_count(&self) -> usize;
 }
 
@@ -36,6 +37,7 @@ pub(super) struct Coarse {
 
 impl Coarse {
     /// Columns and rows.
+    #[cfg(any(test, feature = "kernels"))]
     pub(super) fn shape(&self) -> [usize; 2] {
         self.shape
     }

@@ -308,7 +308,8 @@ impl<'a> FloorCoupling<'a> {
         cells * (pillars.listed * mode_count(degree)) as f64
     }
 
-    /// Operations of a product with pillars on the grid at the least, and the bytes it moves, counted as [those of a lattice](LatticeConvolution::least_work).
+    /// Operations of a product with pillars on the grid at the least, and the bytes it moves, counted as `LatticeConvolution::least_work` does.
+    #[cfg(any(test, feature = "kernels"))]
     pub(crate) fn least_work(&self, rough: bool) -> Option<[f64; 2]> {
         let Pillars::OnGrid { coarse, .. } = &self.pillars else {
             return None;
@@ -362,6 +363,7 @@ impl<'a> Products<'a> {
     }
 }
 
+#[cfg(any(test, feature = "kernels"))]
 fn least_work<T: Transform + BesidePillars>(
     convolution: &Convolution<'_, T>,
     coarse: [usize; 2],

@@ -289,6 +289,7 @@ impl<R: Real> BesidePillars for Mirrored<R> {
         coarse.write_real(mode, self.odd[mode], &mut spectra);
     }
 
+    #[cfg(any(test, feature = "kernels"))]
     fn kernel_count(&self) -> usize {
         self.kernel.len()
     }

@@ -59,6 +59,7 @@ impl<R: Real> BesidePillars for Together<R> {
         coarse.write(mode, &mut spectra);
     }
 
+    #[cfg(any(test, feature = "kernels"))]
     fn kernel_count(&self) -> usize {
         self.kernel.len()
     }

@@ -1,5 +1,6 @@
-//! Work of a fixed size for counts of instructions, from `examples/kernels.rs`, and beside what it needs at
-//! the least, from `examples/limits.rs`. Not part of the interface: it changes with what is inside.
+//! Work of a fixed size on private parts of the crate: the examples `kernels`, `limits` and `arrangement` run it.
+//!
+//! The feature `kernels` compiles this file as a module of the crate. It is not part of the interface.
 
 use crate::halfspace::coupling::convolution::LatticeConvolution;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
