@@ -7,9 +7,14 @@
 //! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
 //! sets free is dissipated.
 
+mod disc;
 mod inside;
+mod records;
 
-use self::inside::InsideTop;
+pub(crate) use self::records::{End, Energies, Held, HeldTop, Station, Stop, TopEvent};
+
+use self::disc::InsideTop;
+use self::records::{Change, ChangedTop, StrongestPull};
 use super::floor::{
     Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
@@ -18,7 +23,7 @@ use super::rules::floor::Places;
 use super::rules::floor_fronts::FloorMove;
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
-use super::rules::stuck_floor::{FloorStation, StuckFloor, TAKE_BACKS, natural};
+use super::rules::stuck_floor::{StuckFloor, TAKE_BACKS, natural};
 use super::rules::tops::lens_over;
 use super::spectral::{LARGEST_CONTACT, checked_sites};
 use super::stuck_errors::{PLAIN, Variation};
@@ -32,7 +37,6 @@ use crate::halfspace::floor::coupling::SurfaceCoupling;
 use crate::halfspace::floor::grid::Division;
 use crate::numerics::convergence::Judgement;
 use crate::numerics::vector::{dot, subtract};
-use crate::problem::Point;
 use crate::problem::scaled::Scene;
 use crate::state::{Progress, Run, SolveError, Stage, Termination};
 
@@ -89,140 +93,12 @@ const SHRINKAGE: f64 = 0.88;
 /// So few pillars are not made fewer.
 const FEW_PILLARS: usize = 24;
 
-/// What is held while tops change.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Held {
-    Indentation,
-    /// The crosshead of a machine of this stiffness, in units of the solvers.
-    Crosshead(f64),
-    Force,
-}
-
-impl Held {
-    /// What is held is `alpha zeta + beta F`.
-    fn weights(self) -> [f64; 2] {
-        match self {
-            Self::Indentation => [1.0, 0.0],
-            Self::Crosshead(stiffness) => [1.0, stiffness.recip()],
-            Self::Force => [0.0, 1.0],
-        }
-    }
-}
-
-/// A state on the path, in units of the solvers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Station {
-    pub(crate) course: Course,
-    pub(crate) indentation: f64,
-    pub(crate) force: f64,
-    /// Tops in contact, and those in contact in part.
-    pub(crate) touched: [usize; 2],
-    /// Area in contact.
-    pub(crate) area: f64,
-    /// Distance of the farthest point in contact from the lens axis.
-    pub(crate) radius: f64,
-    /// Events so far.
-    pub(crate) events: usize,
-    /// What of the floor is in contact, if it sticks.
-    pub(crate) floor: Option<FloorStation>,
-}
-
-/// A top that changed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct TopEvent {
-    pub(crate) course: Course,
-    pub(crate) indentation: f64,
-    pub(crate) force: f64,
-    pub(crate) index: (i64, i64),
-    pub(crate) centre: Point,
-    /// The parts of the top in contact before and after it.
-    pub(crate) parts: [f64; 2],
-}
-
-/// Where a part of the path ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum End {
-    /// At an indentation.
-    Indentation(f64),
-    /// Where a force is borne by something in contact.
-    Force(f64),
-    /// Nowhere before the floor.
-    Floor,
-    /// Where nothing is in contact any more.
-    Separation,
-}
-
-/// What a part of the path ended at.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Stop {
-    /// What was asked.
-    End,
-    /// The floor is reached.
-    Floor(FloorPoint),
-    /// There is no solution.
-    Failed(Termination),
-}
-
-/// What the path has added up.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Energies {
-    /// `∫ F d zeta` along the path.
-    pub(crate) work: f64,
-    /// What of that was done against pulls on unloading.
-    pub(crate) separation: f64,
-    /// Energy dissipated by what changed.
-    pub(crate) dissipation: f64,
-    /// What of that was dissipated by fronts that went from one level to the next and stayed there: without levels
-    /// they would go there gradually.
-    pub(crate) between_levels: f64,
-    /// Area that came out of contact.
-    pub(crate) receded: f64,
-}
-
-/// A top in contact with what it bears.
-#[derive(Debug, Clone)]
-pub(crate) struct HeldTop {
-    pub(crate) index: (i64, i64),
-    pub(crate) centre: Point,
-    /// By how much it is higher than the common one.
-    pub(crate) raised: f64,
-    pub(crate) domain: Domain,
-    pub(crate) coefficients: Vec<f64>,
-    /// The radius of the disc around the lens axis that the coefficients are of, if that is in contact and not a part up to a front.
-    pub(crate) disc: Option<f64>,
-}
-
-/// The strongest pull so far on unloading.
-#[derive(Debug, Clone)]
-pub(crate) struct StrongestPull {
-    pub(crate) station: usize,
-    pub(crate) tops: Vec<HeldTop>,
-}
-
 /// What residuals take from the force at an indentation, and from its change.
 #[derive(Debug, Clone, Copy, Default)]
 struct Refined {
     indentation: f64,
     force: f64,
     stiffness: f64,
-}
-
-/// A top of which another part is in contact, with both parts and the levels between them.
-#[derive(Debug, Clone, Copy)]
-struct ChangedTop {
-    index: (i64, i64),
-    centre: Point,
-    parts: [f64; 2],
-    levels: usize,
-}
-
-/// What a cascade changed.
-#[derive(Debug, Default)]
-struct Change {
-    /// Area that came into contact, and out of it.
-    gained: f64,
-    lost: f64,
-    tops: Vec<ChangedTop>,
 }
 
 /// A lens that goes up and down on tops that stick.

@@ -5,27 +5,18 @@
 //! The path goes on with fronts as soon as the disc comes to the rim of the top or another top is touched, and comes from fronts when
 //! the rim of the last top in contact detaches.
 
-use super::{Change, ChangedTop, End, HeldTop, Path, Stop};
+use super::Path;
+use super::disc::{CENTRED, Edge, InsideTop};
+use super::records::{Change, End, Stop};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::roots;
-use crate::problem::Point;
 use crate::problem::pillar_field::ListedPillar;
-use crate::solve::floor::{Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs};
-use crate::solve::rules::fronts::{Course, Domain, LEVELS, critical_edge_coefficient};
+use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch};
+use crate::solve::rules::fronts::{Course, Domain};
 use crate::solve::rules::patch::{Patch, PatchSolver};
 use crate::solve::spectral::LARGEST_CONTACT;
-use crate::state::{Run, SolveError, Stage};
+use crate::state::{SolveError, Stage};
 use std::convert::Infallible;
-use std::f64::consts::PI;
-
-/// A lens axis so near the middle of a top, in its radii, is there: the disc fills the top.
-const CENTRED: f64 = 1e-6;
-
-/// The smallest radius at which a disc is followed, over the largest: without adhesion it bears the third power of that then.
-const SMALLEST: f64 = 1e-6;
-
-/// Golden sections in the logarithm of the radius where the disc is about to detach.
-const SECTIONS: usize = 60;
 
 /// A disc that detaches within this part of the radius of the top detaches at the rim.
 const AT_RIM: f64 = 1e-3;
@@ -42,130 +33,6 @@ const FIRST_STEP: f64 = 0.02;
 
 /// Relative tolerance of the place where the floor is reached.
 const FLOOR_TOLERANCE: f64 = 1e-9;
-
-/// The disc of contact and the top that it is on.
-pub(crate) struct InsideTop {
-    solver: PatchSolver,
-    exterior: Exterior,
-    index: (i64, i64),
-    centre: Point,
-    raised: f64,
-    /// Radius at which it comes to the rim.
-    largest: f64,
-    /// The disc, its indentation from the height of the top.
-    patch: Patch,
-}
-
-impl InsideTop {
-    pub(crate) fn force(&self) -> f64 {
-        self.patch.force
-    }
-
-    pub(crate) fn radius(&self) -> f64 {
-        self.patch.radius
-    }
-
-    /// The disc as the one that bears a load.
-    pub(super) fn with_discs<R>(
-        &self,
-        run: &Run<'_>,
-        ask: impl FnOnce(&LoadedDiscs<'_>) -> R,
-    ) -> R {
-        self.with_patch(&self.patch, run, ask)
-    }
-
-    fn with_patch<R>(
-        &self,
-        patch: &Patch,
-        run: &Run<'_>,
-        ask: impl FnOnce(&LoadedDiscs<'_>) -> R,
-    ) -> R {
-        let discs = LoadedDiscs {
-            exterior: &self.exterior,
-            discs: Discs::around_axis(patch.radius, &patch.coefficients),
-            run,
-        };
-        ask(&discs)
-    }
-
-    pub(super) fn area(&self) -> f64 {
-        PI * self.patch.radius * self.patch.radius
-    }
-
-    pub(super) fn energy(&self) -> f64 {
-        self.solver.energy(&self.patch)
-    }
-
-    /// As a top in contact.
-    pub(super) fn held_top(&self) -> HeldTop {
-        HeldTop {
-            index: self.index,
-            centre: self.centre,
-            raised: self.raised,
-            domain: Domain::OUT,
-            coefficients: self.patch.coefficients.clone(),
-            disc: Some(self.patch.radius),
-        }
-    }
-
-    /// What changes where so large parts of the top are in contact before and after.
-    fn changed(&self, [before, after]: [f64; 2]) -> Change {
-        Change {
-            gained: PI * (after - before).max(0.0),
-            lost: PI * (before - after).max(0.0),
-            tops: vec![ChangedTop {
-                index: self.index,
-                centre: self.centre,
-                parts: [before, after],
-                levels: LEVELS,
-            }],
-        }
-    }
-
-    fn is_centred(&self) -> bool {
-        self.centre[0].hypot(self.centre[1]) < CENTRED
-    }
-
-    /// Indentation from the common height.
-    fn indentation(&self, patch: &Patch) -> f64 {
-        patch.indentation - self.raised
-    }
-}
-
-/// What holds the disc of a top in equilibrium.
-#[derive(Clone, Copy)]
-struct Edge<'a> {
-    inside: &'a InsideTop,
-    sag: &'a dyn Fn(f64) -> f64,
-    work: f64,
-}
-
-impl Edge<'_> {
-    fn at(&self, radius: f64) -> Patch {
-        let edge = -critical_edge_coefficient(self.work / radius);
-        self.inside.solver.with_edge(radius, self.sag, edge)
-    }
-
-    /// The radius at which a measure is least.
-    fn least(&self, measure: impl Fn(&Patch) -> f64) -> f64 {
-        let largest = self.inside.largest;
-        let of_logarithm = |logarithm: f64| measure(&self.at(logarithm.exp()));
-        let ends = [SMALLEST * largest, largest].map(f64::ln);
-        roots::least(ends, SECTIONS, of_logarithm).exp()
-    }
-
-    /// The radius between two at which a measure that rises with it takes a value.
-    fn find(&self, [low, high]: [f64; 2], value: f64, measure: impl Fn(&Patch) -> f64) -> f64 {
-        let excess = |radius: f64| measure(&self.at(radius)) - value;
-        let ends = [low, high].map(|position| roots::Point {
-            position,
-            value: excess(position),
-        });
-        let root = roots::find(ends, 0.0, |radius| Ok::<_, Infallible>(excess(radius)));
-        let root = root.unwrap_or_else(|never| match never {});
-        root.map_or(high, |root| root.closest().position)
-    }
-}
 
 impl Path<'_> {
     /// The top under the lens axis, if a disc may be in contact inside it.

@@ -1,0 +1,150 @@
+//! The disc of contact inside the rim of one top, and its edge in equilibrium.
+
+use super::records::{Change, ChangedTop, HeldTop};
+use crate::halfspace::disc::exterior::Exterior;
+use crate::numerics::roots;
+use crate::problem::Point;
+use crate::solve::floor::{Discs, LoadedDiscs};
+use crate::solve::rules::fronts::{Domain, LEVELS, critical_edge_coefficient};
+use crate::solve::rules::patch::{Patch, PatchSolver};
+use crate::state::Run;
+use std::convert::Infallible;
+use std::f64::consts::PI;
+
+/// A lens axis so near the middle of a top, in its radii, is there: the disc fills the top.
+pub(super) const CENTRED: f64 = 1e-6;
+
+/// The smallest radius at which a disc is followed, over the largest: without adhesion it bears the third power of that then.
+const SMALLEST: f64 = 1e-6;
+
+/// Golden sections in the logarithm of the radius where the disc is about to detach.
+const SECTIONS: usize = 60;
+
+/// The disc of contact and the top that it is on.
+pub(crate) struct InsideTop {
+    pub(super) solver: PatchSolver,
+    pub(super) exterior: Exterior,
+    pub(super) index: (i64, i64),
+    pub(super) centre: Point,
+    pub(super) raised: f64,
+    /// Radius at which it comes to the rim.
+    pub(super) largest: f64,
+    /// The disc, its indentation from the height of the top.
+    pub(super) patch: Patch,
+}
+
+impl InsideTop {
+    pub(crate) fn force(&self) -> f64 {
+        self.patch.force
+    }
+
+    pub(crate) fn radius(&self) -> f64 {
+        self.patch.radius
+    }
+
+    /// The disc as the one that bears a load.
+    pub(super) fn with_discs<R>(
+        &self,
+        run: &Run<'_>,
+        ask: impl FnOnce(&LoadedDiscs<'_>) -> R,
+    ) -> R {
+        self.with_patch(&self.patch, run, ask)
+    }
+
+    pub(super) fn with_patch<R>(
+        &self,
+        patch: &Patch,
+        run: &Run<'_>,
+        ask: impl FnOnce(&LoadedDiscs<'_>) -> R,
+    ) -> R {
+        let discs = LoadedDiscs {
+            exterior: &self.exterior,
+            discs: Discs::around_axis(patch.radius, &patch.coefficients),
+            run,
+        };
+        ask(&discs)
+    }
+
+    pub(super) fn area(&self) -> f64 {
+        PI * self.patch.radius * self.patch.radius
+    }
+
+    pub(super) fn energy(&self) -> f64 {
+        self.solver.energy(&self.patch)
+    }
+
+    /// As a top in contact.
+    pub(super) fn held_top(&self) -> HeldTop {
+        HeldTop {
+            index: self.index,
+            centre: self.centre,
+            raised: self.raised,
+            domain: Domain::OUT,
+            coefficients: self.patch.coefficients.clone(),
+            disc: Some(self.patch.radius),
+        }
+    }
+
+    /// What changes where so large parts of the top are in contact before and after.
+    pub(super) fn changed(&self, [before, after]: [f64; 2]) -> Change {
+        Change {
+            gained: PI * (after - before).max(0.0),
+            lost: PI * (before - after).max(0.0),
+            tops: vec![ChangedTop {
+                index: self.index,
+                centre: self.centre,
+                parts: [before, after],
+                levels: LEVELS,
+            }],
+        }
+    }
+
+    pub(super) fn is_centred(&self) -> bool {
+        self.centre[0].hypot(self.centre[1]) < CENTRED
+    }
+
+    /// Indentation from the common height.
+    pub(super) fn indentation(&self, patch: &Patch) -> f64 {
+        patch.indentation - self.raised
+    }
+}
+
+/// What holds the disc of a top in equilibrium.
+#[derive(Clone, Copy)]
+pub(super) struct Edge<'a> {
+    pub(super) inside: &'a InsideTop,
+    pub(super) sag: &'a dyn Fn(f64) -> f64,
+    pub(super) work: f64,
+}
+
+impl Edge<'_> {
+    pub(super) fn at(&self, radius: f64) -> Patch {
+        let edge = -critical_edge_coefficient(self.work / radius);
+        self.inside.solver.with_edge(radius, self.sag, edge)
+    }
+
+    /// The radius at which a measure is least.
+    pub(super) fn least(&self, measure: impl Fn(&Patch) -> f64) -> f64 {
+        let largest = self.inside.largest;
+        let of_logarithm = |logarithm: f64| measure(&self.at(logarithm.exp()));
+        let ends = [SMALLEST * largest, largest].map(f64::ln);
+        roots::least(ends, SECTIONS, of_logarithm).exp()
+    }
+
+    /// The radius between two at which a measure that rises with it takes a value.
+    pub(super) fn find(
+        &self,
+        [low, high]: [f64; 2],
+        value: f64,
+        measure: impl Fn(&Patch) -> f64,
+    ) -> f64 {
+        let excess = |radius: f64| measure(&self.at(radius)) - value;
+        let ends = [low, high].map(|position| roots::Point {
+            position,
+            value: excess(position),
+        });
+        let root = roots::find(ends, 0.0, |radius| Ok::<_, Infallible>(excess(radius)));
+        let root = root.unwrap_or_else(|never| match never {});
+        root.map_or(high, |root| root.closest().position)
+    }
+}
