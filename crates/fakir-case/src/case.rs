@@ -1,19 +1,16 @@
 //! What is to be solved and how, and its canonical text.
 
-use crate::error::CaseError;
-use crate::file::CaseFile;
 use crate::key::{Key, Setting};
 use crate::parts::{ArrangementName, BaseForm, OfTexture, Parts, ShapeForm};
-use crate::row::Range;
+use crate::table::Range;
 use fakir::problem::{
-    Adhesion, Arrangement, HexagonalLattice, Lens, LensShape, Material, Method, Pillar,
-    PillarCompliance, Point, System, Texture,
+    Adhesion, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, Point, System,
+    Texture,
 };
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::ops::Bound::{self, Excluded, Included};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// A system and the method to solve it with: what a case file describes.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,26 +104,6 @@ impl Case {
         write_toml(|key| self.value(key))
     }
 
-    /// The case as a file that has been read, so that keys can be set; `name` is what errors call it. Listed pillars that come from no
-    /// file are those of the case.
-    ///
-    /// # Errors
-    /// None but of a case that was made of values which no file can have.
-    pub fn to_file(&self, name: &str) -> Result<CaseFile, CaseError> {
-        let mut file = CaseFile::parse(name, &self.to_toml())?;
-        if let (LensShape::Profile(profile), None) = (&self.system.lens().shape, &self.profile) {
-            file.profile = Some(Arc::clone(profile));
-        }
-        let from_file = self.pillars.as_ref().is_some_and(|it| it.path.is_some());
-        match self.system.arrangement() {
-            Arrangement::Listed(list) if !from_file => {
-                let [x, y] = self.pillars.as_ref().map_or([0.0; 2], |origin| origin.axis);
-                Ok(file.with_pillars(list.seen_from([-x, -y])))
-            }
-            _ => Ok(file),
-        }
-    }
-
     /// The value of a key; `None` if the case does without it.
     #[must_use]
     pub fn setting(&self, key: Key) -> Option<Setting> {
@@ -134,7 +111,7 @@ impl Case {
             Spacing::Pitch(_) => Key::SurfaceFraction,
             Spacing::SurfaceFraction(_) => Key::Pitch,
         };
-        let mut parts = Parts::of(self);
+        let mut parts = self.parts();
         let adhesion = self.system.adhesion();
         let does_without = match key {
             Key::WorkOfAdhesion => adhesion == Adhesion::NONE,
@@ -157,11 +134,33 @@ impl Case {
         (!is_absent).then(|| key.get(&mut parts))
     }
 
+    /// The values of its keys.
+    fn parts(&self) -> Parts {
+        let mut parts = Parts::of(&self.system, self.method);
+        let text = |path: &Option<PathBuf>| {
+            let path = path.as_deref();
+            path.map_or_else(String::new, |path| path.to_string_lossy().into_owned())
+        };
+        if let Spacing::SurfaceFraction(fraction) = self.spacing {
+            parts.texture.arrangement.surface_fraction = fraction;
+        }
+        if parts.shape.form == ShapeForm::Profile {
+            parts.shape.profile = text(&self.profile);
+        }
+        if let (OfTexture(ArrangementName::Listed), Some(origin)) =
+            (parts.texture.name, &self.pillars)
+        {
+            parts.texture.pillars = text(&origin.path);
+            parts.texture.axis = origin.axis;
+        }
+        parts
+    }
+
     /// The number of a key of the texture, in SI units. Pitch and surface fraction both have one, whichever was given.
     /// `None` if the key takes no number, has none in this case, or belongs to a general surface.
     #[must_use]
     pub fn number(&self, key: Key) -> Option<f64> {
-        match key.get(&mut Parts::of(self)) {
+        match key.get(&mut self.parts()) {
             Setting::Number(value) if !key.is_of_surface() && value.is_finite() => Some(value),
             _ => None,
         }

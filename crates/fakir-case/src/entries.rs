@@ -1,9 +1,8 @@
 //! A TOML document as a flat list of known keys, each with the place it was set.
 
 use crate::error::{CaseError, Place, Source};
-use crate::file::both_given;
 use crate::key::{Key, Kind, Setting, is_table, join, names_in, similar};
-use crate::unit::parse_quantity;
+use crate::unit::{parse_quantity, with_article};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use toml::Spanned;
@@ -286,11 +285,6 @@ pub(crate) fn kind_name(value: &Value) -> String {
     }
 }
 
-pub(crate) fn with_article(noun: &str) -> String {
-    let vowel = noun.starts_with(['a', 'e', 'i', 'o', 'u']);
-    format!("{} {noun}", if vowel { "an" } else { "a" })
-}
-
 /// What a key takes, for "accepted: ...".
 pub(crate) fn accepted(key: Key) -> String {
     match key.kind() {
@@ -311,4 +305,21 @@ pub(crate) fn one_of(words: &[&str]) -> String {
         Some((last, rest)) if !rest.is_empty() => format!("give {} or {last}", rest.join(", ")),
         _ => format!("give {}", words.concat()),
     }
+}
+
+/// The error for two entries of which only one can be given; it stands at the later one.
+pub(crate) fn both_given(a: (&str, &Place), b: (&str, &Place), table: &str) -> CaseError {
+    let (first, second) = if a.1.span.start < b.1.span.start {
+        (a.1, b.1)
+    } else {
+        (b.1, a.1)
+    };
+    let mut error = CaseError::at(second, format!("{} and {} are both given", a.0, b.0));
+    if !table.is_empty() {
+        error = error.key(table);
+    }
+    if first.source.text() == second.source.text() {
+        error = error.label(first.span.clone(), "and here");
+    }
+    error
 }

@@ -3,7 +3,7 @@
 use crate::case::{Case, PillarsOrigin, Spacing};
 use crate::columns::{Table, TableError};
 use crate::entries::{
-    Entries, Entry, NAME_IN_QUOTES, Value, accepted, ambiguous_key, kind_name, one_of,
+    Entries, Entry, NAME_IN_QUOTES, Value, accepted, ambiguous_key, both_given, kind_name, one_of,
     override_value, table_for_key, unknown_key,
 };
 use crate::error::{CaseError, OVERRIDE, Place, Source};
@@ -12,9 +12,8 @@ use crate::key::{Key, Setting, is_table};
 use crate::parts::{ArrangementName, OfTexture, Parts, ShapeForm, TRUE_OR_FALSE, TextureParts};
 use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
-use crate::row::{Field, Presence, Range};
 use crate::support::Capability;
-use crate::table::Part;
+use crate::table::{Field, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
     Adhesion, Arrangement, FloorModel, InvalidQuantity, LensProfile, LensShape, Method, PillarList,
@@ -44,6 +43,28 @@ pub struct CaseFile {
     pub(crate) pillars: Option<PillarList>,
     /// A table of the heights of the lens that comes from no file.
     pub(crate) profile: Option<Arc<LensProfile>>,
+}
+
+impl Case {
+    /// The case as a file that has been read, so that keys can be set; `name` is what errors call it. Listed pillars that come from no
+    /// file are those of the case.
+    ///
+    /// # Errors
+    /// None but of a case that was made of values which no file can have.
+    pub fn to_file(&self, name: &str) -> Result<CaseFile, CaseError> {
+        let mut file = CaseFile::parse(name, &self.to_toml())?;
+        if let (LensShape::Profile(profile), None) = (&self.system.lens().shape, &self.profile) {
+            file.profile = Some(Arc::clone(profile));
+        }
+        let from_file = self.pillars.as_ref().is_some_and(|it| it.path.is_some());
+        match self.system.arrangement() {
+            Arrangement::Listed(list) if !from_file => {
+                let [x, y] = self.pillars.as_ref().map_or([0.0; 2], |origin| origin.axis);
+                Ok(file.with_pillars(list.seen_from([-x, -y])))
+            }
+            _ => Ok(file),
+        }
+    }
 }
 
 impl CaseFile {
@@ -806,23 +827,6 @@ pub(crate) fn quantity(measured: &Measured, entry: &Entry) -> Result<f64, CaseEr
         other => format!("expected {dimension}, found {}", kind_name(other)),
     };
     Err(error(problem).accepted(dimension.accepted()))
-}
-
-/// The error for two entries of which only one can be given; it stands at the later one.
-pub(crate) fn both_given(a: (&str, &Place), b: (&str, &Place), table: &str) -> CaseError {
-    let (first, second) = if a.1.span.start < b.1.span.start {
-        (a.1, b.1)
-    } else {
-        (b.1, a.1)
-    };
-    let mut error = CaseError::at(second, format!("{} and {} are both given", a.0, b.0));
-    if !table.is_empty() {
-        error = error.key(table);
-    }
-    if first.source.text() == second.source.text() {
-        error = error.label(first.span.clone(), "and here");
-    }
-    error
 }
 
 pub(crate) fn not_utf8(name: &str, error: &std::string::FromUtf8Error) -> CaseError {

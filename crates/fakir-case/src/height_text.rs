@@ -1,30 +1,8 @@
 //! Height maps from text: matrices of numbers, ESRI ASCII grids, matrices with the heading of Gwyddion, and lists of points.
 
-use crate::height_map::{HeightMapError, LONGEST_LINE, Source, Table};
+use crate::height_table::{HeightMapError, HeightUnit, LONGEST_LINE, Source, Stated, Table};
 use crate::unit::{Dimension, parse_quantity};
 use std::io::{BufRead, Read};
-
-/// What a file states of the size of its map and of its heights.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Stated {
-    /// Extent along x and y, m.
-    pub(crate) extent: [Option<f64>; 2],
-    /// What a height of 1 stands for.
-    pub(crate) height_unit: Option<HeightUnit>,
-    /// Distance of neighbouring points along x and y, in a unit that is not stated.
-    pub(crate) spacing: Option<[f64; 2]>,
-    /// Whether the points are a list, in which the distances along x and y may differ.
-    pub(crate) is_list: bool,
-}
-
-/// What a height of 1 stands for.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum HeightUnit {
-    /// A length, m.
-    Length(f64),
-    /// Something else, by its unit.
-    Other(String),
-}
 
 /// Beginnings of files that are no text of numbers.
 const OTHER_FORMATS: [(&[u8], &str); 19] = [

@@ -1,8 +1,7 @@
 //! What can be asked about a key: the answers are in the [table](crate::table).
 
 use crate::parts::{Parts, TRUE_OR_FALSE};
-use crate::row::{Field, Presence, Range, Row};
-use crate::table::{Part, TABLE};
+use crate::table::{Field, Part, Presence, Range, Row, TABLE};
 use crate::unit::{Dimension, format_quantity};
 use fakir::problem::Quantity;
 use fakir::problem::pattern::PatternQuantity;

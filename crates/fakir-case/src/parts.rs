@@ -2,11 +2,10 @@
 //!
 //! The table of keys says which field belongs to which key.
 
-use crate::case::{Case, Spacing};
 use fakir::problem::{
-    Accuracy, Base, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice, LatticeForm,
-    Layer, Lens, LensShape, Material, MeshLayout, Method, Pillar, PillarCompliance, PlaneLattice,
-    Point, PunchForm, Scatter, ShapedLens,
+    Accuracy, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice,
+    LatticeForm, Layer, Lens, LensShape, Material, MeshLayout, Method, Pillar, PillarCompliance,
+    PlaneLattice, Point, PunchForm, Scatter, ShapedLens, System,
 };
 
 /// The values of all keys. Required values are not numbers until they are set, all others have
@@ -223,48 +222,45 @@ impl Default for Parts {
 }
 
 impl Parts {
-    /// The values of a case with a texture.
-    pub(crate) fn of(case: &Case) -> Self {
+    /// The values of a system with a texture, and of the method that solves it. Names of files are left out.
+    pub(crate) fn of(system: &System, method: Method) -> Self {
         let mut parts = Self {
-            substrate: *case.system.substrate(),
+            substrate: *system.substrate(),
             ..Self::default()
         };
-        let ShapedLens { shape, material } = case.system.lens();
+        let ShapedLens { shape, material } = system.lens();
         parts.lens.material = *material;
-        parts.lens.radius = case.system.lens().radius().unwrap_or(NOT_GIVEN);
-        parts.shape.set(shape, case);
-        parts.lens_layer.set(case.system.lens_layer());
-        parts.substrate_layer.set(case.system.substrate_layer());
-        parts.texture.set_arrangement(case);
-        parts.texture.pillar = *case.system.pillar();
-        parts.texture.floor = case.system.floor_model();
-        let adhesion = case.system.adhesion();
+        parts.lens.radius = system.lens().radius().unwrap_or(NOT_GIVEN);
+        parts.shape.set(shape);
+        parts.lens_layer.set(system.lens_layer());
+        parts.substrate_layer.set(system.substrate_layer());
+        parts.texture.set_arrangement(system.arrangement());
+        parts.texture.pillar = *system.pillar();
+        parts.texture.floor = system.floor_model();
+        let adhesion = system.adhesion();
         parts.texture.adhesion = AdhesionParts {
             work: adhesion.work,
             work_receding: adhesion.receding(),
             floor: FloorSticks(adhesion.floor),
         };
-        parts.texture.arrangement.surface_fraction = match case.spacing {
-            Spacing::SurfaceFraction(fraction) => fraction,
-            Spacing::Pitch(_) => case.system.texture().surface_fraction(),
-        };
-        let method = &mut parts.method;
-        match case.method {
+        parts.texture.arrangement.surface_fraction = system.texture().surface_fraction();
+        let values = &mut parts.method;
+        match method {
             Method::Spectral(accuracy) => {
-                method.name = MethodName::Spectral;
-                method.accuracy = accuracy;
+                values.name = MethodName::Spectral;
+                values.accuracy = accuracy;
             }
             Method::Punch(form) => {
-                method.name = MethodName::Punch;
-                method.form = form;
+                values.name = MethodName::Punch;
+                values.form = form;
             }
             Method::Love(mesh) => {
-                method.name = MethodName::Love;
-                method.cells_per_diameter = mesh.cells_per_diameter as f64;
-                method.mesh = mesh.layout;
-                method.cells = Cells::of(mesh);
+                values.name = MethodName::Love;
+                values.cells_per_diameter = mesh.cells_per_diameter as f64;
+                values.mesh = mesh.layout;
+                values.cells = Cells::of(mesh);
             }
-            Method::Homogenised => method.name = MethodName::Homogenised,
+            Method::Homogenised => values.name = MethodName::Homogenised,
             other => unreachable!("case files have no method \"{}\"", other.name()),
         }
         parts
@@ -272,7 +268,7 @@ impl Parts {
 }
 
 impl ShapeParts {
-    fn set(&mut self, shape: &LensShape, case: &Case) {
+    fn set(&mut self, shape: &LensShape) {
         self.form = match shape {
             LensShape::Sphere { .. } => ShapeForm::Sphere,
             LensShape::Paraboloid { .. } => ShapeForm::Paraboloid,
@@ -285,12 +281,7 @@ impl ShapeParts {
                 self.tilt_direction = *direction;
                 ShapeForm::Plate
             }
-            LensShape::Profile(_) => {
-                let path = case.profile.as_deref();
-                self.profile =
-                    path.map_or_else(String::new, |path| path.to_string_lossy().into_owned());
-                ShapeForm::Profile
-            }
+            LensShape::Profile(_) => ShapeForm::Profile,
             other => unreachable!("case files have no lens of shape {other:?}"),
         };
     }
@@ -347,19 +338,11 @@ impl LayerParts {
 }
 
 impl TextureParts {
-    fn set_arrangement(&mut self, case: &Case) {
-        match case.system.arrangement().lattice() {
-            Some(lattice) => self.name = OfTexture(self.arrangement.set(&lattice)),
-            None => {
-                self.name = OfTexture(ArrangementName::Listed);
-                if let Some(origin) = &case.pillars {
-                    let path = origin.path.as_deref();
-                    self.pillars =
-                        path.map_or_else(String::new, |path| path.to_string_lossy().into_owned());
-                    self.axis = origin.axis;
-                }
-            }
-        }
+    fn set_arrangement(&mut self, arrangement: &Arrangement) {
+        self.name = OfTexture(match arrangement.lattice() {
+            Some(lattice) => self.arrangement.set(&lattice),
+            None => ArrangementName::Listed,
+        });
     }
 
     /// Whether its pillars are those of a list.

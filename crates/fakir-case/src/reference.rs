@@ -3,8 +3,8 @@
 use crate::entries::one_of;
 use crate::idle::{IDLE, Idle};
 use crate::key::{Key, Kind};
-use crate::row::Presence;
 use crate::table::Part;
+use crate::table::Presence;
 use crate::unit::Dimension;
 use std::fmt::Write;
 

@@ -1,11 +1,11 @@
 //! Cases with a general surface in place of a texture: a height map, or pillars of any form.
 
 use crate::case::write_toml;
+use crate::entries::both_given;
 use crate::error::{CaseError, Place};
-use crate::file::{CaseFile, both_given};
-use crate::height_map::{
-    BYTES_PER_POINT, GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, read_scaled_map, shown,
-};
+use crate::file::CaseFile;
+use crate::height_map::{GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, read_scaled_map, shown};
+use crate::height_table::BYTES_PER_POINT;
 use crate::key::{Key, root};
 use crate::parts::{
     ArrangementName, IndenterForm, OutlineForm, OutlineParts, Parts, SurfaceParts, TopForm,

@@ -4,7 +4,6 @@
 //! decimal number 2200e-6 and gives the same bits as `0.0022`. Writing reverses it: the shortest
 //! digits that identify a number, with the point moved.
 
-use crate::entries::with_article;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
@@ -214,6 +213,12 @@ impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&with_article(self.noun()))
     }
+}
+
+/// A noun with its indefinite article.
+pub(crate) fn with_article(noun: &str) -> String {
+    let vowel = noun.starts_with(['a', 'e', 'i', 'o', 'u']);
+    format!("{} {noun}", if vowel { "an" } else { "a" })
 }
 
 /// Beyond this many times the usual numbers, a number without a unit is not plausible.

@@ -2,11 +2,11 @@
 
 use crate::exact;
 use fakir::problem::{Load, Method, System};
-use fakir::state::{Run, SolveError, Termination};
 use fakir::solve::collapsed_floor::{
     CollapsedCycle, CollapsedFloor, CollapsedPoint, MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE,
     NARROWEST_FRONT, WIDEST_ANNULUS,
 };
+use fakir::state::{Run, SolveError, Termination};
 use fakir::state::{Run, SolveError, Termination};
 use fakir::theory::stuck_floor::{AnnulusEdge, StuckFloor};
 use serde::{Deserialize, Serialize};

@@ -21,207 +21,33 @@
 //!
 //! * The case is in the same file, or `[study]` names its file: `case = "paper-soft.toml"`, sought
 //!   next to the study. An axis takes the place of what the case gives.
-//! * An axis is named by a [`Key`], in full or by its last name where that says which, or
+//! * An axis is named by a [`Key`](crate::Key), in full or by its last name where that says which, or
 //!   by `indentation` or `force`. Cases are in the order of the file, the last axis varying fastest.
 //! * A case with a general `[surface]` has axes over keys of lens, substrate and surface.
 //! * Where `method.name` is an axis, other keys of `[method]` count for the methods that have them.
 
+mod asked;
 mod axis;
+mod file;
 mod posed;
 mod read;
 
+pub use asked::{Asked, Combine, Question};
 pub use axis::{Axis, Coordinate, Variable};
+pub use file::{MAXIMUM_CASES, StudyCase, StudyFile};
 pub use posed::StudiedCase;
 
 use crate::case::{Case, write_tables};
-use crate::entries::{Entry, STUDY_TABLES, Value};
-use crate::error::{CaseError, OVERRIDE, Place, Source};
-use crate::file::{CaseFile, not_utf8, quantity};
-use crate::input::{self, LARGEST_STUDY};
-use crate::key::{Key, root};
+use crate::error::CaseError;
 use crate::parts::Words;
 use crate::surface::SurfaceExample;
 use crate::unit::{Dimension, format_quantity};
-use axis::Values;
-use fakir::problem::{CyclePlan, Drive, Load, Method};
-use posed::{Surfaces, looked_at};
+use fakir::problem::{Drive, Load, Method};
+use file::FixedLoad;
+use posed::Surfaces;
 use std::fmt::Write;
-use std::path::Path;
-
-/// The most cases that a study can have.
-pub const MAXIMUM_CASES: usize = 10_000_000;
-
-/// What is asked about every case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Asked {
-    /// The critical state.
-    #[default]
-    Transition,
-    /// The contact under a load.
-    Press,
-    /// Loading and unloading with adhesion.
-    Cycle,
-    /// How a floor that sticks collapses and lets go, by the fast model of a collapsed floor and by closed forms.
-    Collapse,
-}
-
-impl Words for Asked {
-    const WORDS: &'static [(&'static str, Self)] = &[
-        ("transition", Self::Transition),
-        ("press", Self::Press),
-        ("cycle", Self::Cycle),
-        ("collapse", Self::Collapse),
-    ];
-}
-
-impl Asked {
-    /// `"transition"`, `"press"`, `"cycle"` or `"collapse"`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        self.word()
-    }
-}
-
-/// How the axes of a study make its cases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Combine {
-    /// Every value of an axis with every value of the others; the last axis varies fastest.
-    #[default]
-    Product,
-    /// The first values of all axes, then the second ones; all axes are equally long.
-    Zip,
-}
-
-impl Words for Combine {
-    const WORDS: &'static [(&'static str, Self)] =
-        &[("product", Self::Product), ("zip", Self::Zip)];
-}
-
-/// A study file that has been read, with the overrides applied so far.
-#[derive(Debug, Clone)]
-pub struct StudyFile {
-    source: Source,
-    case: CaseFile,
-    asked: Asked,
-    combine: Combine,
-    load: Option<FixedLoad>,
-    drive: Drive,
-    varied: Vec<Varied>,
-}
-
-/// A load that is the same in every case.
-#[derive(Debug, Clone)]
-struct FixedLoad {
-    variable: Variable,
-    load: Load,
-    place: Place,
-}
-
-/// An axis and where it was given.
-#[derive(Debug, Clone)]
-struct Varied {
-    axis: Axis,
-    name: Place,
-    /// Where every item of its list stands, or its range as a whole.
-    items: Vec<Place>,
-}
-
-impl Varied {
-    fn place(&self, step: usize) -> &Place {
-        self.items.get(step).unwrap_or(&self.items[0])
-    }
-}
 
 impl StudyFile {
-    /// Reads a file, and the case file that it names.
-    ///
-    /// # Errors
-    /// [`CaseError`] if a file cannot be read, is not UTF-8 or TOML, or has a key that no study
-    /// has, and for axes that cannot be. Cases are looked at by [`study`](Self::study).
-    pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let name = path.display().to_string();
-        let bytes = input::read(path, LARGEST_STUDY).map_err(|error| {
-            CaseError::new(
-                &Source::new(&name, ""),
-                format!("cannot read {name}: {error}"),
-            )
-        })?;
-        let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Self::of_text(&name, &text, &folder)
-    }
-
-    /// Reads the contents of a file; `name` is what errors call it. A case file that it names is
-    /// sought in the current folder.
-    ///
-    /// # Errors
-    /// As [`read`](Self::read).
-    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, CaseError> {
-        match String::from_utf8(bytes) {
-            Ok(text) => Self::parse(name, &text),
-            Err(error) => Err(not_utf8(name, &error)),
-        }
-    }
-
-    /// Reads a text, as [`from_bytes`](Self::from_bytes).
-    ///
-    /// # Errors
-    /// As [`read`](Self::read).
-    pub fn parse(name: &str, text: &str) -> Result<Self, CaseError> {
-        Self::of_text(name, text, Path::new(""))
-    }
-
-    fn of_text(name: &str, text: &str, folder: &Path) -> Result<Self, CaseError> {
-        let source = Source::new(name, text);
-        if text.trim().is_empty() {
-            return Err(CaseError::new(&source, format!("{name} is empty"))
-                .accepted("a study file is a case file with a table [axes]"));
-        }
-        read::read(&source, folder)
-    }
-
-    /// Overrides one key of the case, as [`CaseFile::set`]; not one that is an axis.
-    ///
-    /// # Errors
-    /// [`CaseError`].
-    pub fn set(&mut self, argument: &str) -> Result<(), CaseError> {
-        let (path, _) = argument.split_once('=').unwrap_or((argument, ""));
-        if STUDY_TABLES.contains(&root(path.trim())) {
-            return Err(CaseError::new(
-                &Source::new(OVERRIDE, argument),
-                "only keys of the case can be overridden",
-            )
-            .key(path.trim())
-            .label(0..path.len(), "here")
-            .accepted("for example texture.pillar.height=2um"));
-        }
-        self.case.set(argument)?;
-        let [key] = self.case.named(path.trim())[..] else {
-            return Ok(());
-        };
-        let variable = Variable::Key(key);
-        let axes = self.varied.iter().map(|varied| varied.axis.variable);
-        match axes
-            .into_iter()
-            .find(|axis| *axis == variable || variable.alternative() == Some(*axis))
-        {
-            None => Ok(()),
-            Some(axis) => Err(CaseError::new(
-                &Source::new(OVERRIDE, argument),
-                format!("{} is an axis of the study", axis.path()),
-            )
-            .key(key.path())
-            .label(0..argument.len(), "here")
-            .accepted("leave out the override, or the axis")),
-        }
-    }
-
-    /// The case that is varied.
-    #[must_use]
-    pub fn case(&self) -> &CaseFile {
-        &self.case
-    }
-
     /// The study that the file and its overrides describe, every case of it looked at.
     ///
     /// # Errors
@@ -242,7 +68,8 @@ impl StudyFile {
                     }
                 }
                 StudiedCase::Surface(file) => {
-                    surfaces.look(&self, &file, index).map_err(blame)?;
+                    let steps = self.steps_of_keys(index);
+                    surfaces.look(steps, &file, self.asked).map_err(blame)?;
                 }
             }
         }
@@ -258,249 +85,6 @@ impl StudyFile {
         study.text = study.written();
         Ok(study)
     }
-
-    fn number_of_cases(&self) -> Result<usize, CaseError> {
-        let lengths = self.varied.iter().map(|varied| varied.axis.len());
-        let cases = match self.combine {
-            Combine::Product => lengths.fold(1usize, usize::saturating_mul),
-            Combine::Zip => {
-                let first = &self.varied[0];
-                for other in &self.varied[1..] {
-                    let (a, b) = (first.axis.len(), other.axis.len());
-                    if a != b {
-                        let problem = format!(
-                            "values are combined one by one, but {} has {a} and {} has {b}",
-                            first.axis.variable.path(),
-                            other.axis.variable.path()
-                        );
-                        return Err(CaseError::at(&other.name, problem)
-                            .key("axes")
-                            .label(first.name.span.clone(), "and here")
-                            .accepted("give as many of each, or combine = \"product\""));
-                    }
-                }
-                first.axis.len()
-            }
-        };
-        if cases > MAXIMUM_CASES {
-            return Err(
-                CaseError::at(&self.varied[0].name, format!("these are {cases} cases"))
-                    .key("axes")
-                    .accepted(format!("a study has at most {MAXIMUM_CASES}")),
-            );
-        }
-        Ok(cases)
-    }
-
-    /// Whether there is a load exactly where one is asked for. `question` is where that is said.
-    fn check_load(&self, question: Option<&Place>) -> Result<(), CaseError> {
-        let axis = self
-            .varied
-            .iter()
-            .find(|varied| varied.axis.variable.is_load())
-            .map(|varied| (varied.axis.variable.path(), &varied.name));
-        let fixed = self
-            .load
-            .as_ref()
-            .map(|fixed| (fixed.variable.path(), &fixed.place));
-        match (self.asked, axis, fixed) {
-            (_, Some(axis), Some(fixed)) => Err(crate::file::both_given(fixed, axis, "study")
-                .accepted("give a load once: in [study] or as an axis")),
-            (Asked::Transition | Asked::Collapse, Some((path, place)), None)
-            | (Asked::Transition | Asked::Collapse, None, Some((path, place))) => {
-                Err(CaseError::at(
-                    place,
-                    format!(
-                        "a load has no place in the question \"{}\"",
-                        self.asked.name()
-                    ),
-                )
-                .key(path)
-                .accepted("leave it out, or question = \"press\" or \"cycle\" in [study]"))
-            }
-            (Asked::Press, None, None) => {
-                let error = match question {
-                    Some(place) => CaseError::at(place, "this question needs a load"),
-                    None => CaseError::new(&self.source, "this question needs a load"),
-                };
-                Err(error.key("study.question").accepted(
-                    "give indentation = \"3 um\" or force = \"20 uN\" in [study], or one of them as an axis",
-                ))
-            }
-            // Loads of a cycle say where it turns back; without one it does so at the critical state.
-            _ => Ok(()),
-        }
-    }
-
-    /// The step along every axis of a case.
-    fn steps(&self, index: usize) -> Vec<usize> {
-        match self.combine {
-            Combine::Zip => vec![index; self.varied.len()],
-            Combine::Product => {
-                let mut rest = index;
-                let mut steps: Vec<usize> = self
-                    .varied
-                    .iter()
-                    .rev()
-                    .map(|varied| {
-                        let step = rest % varied.axis.len();
-                        rest /= varied.axis.len();
-                        step
-                    })
-                    .collect();
-                steps.reverse();
-                steps
-            }
-        }
-    }
-
-    /// The step along every axis of a case that varies a key.
-    fn steps_of_keys(&self, index: usize) -> Vec<usize> {
-        let axes = self.varied.iter().zip(self.steps(index));
-        let of_keys = axes.filter(|(varied, _)| !varied.axis.variable.is_load());
-        of_keys.map(|(_, step)| step).collect()
-    }
-
-    /// Whether a case of a file can be.
-    fn check(&self, case: StudiedCase) -> Result<(), CaseError> {
-        match case {
-            StudiedCase::Texture(_) => Ok(()),
-            StudiedCase::Surface(file) => looked_at(&file, self.asked).map(drop),
-        }
-    }
-
-    fn resolve(&self, index: usize) -> Result<StudyCase, CaseError> {
-        self.resolve_with(index, |_| true)
-    }
-
-    /// A case that only some axes, by number, make different from the case of the file.
-    fn resolve_with(
-        &self,
-        index: usize,
-        counts: impl Fn(usize) -> bool,
-    ) -> Result<StudyCase, CaseError> {
-        let steps = self.steps(index);
-        let mut file = self.case.clone();
-        self.leave_out_idle_keys(&mut file, &steps);
-        let mut load = self.load.as_ref().map(|fixed| fixed.load);
-        let mut coordinates = Vec::with_capacity(steps.len());
-        let axes = self.varied.iter().zip(steps).enumerate();
-        for (_, (varied, step)) in axes.filter(|(number, _)| counts(*number)) {
-            let coordinate = varied.axis.value(step);
-            let entry = Entry {
-                value: match &coordinate {
-                    Coordinate::Number(number) => Value::InSi(*number),
-                    Coordinate::Word(word) => Value::Text(word.clone()),
-                },
-                place: varied.place(step).clone(),
-            };
-            match varied.axis.variable {
-                Variable::Key(Key::MethodName) => {
-                    file.entries.keys.insert(Key::MethodName, entry);
-                }
-                Variable::Key(key) => file.put(key, entry),
-                variable => load = Some(prescribed(variable, &entry)?),
-            }
-            coordinates.push(coordinate);
-        }
-        let load = load.unwrap_or(Load::FloorContact);
-        let question = match self.asked {
-            Asked::Transition | Asked::Press => Question::Contact(load),
-            Asked::Cycle => Question::Cycle(CyclePlan {
-                turn: load.into(),
-                drive: self.drive,
-                retract: true,
-            }),
-            Asked::Collapse => Question::Collapse,
-        };
-        let case = StudiedCase::of(file, self.asked)?;
-        Ok(StudyCase {
-            case,
-            question,
-            coordinates,
-        })
-    }
-
-    /// Where the methods are varied, the case's keys for others than that of this case.
-    fn leave_out_idle_keys(&self, file: &mut CaseFile, steps: &[usize]) {
-        for (varied, step) in self.varied.iter().zip(steps) {
-            let Values::Words(words) = &varied.axis.values else {
-                continue;
-            };
-            if varied.axis.variable != Variable::Key(Key::MethodName) {
-                continue;
-            }
-            let idle = |key: &Key, entry: &Entry| {
-                let Some((Key::MethodName, owners)) = key.goes_with() else {
-                    return false;
-                };
-                let has_it = |word: &String| owners.contains(&word.as_str());
-                let is_of_study = words.iter().any(has_it);
-                let is_override = entry.place.is_override();
-                !has_it(&words[*step]) && (is_of_study || !is_override)
-            };
-            file.entries.keys.retain(|key, entry| !idle(key, entry));
-        }
-    }
-
-    /// The values of all axes, as in a study file.
-    fn settings(&self, steps: &[usize]) -> String {
-        let axes = self.varied.iter().zip(steps);
-        let settings: Vec<_> = axes
-            .map(|(varied, step)| varied.axis.setting(*step))
-            .collect();
-        settings.join(", ")
-    }
-
-    /// The error of a case, at an axis, with the combination of values that it comes from.
-    fn blame(&self, error: CaseError, index: usize) -> CaseError {
-        // What is wrong with or without axes is the fault of the case alone.
-        let of_file = StudiedCase::of(self.case.clone(), self.asked);
-        if let Err(alone) = of_file.and_then(|case| self.check(case))
-            && alone.one_line() == error.one_line()
-        {
-            return alone;
-        }
-        let steps = self.steps(index);
-        let combination = format!("in case {index}, with {}", self.settings(&steps));
-        let error = error.in_case(&combination);
-        let places = || self.varied.iter().zip(&steps);
-        if places().any(|(varied, step)| error.stands_at(varied.place(*step))) {
-            return error;
-        }
-        let axes = 0..steps.len();
-        let number = match index.checked_sub(1).map(|before| self.steps(before)) {
-            // The slowest axis that changed since the case before, which was good.
-            Some(before) => axes.into_iter().find(|axis| before[*axis] != steps[*axis]),
-            // The axis without which there would be no error.
-            None => axes.into_iter().find(|axis| {
-                let without = self.resolve_with(index, |other| other != *axis);
-                without.and_then(|case| self.check(case.case)).is_ok()
-            }),
-        };
-        let number = number.unwrap_or(0);
-        let varied = &self.varied[number];
-        error.moved(varied.place(steps[number]), varied.axis.variable.path())
-    }
-}
-
-/// The load of an entry.
-fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
-    let measured = variable.measured();
-    let value = quantity(&measured, entry)?;
-    let dimension = measured.dimension;
-    if !(value.is_finite() && value >= 0.0) {
-        return Err(CaseError::at(
-            &entry.place,
-            format!("cannot be {}", format_quantity(value, dimension)),
-        )
-        .key(variable.path())
-        .accepted("it must be a finite number, 0 or greater"));
-    }
-    Ok(match variable {
-        Variable::Force => Load::Force(value),
-        _ => Load::Indentation(value),
-    })
 }
 
 /// A study: a question about many cases, all of which can be.
@@ -515,28 +99,6 @@ pub struct Study {
     layered: bool,
     surfaces: Surfaces,
     text: String,
-}
-
-/// What is asked about one case.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Question {
-    /// The contact at a load, or where the floor is reached.
-    Contact(Load),
-    /// Loading and unloading with adhesion.
-    Cycle(CyclePlan),
-    /// How a floor that sticks collapses and lets go.
-    Collapse,
-}
-
-/// One case of a study.
-#[derive(Debug, Clone)]
-pub struct StudyCase {
-    /// What is pressed, and how it is solved.
-    pub case: StudiedCase,
-    /// What is asked.
-    pub question: Question,
-    /// The value of every axis.
-    pub coordinates: Vec<Coordinate>,
 }
 
 impl Study {
@@ -616,7 +178,7 @@ impl Study {
     #[must_use]
     pub fn cells(&self, index: usize) -> usize {
         assert!(index < self.cases, "there are {} cases", self.cases);
-        self.surfaces.cells(&self.file, index)
+        self.surfaces.cells(&self.file.steps_of_keys(index))
     }
 
     /// The methods that cases with a texture are solved with.

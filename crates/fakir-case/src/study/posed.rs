@@ -1,6 +1,6 @@
 //! What a case of a study is of: a texture, or a general surface.
 
-use super::{Asked, StudyFile};
+use super::asked::Asked;
 use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
@@ -58,18 +58,17 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    /// Looks at the surface of a case, if no other case has had it.
+    /// Looks at the surface of a case, if no other case with these steps has had it.
     pub(super) fn look(
         &mut self,
-        study: &StudyFile,
+        steps: Vec<usize>,
         file: &CaseFile,
-        index: usize,
+        asked: Asked,
     ) -> Result<(), CaseError> {
-        let steps = study.steps_of_keys(index);
         if self.cells.contains_key(&steps) {
             return Ok(());
         }
-        let (example, cells) = looked_at(file, study.asked)?;
+        let (example, cells) = looked_at(file, asked)?;
         if !self.examples.iter().any(|known| known.is_like(&example)) {
             self.examples.push(example);
         }
@@ -77,9 +76,8 @@ impl Surfaces {
         Ok(())
     }
 
-    pub(super) fn cells(&self, study: &StudyFile, index: usize) -> usize {
-        let cells = self.cells.get(&study.steps_of_keys(index));
-        cells.copied().unwrap_or_default()
+    pub(super) fn cells(&self, steps: &[usize]) -> usize {
+        self.cells.get(steps).copied().unwrap_or_default()
     }
 }
 

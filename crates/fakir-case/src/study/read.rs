@@ -1,17 +1,18 @@
 //! Reading the tables `[study]` and `[axes]`.
 
+use super::asked::{Asked, Combine};
 use super::axis::{Axis, PointSpacing, Range, Unnamed, Values, Variable};
-use super::{Asked, Combine, FixedLoad, MAXIMUM_CASES, StudyFile, Varied, prescribed};
-use crate::CaseFile;
+use super::file::{FixedLoad, MAXIMUM_CASES, StudyFile, Varied, prescribed};
 use crate::entries::{
-    Entries, Entry, NAME_IN_QUOTES, STUDY_TABLES, Value, document, in_order, kind_name, one_of,
-    plain_value, with_article,
+    Entries, Entry, NAME_IN_QUOTES, STUDY_TABLES, Value, both_given, document, in_order, kind_name,
+    one_of, plain_value,
 };
 use crate::error::{CaseError, Place, Source};
-use crate::file::{Measured, both_given, quantity};
+use crate::file::{CaseFile, Measured, not_utf8, quantity};
+use crate::input::{self, LARGEST_STUDY};
 use crate::key::{Key, is_table, join, names_in, nearest};
 use crate::parts::Words;
-use crate::unit::{Dimension, format_quantity};
+use crate::unit::{Dimension, format_quantity, with_article};
 use fakir::problem::Drive;
 use std::path::Path;
 use toml::Spanned;
@@ -21,7 +22,56 @@ const AXES_EXAMPLE: &str = "for example \"texture.offset\" = [0, 0.5], or pitch 
 
 type Item<'a, 'i> = (std::ops::Range<usize>, &'a Spanned<DeValue<'i>>);
 
-pub(super) fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseError> {
+impl StudyFile {
+    /// Reads a file, and the case file that it names.
+    ///
+    /// # Errors
+    /// [`CaseError`] if a file cannot be read, is not UTF-8 or TOML, or has a key that no study
+    /// has, and for axes that cannot be. Cases are looked at by [`study`](Self::study).
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
+        let name = path.display().to_string();
+        let bytes = input::read(path, LARGEST_STUDY).map_err(|error| {
+            CaseError::new(
+                &Source::new(&name, ""),
+                format!("cannot read {name}: {error}"),
+            )
+        })?;
+        let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Self::of_text(&name, &text, &folder)
+    }
+
+    /// Reads the contents of a file; `name` is what errors call it. A case file that it names is
+    /// sought in the current folder.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, CaseError> {
+        match String::from_utf8(bytes) {
+            Ok(text) => Self::parse(name, &text),
+            Err(error) => Err(not_utf8(name, &error)),
+        }
+    }
+
+    /// Reads a text, as [`from_bytes`](Self::from_bytes).
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(name: &str, text: &str) -> Result<Self, CaseError> {
+        Self::of_text(name, text, Path::new(""))
+    }
+
+    fn of_text(name: &str, text: &str, folder: &Path) -> Result<Self, CaseError> {
+        let source = Source::new(name, text);
+        if text.trim().is_empty() {
+            return Err(CaseError::new(&source, format!("{name} is empty"))
+                .accepted("a study file is a case file with a table [axes]"));
+        }
+        read(&source, folder)
+    }
+}
+
+fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseError> {
     let reader = Reader {
         source,
         folder,

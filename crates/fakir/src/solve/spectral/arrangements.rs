@@ -8,7 +8,7 @@ use crate::problem::pillar_field::{
 };
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Accuracy, Load, HexagonalLattice, Lens, LensShape, Material, PillarCompliance, Point,
+    Accuracy, HexagonalLattice, Lens, LensShape, Load, Material, PillarCompliance, Point,
     PunchForm, ShapedLens,
 };
 use crate::solve::answers;
@@ -359,9 +359,8 @@ fn compare_descriptions(lattices: &[(f64, f64)]) {
         let (accuracy, run) = (Accuracy::Default, Run::default());
         let method = PillarMethod::Spectral(accuracy);
         for indentation in [None, Some(0.5 * scene.height)] {
-            let control = indentation.map_or(Load::FloorContact, |z| {
-                Load::Indentation(z * scene.length)
-            });
+            let control =
+                indentation.map_or(Load::FloorContact, |z| Load::Indentation(z * scene.length));
             let before = answers::press(&system, control, method, &run).unwrap();
             let target = indentation.map_or(Load::FloorContact, Load::Indentation);
             let state = solved(&any, target, accuracy);

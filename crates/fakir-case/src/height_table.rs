@@ -1,0 +1,311 @@
+//! Heights as they are in a file, and why they cannot be read.
+
+use fakir::problem::{InvalidGrid, InvalidHeightMap};
+use std::io;
+
+/// Memory that every point of a map takes, bytes: its height and pillar on cells of three sizes,
+/// separation, start, and the fields of the solution.
+pub(crate) const BYTES_PER_POINT: f64 = 64.0;
+
+/// Longest line of a text, bytes: millions of numbers.
+pub(crate) const LONGEST_LINE: u64 = 64_000_000;
+
+/// Why a height map cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeightMapError {
+    /// The file cannot be read at all.
+    #[error("cannot read {file}: {source}")]
+    Read {
+        /// The file.
+        file: String,
+        /// Why the system could not read it.
+        source: io::Error,
+    },
+    /// It is no NumPy file, or a damaged one.
+    #[error("{file} is not a readable NumPy file: {problem}")]
+    NotNumpy {
+        /// The file, and the array of an archive.
+        file: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// An archive has no array of that name.
+    #[error("{file} has no array {wanted:?}; it has {}", list(.available))]
+    NoSuchArray {
+        /// The file.
+        file: String,
+        /// The name asked for.
+        wanted: String,
+        /// The names there are.
+        available: Vec<String>,
+    },
+    /// An archive has several arrays, or none, and no name was given.
+    #[error("{file} has {}: name the one to read", list(.available))]
+    ArrayNotNamed {
+        /// The file.
+        file: String,
+        /// The names there are.
+        available: Vec<String>,
+    },
+    /// An array is not two-dimensional.
+    #[error(
+        "{file} has an array of shape {shape:?}: a height map has two dimensions, rows and columns"
+    )]
+    Dimensions {
+        /// The file, and the array of an archive.
+        file: String,
+        /// Its shape.
+        shape: Vec<u64>,
+    },
+    /// An array has elements that are no numbers.
+    #[error(
+        "{file} has elements of type {found}: heights are real numbers of 4 or 8 bytes, or integers"
+    )]
+    ElementType {
+        /// The file, and the array of an archive.
+        file: String,
+        /// The type, as NumPy writes it.
+        found: String,
+    },
+    /// A word of a text is no number.
+    #[error("{file}, line {line}, column {column}: {text:?} is not a number")]
+    NotANumber {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Which number of the line, counted from 1.
+        column: usize,
+        /// The word that is no number.
+        text: String,
+    },
+    /// Commas that may separate numbers, or the digits of one.
+    #[error(
+        "{file}, line {line}: the commas may separate numbers, or stand for decimal points: write \".\" as the decimal point, or separate \
+         the numbers by tabs or semicolons alone"
+    )]
+    AmbiguousComma {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+    },
+    /// A file of another kind.
+    #[error(
+        "{file} is {format}: export it as a matrix of numbers in text, or as an array of NumPy (.npy)"
+    )]
+    OtherFormat {
+        /// The file.
+        file: String,
+        /// What it is.
+        format: &'static str,
+    },
+    /// Points that are no grid.
+    #[error(
+        "{file} has {rows} rows of 3 numbers: a list of points x, y, z must have every point of an evenly spaced grid, each once; \
+         a map of 3 columns is read from a .npy file"
+    )]
+    NotAGrid {
+        /// The file.
+        file: String,
+        /// Its rows.
+        rows: usize,
+    },
+    /// What the file states is not what is given.
+    #[error("{file} states {what} of {stated}, and {given} is given")]
+    Contradiction {
+        /// The file.
+        file: String,
+        /// What it states.
+        what: &'static str,
+        /// As it states it.
+        stated: String,
+        /// As it is given.
+        given: String,
+    },
+    /// A size that is neither given nor stated by the file.
+    #[error("{file} does not state its size: give that of a cell, or the width")]
+    NoSize {
+        /// The file.
+        file: String,
+    },
+    /// Values of another dimension than a length.
+    #[error(
+        "{file} has values in {unit:?}, which is no unit of length: give what a value of 1 stands for as a height"
+    )]
+    NotHeights {
+        /// The file.
+        file: String,
+        /// Their unit.
+        unit: String,
+    },
+    /// The rows of a text differ in length.
+    #[error(
+        "{file}, line {line}: {found} number{}, but {expected} in the rows before",
+        if *.found == 1 { "" } else { "s" }
+    )]
+    RaggedRow {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Numbers in this row.
+        found: usize,
+        /// Numbers in the others.
+        expected: usize,
+    },
+    /// An ESRI ASCII grid has another size than its header says.
+    #[error(
+        "{file}: {found_columns} columns and {found_rows} rows, but its header says {columns} and {rows}"
+    )]
+    HeaderSize {
+        /// The file.
+        file: String,
+        /// Columns of its header.
+        columns: usize,
+        /// Rows of its header.
+        rows: usize,
+        /// Columns that it has.
+        found_columns: usize,
+        /// Rows that it has.
+        found_rows: usize,
+    },
+    /// An ESRI ASCII grid has a point without data.
+    #[error("{file}, line {line}, column {column}: there is no data")]
+    NoData {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Which number of the line, counted from 1.
+        column: usize,
+    },
+    /// More points than there is memory for.
+    #[error(
+        "{file} has {points}, which take {:.1} MB of memory or more; the limit is {:.1} MB",
+        1e-6 * .bytes, 1e-6 * *.limit as f64
+    )]
+    TooLarge {
+        /// The file, and the array of an archive.
+        file: String,
+        /// The number of points in words: `4 by 3 points`, or `8 points or more`.
+        points: String,
+        /// Memory that they and the fields on them take, bytes.
+        bytes: f64,
+        /// Memory allowed, bytes.
+        limit: usize,
+    },
+    /// A line of a text that is no row of numbers, as it does not end.
+    #[error("{file}, line {line}: longer than {} MB, which no row of heights is", LONGEST_LINE / 1_000_000)]
+    LongLine {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+    },
+    /// No numbers at all.
+    #[error("{file} has no heights")]
+    Empty {
+        /// The file.
+        file: String,
+    },
+    /// The size or the height unit given cannot be.
+    #[error("the height unit cannot be {0} m: it must be a finite number other than 0")]
+    HeightUnit(f64),
+    /// The size given cannot be.
+    #[error(transparent)]
+    Grid(#[from] InvalidGrid),
+    /// A height is not finite.
+    #[error("{file}: {problem}")]
+    Heights {
+        /// The file, and the array of an archive.
+        file: String,
+        /// Which height.
+        problem: InvalidHeightMap,
+    },
+}
+
+/// Names for a person.
+fn list(names: &[String]) -> String {
+    match names {
+        [] => "no arrays".to_owned(),
+        [only] => format!("the array {only:?}"),
+        _ => {
+            let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+            format!("the arrays {}", quoted.join(", "))
+        }
+    }
+}
+
+/// Heights as they are in a file, row-major.
+pub(crate) struct Table {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    pub(crate) values: Vec<f64>,
+    pub(crate) stated: Stated,
+}
+
+/// What is being read.
+pub(crate) struct Source<'a> {
+    /// What errors call it.
+    pub(crate) file: &'a str,
+    /// The most memory that the map may take, bytes.
+    pub(crate) memory_limit: usize,
+}
+
+impl Source<'_> {
+    pub(crate) fn damaged(&self, problem: &(impl ToString + ?Sized)) -> HeightMapError {
+        HeightMapError::NotNumpy {
+            file: self.file.to_owned(),
+            problem: problem.to_string(),
+        }
+    }
+
+    pub(crate) fn unreadable(&self, source: io::Error) -> HeightMapError {
+        HeightMapError::Read {
+            file: self.file.to_owned(),
+            source,
+        }
+    }
+
+    /// Whether so many points fit the memory allowed; `words` says how many they are.
+    pub(crate) fn check_memory(
+        &self,
+        count: u64,
+        words: impl FnOnce() -> String,
+    ) -> Result<(), HeightMapError> {
+        let bytes = BYTES_PER_POINT * count as f64;
+        if bytes <= self.memory_limit as f64 {
+            return Ok(());
+        }
+        Err(HeightMapError::TooLarge {
+            file: self.file.to_owned(),
+            points: words(),
+            bytes,
+            limit: self.memory_limit,
+        })
+    }
+}
+
+/// What a file states of the size of its map and of its heights.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Stated {
+    /// Extent along x and y, m.
+    pub(crate) extent: [Option<f64>; 2],
+    /// What a height of 1 stands for.
+    pub(crate) height_unit: Option<HeightUnit>,
+    /// Distance of neighbouring points along x and y, in a unit that is not stated.
+    pub(crate) spacing: Option<[f64; 2]>,
+    /// Whether the points are a list, in which the distances along x and y may differ.
+    pub(crate) is_list: bool,
+}
+
+/// What a height of 1 stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum HeightUnit {
+    /// A length, m.
+    Length(f64),
+    /// Something else, by its unit.
+    Other(String),
+}

@@ -1,0 +1,347 @@
+//! A study file: a case, and the axes along which it is varied.
+
+use super::asked::{Asked, Combine, Question};
+use super::axis::{Axis, Coordinate, Values, Variable};
+use super::posed::{StudiedCase, looked_at};
+use crate::entries::{Entry, STUDY_TABLES, Value, both_given};
+use crate::error::{CaseError, OVERRIDE, Place, Source};
+use crate::file::{CaseFile, quantity};
+use crate::key::{Key, root};
+use crate::unit::format_quantity;
+use fakir::problem::{CyclePlan, Drive, Load};
+
+/// The most cases that a study can have.
+pub const MAXIMUM_CASES: usize = 10_000_000;
+
+/// A study file that has been read, with the overrides applied so far.
+#[derive(Debug, Clone)]
+pub struct StudyFile {
+    pub(super) source: Source,
+    pub(super) case: CaseFile,
+    pub(super) asked: Asked,
+    pub(super) combine: Combine,
+    pub(super) load: Option<FixedLoad>,
+    pub(super) drive: Drive,
+    pub(super) varied: Vec<Varied>,
+}
+
+/// A load that is the same in every case.
+#[derive(Debug, Clone)]
+pub(super) struct FixedLoad {
+    pub(super) variable: Variable,
+    pub(super) load: Load,
+    pub(super) place: Place,
+}
+
+/// An axis and where it was given.
+#[derive(Debug, Clone)]
+pub(super) struct Varied {
+    pub(super) axis: Axis,
+    pub(super) name: Place,
+    /// Where every item of its list stands, or its range as a whole.
+    pub(super) items: Vec<Place>,
+}
+
+impl Varied {
+    fn place(&self, step: usize) -> &Place {
+        self.items.get(step).unwrap_or(&self.items[0])
+    }
+}
+
+/// One case of a study.
+#[derive(Debug, Clone)]
+pub struct StudyCase {
+    /// What is pressed, and how it is solved.
+    pub case: StudiedCase,
+    /// What is asked.
+    pub question: Question,
+    /// The value of every axis.
+    pub coordinates: Vec<Coordinate>,
+}
+
+impl StudyFile {
+    /// Overrides one key of the case, as [`CaseFile::set`]; not one that is an axis.
+    ///
+    /// # Errors
+    /// [`CaseError`].
+    pub fn set(&mut self, argument: &str) -> Result<(), CaseError> {
+        let (path, _) = argument.split_once('=').unwrap_or((argument, ""));
+        if STUDY_TABLES.contains(&root(path.trim())) {
+            return Err(CaseError::new(
+                &Source::new(OVERRIDE, argument),
+                "only keys of the case can be overridden",
+            )
+            .key(path.trim())
+            .label(0..path.len(), "here")
+            .accepted("for example texture.pillar.height=2um"));
+        }
+        self.case.set(argument)?;
+        let [key] = self.case.named(path.trim())[..] else {
+            return Ok(());
+        };
+        let variable = Variable::Key(key);
+        let axes = self.varied.iter().map(|varied| varied.axis.variable);
+        match axes
+            .into_iter()
+            .find(|axis| *axis == variable || variable.alternative() == Some(*axis))
+        {
+            None => Ok(()),
+            Some(axis) => Err(CaseError::new(
+                &Source::new(OVERRIDE, argument),
+                format!("{} is an axis of the study", axis.path()),
+            )
+            .key(key.path())
+            .label(0..argument.len(), "here")
+            .accepted("leave out the override, or the axis")),
+        }
+    }
+
+    /// The case that is varied.
+    #[must_use]
+    pub fn case(&self) -> &CaseFile {
+        &self.case
+    }
+
+    pub(super) fn number_of_cases(&self) -> Result<usize, CaseError> {
+        let lengths = self.varied.iter().map(|varied| varied.axis.len());
+        let cases = match self.combine {
+            Combine::Product => lengths.fold(1usize, usize::saturating_mul),
+            Combine::Zip => {
+                let first = &self.varied[0];
+                for other in &self.varied[1..] {
+                    let (a, b) = (first.axis.len(), other.axis.len());
+                    if a != b {
+                        let problem = format!(
+                            "values are combined one by one, but {} has {a} and {} has {b}",
+                            first.axis.variable.path(),
+                            other.axis.variable.path()
+                        );
+                        return Err(CaseError::at(&other.name, problem)
+                            .key("axes")
+                            .label(first.name.span.clone(), "and here")
+                            .accepted("give as many of each, or combine = \"product\""));
+                    }
+                }
+                first.axis.len()
+            }
+        };
+        if cases > MAXIMUM_CASES {
+            return Err(
+                CaseError::at(&self.varied[0].name, format!("these are {cases} cases"))
+                    .key("axes")
+                    .accepted(format!("a study has at most {MAXIMUM_CASES}")),
+            );
+        }
+        Ok(cases)
+    }
+
+    /// Whether there is a load exactly where one is asked for. `question` is where that is said.
+    pub(super) fn check_load(&self, question: Option<&Place>) -> Result<(), CaseError> {
+        let axis = self
+            .varied
+            .iter()
+            .find(|varied| varied.axis.variable.is_load())
+            .map(|varied| (varied.axis.variable.path(), &varied.name));
+        let fixed = self
+            .load
+            .as_ref()
+            .map(|fixed| (fixed.variable.path(), &fixed.place));
+        match (self.asked, axis, fixed) {
+            (_, Some(axis), Some(fixed)) => Err(both_given(fixed, axis, "study")
+                .accepted("give a load once: in [study] or as an axis")),
+            (Asked::Transition | Asked::Collapse, Some((path, place)), None)
+            | (Asked::Transition | Asked::Collapse, None, Some((path, place))) => {
+                Err(CaseError::at(
+                    place,
+                    format!(
+                        "a load has no place in the question \"{}\"",
+                        self.asked.name()
+                    ),
+                )
+                .key(path)
+                .accepted("leave it out, or question = \"press\" or \"cycle\" in [study]"))
+            }
+            (Asked::Press, None, None) => {
+                let error = match question {
+                    Some(place) => CaseError::at(place, "this question needs a load"),
+                    None => CaseError::new(&self.source, "this question needs a load"),
+                };
+                Err(error.key("study.question").accepted(
+                    "give indentation = \"3 um\" or force = \"20 uN\" in [study], or one of them as an axis",
+                ))
+            }
+            // Loads of a cycle say where it turns back; without one it does so at the critical state.
+            _ => Ok(()),
+        }
+    }
+
+    /// The step along every axis of a case.
+    pub(super) fn steps(&self, index: usize) -> Vec<usize> {
+        match self.combine {
+            Combine::Zip => vec![index; self.varied.len()],
+            Combine::Product => {
+                let mut rest = index;
+                let mut steps: Vec<usize> = self
+                    .varied
+                    .iter()
+                    .rev()
+                    .map(|varied| {
+                        let step = rest % varied.axis.len();
+                        rest /= varied.axis.len();
+                        step
+                    })
+                    .collect();
+                steps.reverse();
+                steps
+            }
+        }
+    }
+
+    /// The step along every axis of a case that varies a key.
+    pub(super) fn steps_of_keys(&self, index: usize) -> Vec<usize> {
+        let axes = self.varied.iter().zip(self.steps(index));
+        let of_keys = axes.filter(|(varied, _)| !varied.axis.variable.is_load());
+        of_keys.map(|(_, step)| step).collect()
+    }
+
+    /// Whether a case of a file can be.
+    fn check(&self, case: StudiedCase) -> Result<(), CaseError> {
+        match case {
+            StudiedCase::Texture(_) => Ok(()),
+            StudiedCase::Surface(file) => looked_at(&file, self.asked).map(drop),
+        }
+    }
+
+    pub(super) fn resolve(&self, index: usize) -> Result<StudyCase, CaseError> {
+        self.resolve_with(index, |_| true)
+    }
+
+    /// A case that only some axes, by number, make different from the case of the file.
+    fn resolve_with(
+        &self,
+        index: usize,
+        counts: impl Fn(usize) -> bool,
+    ) -> Result<StudyCase, CaseError> {
+        let steps = self.steps(index);
+        let mut file = self.case.clone();
+        self.leave_out_idle_keys(&mut file, &steps);
+        let mut load = self.load.as_ref().map(|fixed| fixed.load);
+        let mut coordinates = Vec::with_capacity(steps.len());
+        let axes = self.varied.iter().zip(steps).enumerate();
+        for (_, (varied, step)) in axes.filter(|(number, _)| counts(*number)) {
+            let coordinate = varied.axis.value(step);
+            let entry = Entry {
+                value: match &coordinate {
+                    Coordinate::Number(number) => Value::InSi(*number),
+                    Coordinate::Word(word) => Value::Text(word.clone()),
+                },
+                place: varied.place(step).clone(),
+            };
+            match varied.axis.variable {
+                Variable::Key(Key::MethodName) => {
+                    file.entries.keys.insert(Key::MethodName, entry);
+                }
+                Variable::Key(key) => file.put(key, entry),
+                variable => load = Some(prescribed(variable, &entry)?),
+            }
+            coordinates.push(coordinate);
+        }
+        let load = load.unwrap_or(Load::FloorContact);
+        let question = match self.asked {
+            Asked::Transition | Asked::Press => Question::Contact(load),
+            Asked::Cycle => Question::Cycle(CyclePlan {
+                turn: load.into(),
+                drive: self.drive,
+                retract: true,
+            }),
+            Asked::Collapse => Question::Collapse,
+        };
+        let case = StudiedCase::of(file, self.asked)?;
+        Ok(StudyCase {
+            case,
+            question,
+            coordinates,
+        })
+    }
+
+    /// Where the methods are varied, the case's keys for others than that of this case.
+    fn leave_out_idle_keys(&self, file: &mut CaseFile, steps: &[usize]) {
+        for (varied, step) in self.varied.iter().zip(steps) {
+            let Values::Words(words) = &varied.axis.values else {
+                continue;
+            };
+            if varied.axis.variable != Variable::Key(Key::MethodName) {
+                continue;
+            }
+            let idle = |key: &Key, entry: &Entry| {
+                let Some((Key::MethodName, owners)) = key.goes_with() else {
+                    return false;
+                };
+                let has_it = |word: &String| owners.contains(&word.as_str());
+                let is_of_study = words.iter().any(has_it);
+                let is_override = entry.place.is_override();
+                !has_it(&words[*step]) && (is_of_study || !is_override)
+            };
+            file.entries.keys.retain(|key, entry| !idle(key, entry));
+        }
+    }
+
+    /// The values of all axes, as in a study file.
+    pub(super) fn settings(&self, steps: &[usize]) -> String {
+        let axes = self.varied.iter().zip(steps);
+        let settings: Vec<_> = axes
+            .map(|(varied, step)| varied.axis.setting(*step))
+            .collect();
+        settings.join(", ")
+    }
+
+    /// The error of a case, at an axis, with the combination of values that it comes from.
+    pub(super) fn blame(&self, error: CaseError, index: usize) -> CaseError {
+        // What is wrong with or without axes is the fault of the case alone.
+        let of_file = StudiedCase::of(self.case.clone(), self.asked);
+        if let Err(alone) = of_file.and_then(|case| self.check(case))
+            && alone.one_line() == error.one_line()
+        {
+            return alone;
+        }
+        let steps = self.steps(index);
+        let combination = format!("in case {index}, with {}", self.settings(&steps));
+        let error = error.in_case(&combination);
+        let places = || self.varied.iter().zip(&steps);
+        if places().any(|(varied, step)| error.stands_at(varied.place(*step))) {
+            return error;
+        }
+        let axes = 0..steps.len();
+        let number = match index.checked_sub(1).map(|before| self.steps(before)) {
+            // The slowest axis that changed since the case before, which was good.
+            Some(before) => axes.into_iter().find(|axis| before[*axis] != steps[*axis]),
+            // The axis without which there would be no error.
+            None => axes.into_iter().find(|axis| {
+                let without = self.resolve_with(index, |other| other != *axis);
+                without.and_then(|case| self.check(case.case)).is_ok()
+            }),
+        };
+        let number = number.unwrap_or(0);
+        let varied = &self.varied[number];
+        error.moved(varied.place(steps[number]), varied.axis.variable.path())
+    }
+}
+
+/// The load of an entry.
+pub(super) fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
+    let measured = variable.measured();
+    let value = quantity(&measured, entry)?;
+    let dimension = measured.dimension;
+    if !(value.is_finite() && value >= 0.0) {
+        return Err(CaseError::at(
+            &entry.place,
+            format!("cannot be {}", format_quantity(value, dimension)),
+        )
+        .key(variable.path())
+        .accepted("it must be a finite number, 0 or greater"));
+    }
+    Ok(match variable {
+        Variable::Force => Load::Force(value),
+        _ => Load::Indentation(value),
+    })
+}
