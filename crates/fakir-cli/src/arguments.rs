@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::report::maps::Maps;
+use crate::session::{RunArguments, memory};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{CyclePlan, Drive, Load};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
@@ -1183,18 +1184,6 @@ impl FieldArguments {
     }
 }
 
-/// How a computation is run.
-#[derive(Debug, Args)]
-pub(crate) struct RunArguments {
-    /// Threads to share the work between; 0 for as many as there are processors, which are the
-    /// most that are used
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(crate) threads: usize,
-    /// Memory a computation may take (kB, MB, GB)
-    #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
-    pub(crate) memory_limit: usize,
-}
-
 /// A quantity of that dimension; a number without a unit must be plausible.
 fn quantity(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     parse_plausible(text, dimension, dimension.usual())
@@ -1244,31 +1233,6 @@ fn cells(text: &str) -> Result<usize, String> {
         .ok_or_else(|| "give a whole number from 16 to 1024".to_owned())
 }
 
-/// A number of bytes, at least one.
-fn memory(text: &str) -> Result<usize, String> {
-    let wrong = || "give a number with a unit of kB, MB or GB, such as 8GB".to_owned();
-    let text = text.trim();
-    let split = text.len()
-        - text
-            .chars()
-            .rev()
-            .take_while(char::is_ascii_alphabetic)
-            .count();
-    let (number, unit) = text.split_at(split);
-    let scale = match unit {
-        "kB" | "KB" => 1e3,
-        "MB" => 1e6,
-        "GB" => 1e9,
-        _ => return Err(wrong()),
-    };
-    let bytes = number.trim().parse::<f64>().map_err(|_| wrong())? * scale;
-    if bytes >= 1.0 && bytes.is_finite() {
-        Ok(bytes as usize)
-    } else {
-        Err(wrong())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -1296,15 +1260,6 @@ mod tests {
             "fakir approach -- --retract",
         ] {
             assert_eq!(renamed(line), (line.to_owned(), false));
-        }
-    }
-
-    #[test]
-    fn memory_sizes() {
-        assert_eq!(memory("8GB"), Ok(8_000_000_000));
-        assert_eq!(memory("1.5 MB"), Ok(1_500_000));
-        for wrong in ["8", "GB", "-1GB", "nanGB", "8GiB", "0MB", ""] {
-            assert!(memory(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -9,14 +9,14 @@
 mod arguments;
 mod commands;
 mod failure;
-mod output;
 mod report;
 mod session;
+mod standard;
 
 use arguments::{Arguments, CaseArguments, Command};
 use clap::Parser;
 use failure::{Failure, Status};
-use fakir_case::input::{self, LARGEST_CASE};
+use fakir_case::input::LARGEST_CASE;
 use fakir_case::{Capability, Case, CaseFile, SurfaceKind};
 use fakir_study::numbers;
 use report::Report;
@@ -248,7 +248,7 @@ fn deliver(
             failure::tell(&format!("warning: {warning}"));
         }
     }
-    output::print(if options.json {
+    standard::print(if options.json {
         &report.json
     } else {
         &report.text
@@ -267,7 +267,7 @@ fn read_case(options: &CaseArguments) -> Result<CaseFile, Failure> {
 
 fn case_file(path: &Path, set: &[String]) -> Result<CaseFile, Failure> {
     let mut file = if path.as_os_str() == "-" {
-        CaseFile::from_bytes(STANDARD_INPUT, standard_input(LARGEST_CASE)?)?
+        CaseFile::from_bytes(standard::INPUT, standard::read(LARGEST_CASE)?)?
     } else {
         CaseFile::read(path)?
     };
@@ -292,13 +292,4 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
     };
     file.check_supported(Capability::Explore)?;
     Ok(file.case()?)
-}
-
-/// What errors call it.
-const STANDARD_INPUT: &str = "standard input";
-
-/// All of it, of at most so many bytes.
-fn standard_input(most: u64) -> Result<Vec<u8>, Failure> {
-    input::read_all(std::io::stdin(), most)
-        .map_err(|error| Failure::file("cannot read", STANDARD_INPUT.as_ref(), error))
 }

@@ -1,7 +1,7 @@
 //! How a computation is run from a terminal: threads, memory, progress and Ctrl-C.
 
-use crate::arguments::RunArguments;
 use crate::failure::{Failure, INTERRUPTED, tell};
+use clap::Args;
 use fakir::state::{CancelToken, Progress, Run, Threads};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -11,6 +11,18 @@ use std::time::{Duration, Instant};
 
 /// Computations that are shorter than this show no progress.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(1);
+
+/// How a computation is run.
+#[derive(Debug, Args)]
+pub(crate) struct RunArguments {
+    /// Threads to share the work between; 0 for as many as there are processors, which are the
+    /// most that are used
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) threads: usize,
+    /// Memory a computation may take (kB, MB, GB)
+    #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
+    pub(crate) memory_limit: usize,
+}
 
 pub(crate) struct Session {
     cancel: CancelToken,
@@ -118,4 +130,43 @@ pub(crate) fn stop_on_interrupt(cancel: CancelToken) {
         }
         cancel.cancel();
     });
+}
+
+/// A number of bytes, at least one.
+pub(crate) fn memory(text: &str) -> Result<usize, String> {
+    let wrong = || "give a number with a unit of kB, MB or GB, such as 8GB".to_owned();
+    let text = text.trim();
+    let split = text.len()
+        - text
+            .chars()
+            .rev()
+            .take_while(char::is_ascii_alphabetic)
+            .count();
+    let (number, unit) = text.split_at(split);
+    let scale = match unit {
+        "kB" | "KB" => 1e3,
+        "MB" => 1e6,
+        "GB" => 1e9,
+        _ => return Err(wrong()),
+    };
+    let bytes = number.trim().parse::<f64>().map_err(|_| wrong())? * scale;
+    if bytes >= 1.0 && bytes.is_finite() {
+        Ok(bytes as usize)
+    } else {
+        Err(wrong())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_sizes() {
+        assert_eq!(memory("8GB"), Ok(8_000_000_000));
+        assert_eq!(memory("1.5 MB"), Ok(1_500_000));
+        for wrong in ["8", "GB", "-1GB", "nanGB", "8GiB", "0MB", ""] {
+            assert!(memory(wrong).is_err(), "{wrong}");
+        }
+    }
 }

@@ -2,8 +2,8 @@
 
 use crate::arguments::{Cite, CitedMethod};
 use crate::failure::{DONE, Failure, Status};
-use crate::output::print;
 use crate::report::surface::topic;
+use crate::standard::print;
 use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm};
 use fakir::state::Run;
 use fakir_case::input::{self, LARGEST_STUDY};

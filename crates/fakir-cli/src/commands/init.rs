@@ -2,7 +2,7 @@
 
 use crate::arguments::Init;
 use crate::failure::{DONE, Failure, Status, tell};
-use crate::output::print;
+use crate::standard::print;
 use fakir_case::{Case, reference};
 use fakir_study::output::{OutputError, Replace, save_file};
 

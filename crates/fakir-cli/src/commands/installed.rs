@@ -2,7 +2,7 @@
 
 use crate::arguments::{Arguments, Completions, Man};
 use crate::failure::{DONE, Failure, Status};
-use crate::output::print;
+use crate::standard::print;
 use clap::CommandFactory;
 
 /// `fakir completions`.

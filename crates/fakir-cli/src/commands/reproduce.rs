@@ -4,8 +4,8 @@ use crate::arguments::{Publication, Reproduce};
 use crate::commands::sweep::{Bar, warn};
 use crate::failure::{Failure, Status, tell};
 use crate::numbers::seconds;
-use crate::output;
 use crate::session::{stop_on_interrupt, threads};
+use crate::standard;
 use fakir::state::{CancelToken, Run};
 use fakir_paper::claims::{Claim, Verdict};
 use fakir_paper::grid::Fractions;
@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
         }
         other => other?,
     };
-    output::print(&text)?;
+    standard::print(&text)?;
     Ok(u8::from(failed > 0))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::arguments::Results;
 use crate::failure::{DONE, Failure, Status};
-use crate::output::print;
+use crate::standard::print;
 use fakir_case::support;
 use fakir_study::record::{reference, schema};
 

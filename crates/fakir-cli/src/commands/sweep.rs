@@ -4,7 +4,7 @@ use crate::arguments::{Merge, Sweep};
 use crate::failure::{Failure, Status, tell};
 use crate::numbers::seconds;
 use crate::session::{PATIENCE, stop_on_interrupt, threads};
-use crate::{STANDARD_INPUT, output, standard_input};
+use crate::standard;
 use fakir::state::CancelToken;
 use fakir_case::input::LARGEST_STUDY;
 use fakir_case::study::Asked;
@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
     let wall_time = Some(start.elapsed().as_secs_f64());
     match (&arguments.output, arguments.json) {
         (None, false) => {
-            output::print(&Table::new(&summary.study, &summary.rows).to_csv())?;
+            standard::print(&Table::new(&summary.study, &summary.rows).to_csv())?;
             if !arguments.quiet {
                 for line in reasons(&summary) {
                     tell(&format!("warning: {line}"));
@@ -70,9 +70,9 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
         }
         (folder, true) => {
             let summary = SweepSummary::new(&summary, folder.as_deref(), wall_time);
-            output::print(&json(&summary))?;
+            standard::print(&json(&summary))?;
         }
-        (Some(folder), false) => output::print(&text(&summary, folder, wall_time))?,
+        (Some(folder), false) => standard::print(&text(&summary, folder, wall_time))?,
     }
     Ok(status(&summary))
 }
@@ -81,7 +81,7 @@ pub(crate) fn merge(arguments: &Merge) -> Result<Status, Failure> {
     let folder = &arguments.folder;
     let summary = fakir_study::merge(folder, &arguments.shards, arguments.existing())?;
     warn(&summary.damaged, true);
-    output::print(&if arguments.json {
+    standard::print(&if arguments.json {
         json(&SweepSummary::new(&summary, Some(folder), None))
     } else {
         text(&summary, folder, None)
@@ -108,7 +108,7 @@ fn status(summary: &Summary) -> Status {
 
 fn read(arguments: &Sweep) -> Result<Study, Failure> {
     let mut file = if arguments.study.as_os_str() == "-" {
-        StudyFile::from_bytes(STANDARD_INPUT, standard_input(LARGEST_STUDY)?)?
+        StudyFile::from_bytes(standard::INPUT, standard::read(LARGEST_STUDY)?)?
     } else {
         StudyFile::read(&arguments.study)?
     };

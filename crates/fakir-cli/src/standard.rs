@@ -1,6 +1,7 @@
-//! Standard output.
+//! Standard input and output.
 
 use crate::failure::Failure;
+use fakir_case::input;
 use std::io::{ErrorKind, Write};
 
 /// Prints a result.
@@ -14,4 +15,13 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         ErrorKind::BrokenPipe => Failure::OutputClosed,
         _ => Failure::file("cannot write", "standard output".as_ref(), error),
     })
+}
+
+/// What errors call standard input.
+pub(crate) const INPUT: &str = "standard input";
+
+/// All of standard input, of at most so many bytes.
+pub(crate) fn read(most: u64) -> Result<Vec<u8>, Failure> {
+    input::read_all(std::io::stdin(), most)
+        .map_err(|error| Failure::file("cannot read", INPUT.as_ref(), error))
 }
