@@ -4,7 +4,6 @@ use crate::font::{Bounds, Face};
 use crate::png;
 use crate::raster;
 use crate::scene::{Item, Label};
-use crate::svg::{self, Font};
 
 /// Lengths on the page are in points of 1/72 inch.
 pub(crate) const POINTS_PER_INCH: f64 = 72.0;
@@ -112,18 +111,6 @@ impl Figure {
     pub fn pixels(&self) -> [u32; 2] {
         self.size
             .map(|points| (points * RESOLUTION / POINTS_PER_INCH).round() as u32)
-    }
-
-    /// The figure as SVG, with the font in it.
-    #[must_use]
-    pub fn svg(&self) -> String {
-        svg::write(self, Font::Embedded)
-    }
-
-    /// The figure as SVG for a page that has the font already, from [`font_css`](crate::font_css).
-    #[must_use]
-    pub fn svg_for_page(&self) -> String {
-        svg::write(self, Font::OfThePage)
     }
 
     /// The figure as PNG, at 300 dots per inch.

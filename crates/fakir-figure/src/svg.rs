@@ -12,9 +12,23 @@ const MILLIMETRES_PER_INCH: f64 = 25.4;
 
 /// Whether the font goes with the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Font {
+enum Font {
     Embedded,
     OfThePage,
+}
+
+impl Figure {
+    /// The figure as SVG, with the font in it.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        write(self, Font::Embedded)
+    }
+
+    /// The figure as SVG for a page that has the font already, from [`font_css`](crate::font_css).
+    #[must_use]
+    pub fn svg_for_page(&self) -> String {
+        write(self, Font::OfThePage)
+    }
 }
 
 /// The rules that make the font of all figures known to a page (CSS `@font-face`).
@@ -40,7 +54,7 @@ fn rules(faces: impl IntoIterator<Item = Face>) -> String {
     })
 }
 
-pub(crate) fn write(figure: &Figure, font: Font) -> String {
+fn write(figure: &Figure, font: Font) -> String {
     let mut writer = Writer {
         out: String::new(),
         name: figure.name(),
