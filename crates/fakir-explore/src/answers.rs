@@ -1,11 +1,10 @@
 //! The answers: contacts with their pillars and section, curves over the surface fraction, and the
 //! phase diagram. Everything is in SI units, with the unit in the name.
 
-use crate::cycle::without_adhesion;
 use crate::floor::FloorCells;
 use crate::jobs::{Failure, Worker};
 use crate::lines;
-use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars};
+use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars, without_adhesion};
 use fakir::problem::{
     Accuracy, Arrangement, Disorder, FloorModel, Load, Method, PlaneLattice, Point, System,
 };
@@ -277,8 +276,9 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
             state: drawn(state, wall_time, fraction, false),
         });
     }
+    let pressed = solved.pressed.as_ref().map(|(state, _)| state.indentation);
     worker.send(&CaseLine {
-        case: lines::texts(&case, &solved),
+        case: lines::texts(&case, pressed),
     });
     worker.send(&SectionLine {
         section: section(

@@ -4,7 +4,7 @@
 use crate::answers::{self, CaseLine, CriticalLine, DrawnLattice, Section, SectionLine, StateLine};
 use crate::floor::{ExpectedCells, FloorCells};
 use crate::jobs::{Failure, Way, Worker};
-use crate::request;
+use crate::request::{self, without_adhesion};
 use fakir::problem::{CyclePlan, Point, System};
 use fakir::state::{
     Branch, ContactState, CriticalState, Cycle, CycleStation, HeldContact, Passage, PillarStatus,
@@ -453,13 +453,6 @@ impl<'a> Page<'a> {
             case: crate::lines::cycle_texts(self.case),
         });
     }
-}
-
-/// The same without adhesion.
-pub(crate) fn without_adhesion(case: &Case) -> Case {
-    let mut plain = case.clone();
-    plain.system = case.system.without_adhesion();
-    plain
 }
 
 #[derive(Serialize)]

@@ -1,6 +1,5 @@
 //! The case of the page as a command and as lines of Python, which a user can copy.
 
-use crate::answers::Solved;
 use crate::request::is_on_page;
 use fakir::problem::FloorModel;
 use fakir_case::unit::{Dimension, format_quantity};
@@ -16,9 +15,8 @@ pub(crate) struct Texts {
     python: String,
 }
 
-/// Of a critical state, or of a contact under another load.
-pub(crate) fn texts(case: &Case, solved: &Solved) -> Texts {
-    let indentation = solved.pressed.as_ref().map(|(state, _)| state.indentation);
+/// Of the contact at an indentation (m); of the critical state if there is none.
+pub(crate) fn texts(case: &Case, indentation: Option<f64>) -> Texts {
     Texts::of(case, Question::Contact(indentation))
 }
 

@@ -239,6 +239,13 @@ fn significant(value: f64) -> String {
     format!("{}", (value / size).round() * size)
 }
 
+/// The same without adhesion.
+pub(crate) fn without_adhesion(case: &Case) -> Case {
+    let mut plain = case.clone();
+    plain.system = case.system.without_adhesion();
+    plain
+}
+
 /// About how many pillars are touched in the critical state, by the dense limit of the homogenised
 /// lattice: 30 % at most off where there are many.
 pub(crate) fn expected_pillars(system: &System) -> f64 {
