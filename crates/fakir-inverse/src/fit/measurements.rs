@@ -1,120 +1,10 @@
 //! Measured curves of loading and unloading.
 
-use super::reading::{Layout, NamedColumn, Reader};
+use super::column::{Column, DataError, branch};
+use super::reading::{Layout, NamedColumn, Reader, RowValues};
 use fakir::state::Branch;
 use fakir_case::input::{self, LARGEST_TABLE};
-use fakir_case::unit::Dimension;
 use std::path::Path;
-
-/// A column of measured values, in SI units; the branch as 0 of loading and 1 of unloading.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)] // see `Column::name`
-pub enum Column {
-    Displacement,
-    DisplacementError,
-    Indentation,
-    IndentationError,
-    Force,
-    ForceError,
-    ContactRadius,
-    ContactRadiusError,
-    Time,
-    Branch,
-}
-
-impl Column {
-    /// All columns.
-    pub const ALL: [Self; 10] = [
-        Self::Displacement,
-        Self::DisplacementError,
-        Self::Indentation,
-        Self::IndentationError,
-        Self::Force,
-        Self::ForceError,
-        Self::ContactRadius,
-        Self::ContactRadiusError,
-        Self::Time,
-        Self::Branch,
-    ];
-
-    /// Its heading: `"displacement_m"`, `"force_error_N"`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement_m",
-            Self::DisplacementError => "displacement_error_m",
-            Self::Indentation => "indentation_m",
-            Self::IndentationError => "indentation_error_m",
-            Self::Force => "force_N",
-            Self::ForceError => "force_error_N",
-            Self::ContactRadius => "contact_radius_m",
-            Self::ContactRadiusError => "contact_radius_error_m",
-            Self::Time => "time_s",
-            Self::Branch => "branch",
-        }
-    }
-
-    /// What it is of, without a unit: `"displacement"`, `"force_error"`.
-    #[must_use]
-    pub fn quantity(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement",
-            Self::DisplacementError => "displacement_error",
-            Self::Indentation => "indentation",
-            Self::IndentationError => "indentation_error",
-            Self::Force => "force",
-            Self::ForceError => "force_error",
-            Self::ContactRadius => "contact_radius",
-            Self::ContactRadiusError => "contact_radius_error",
-            Self::Time => "time",
-            Self::Branch => "branch",
-        }
-    }
-
-    /// What it measures; none of times and branches.
-    pub(super) fn dimension(self) -> Option<Dimension> {
-        match self {
-            Self::Force | Self::ForceError => Some(Dimension::Force),
-            Self::Time | Self::Branch => None,
-            _ => Some(Dimension::Length),
-        }
-    }
-
-    /// Of a column of standard errors, the column they belong to.
-    pub(super) fn errors_of(self) -> Option<Self> {
-        match self {
-            Self::DisplacementError => Some(Self::Displacement),
-            Self::IndentationError => Some(Self::Indentation),
-            Self::ForceError => Some(Self::Force),
-            Self::ContactRadiusError => Some(Self::ContactRadius),
-            _ => None,
-        }
-    }
-
-    fn problem(self, value: f64) -> Option<&'static str> {
-        match self {
-            _ if !value.is_finite() => Some("must be a finite number"),
-            Self::Branch if branch(value).is_none() => {
-                Some("a branch is 0 for loading or 1 for unloading")
-            }
-            Self::DisplacementError | Self::IndentationError if value < 0.0 => {
-                Some("a standard error cannot be negative")
-            }
-            Self::ForceError | Self::ContactRadiusError if value <= 0.0 => Some(
-                "a standard error must be greater than 0; leave the column out and the scatter \
-                 is estimated",
-            ),
-            Self::ContactRadius if value < 0.0 => Some("a contact radius cannot be negative"),
-            _ => None,
-        }
-    }
-}
-
-/// The branch that a value of the column stands for.
-fn branch(value: f64) -> Option<Branch> {
-    let mut named = [(0.0, Branch::Loading), (1.0, Branch::Unloading)].into_iter();
-    named.find_map(|(number, branch)| value.total_cmp(&number).is_eq().then_some(branch))
-}
 
 /// What the position of the lens was measured as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -164,6 +54,38 @@ impl Measurement {
     }
 }
 
+/// A quantity that is compared with the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Normal force, N.
+    Force,
+    /// Contact radius, m.
+    ContactRadius,
+}
+
+impl Quantity {
+    /// Both quantities.
+    pub const ALL: [Self; 2] = [Self::Force, Self::ContactRadius];
+
+    /// Its name in a sentence.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Force => "force",
+            Self::ContactRadius => "contact radius",
+        }
+    }
+
+    /// What was measured of it in a row and is to be compared; a force that is the load is not.
+    #[must_use]
+    pub fn of(self, row: &Measurement) -> Option<Measured> {
+        match self {
+            Self::Force => row.position.and(row.force),
+            Self::ContactRadius => row.contact_radius,
+        }
+    }
+}
+
 /// A measured loading experiment.
 ///
 /// As a file: a heading, then a row for every state, cells that were not measured empty. Between columns are commas, semicolons or tabs;
@@ -191,30 +113,6 @@ pub struct Measurements {
     rows: Vec<Measurement>,
     layout: Layout,
 }
-
-/// Why measured values cannot be used.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{name}{}: {}{problem}", .line.map_or(String::new(), |line| format!(":{line}")),
-        .column.as_ref().map_or(String::new(), |column| format!("{column}: ")))]
-pub struct DataError {
-    /// The file.
-    pub name: String,
-    /// The line in it.
-    pub line: Option<u64>,
-    /// The column.
-    pub column: Option<String>,
-    /// What is wrong, and what would be right.
-    pub problem: String,
-}
-
-/// The values of one row of the file, each with its column.
-pub(super) type RowValues = Vec<(Column, f64)>;
-
-/// How the columns were understood, which there are, and for every row its line in the file and its values.
-pub(super) type Table = (Layout, Vec<Column>, Vec<(u64, RowValues)>);
-
-/// How arrays were understood, and their columns with values in SI units.
-pub(super) type Arrays = (Layout, Vec<(Column, Vec<f64>)>);
 
 impl Measurements {
     /// Reads a file, with the columns that are named by hand.

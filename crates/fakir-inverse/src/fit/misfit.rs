@@ -1,6 +1,6 @@
 //! Whether a fit describes the data: tests of its residuals, with p-values.
 
-use super::Quantity;
+use super::measurements::Quantity;
 use super::parameter::Parameter;
 use fakir::state::Branch;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};

@@ -49,18 +49,24 @@
 //! is the t-test of an added column of a linear regression. Of the thickness of a half-space it is one-sided, in the inverse of the
 //! thickness, which cannot be below zero. Rows whose error is mostly that of jumps know them together, and have no runs test.
 
+mod column;
 mod curve;
+mod error;
 mod least_squares;
 mod measurements;
 mod misfit;
 mod model;
+mod options;
 mod parameter;
 mod radius;
 mod reading;
 mod report;
 
-pub use measurements::{Column, DataError, Measured, Measurement, Measurements, Position};
+pub use column::{Column, DataError};
+pub use error::FitError;
+pub use measurements::{Measured, Measurement, Measurements, Position, Quantity};
 pub use misfit::{LEVEL, LeftOut, Misfit, RunsTest};
+pub use options::{FitOptions, MOST_STARTS};
 pub use parameter::Parameter;
 pub use reading::{Layout, NamedColumn, ReadColumn};
 pub use report::FitSummary;
@@ -69,209 +75,13 @@ use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
 use fakir::problem::Load;
 use fakir::state::{Branch, Cycle, Limit, Run, SolveError, Termination};
-use fakir_case::{Capability, CaseError, CaseFile, Key};
+use fakir_case::{Capability, CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::cell::Cell as StdCell;
 use std::convert::Infallible;
-
-/// What is known besides the case and the data.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct FitOptions {
-    /// Contact point, m: its value, or where the fit begins if it is free. If it is not given it is
-    /// 0, or the fit begins where the data suggest.
-    pub contact_point: Option<f64>,
-    /// Machine compliance, m/N: its value, or where the fit begins.
-    pub machine_compliance: f64,
-    /// What the instrument reads without any force, N: its value, or where the fit begins.
-    pub force_offset: f64,
-    /// By how much the displacement drifts from the first row to the last, m: its value, or where the fit begins.
-    pub displacement_drift: f64,
-    /// By how much the force drifts from the first row to the last, N: its value, or where the fit begins.
-    pub force_drift: f64,
-    /// From how many places the fit begins, against local minima, up to [`MOST_STARTS`]; 0 counts as 1.
-    pub starts: usize,
-}
-
-/// Why there is no fit.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FitError {
-    /// A case that cannot be.
-    #[error(transparent)]
-    Case(#[from] CaseError),
-    /// Data that cannot be.
-    #[error(transparent)]
-    Data(#[from] DataError),
-    /// No contact could be computed.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
-    /// Nothing to be fitted.
-    #[error("nothing is free: give one or more of {}", parameter_names())]
-    NothingFree,
-    /// A parameter that is given twice.
-    #[error("{} is given twice", .0.name())]
-    Twice(Parameter),
-    /// A parameter that cannot be fitted.
-    #[error("{} cannot be fitted: give one of {}", .0.name(), parameter_names())]
-    NotFree(Parameter),
-    /// A parameter of which the case does not say where to begin.
-    #[error("{} is not in the case: give it there, for the fit to begin with", .0.name())]
-    NotGiven(Parameter),
-    /// A parameter of the instrument, without a reading of it.
-    #[error("{name}: {} takes a column displacement_m", .parameter.name())]
-    NoDisplacement {
-        /// The file.
-        name: String,
-        /// The parameter.
-        parameter: Parameter,
-    },
-    /// An offset of forces without forces.
-    #[error("{name}: {} takes a column force_N", .parameter.name())]
-    NoForce {
-        /// The file.
-        name: String,
-        /// The parameter.
-        parameter: Parameter,
-    },
-    /// More starts than a fit has.
-    #[error("{0} starts: give 1 to {MOST_STARTS}")]
-    TooManyStarts(usize),
-    /// A work of adhesion without the data that show it.
-    #[error(
-        "{name}: {} takes rows of the unloading: on loading adhesion hardly shows, and pull-off does", .parameter.name()
-    )]
-    NoUnloading {
-        /// The file.
-        name: String,
-        /// The parameter.
-        parameter: Parameter,
-    },
-    /// A work of adhesion of which neither the case nor the data say where to begin.
-    #[error(
-        "{name}: no force of the unloading pulls: give {} in the case, for the fit to begin with", .parameter.name()
-    )]
-    NoStart {
-        /// The file.
-        name: String,
-        /// The parameter.
-        parameter: Parameter,
-    },
-    /// A number that cannot be.
-    #[error("{0} must be a finite number")]
-    NotFinite(&'static str),
-    /// Fewer data than a fit takes.
-    #[error(
-        "{name}: {} before the transition {} too few for {}{}", counted(*.values, "measured value"), are(*.values),
-        counted(*.parameters, "parameter"), if *.estimated { " and their scatter: one more is needed, or errors" } else { "" }
-    )]
-    TooFewData {
-        /// The file.
-        name: String,
-        /// Values that can be used.
-        values: usize,
-        /// Parameters to be fitted.
-        parameters: usize,
-        /// Whether an error has to be estimated too.
-        estimated: bool,
-    },
-    /// Too few values to estimate their errors.
-    #[error(
-        "{name}: {} of the {quantity} {} too few to estimate their scatter: give their errors",
-        counted(*.values, "value"), are(*.values)
-    )]
-    NoScatter {
-        /// The file.
-        name: String,
-        /// Name of the quantity.
-        quantity: &'static str,
-        /// How many there are.
-        values: usize,
-    },
-    /// A machine so compliant that no force balances it.
-    #[error(
-        "with a machine compliance of {compliance:e} m/N there is no contact at the displacement \
-         {reading:e} m"
-    )]
-    NoBalance {
-        /// The machine compliance, m/N.
-        compliance: f64,
-        /// The displacement, m.
-        reading: f64,
-    },
-    /// Numbers that are not finite.
-    #[error("the model has no derivatives where the fit has come to: give other starting values")]
-    NoDerivatives,
-}
-
-/// A number of things: `1 value`, `3 values`.
-fn counted(count: usize, thing: &str) -> String {
-    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
-}
-
-/// The verb for so many things.
-fn are(count: usize) -> &'static str {
-    if count == 1 { "is" } else { "are" }
-}
-
-impl FitError {
-    fn is_interruption(&self) -> bool {
-        matches!(self, Self::Solve(SolveError::Interrupted))
-    }
-
-    /// Whether a state is too far for the model, which may solve others.
-    fn is_out_of_reach(&self) -> bool {
-        use SolveError as S;
-        matches!(
-            self,
-            Self::NoBalance { .. }
-                | Self::Solve(
-                    S::ContactExceedsLens { .. }
-                        | S::ProfileEnds { .. }
-                        | S::TooLarge { .. }
-                        | S::TooManyCells { .. }
-                )
-        )
-    }
-}
-
-fn parameter_names() -> String {
-    Parameter::ALL.map(Parameter::name).join(", ")
-}
-
-/// A quantity that is compared with the model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// Normal force, N.
-    Force,
-    /// Contact radius, m.
-    ContactRadius,
-}
-
-impl Quantity {
-    /// Both quantities.
-    pub const ALL: [Self; 2] = [Self::Force, Self::ContactRadius];
-
-    /// Its name in a sentence.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Force => "force",
-            Self::ContactRadius => "contact radius",
-        }
-    }
-
-    /// What was measured of it in a row and is to be compared; a force that is the load is not.
-    #[must_use]
-    pub fn of(self, row: &Measurement) -> Option<Measured> {
-        match self {
-            Self::Force => row.position.and(row.force),
-            Self::ContactRadius => row.contact_radius,
-        }
-    }
-}
 
 /// A parameter as it was fitted, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -516,9 +326,6 @@ const MOST_DAMPING: f64 = 1e8;
 
 /// The smallest error that is estimated for a quantity, relative to its largest value: that of the solver.
 const LEAST_SCATTER: f64 = 1e-9;
-
-/// The most places from which a fit begins.
-pub const MOST_STARTS: usize = 32;
 
 /// Fits whose deviances per value differ by no more than this are the same.
 const SAME_DEVIANCE: f64 = 1e-4;
@@ -1865,27 +1672,6 @@ fn quantile(freedom: Option<usize>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn too_few_data_are_counted_in_words_that_agree() {
-        let told = |values, parameters| {
-            let name = "data".to_owned();
-            let estimated = false;
-            FitError::TooFewData {
-                name,
-                values,
-                parameters,
-                estimated,
-            }
-            .to_string()
-        };
-        let start = "data: 1 measured value before the transition is too few for";
-        assert_eq!(told(1, 2), format!("{start} 2 parameters"));
-        assert!(
-            told(2, 1)
-                .ends_with("2 measured values before the transition are too few for 1 parameter")
-        );
-    }
 
     #[test]
     fn quantiles_of_the_tables() {

@@ -2,10 +2,11 @@
 //! parameters.
 
 use super::curve::Curve;
+use super::error::FitError;
 use super::measurements::{Measurement, Measurements, Position};
+use super::options::FitOptions;
 use super::parameter::Parameter;
 use super::radius::smooth_radius;
-use super::{FitError, FitOptions};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Adhesion, CyclePlan, Drive, Load, Method, Turn};
@@ -1209,7 +1210,7 @@ fn stretches(data: &Measurements, orders: &[Vec<usize>; 2]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::measurements::Column;
+    use crate::fit::column::Column;
 
     #[test]
     fn exact_derivatives_are_those_of_the_states() {

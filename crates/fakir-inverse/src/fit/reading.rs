@@ -4,7 +4,7 @@
 //! heading (`displacement_um`, `Load [mN]`, `Force (mN)`, `F / mN`) or in a row of units below. Whatever is not understood is not used,
 //! and the [`Layout`] says so.
 
-use super::measurements::{Arrays, Column, DataError, RowValues, Table};
+use super::column::{Column, DataError};
 use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_quantity};
 use std::borrow::Cow;
@@ -38,6 +38,15 @@ pub struct Layout {
     /// The columns, in the order of the file.
     pub columns: Vec<ReadColumn>,
 }
+
+/// The values of one row of the file, each with its column.
+pub(super) type RowValues = Vec<(Column, f64)>;
+
+/// How the columns were understood, which there are, and for every row its line in the file and its values.
+pub(super) type Table = (Layout, Vec<Column>, Vec<(u64, RowValues)>);
+
+/// How arrays were understood, and their columns with values in SI units.
+pub(super) type Arrays = (Layout, Vec<(Column, Vec<f64>)>);
 
 /// A column named by hand: `force=Load [mN]`.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,0 +1,179 @@
+//! Why there is no fit.
+
+use super::column::DataError;
+use super::options::MOST_STARTS;
+use super::parameter::Parameter;
+use fakir::state::SolveError;
+use fakir_case::CaseError;
+
+/// Why there is no fit.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// A case that cannot be.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// Data that cannot be.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// No contact could be computed.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// Nothing to be fitted.
+    #[error("nothing is free: give one or more of {}", parameter_names())]
+    NothingFree,
+    /// A parameter that is given twice.
+    #[error("{} is given twice", .0.name())]
+    Twice(Parameter),
+    /// A parameter that cannot be fitted.
+    #[error("{} cannot be fitted: give one of {}", .0.name(), parameter_names())]
+    NotFree(Parameter),
+    /// A parameter of which the case does not say where to begin.
+    #[error("{} is not in the case: give it there, for the fit to begin with", .0.name())]
+    NotGiven(Parameter),
+    /// A parameter of the instrument, without a reading of it.
+    #[error("{name}: {} takes a column displacement_m", .parameter.name())]
+    NoDisplacement {
+        /// The file.
+        name: String,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// An offset of forces without forces.
+    #[error("{name}: {} takes a column force_N", .parameter.name())]
+    NoForce {
+        /// The file.
+        name: String,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// More starts than a fit has.
+    #[error("{0} starts: give 1 to {MOST_STARTS}")]
+    TooManyStarts(usize),
+    /// A work of adhesion without the data that show it.
+    #[error(
+        "{name}: {} takes rows of the unloading: on loading adhesion hardly shows, and pull-off does", .parameter.name()
+    )]
+    NoUnloading {
+        /// The file.
+        name: String,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// A work of adhesion of which neither the case nor the data say where to begin.
+    #[error(
+        "{name}: no force of the unloading pulls: give {} in the case, for the fit to begin with", .parameter.name()
+    )]
+    NoStart {
+        /// The file.
+        name: String,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// A number that cannot be.
+    #[error("{0} must be a finite number")]
+    NotFinite(&'static str),
+    /// Fewer data than a fit takes.
+    #[error(
+        "{name}: {} before the transition {} too few for {}{}", counted(*.values, "measured value"), are(*.values),
+        counted(*.parameters, "parameter"), if *.estimated { " and their scatter: one more is needed, or errors" } else { "" }
+    )]
+    TooFewData {
+        /// The file.
+        name: String,
+        /// Values that can be used.
+        values: usize,
+        /// Parameters to be fitted.
+        parameters: usize,
+        /// Whether an error has to be estimated too.
+        estimated: bool,
+    },
+    /// Too few values to estimate their errors.
+    #[error(
+        "{name}: {} of the {quantity} {} too few to estimate their scatter: give their errors",
+        counted(*.values, "value"), are(*.values)
+    )]
+    NoScatter {
+        /// The file.
+        name: String,
+        /// Name of the quantity.
+        quantity: &'static str,
+        /// How many there are.
+        values: usize,
+    },
+    /// A machine so compliant that no force balances it.
+    #[error(
+        "with a machine compliance of {compliance:e} m/N there is no contact at the displacement \
+         {reading:e} m"
+    )]
+    NoBalance {
+        /// The machine compliance, m/N.
+        compliance: f64,
+        /// The displacement, m.
+        reading: f64,
+    },
+    /// Numbers that are not finite.
+    #[error("the model has no derivatives where the fit has come to: give other starting values")]
+    NoDerivatives,
+}
+
+/// A number of things: `1 value`, `3 values`.
+fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The verb for so many things.
+fn are(count: usize) -> &'static str {
+    if count == 1 { "is" } else { "are" }
+}
+
+impl FitError {
+    pub(super) fn is_interruption(&self) -> bool {
+        matches!(self, Self::Solve(SolveError::Interrupted))
+    }
+
+    /// Whether a state is too far for the model, which may solve others.
+    pub(super) fn is_out_of_reach(&self) -> bool {
+        use SolveError as S;
+        matches!(
+            self,
+            Self::NoBalance { .. }
+                | Self::Solve(
+                    S::ContactExceedsLens { .. }
+                        | S::ProfileEnds { .. }
+                        | S::TooLarge { .. }
+                        | S::TooManyCells { .. }
+                )
+        )
+    }
+}
+
+fn parameter_names() -> String {
+    Parameter::ALL.map(Parameter::name).join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_few_data_are_counted_in_words_that_agree() {
+        let told = |values, parameters| {
+            let name = "data".to_owned();
+            let estimated = false;
+            FitError::TooFewData {
+                name,
+                values,
+                parameters,
+                estimated,
+            }
+            .to_string()
+        };
+        let start = "data: 1 measured value before the transition is too few for";
+        assert_eq!(told(1, 2), format!("{start} 2 parameters"));
+        assert!(
+            told(2, 1)
+                .ends_with("2 measured values before the transition are too few for 1 parameter")
+        );
+    }
+}
