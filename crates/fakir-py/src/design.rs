@@ -2,7 +2,8 @@
 
 use crate::case::{Case, key};
 use crate::error::{design_error, spread_error, value_error};
-use crate::state::{Critical, Cycled, State, cycled, load};
+use crate::load::load;
+use crate::state::{Critical, Cycled, State, cycled};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir_inverse::DesignSummary;

@@ -12,6 +12,7 @@ mod command;
 mod design;
 mod error;
 mod fit;
+mod load;
 mod rounded;
 mod state;
 mod study;

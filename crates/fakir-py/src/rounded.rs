@@ -3,7 +3,7 @@
 use crate::error::{
     case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
-use crate::state::load;
+use crate::load::load;
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::problem::{Accuracy, Cap, CapField, Indenter, Lens, Material, PillarCompliance};

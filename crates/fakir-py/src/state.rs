@@ -1,12 +1,12 @@
 //! Contact states, and the computations that give them.
 
 use crate::case::Case;
-use crate::error::{approach_error, solve_error, value_error};
+use crate::error::{approach_error, solve_error};
+use crate::load::{load, load_or_critical, path};
 use crate::study::columns;
 use crate::watched::{Options, watched};
-use fakir::problem::{CyclePlan, Drive, ElementMesh, Load, Method, Point};
+use fakir::problem::{CyclePlan, Drive, ElementMesh, Method, Point};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
-use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::record::GradientObject;
 use fakir_study::result::{
     self, ApproachSummary, CycleSummary, VerifySummary, json, pillars, pillars_of,
@@ -244,29 +244,6 @@ pub(crate) fn gradient(
     let summary = json(&GradientObject::from(&found));
     let state = State::new(found.contact, start.elapsed().as_secs_f64());
     Ok((state, summary))
-}
-
-/// The load of an indentation (m) or of a force (N), one of which has to be given.
-pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
-    let load = Load::given(indentation, force);
-    load.ok_or_else(|| value_error("give an indentation or a force"))
-}
-
-/// The load of an indentation (m) or of a force (N); the critical state if neither is given.
-pub(crate) fn load_or_critical(indentation: Option<f64>, force: Option<f64>) -> Load {
-    Load::given(indentation, force).unwrap_or(Load::FloorContact)
-}
-
-/// A loading by steps of the indentation (m) up to the one end that is given, or to the critical state.
-pub(crate) fn path(
-    step: f64,
-    until: Option<f64>,
-    to: Option<f64>,
-    to_force: Option<f64>,
-) -> PyResult<LoadingPath> {
-    let end = LoadingEnd::of(until, false, to, to_force);
-    let end = end.map_err(|error| approach_error(&error))?;
-    Ok(LoadingPath { step, end })
 }
 
 /// The object that `fakir approach --json` prints, the critical state, and the other states.

@@ -4,7 +4,7 @@ use crate::error::{
     approach_error, case_error, solve_error, surface_verify_error, value_error,
     warn_of_deprecations,
 };
-use crate::state::{load, load_or_critical, path};
+use crate::load::{load, load_or_critical, path};
 use crate::watched::{Options, watched};
 use fakir::problem::{
     Boundary, Floor, Grid, HeightMap, Indenter, Lens, Material, Point, SurfaceSystem,
