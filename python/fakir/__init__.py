@@ -16,19 +16,7 @@ known in closed form, `fakir.love` contacts on height maps, `fakir.plot` figures
 """
 
 from . import errors, love, plot, theory
-from ._comparison import Comparison
-from ._cycle import Adhesion, Cycle, CycleError, PullOff, StuckFloor
-from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
-from ._fakir import __version__
-from ._fit import Estimate, Fit, fit
-from ._floor import FloorContact, FloorErrors
-from ._gradient import Gradient
-from ._homogenised import HomogenisedLattice, homogenised
-from ._loading import Approach
-from ._rounded import HeightDesign, RoundedContact, RoundedTops, design_heights
-from ._state import ContactState, CriticalState, ErrorEstimate, Limit, Normalized
-from ._sweep import Sweep, sweep
-from ._system import (
+from ._bodies import (
     CylinderLens,
     ElasticBase,
     HexagonalTexture,
@@ -43,8 +31,20 @@ from ._system import (
     RectangularTexture,
     SquareTexture,
     Substrate,
-    System,
 )
+from ._comparison import Comparison
+from ._cycle import Adhesion, Cycle, CycleError, PullOff, StuckFloor
+from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
+from ._fakir import __version__
+from ._fit import Estimate, Fit, fit
+from ._floor import FloorContact, FloorErrors
+from ._gradient import Gradient
+from ._homogenised import HomogenisedLattice, homogenised
+from ._loading import Approach
+from ._rounded import HeightDesign, RoundedContact, RoundedTops, design_heights
+from ._state import ContactState, CriticalState, ErrorEstimate, Limit, Normalized
+from ._sweep import Sweep, sweep
+from ._system import System
 from ._verification import Difference, Verification
 from .errors import (
     CaseError,

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _fakir
+from ._bodies import Lens, Substrate, refuse_layers
 from ._design import SEED
 from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, array, si
 from ._run import Progress, options, warn
-from ._system import Lens, Overrides, Substrate, _refuse_layers, _settings, load
+from ._settings import Overrides, load, settings
 from .errors import NotConverged
 from .love import Plate
 
@@ -89,7 +90,7 @@ class RoundedTops:
     ) -> None:
         if not isinstance(indenter, (Lens, Plate)):
             raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
-        _refuse_layers(indenter, substrate)
+        refuse_layers(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')
         if accuracy not in {"default", "accurate"}:
@@ -139,12 +140,12 @@ class RoundedTops:
     @classmethod
     def from_file(cls, path: str | PathLike[str], set: Overrides | None = None) -> RoundedTops:
         """Reads a case file with ``texture.top_radius``; ``set`` overrides keys, as ``--set`` of the command line."""
-        return cls._of(_fakir.Rounded.read(fspath(path), _settings(set)))
+        return cls._of(_fakir.Rounded.read(fspath(path), settings(set)))
 
     @classmethod
     def from_toml(cls, text: str, set: Overrides | None = None) -> RoundedTops:
         """As `from_file`, from the text of a case file."""
-        return cls._of(_fakir.Rounded.parse("case.toml", text, _settings(set)))
+        return cls._of(_fakir.Rounded.parse("case.toml", text, settings(set)))
 
     def _hold(self, rounded: _fakir.Rounded) -> None:
         self._rounded = rounded

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -79,6 +80,9 @@ class ContactState:
 
     __slots__ = ("_floor", "_pillars", "_state", "_summary")
 
+    _system_of: ClassVar[Callable[[_fakir.Case], System]]
+    """The system of a case. `System`, which uses states, sets it."""
+
     def __init__(self, state: _fakir.State) -> None:
         self._state = state
         self._summary: dict[str, Any] = json.loads(state.json())
@@ -88,9 +92,7 @@ class ContactState:
     @property
     def system(self) -> System:
         """The system that was solved."""
-        from ._system import System
-
-        return System._of(self._state.case)
+        return ContactState._system_of(self._state.case)
 
     @property
     def method(self) -> str:

@@ -10,7 +10,8 @@ import numpy as np
 
 from . import _fakir
 from ._quantity import WithUnit
-from ._system import Overrides, System, _settings
+from ._settings import Overrides, settings
+from ._system import System
 from .love import Surface
 
 StudyLike: TypeAlias = str | PathLike[str] | Mapping[str, Any]
@@ -19,13 +20,13 @@ StudyLike: TypeAlias = str | PathLike[str] | Mapping[str, Any]
 
 def read_study(study: StudyLike, overrides: Overrides | None) -> _fakir.Study:
     """The study, with every case of it looked at."""
-    settings = _settings(overrides)
+    given = settings(overrides)
     if isinstance(study, Mapping):
-        return _fakir.Study.parse("study", _to_toml(study), settings)
+        return _fakir.Study.parse("study", _to_toml(study), given)
     if isinstance(study, str) and "\n" in study:
-        return _fakir.Study.parse("study.toml", study, settings)
+        return _fakir.Study.parse("study.toml", study, given)
     if isinstance(study, (str, PathLike)):
-        return _fakir.Study.read(fspath(study), settings)
+        return _fakir.Study.read(fspath(study), given)
     raise TypeError(
         "a study is a path, the text of a study file, or a dictionary with the tables of one, "
         f"not {type(study).__name__}"

@@ -18,8 +18,8 @@ import numpy as np
 from . import _fakir
 from ._format import Row, html_table, text_table
 from ._run import warn, warn_of_threads
+from ._settings import Overrides
 from ._study import StudyLike, read_study
-from ._system import Overrides
 from ._worker import solve_batch
 from .errors import WorkersLost
 

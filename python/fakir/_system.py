@@ -1,642 +1,46 @@
-"""What is pressed onto what: lens, substrate, texture, and the questions one can ask of them."""
+"""A lens above a texture, and the questions one can ask of it."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from os import PathLike, fspath
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict, Unpack
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from . import _fakir
+from ._bodies import (
+    AnyLens,
+    CylinderLens,
+    HexagonalTexture,
+    LatticeOptions,
+    LatticeTexture,
+    Lens,
+    ObliqueTexture,
+    ParaboloidLens,
+    Pillars,
+    PlateLens,
+    ProfileLens,
+    RectangularTexture,
+    RoundLens,
+    SquareTexture,
+    Substrate,
+    Texture,
+    layer_of,
+    shape_of,
+)
 from ._comparison import Comparison, compare
 from ._cycle import Adhesion, Cycle, Drive, cycle
 from ._format import Row, engineering, html_table, text_table
 from ._gradient import Gradient, gradient
 from ._loading import Approach, approach, checked_path
-from ._quantity import Quantity, WithUnit, si
+from ._quantity import Quantity
 from ._run import Progress, options
-from ._state import ContactState, CriticalState, critical_state, contact_state
+from ._settings import Overrides, load, load_or_critical, settings
+from ._state import ContactState, CriticalState, contact_state, critical_state
 from ._verification import Verification, verify
-
-if TYPE_CHECKING:
-    from .love import Surface
+from .love import Surface
 
 Method = Literal["spectral", "love", "punch", "homogenised"]
-Overrides = Mapping[str, Quantity]
-
-_RENAMED_SPREAD = "height_spread is now called height_standard_deviation"
-
-
-def _set_material(body: object, keys: str, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
-    """Both numbers of an elastic body, whose keys in a case file begin so."""
-    modulus = si(young_modulus, "pressure", f"{keys}young_modulus")
-    object.__setattr__(body, "young_modulus", modulus)
-    ratio = si(poisson_ratio, "number", f"{keys}poisson_ratio")
-    object.__setattr__(body, "poisson_ratio", ratio)
-
-
-@dataclass(frozen=True, init=False)
-class ElasticBase:
-    """A half-space that a lens or a substrate of finite thickness is bonded to.
-
-    Parameters
-    ----------
-    young_modulus
-        Young's modulus (Pa).
-    poisson_ratio
-        Poisson's ratio, from 0 to 0.5.
-    """
-
-    young_modulus: float
-    poisson_ratio: float
-
-    def __init__(self, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
-        _set_material(self, "substrate.base_", young_modulus, poisson_ratio)
-
-
-Base = Literal["rigid", "frictionless"] | ElasticBase
-
-
-class LayerOptions(TypedDict, total=False):
-    """What every lens and the substrate take besides their material, where they are no half-spaces."""
-
-    thickness: Quantity | None
-    """Thickness of the body as a flat layer (m), without which it is a half-space. Indentations are then the approach of the backs."""
-    base: Base
-    """What its back is bonded to: ``"rigid"``, or an `ElasticBase`; or ``"frictionless"``, where it lies on something rigid."""
-
-
-@dataclass(frozen=True, init=False)
-class _Body:
-    """What lenses and substrates have in common: their thickness."""
-
-    thickness: float | None = field(kw_only=True)
-    base: Base = field(kw_only=True)
-
-    def _set_layer(self, part: str, options: LayerOptions) -> None:
-        known = LayerOptions.__annotations__
-        for name in options:
-            if name not in known:
-                raise TypeError(f"{type(self).__name__} takes no {name}")
-        thickness = options.get("thickness")
-        base = options.get("base", "rigid")
-        if thickness is None and "base" in options and base != "rigid":
-            raise TypeError(f"a {part} has a base where it has a thickness: give that too")
-        if not isinstance(base, ElasticBase) and base not in ("rigid", "frictionless"):
-            raise ValueError(
-                f'{part}.base cannot be {base!r}: give "rigid", "frictionless" or an ElasticBase'
-            )
-        length = None if thickness is None else si(thickness, "length", f"{part}.thickness")
-        object.__setattr__(self, "thickness", length)
-        object.__setattr__(self, "base", base)
-
-    def _layer(self, part: str) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
-        """The numbers and words of a layer by their keys."""
-        if self.thickness is None:
-            return [], []
-        numbers: list[tuple[str, float | None]] = [(f"{part}.thickness", self.thickness)]
-        match self.base:
-            case ElasticBase() as base:
-                numbers.append((f"{part}.base_young_modulus", base.young_modulus))
-                numbers.append((f"{part}.base_poisson_ratio", base.poisson_ratio))
-                return numbers, [(f"{part}.base", "elastic")]
-            case word:
-                return numbers, [(f"{part}.base", word)]
-
-
-def _layer_of(values: Mapping[str, Any], part: str) -> LayerOptions:
-    """The layer that a body of a case is, if it is one."""
-    thickness = values.get(f"{part}.thickness")
-    if thickness is None:
-        return {}
-    match values.get(f"{part}.base", "rigid"):
-        case "elastic":
-            modulus = values[f"{part}.base_young_modulus"]
-            base = ElasticBase(modulus, values[f"{part}.base_poisson_ratio"])
-            return {"thickness": thickness, "base": base}
-        case "frictionless":
-            return {"thickness": thickness, "base": "frictionless"}
-    return {"thickness": thickness}
-
-
-def _refuse_layers(lens: object, substrate: Substrate) -> None:
-    """Where both bodies are half-spaces."""
-    for part, body in (("lens", lens), ("substrate", substrate)):
-        if isinstance(body, _Body) and body.thickness is not None:
-            raise ValueError(f"{part}.thickness is known to System only: leave it out here")
-
-
-@dataclass(frozen=True, init=False)
-class _RoundLens(_Body):
-    """What the lenses with a radius have in common."""
-
-    radius: float
-    young_modulus: float
-    poisson_ratio: float
-
-    def __init__(
-        self,
-        radius: Quantity,
-        young_modulus: Quantity,
-        poisson_ratio: Quantity,
-        **options: Unpack[LayerOptions],
-    ) -> None:
-        self._set_layer("lens", options)
-        object.__setattr__(self, "radius", si(radius, "length", "lens.radius"))
-        _set_material(self, "lens.", young_modulus, poisson_ratio)
-
-
-@dataclass(frozen=True, init=False)
-class Lens(_RoundLens):
-    """A spherical lens.
-
-    Parameters
-    ----------
-    radius
-        Radius of curvature: a number in m, a text such as ``"2.2 mm"``, or a pint quantity.
-    young_modulus
-        Young's modulus (Pa).
-    poisson_ratio
-        Poisson's ratio, from 0 to 0.5.
-    **options
-        `LayerOptions`, which all lenses take: ``thickness``, ``base``.
-    """
-
-
-@dataclass(frozen=True, init=False)
-class ParaboloidLens(_RoundLens):
-    """A lens of height r^2/(2R) over its lowest point; parameters as `Lens`.
-
-    Like all lenses but the sphere it is answered by the method ``"spectral"``, without adhesion and without a floor that bears a part.
-    """
-
-
-@dataclass(frozen=True, init=False)
-class CylinderLens(_RoundLens):
-    """A cylinder on its side, over finitely many pillars.
-
-    Parameters
-    ----------
-    radius, young_modulus, poisson_ratio
-        As of a `Lens`.
-    angle
-        Direction from x of the line along which it is lowest (rad, or a text such as ``"30 deg"``).
-
-    Examples
-    --------
-    >>> texture = SquareTexture("6 um", "2.2 um", pitch="20 um", columns=9)
-    >>> rubber = Substrate("2 MPa", 0.5)
-    >>> system = System(CylinderLens("2.2 mm", "2 MPa", 0.5, angle="90 deg"), rubber, texture)
-    >>> len(system.press(indentation="0.2 um").pillars)
-    27
-    """
-
-    angle: float
-
-    def __init__(
-        self,
-        radius: Quantity,
-        young_modulus: Quantity,
-        poisson_ratio: Quantity,
-        *,
-        angle: Quantity = 0.0,
-        **options: Unpack[LayerOptions],
-    ) -> None:
-        super().__init__(radius, young_modulus, poisson_ratio, **options)
-        object.__setattr__(self, "angle", si(angle, "angle", "lens.angle"))
-
-
-@dataclass(frozen=True, init=False)
-class PlateLens(_Body):
-    """A flat plate that is kept from turning and reaches beyond all of finitely many pillars.
-
-    Parameters
-    ----------
-    young_modulus, poisson_ratio
-        As of a `Lens`.
-    tilt
-        Between the plate and the floor (rad, or a text such as ``"0.1 deg"``), up to 10 degrees. Indentations are those at the origin, the
-        place of the lens axis.
-    tilt_direction
-        In which it rises, from x (rad).
-    """
-
-    young_modulus: float
-    poisson_ratio: float
-    tilt: float
-    tilt_direction: float
-
-    def __init__(
-        self,
-        young_modulus: Quantity,
-        poisson_ratio: Quantity,
-        *,
-        tilt: Quantity = 0.0,
-        tilt_direction: Quantity = 0.0,
-        **options: Unpack[LayerOptions],
-    ) -> None:
-        self._set_layer("lens", options)
-        _set_material(self, "lens.", young_modulus, poisson_ratio)
-        object.__setattr__(self, "tilt", si(tilt, "angle", "lens.tilt"))
-        direction = si(tilt_direction, "angle", "lens.tilt_direction")
-        object.__setattr__(self, "tilt_direction", direction)
-
-
-@dataclass(frozen=True, init=False)
-class ProfileLens(_Body):
-    """An axisymmetric lens of any smooth shape that rises, by a table of its heights.
-
-    Parameters
-    ----------
-    profile
-        A file with the columns ``radius_m`` and ``height_m``, from the axis outwards. No contact may come to its end.
-    young_modulus, poisson_ratio
-        As of a `Lens`.
-    """
-
-    profile: str
-    young_modulus: float
-    poisson_ratio: float
-
-    def __init__(
-        self,
-        profile: str | PathLike[str],
-        young_modulus: Quantity,
-        poisson_ratio: Quantity,
-        **options: Unpack[LayerOptions],
-    ) -> None:
-        self._set_layer("lens", options)
-        object.__setattr__(self, "profile", str(Path(fspath(profile)).absolute()))
-        _set_material(self, "lens.", young_modulus, poisson_ratio)
-
-
-AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens
-
-
-def _shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
-    """The numbers and words of a lens by their keys, but those of its material."""
-    numbers: list[tuple[str, float | None]]
-    match lens:
-        case ParaboloidLens():
-            return [("lens.radius", lens.radius)], [("lens.shape", "paraboloid")]
-        case CylinderLens():
-            numbers = [("lens.radius", lens.radius), ("lens.angle", lens.angle)]
-            return numbers, [("lens.shape", "cylinder")]
-        case PlateLens():
-            numbers = [("lens.tilt", lens.tilt), ("lens.tilt_direction", lens.tilt_direction)]
-            return numbers, [("lens.shape", "plate")]
-        case ProfileLens():
-            return [], [("lens.shape", "profile"), ("lens.profile", lens.profile)]
-        case Lens():
-            return [("lens.radius", lens.radius)], []
-
-
-@dataclass(frozen=True, init=False)
-class Substrate(_Body):
-    """The elastic body under the pillars, and what they are made of: a half-space, or a film of some thickness.
-
-    Parameters
-    ----------
-    young_modulus
-        Young's modulus (Pa).
-    poisson_ratio
-        Poisson's ratio, from 0 to 0.5.
-    **options
-        `LayerOptions`: ``thickness``, ``base``.
-
-    Examples
-    --------
-    >>> film = Substrate("2 MPa", 0.5, thickness="0.2 mm")
-    >>> texture = HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1)
-    >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), film, texture)
-    >>> round(1e6 * system.transition().indentation, 3)
-    10.566
-    """
-
-    young_modulus: float
-    poisson_ratio: float
-
-    def __init__(
-        self, young_modulus: Quantity, poisson_ratio: Quantity, **options: Unpack[LayerOptions]
-    ) -> None:
-        self._set_layer("substrate", options)
-        _set_material(self, "substrate.", young_modulus, poisson_ratio)
-
-
-@dataclass(frozen=True, init=False)
-class _LatticeTexture:
-    """What the textures on lattices have in common."""
-
-    diameter: float
-    height: float
-    pitch: float | None
-    surface_fraction: float | None
-    offset: float
-    offset_angle: float
-    rotation: float
-    columns: int | None
-    height_standard_deviation: float
-    missing: float
-    seed: int
-    compliance: Literal["column", "elastic", "none"]
-
-    _lattice: ClassVar[str]
-
-    def _common(
-        self,
-        diameter: Quantity,
-        height: Quantity,
-        pitch: Quantity | None,
-        surface_fraction: Quantity | None,
-        options: LatticeOptions,
-    ) -> None:
-        known = LatticeOptions.__annotations__
-        for name in options:
-            if name not in known:
-                raise TypeError(
-                    f"{type(self).__name__} takes no {name}: besides its own, it takes {', '.join(known)}"
-                )
-
-        def put(name: str, value: object) -> None:
-            object.__setattr__(self, name, value)
-
-        put("diameter", si(diameter, "length", "texture.pillar.diameter"))
-        put("height", si(height, "length", "texture.pillar.height"))
-        put("pitch", None if pitch is None else si(pitch, "length", "texture.pitch"))
-        fraction = surface_fraction
-        put(
-            "surface_fraction",
-            None if fraction is None else si(fraction, "fraction", "texture.surface_fraction"),
-        )
-        put("offset", si(options.get("offset", 0.0), "number", "texture.offset"))
-        put("offset_angle", si(options.get("offset_angle", 0.0), "angle", "texture.offset_angle"))
-        put("rotation", si(options.get("rotation", 0.0), "angle", "texture.rotation"))
-        put("columns", options.get("columns"))
-        deviation = options.get("height_standard_deviation", 0.0)
-        if "height_spread" in options:
-            if "height_standard_deviation" in options:
-                raise TypeError(
-                    "height_spread is the older name of height_standard_deviation: "
-                    "give only height_standard_deviation"
-                )
-            warnings.warn(_RENAMED_SPREAD, FutureWarning, stacklevel=3)
-            deviation = options["height_spread"]
-        put(
-            "height_standard_deviation",
-            si(deviation, "fraction", "texture.height_standard_deviation"),
-        )
-        put("missing", si(options.get("missing", 0.0), "fraction", "texture.missing"))
-        put("seed", options.get("seed", 0))
-        put("compliance", options.get("compliance", "column"))
-
-    @property
-    def height_spread(self) -> float:
-        """Deprecated name of ``height_standard_deviation``."""
-        warnings.warn(_RENAMED_SPREAD, FutureWarning, stacklevel=2)
-        return self.height_standard_deviation
-
-    def _numbers(self) -> list[tuple[str, float | None]]:
-        return [
-            ("texture.pillar.diameter", self.diameter),
-            ("texture.pillar.height", self.height),
-            ("texture.pitch", self.pitch),
-            ("texture.surface_fraction", self.surface_fraction),
-            ("texture.offset", self.offset),
-            ("texture.offset_angle", self.offset_angle),
-            ("texture.rotation", self.rotation),
-            ("texture.columns", self.columns),
-            ("texture.height_standard_deviation", self.height_standard_deviation),
-            ("texture.missing", self.missing),
-            ("texture.seed", self.seed),
-        ]
-
-
-class LatticeOptions(TypedDict, total=False):
-    """What every texture on a lattice takes besides its pillars and its pitch."""
-
-    offset: Quantity
-    """Distance of the lens axis from a pillar centre, in pitches ..."""
-    offset_angle: Quantity
-    """... in this direction from x (rad, or a text such as ``"30 deg"``)."""
-    rotation: Quantity
-    """By which the lattice is turned about the lens axis, anticlockwise (rad)."""
-    columns: int | None
-    """Pillars along each side of a finite lattice; without it the lattice has no end."""
-    height_standard_deviation: Quantity
-    """Standard deviation of the heights over the height, up to 0.2: every pillar has its own."""
-    height_spread: Quantity
-    """Deprecated name of ``height_standard_deviation``."""
-    missing: Quantity
-    """Probability that a pillar is missing."""
-    seed: int
-    """Whole number that decides which heights and which pillars."""
-    compliance: Literal["column", "elastic", "none"]
-    """``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they do not give way."""
-
-
-def _one_of(pitch: Quantity | None, surface_fraction: Quantity | None) -> None:
-    if (pitch is None) == (surface_fraction is None):
-        raise TypeError("give exactly one of pitch and surface_fraction")
-
-
-class HexagonalTexture(_LatticeTexture):
-    """Cylindrical pillars on a hexagonal lattice.
-
-    Parameters
-    ----------
-    diameter, height
-        Of the pillars (m).
-    pitch, surface_fraction
-        Distance of neighbouring pillars (m), or the fraction of the surface that is pillar top:
-        exactly one of them.
-    **options
-        `LatticeOptions`: ``offset``, ``offset_angle``, ``rotation``, ``columns``,
-        ``height_standard_deviation``, ``missing``, ``seed``, ``compliance``. The paper's texture has none of
-        ``rotation`` to ``seed``; all methods, floor contact and adhesion are for that one.
-    """
-
-    _lattice = "hexagonal"
-
-    def __init__(
-        self,
-        diameter: Quantity,
-        height: Quantity,
-        *,
-        pitch: Quantity | None = None,
-        surface_fraction: Quantity | None = None,
-        **options: Unpack[LatticeOptions],
-    ) -> None:
-        _one_of(pitch, surface_fraction)
-        self._common(diameter, height, pitch, surface_fraction, options)
-
-
-class SquareTexture(_LatticeTexture):
-    """Cylindrical pillars on a square lattice with its rows along x and y; parameters as `HexagonalTexture`.
-
-    >>> texture = SquareTexture("6 um", "2.2 um", surface_fraction=0.03)
-    >>> system = System(Lens("2.2 mm", "1.5 MPa", 0.5), Substrate("1.5 MPa", 0.5), texture)
-    >>> round(1e6 * system.transition().force)
-    428
-    """
-
-    _lattice = "square"
-
-    def __init__(
-        self,
-        diameter: Quantity,
-        height: Quantity,
-        *,
-        pitch: Quantity | None = None,
-        surface_fraction: Quantity | None = None,
-        **options: Unpack[LatticeOptions],
-    ) -> None:
-        _one_of(pitch, surface_fraction)
-        self._common(diameter, height, pitch, surface_fraction, options)
-
-
-@dataclass(frozen=True, init=False)
-class RectangularTexture(_LatticeTexture):
-    """Cylindrical pillars on a rectangular lattice: ``pitch`` along x, ``pitch_y`` along y (m)."""
-
-    pitch_y: float
-
-    _lattice = "rectangular"
-
-    def __init__(
-        self,
-        diameter: Quantity,
-        height: Quantity,
-        *,
-        pitch: Quantity,
-        pitch_y: Quantity,
-        **options: Unpack[LatticeOptions],
-    ) -> None:
-        self._common(diameter, height, pitch, None, options)
-        object.__setattr__(self, "pitch_y", si(pitch_y, "length", "texture.pitch_y"))
-
-    def _numbers(self) -> list[tuple[str, float | None]]:
-        return [*super()._numbers(), ("texture.pitch_y", self.pitch_y)]
-
-
-@dataclass(frozen=True, init=False)
-class ObliqueTexture(_LatticeTexture):
-    """Cylindrical pillars on an oblique lattice: ``pitch`` along x, ``pitch_y`` (m) along rows at ``angle`` (rad) to x."""
-
-    pitch_y: float
-    angle: float
-
-    _lattice = "oblique"
-
-    def __init__(
-        self,
-        diameter: Quantity,
-        height: Quantity,
-        *,
-        pitch: Quantity,
-        pitch_y: Quantity,
-        angle: Quantity,
-        **options: Unpack[LatticeOptions],
-    ) -> None:
-        self._common(diameter, height, pitch, None, options)
-        object.__setattr__(self, "pitch_y", si(pitch_y, "length", "texture.pitch_y"))
-        object.__setattr__(self, "angle", si(angle, "angle", "texture.lattice_angle"))
-
-    def _numbers(self) -> list[tuple[str, float | None]]:
-        own = [("texture.pitch_y", self.pitch_y), ("texture.lattice_angle", self.angle)]
-        return [*super()._numbers(), *own]
-
-
-class Pillars:
-    """Cylindrical pillars wherever they stand, and no others.
-
-    Parameters
-    ----------
-    x, y
-        Centres (m): one array each.
-    height, diameter
-        Of each pillar (m): an array, or one for all.
-    axis
-        Where the lens axis stands, in the same coordinates (m).
-    reference_height, reference_diameter
-        The pillar from whose top indentations are counted, and that results are reduced by; without them, the highest pillar and
-        the mean diameter.
-    compliance
-        ``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they do not give way.
-
-    Examples
-    --------
-    Three pillars, of which one is lower:
-
-    >>> pillars = Pillars([0.0, 20e-6, 0.0], [0.0, 0.0, 20e-6], [2.2e-6, 2.2e-6, 2e-6], 6e-6)
-    >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), Substrate("2 MPa", 0.5), pillars)
-    >>> len(system.press(indentation="0.2 um").pillars)
-    2
-    """
-
-    __slots__ = ("axis", "compliance", "diameter", "height", "reference", "x", "y")
-
-    def __init__(
-        self,
-        x: ArrayLike,
-        y: ArrayLike,
-        height: ArrayLike,
-        diameter: ArrayLike,
-        *,
-        axis: tuple[Quantity, Quantity] = (0.0, 0.0),
-        reference_height: Quantity | None = None,
-        reference_diameter: Quantity | None = None,
-        compliance: Literal["column", "elastic", "none"] = "column",
-    ) -> None:
-        columns = [np.asarray(values, dtype=float) for values in (x, y, height, diameter)]
-        try:
-            columns = [np.ravel(values) for values in np.broadcast_arrays(*columns)]
-        except ValueError as error:
-            raise ValueError(
-                f"x, y, height and diameter have to be arrays of one length, or single numbers: {error}"
-            ) from None
-        self.x, self.y, self.height, self.diameter = columns
-        self.axis = (
-            si(axis[0], "length", "texture.axis_x"),
-            si(axis[1], "length", "texture.axis_y"),
-        )
-        common = (
-            ("texture.pillar.height", reference_height),
-            ("texture.pillar.diameter", reference_diameter),
-        )
-        self.reference = [
-            (key, None if value is None else si(value, "length", key)) for key, value in common
-        ]
-        self.compliance = compliance
-
-    def __len__(self) -> int:
-        return len(self.x)
-
-    def _rows(self) -> list[tuple[float, float, float, float]]:
-        return list(
-            zip(
-                self.x.tolist(),
-                self.y.tolist(),
-                self.height.tolist(),
-                self.diameter.tolist(),
-                strict=True,
-            )
-        )
-
-    def to_csv(self, path: str | PathLike[str]) -> None:
-        """Writes the table that ``pillars = "..."`` of a case file reads."""
-        lines = ["x_m,y_m,height_m,diameter_m"]
-        lines += [",".join(repr(value) for value in row) for row in self._rows()]
-        unfinished = Path(f"{fspath(path)}.tmp")
-        unfinished.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        unfinished.replace(path)
-
-
-Texture = HexagonalTexture | SquareTexture | RectangularTexture | ObliqueTexture | Pillars
 
 
 class System:
@@ -694,9 +98,9 @@ class System:
                 f"floor_contact is of type {type(floor_contact).__name__}: give True or False"
             )
         kinds: list[tuple[object, type | tuple[type, ...], str]] = [
-            (lens, (_RoundLens, PlateLens, ProfileLens), "Lens"),
+            (lens, (RoundLens, PlateLens, ProfileLens), "Lens"),
             (substrate, Substrate, "Substrate"),
-            (texture, (_LatticeTexture, Pillars), "HexagonalTexture"),
+            (texture, (LatticeTexture, Pillars), "HexagonalTexture"),
         ]
         for part, kind, name in kinds:
             if not isinstance(part, kind):
@@ -704,7 +108,7 @@ class System:
                     f"a system takes a Lens, a Substrate and a HexagonalTexture or another texture, in this "
                     f"order: found {type(part).__name__} for {name}"
                 )
-        of_shape, words_of_shape = _shape_of(lens)
+        of_shape, words_of_shape = shape_of(lens)
         of_layers = [lens._layer("lens"), substrate._layer("substrate")]
         numbers: list[tuple[str, float | None]] = [
             *of_shape,
@@ -757,19 +161,17 @@ class System:
         ``[surface]`` gives a `fakir.love.Surface`, which answers the same questions: `press`,
         `transition`, `approach` and `verify`.
         """
-        return cls._described(_fakir.read_case(fspath(path), _settings(set)))
+        return cls._described(_fakir.read_case(fspath(path), settings(set)))
 
     @classmethod
     def from_toml(cls, text: str, set: Overrides | None = None) -> System | Surface:
         """As `from_file`, from the text of a case file."""
-        return cls._described(_fakir.parse_case("case.toml", text, _settings(set)))
+        return cls._described(_fakir.parse_case("case.toml", text, settings(set)))
 
     @classmethod
     def _described(cls, found: _fakir.Case | _fakir.Surface) -> System | Surface:
         if isinstance(found, _fakir.Case):
             return cls._of(found)
-        from .love import Surface
-
         return Surface._of(found)
 
     def to_toml(self) -> str:
@@ -778,14 +180,14 @@ class System:
 
     def replace(self, set: Overrides) -> System:
         """The same system with other values: ``system.replace({"texture.pitch": "25 um"})``."""
-        return self._of(self._case.with_settings(_settings(set)))
+        return self._of(self._case.with_settings(settings(set)))
 
     @property
     def lens(self) -> AnyLens:
         """The lens."""
         values = self._case.values()
         modulus, ratio = values["lens.young_modulus"], values["lens.poisson_ratio"]
-        layer = _layer_of(values, "lens")
+        layer = layer_of(values, "lens")
         match values.get("lens.shape", "sphere"):
             case "paraboloid":
                 return ParaboloidLens(values["lens.radius"], modulus, ratio, **layer)
@@ -804,7 +206,7 @@ class System:
         """The substrate."""
         values = self._case.values()
         modulus, ratio = values["substrate.young_modulus"], values["substrate.poisson_ratio"]
-        return Substrate(modulus, ratio, **_layer_of(values, "substrate"))
+        return Substrate(modulus, ratio, **layer_of(values, "substrate"))
 
     @property
     def texture(self) -> Texture:
@@ -1190,35 +592,4 @@ def _with_listed(text: str, rows: list[list[float]]) -> System:
     return System._of(_fakir.Case.with_listed(text, rows))
 
 
-def load(
-    indentation: Quantity | None, force: Quantity | None
-) -> tuple[float | None, float | None]:
-    """The one of both that is given, in SI units."""
-    if (indentation is None) == (force is None):
-        raise TypeError("give exactly one of indentation and force")
-    if indentation is not None:
-        return si(indentation, "length", "indentation"), None
-    assert force is not None
-    return None, si(force, "force", "force")
-
-
-def load_or_critical(
-    indentation: Quantity | None, force: Quantity | None
-) -> tuple[float | None, float | None]:
-    """As :func:`load`; none of both is the critical state."""
-    return (None, None) if indentation is None and force is None else load(indentation, force)
-
-
-def _settings(overrides: Overrides | None) -> list[str]:
-    """Overrides as arguments of ``--set``."""
-    return [f"{key}={_written(value)}" for key, value in (overrides or {}).items()]
-
-
-def _written(value: Quantity) -> str:
-    if isinstance(value, str):
-        return value
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if isinstance(value, WithUnit):
-        return repr(float(value.to_base_units().magnitude))  # type: ignore[attr-defined]
-    return repr(value.item() if hasattr(value, "item") else value)
+ContactState._system_of = System._of

@@ -14,20 +14,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from . import _fakir
+from ._bodies import Lens, Substrate, refuse_layers
 from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
+from ._settings import Overrides, load, load_or_critical, settings
 from ._state import FIELDS, ErrorEstimate, Limit
 from ._loading import Loading, checked_path
-from ._system import (
-    Lens,
-    Overrides,
-    Substrate,
-    _refuse_layers,
-    _settings,
-    load,
-    load_or_critical,
-)
 from ._verification import Opinion, checked_cells
 from .errors import NotConverged
 
@@ -121,7 +114,7 @@ class Surface:
         origin = [-0.5 * columns * cell[0] - centre[0], -0.5 * rows * cell[1] - centre[1]]
         if not isinstance(indenter, (Lens, Plate)):
             raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
-        _refuse_layers(indenter, substrate)
+        refuse_layers(indenter, substrate)
         lens = plate = None
         if isinstance(indenter, Lens):
             lens = [indenter.radius, indenter.young_modulus, indenter.poisson_ratio]
@@ -157,14 +150,14 @@ class Surface:
         """Reads a case file with a ``[surface]``; ``set`` overrides keys, as ``--set`` of the command
         line. ``memory_limit`` is in bytes; 8 GB if not given.
         """
-        return cls._of(_fakir.Surface.read(fspath(path), _settings(set), memory_limit))
+        return cls._of(_fakir.Surface.read(fspath(path), settings(set), memory_limit))
 
     @classmethod
     def from_toml(
         cls, text: str, set: Overrides | None = None, *, memory_limit: int | None = None
     ) -> Surface:
         """As `from_file`, from the text of a case file."""
-        return cls._of(_fakir.Surface.parse("case.toml", text, _settings(set), memory_limit))
+        return cls._of(_fakir.Surface.parse("case.toml", text, settings(set), memory_limit))
 
     def to_toml(self) -> str:
         """The case as a commented file, of a surface that a case file describes; a height map is named by

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from . import theory
+from ._bodies import Lens, Pillars
 from ._cycle import Cycle
 from ._fit import Fit
 from ._loading import Approach
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep
-from ._system import Lens, Pillars, System
+from ._system import System
 from .love import SurfaceApproach, SurfaceContact, SurfaceTransition
 
 if TYPE_CHECKING:

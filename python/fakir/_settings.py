@@ -1,0 +1,45 @@
+"""What is asked: overrides of keys, and a load."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ._quantity import Quantity, WithUnit, si
+
+Overrides = Mapping[str, Quantity]
+
+
+def load(
+    indentation: Quantity | None, force: Quantity | None
+) -> tuple[float | None, float | None]:
+    """The one of both that is given, in SI units."""
+    if (indentation is None) == (force is None):
+        raise TypeError("give exactly one of indentation and force")
+    if indentation is not None:
+        return si(indentation, "length", "indentation"), None
+    assert force is not None
+    return None, si(force, "force", "force")
+
+
+def load_or_critical(
+    indentation: Quantity | None, force: Quantity | None
+) -> tuple[float | None, float | None]:
+    """As :func:`load`; none of both is the critical state."""
+    return (None, None) if indentation is None and force is None else load(indentation, force)
+
+
+def settings(overrides: Overrides | None) -> list[str]:
+    """Overrides as arguments of ``--set``."""
+    return [f"{key}={_written(value)}" for key, value in (overrides or {}).items()]
+
+
+def _written(value: Quantity) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, WithUnit):
+        return repr(float(value.to_base_units().magnitude))  # type: ignore[attr-defined]
+    return repr(value.item() if hasattr(value, "item") else value)
