@@ -1,7 +1,8 @@
 //! The manual: its pages run, its formulas converted, and laid out as a book in `target/book`.
 
-use crate::python::{self, run};
-use crate::{browser, run_cargo};
+use crate::browser;
+use crate::python;
+use crate::shell::{run, run_cargo, target_folder};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -23,7 +24,7 @@ pub(crate) fn update(cargo: &OsStr) -> Result<(), String> {
 }
 
 fn make(cargo: &OsStr, update: bool) -> Result<(), String> {
-    let target = python::target_folder()?;
+    let target = target_folder()?;
     let manual = manual(cargo, &target)?;
     let mut theory = Command::new(&manual);
     theory.arg("theory").args(THEORY);

@@ -1,7 +1,8 @@
 //! The explorer in a real browser: `tests/browser`; and whether the page that is part of the program is
 //! what its source builds to.
 
-use crate::python::{self, run};
+use crate::python;
+use crate::shell::{run, target_folder};
 use crate::{package, passed};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -36,7 +37,7 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     let mut tests = python::pytest(&python, TESTS, marked);
     tests.env("FAKIR", program).env("CHROMIUM", chromium);
     // The manual is looked at if it was built, as it is where every check is run.
-    let book = python::target_folder()?.join("book");
+    let book = target_folder()?.join("book");
     if book.join("index.html").is_file() {
         tests.env("BOOK", book);
     }
@@ -73,7 +74,7 @@ fn page_is_built() -> Result<(), String> {
         );
         return Ok(());
     }
-    let folder = python::target_folder()?.join("page");
+    let folder = target_folder()?.join("page");
     fresh_copy(Path::new(PAGE), &folder)?;
     run(Command::new("npm")
         .args(["ci", "--no-audit", "--no-fund", "--loglevel=error"])

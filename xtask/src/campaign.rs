@@ -1,7 +1,7 @@
 //! Random systems over all that is allowed, and whether every estimate covers its error: the example
 //! `campaign` of the crate `fakir`.
 
-use crate::python::run;
+use crate::shell::run;
 use crate::tests;
 use std::ffi::OsStr;
 use std::process::Command;

@@ -11,11 +11,14 @@ mod package;
 mod passed;
 mod python;
 mod release;
+mod shell;
 mod structure;
 mod tests;
+mod times;
 
-use std::ffi::{OsStr, OsString};
-use std::process::{Command, ExitCode};
+use shell::{cargo, run_cargo};
+use std::ffi::OsStr;
+use std::process::ExitCode;
 
 /// When a check is run.
 #[derive(Clone, Copy, PartialEq)]
@@ -130,7 +133,7 @@ fn main() -> ExitCode {
         ["test"] => run_checks(|check| check.tier == Tier::First),
         ["test", "all"] => run_checks(|_| true),
         ["test", "rest"] => run_checks(|check| check.tier == Tier::Second),
-        ["test", "times"] => run_one(&cargo(), "times", tests::times),
+        ["test", "times"] => run_one(&cargo(), "times", times::print),
         ["test", only] if named(only) => run_checks(|check| check.name == only),
         _ => {
             let names = |tier| {
@@ -190,19 +193,6 @@ fn fetch() {
     let _ = python::environment(browser::TESTS);
     let _ = browser::chromium();
     let _ = instructions::valgrind();
-}
-
-/// Runs cargo with arguments, none of which contains a blank.
-fn run_cargo(cargo: &OsStr, arguments: &str) -> Result<(), String> {
-    python::run(
-        Command::new(cargo)
-            .args(arguments.split(' '))
-            .env("RUSTDOCFLAGS", "-D warnings"),
-    )
-}
-
-fn cargo() -> OsString {
-    std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }
 
 fn run_one(cargo: &OsStr, name: &str, check: impl Fn(&OsStr) -> Result<(), String>) -> ExitCode {

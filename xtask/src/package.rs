@@ -1,6 +1,6 @@
 //! Programs that checks need and that a bare machine may not have.
 
-use crate::python::run;
+use crate::shell::run;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};

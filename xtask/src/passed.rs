@@ -3,7 +3,7 @@
 //! A check's inputs are files: programs by their contents, and all files of the repository that are not Rust source, as tests
 //! may read any of them. Rust source counts through the programs that are built from it.
 
-use crate::python::target_folder;
+use crate::shell::target_folder;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};

@@ -3,6 +3,7 @@
 //! What the tests need goes into an environment of its own below the target folder, made anew when
 //! it changes.
 
+use crate::shell::{run, target_folder};
 use crate::{package, passed, tests};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -67,13 +68,6 @@ pub(crate) fn package(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), Stri
 /// The Python of the tests in a folder, and the program, up to date.
 pub(crate) fn prepare(cargo: &OsStr, tests: &str) -> Result<(PathBuf, PathBuf), String> {
     Ok((environment(tests)?, tests::built_command(cargo)?))
-}
-
-/// The target folder, which this program is in.
-pub(crate) fn target_folder() -> Result<PathBuf, String> {
-    let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
-    let target = executable.ancestors().nth(2).map(Path::to_owned);
-    target.ok_or_else(|| "the target folder is not known".to_owned())
 }
 
 /// The tests of a folder that carry a mark, or do not.
@@ -156,14 +150,5 @@ fn version(python: &str) -> Result<String, String> {
     match parsed {
         Some(version) if version >= OLDEST => Ok(found),
         _ => Err(format!("{wanted} ({python} is {found})")),
-    }
-}
-
-pub(crate) fn run(command: &mut Command) -> Result<(), String> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    match command.status() {
-        Ok(status) if status.success() => Ok(()),
-        Ok(status) => Err(format!("{name}: {status}")),
-        Err(error) => Err(format!("{name} could not be started: {error}")),
     }
 }

@@ -4,7 +4,8 @@
 //! from the unpacked crates alone, and the wheel from the unpacked source distribution alone. Both do their main
 //! job in folders where nothing else is.
 
-use crate::python::{self, run};
+use crate::python;
+use crate::shell::{cargo, run, target_folder};
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs;
@@ -48,7 +49,7 @@ print(critical)";
 
 /// Packages everything, looks through it, builds from it, installs it, and tries it.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
-    let target = python::target_folder()?;
+    let target = target_folder()?;
     let folder = target.join("published");
     if folder.exists() {
         fs::remove_dir_all(&folder).map_err(|error| at(&folder, &error))?;
@@ -185,7 +186,7 @@ fn install_command(
 
 /// Takes what is not published out of the list of versions of an unpacked package, and leaves all else as it was tested.
 fn without_other_members(folder: &Path) -> Result<(), String> {
-    run(Command::new(crate::cargo())
+    run(Command::new(cargo())
         .args(["metadata", "--format-version", "1", "--quiet"])
         .current_dir(folder)
         .stdout(Stdio::null()))

@@ -3,7 +3,7 @@
 //! All are compiled by one call of cargo, in the profile of the command, and run one program after the other.
 
 use crate::passed;
-use crate::python::{self, run};
+use crate::shell::{run, target_folder};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -30,16 +30,16 @@ const HEAVY_TESTS: [&[&str]; 2] = [
 const READ: [&str; 3] = ["crates", "checks", "examples"];
 
 /// A compiled program of tests.
-struct Program {
+pub(crate) struct Program {
     /// The package, and what of it is tested: `fakir it`.
-    name: String,
-    executable: PathBuf,
+    pub(crate) name: String,
+    pub(crate) executable: PathBuf,
     /// The folder of its package, in which it is run.
-    folder: PathBuf,
+    pub(crate) folder: PathBuf,
 }
 
 /// Compiles the tests and the program `fakir`; gives the programs of tests.
-fn build(cargo: &OsStr, options: &[&str]) -> Result<Vec<Program>, String> {
+pub(crate) fn build(cargo: &OsStr, options: &[&str]) -> Result<Vec<Program>, String> {
     let output = Command::new(cargo)
         .args(["test", "--release", "--locked", "--no-run"])
         .args(options)
@@ -84,7 +84,7 @@ fn program(message: &str) -> Option<Program> {
 }
 
 /// The options of cargo for the packages of the first tier.
-fn light() -> Vec<&'static str> {
+pub(crate) fn light() -> Vec<&'static str> {
     let excluded = EXCLUDED.iter().flat_map(|name| ["--exclude", *name]);
     let targets = ["--workspace", "--lib", "--bins", "--tests"];
     targets.into_iter().chain(excluded).collect()
@@ -142,7 +142,7 @@ fn run_tests(programs: &[Program], options: &[&str], tier: &str) -> Result<(), S
 /// The program `fakir`, which the tests of the command run.
 fn command() -> Result<PathBuf, String> {
     let name = format!("release/fakir{}", std::env::consts::EXE_SUFFIX);
-    Ok(python::target_folder()?.join(name))
+    Ok(target_folder()?.join(name))
 }
 
 /// Compiles the tests and the command, if that has not been done; gives the command.
@@ -164,23 +164,7 @@ pub(crate) fn built_example(
         .args(["--example", name])
         .args(options))?;
     let file = format!("release/examples/{name}{}", std::env::consts::EXE_SUFFIX);
-    Ok(python::target_folder()?.join(file))
-}
-
-/// Prints every test with its processor time, each run in a process of its own.
-pub(crate) fn times(cargo: &OsStr) -> Result<(), String> {
-    let python = python::environment(python::TESTS)?;
-    let programs = build(cargo, &light())?;
-    let mut timer = Command::new(python);
-    timer.arg("tests/times.py");
-    for program in &programs {
-        timer.args([
-            program.executable.as_os_str(),
-            program.folder.as_os_str(),
-            program.name.as_ref(),
-        ]);
-    }
-    run(&mut timer)
+    Ok(target_folder()?.join(file))
 }
 
 #[cfg(test)]
