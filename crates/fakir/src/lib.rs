@@ -22,7 +22,7 @@
 //!
 //! Each uses those above it in this list, and no other:
 //!
-//! * [`numerics`]: what mathematics and machines lend;
+//! * `numerics`: what mathematics and machines lend, hidden, as it is no part of the interface;
 //! * [`problem`]: what is asked: the bodies, the load, the method. Everything public is in SI units;
 //! * [`halfspace`]: how an elastic half-space gives way under pillar tops and rectangles, and under both at once;
 //! * [`state`]: what comes back: forces, radii, every pillar, [fields](state::Fields), convergence, error
@@ -61,6 +61,7 @@ pub mod halfspace;
 #[path = "../examples/kernels/work.rs"]
 pub mod kernels;
 mod method;
+#[doc(hidden)]
 pub mod numerics;
 pub mod problem;
 pub mod solve;

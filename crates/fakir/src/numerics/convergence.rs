@@ -1,14 +1,14 @@
 //! When a solution is good enough: every solver, search and certificate decides it here.
 //!
 //! A comparison with NaN is false, so that its opposite seems to hold, and `max` and `min` drop NaN.
-//! What is decided here is never accepted because a number is undefined: [`judge`] tells errors
+//! What is decided here is never accepted because a number is undefined: `judge` distinguishes errors
 //! that are small from those that are large and from those that are no numbers, and [`larger`],
-//! [`smaller`] and [`largest`] keep NaN where the functions of `f64` lose it.
+//! `smaller` and `largest` keep NaN where the functions of `f64` lose it.
 
 /// What an error says of a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[must_use]
-pub enum Judgement {
+pub(crate) enum Judgement {
     /// The error is within its bound.
     Good,
     /// The error is beyond its bound, or infinite.
@@ -18,17 +18,8 @@ pub enum Judgement {
 }
 
 /// Judges an error by its bound, both in the same unit.
-///
-/// ```
-/// use fakir::numerics::convergence::{Judgement, judge};
-///
-/// assert_eq!(judge(1e-9, 1e-8), Judgement::Good);
-/// assert_eq!(judge(f64::INFINITY, 1e-8), Judgement::TooLarge);
-/// assert_eq!(judge(f64::NAN, 1e-8), Judgement::Undefined);
-/// assert_eq!(judge(1e-9, f64::INFINITY), Judgement::Undefined);
-/// ```
 #[inline]
-pub fn judge(error: f64, bound: f64) -> Judgement {
+pub(crate) fn judge(error: f64, bound: f64) -> Judgement {
     if error.is_nan() || error == f64::NEG_INFINITY || !bound.is_finite() {
         Judgement::Undefined
     } else if error <= bound {
@@ -55,7 +46,7 @@ pub fn larger(a: f64, b: f64) -> f64 {
 /// The smaller of two numbers, NaN if one of them is.
 #[inline]
 #[must_use]
-pub fn smaller(a: f64, b: f64) -> f64 {
+pub(crate) fn smaller(a: f64, b: f64) -> f64 {
     if a < b || a.is_nan() { a } else { b }
 }
 
@@ -75,7 +66,7 @@ pub fn clamped(value: f64, least: f64, greatest: f64) -> f64 {
 
 /// The largest absolute value, NaN if one of them is, 0 if there are none.
 #[must_use]
-pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values
         .into_iter()
         .fold(0.0, |largest, value| larger(largest, value.abs()))
@@ -94,6 +85,7 @@ mod tests {
         }
         assert!(within(0.0, 0.0) && within(0.5, 1.0) && !within(1.5, 1.0));
         assert_eq!(judge(f64::NEG_INFINITY, 1.0), Judgement::Undefined);
+        assert_eq!(judge(f64::INFINITY, 1.0), Judgement::TooLarge);
     }
 
     #[test]

@@ -1,13 +1,12 @@
 //! What mathematics and machines lend: vectors, factorisations, [roots], quadrature, special functions, shared threads, and the one
 //! place that decides when a solution is good enough.
 //!
-//! Nothing here knows of lenses or pillars.
+//! Nothing here is about lenses or pillars, and nothing is part of the interface: what is public is for the other crates of the project.
 
 pub(crate) mod cholesky;
 pub(crate) mod column_transform;
 pub mod convergence;
 pub(crate) mod cosine;
-#[doc(hidden)]
 pub mod dense;
 pub(crate) mod dual;
 pub(crate) mod elimination;
@@ -21,7 +20,6 @@ pub mod roots;
 pub(crate) mod row_pair;
 pub(crate) mod simd;
 pub(crate) mod special;
-#[doc(hidden)]
 pub mod svd;
 pub(crate) mod vector;
 pub(crate) mod workers;

@@ -45,7 +45,7 @@ impl Svd {
 ///
 /// Small singular values come out to high relative accuracy, also where columns have very different lengths.
 #[must_use]
-pub fn orthogonalise(matrix: &mut Matrix) -> Matrix {
+pub(crate) fn orthogonalise(matrix: &mut Matrix) -> Matrix {
     let count = matrix.columns();
     let mut rotation = Matrix::identity(count);
     // Rounding of a scalar product of unit columns.
