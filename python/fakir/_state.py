@@ -307,21 +307,9 @@ class ContactState:
     def _shaped(
         self, samples: list[FloatArray] | None, x: FloatArray, y: FloatArray
     ) -> list[FloatArray]:
-        flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
-        if samples is None and self.pillars_in_contact == 0:
-            return [field.reshape(x.shape) for field in self._untouched(*flat)]
         if samples is None:
             raise FakirError(f'the method "{self.method}" does not resolve pillars: it has no fields')
         return [field.reshape(x.shape) for field in samples]
-
-    def _untouched(self, x: FloatArray, y: FloatArray) -> list[FloatArray]:
-        """Fields of a lens that touches nothing."""
-        system = self.system
-        points = zip(x.tolist(), y.tolist(), strict=True)
-        sag = np.array([system._case.sag(at_x, at_y) for at_x, at_y in points])
-        height = np.where(self._state.on_pillar(x, y), 0.0, system._pillar[1])
-        zero = np.zeros_like(x)
-        return [zero, sag + height - self.indentation, zero]
 
     def _dataset(
         self,

@@ -80,18 +80,15 @@ impl State {
         y: PyReadonlyArray1<'py, f64>,
         options: Options,
     ) -> PyResult<Option<[Field<'py>; 3]>> {
-        let Some(fields) = &self.state.fields else {
-            return Ok(None);
-        };
         let points: Vec<Point> = x
             .as_slice()?
             .iter()
             .zip(y.as_slice()?)
             .map(|(x, y)| [*x, *y])
             .collect();
-        let samples = watched(py, &options, |run| fields.sample(&points, run))?;
+        let samples = watched(py, &options, |run| self.state.sample(&points, run))?;
         samples
-            .map(|samples| Some(arrays(py, samples)))
+            .map(|samples| Some(arrays(py, samples?)))
             .map_err(|error| solve_error(&error))
     }
 
@@ -104,13 +101,10 @@ impl State {
         y: PyReadonlyArray1<'py, f64>,
         options: Options,
     ) -> PyResult<Option<[Field<'py>; 3]>> {
-        let Some(fields) = &self.state.fields else {
-            return Ok(None);
-        };
         let (x, y) = (x.as_slice()?, y.as_slice()?);
-        let samples = watched(py, &options, |run| fields.on_grid(x, y, run))?;
+        let samples = watched(py, &options, |run| self.state.sample_on_grid(x, y, run))?;
         samples
-            .map(|samples| Some(arrays(py, samples)))
+            .map(|samples| Some(arrays(py, samples?)))
             .map_err(|error| solve_error(&error))
     }
 

@@ -8,6 +8,7 @@
 //! of what one pillar there adds (L. N. Trefethen, Approximation Theory and Approximation
 //! Practice, theorem 8.2).
 
+use super::contact::ContactState;
 use super::error::SolveError;
 use super::fields::{Disc, Fields};
 use super::run::Run;
@@ -145,14 +146,76 @@ impl Fields {
     /// As [`sample`](Self::sample).
     pub fn on_grid(&self, x: &[f64], y: &[f64], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
         FieldSamples::check_memory(x.len().saturating_mul(y.len()), 0, run)?;
-        let points: Vec<Point> = y
-            .iter()
-            .flat_map(|&y| x.iter().map(move |&x| [x, y]))
-            .collect();
-        let mut samples = self.displacement_and_gap(&points, run)?;
+        let mut samples = self.displacement_and_gap(&grid_points(x, y), run)?;
         samples.pressure = self.mean_pressures(x, y, run)?;
         Ok(samples)
     }
+}
+
+impl ContactState {
+    /// Displacement, gap and pressure at points (m from the lens axis), as [`Fields::sample`]; where nothing is touched, those of the undeformed lens.
+    /// `None` for methods that do not resolve pillars.
+    ///
+    /// # Errors
+    /// As [`Fields::sample`].
+    pub fn sample(
+        &self,
+        points: &[Point],
+        run: &Run<'_>,
+    ) -> Result<Option<FieldSamples>, SolveError> {
+        match &self.fields {
+            Some(fields) => fields.sample(points, run).map(Some),
+            None => self.undeformed(points, run),
+        }
+    }
+
+    /// The same on a grid of the given coordinates (m), as [`Fields::on_grid`].
+    ///
+    /// # Errors
+    /// As [`Fields::on_grid`].
+    pub fn sample_on_grid(
+        &self,
+        x: &[f64],
+        y: &[f64],
+        run: &Run<'_>,
+    ) -> Result<Option<FieldSamples>, SolveError> {
+        match &self.fields {
+            Some(fields) => fields.on_grid(x, y, run).map(Some),
+            None => self.undeformed(&grid_points(x, y), run),
+        }
+    }
+
+    fn undeformed(
+        &self,
+        points: &[Point],
+        run: &Run<'_>,
+    ) -> Result<Option<FieldSamples>, SolveError> {
+        if self.pillars_in_contact > 0 {
+            return Ok(None);
+        }
+        FieldSamples::check_memory(points.len(), 0, run)?;
+        let (system, tops) = (&self.system, self.system.tops());
+        let gap = |point: &Point| {
+            let below = if tops.holds(*point) {
+                0.0
+            } else {
+                system.pillar().height
+            };
+            system.lens().sag(*point) + below - self.indentation
+        };
+        let zero = vec![0.0; points.len()];
+        Ok(Some(FieldSamples {
+            displacement: zero.clone(),
+            gap: points.iter().map(gap).collect(),
+            pressure: zero,
+        }))
+    }
+}
+
+/// The points of a grid, row by row.
+fn grid_points(x: &[f64], y: &[f64]) -> Vec<Point> {
+    let row = |&y: &f64| x.iter().map(move |&x| [x, y]);
+    y.iter().flat_map(row).collect()
 }
 
 /// Values at points, by batches on the threads of a run.
@@ -516,11 +579,27 @@ impl Convolution {
 
 #[cfg(test)]
 mod tests {
-    use super::{BYTES_PER_POINT, Fields, SolveError};
+    use super::{BYTES_PER_POINT, ContactState, Fields, SolveError};
     use crate::problem::{Load, Method, PillarCompliance, Point};
     use crate::state::Run;
     use crate::theory::reference;
     use std::sync::Arc;
+
+    #[test]
+    fn where_nothing_is_touched_the_lens_is_undeformed() {
+        let system = reference::intermediate(0.1);
+        let mut state = ContactState::untouched(&system, Method::Homogenised, -1e-6);
+        let beside = [0.5 * system.pitch(), 0.0];
+        let samples = state.sample(&[[0.0, 0.0], beside], &Run::default());
+        let gap = samples.unwrap().unwrap().gap;
+        let expected = [0.0, system.pillar().height + system.lens().sag(beside)];
+        for (gap, expected) in gap.iter().zip(expected) {
+            assert!((gap - expected - 1e-6).abs() < 1e-18, "{gap}");
+        }
+        state.pillars_in_contact = 1;
+        let samples = state.sample_on_grid(&[0.0], &[0.0], &Run::default());
+        assert_eq!(samples, Ok(None));
+    }
 
     /// Under so many pillars or more.
     fn fields(surface_fraction: f64, offset: f64, touched: usize) -> Arc<Fields> {
