@@ -2,8 +2,8 @@
 
 use fakir::problem::{InvalidQuantity, Quantity};
 use fakir::state::SolveError;
-use fakir_case::CaseError;
 use fakir_case::unit::{Dimension, format_quantity};
+use fakir_case::{CaseError, with_keys};
 use fakir_figure::FigureError;
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::{DataError, FitError};
@@ -23,7 +23,7 @@ use std::path::Path;
 pub(crate) enum Failure {
     #[error(transparent)]
     Case(#[from] CaseError),
-    #[error(transparent)]
+    #[error("{}", with_keys(.0))]
     Solve(#[from] SolveError),
     #[error(transparent)]
     Output(#[from] OutputError),

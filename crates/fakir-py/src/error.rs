@@ -1,7 +1,7 @@
 //! Errors of the libraries as exceptions of `fakir.errors`, with the same words.
 
 use fakir::state::SolveError;
-use fakir_case::CaseFile;
+use fakir_case::{CaseFile, with_keys};
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::FitError;
 use fakir_inverse::heights::HeightDesignError;
@@ -66,7 +66,7 @@ pub(crate) fn solve_error(error: &SolveError) -> PyErr {
     match error {
         SolveError::Interrupted => PyKeyboardInterrupt::new_err(()),
         SolveError::InvalidQuantity(_) => value_error(error),
-        _ => exceptions::SolveError::new_err(error.to_string()),
+        _ => exceptions::SolveError::new_err(with_keys(error)),
     }
 }
 

@@ -288,7 +288,7 @@ fn refuse_layers(system: &System) -> Result<(), SolveError> {
         return refused("adhesion", "or the works of adhesion");
     }
     if !system.has_common_diameter() {
-        let instead = "or give all pillars of the list the diameter pillar.diameter";
+        let instead = "or give all pillars of the list the common diameter";
         return refused("a list of pillars of several diameters", instead);
     }
     Ok(())

@@ -20,9 +20,9 @@ use crate::state::fields::{Disc, HeldPart};
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
-    CycleEventKind, CycleStation, ErrorEstimate, Fields, FloorContact, FloorErrors,
-    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
-    PullOff, Run, SolveError, StuckFloorErrors, Termination, Warning,
+    CycleEventKind, CycleStation, ErrorEstimate, Fields, FloorContact, FloorDifference,
+    FloorErrors, FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState,
+    PillarStatus, PullOff, Run, SolveError, StuckFloorErrors, Termination, TopDifference, Warning,
 };
 use crate::theory::stuck_floor::StuckPillar;
 use std::f64::consts::PI;
@@ -191,28 +191,23 @@ fn sticking_scene(system: &System) -> Result<Scene, SolveError> {
     let scene = Scene::new(system);
     let [sizes, columns] = scene.field.are_common();
     if !sizes {
-        let what = "diameters differ from texture.pillar.diameter: give all pillars that one";
+        let what = TopDifference::Diameters;
         return Err(SolveError::TopsDiffer { what });
     }
     if !columns {
-        let what = "heights differ, and so columns: give all pillars one height, or let \
-                    texture.pillar.compliance be \"none\"";
+        let what = TopDifference::Columns;
         return Err(SolveError::TopsDiffer { what });
     }
     if floor_sticks(system) {
         let refuse = |what| Err(SolveError::FloorDoesNotStick { what });
         if scene.hexagonal_lattice().is_none() {
-            return refuse(
-                "they stand otherwise: let texture.lattice be \"hexagonal\" without texture.rotation, texture.columns and scatter",
-            );
+            return refuse(FloorDifference::Arrangement);
         }
         if !scene.layers.is_empty() {
-            return refuse("one is a layer: leave substrate.thickness and lens.thickness out");
+            return refuse(FloorDifference::Layer);
         }
         if system.pillar().compliance == PillarCompliance::Elastic {
-            return refuse(
-                "pillars are elastic bodies: let texture.pillar.compliance be \"column\" or \"none\"",
-            );
+            return refuse(FloorDifference::ElasticPillars);
         }
     }
     Ok(scene)

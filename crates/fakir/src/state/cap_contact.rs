@@ -4,7 +4,7 @@ use super::checked::check_number;
 use super::contact::{PillarStatus, Termination, relative};
 use super::discs::Contacts;
 use super::error::SolveError;
-use super::resolution::Unresolved;
+use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, Point};
 use std::sync::Arc;
 
@@ -111,7 +111,7 @@ impl CapContact {
                 relative(error.indentation, self.indentation.abs()),
             ),
         ];
-        Unresolved::among(numbers, "use method.accuracy = \"accurate\"")
+        Unresolved::among(numbers, Remedy::AccurateSetting)
     }
 
     /// Number of caps that are touched.

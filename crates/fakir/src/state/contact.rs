@@ -3,7 +3,7 @@
 use super::fields::Fields;
 use super::floor_contact::{FloorContact, FloorErrors};
 use super::limit::DOUBTFUL_CONTACT;
-use super::resolution::{LARGEST_ERROR, Unresolved};
+use super::resolution::{LARGEST_ERROR, Remedy, Unresolved};
 use crate::problem::{Accuracy, Method, Point, System};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -151,7 +151,7 @@ impl std::fmt::Display for Warning {
                 f,
                 "the floor is in contact {distance:.2e} m from the rim of a pillar, less than two \
                  of its cells of {cell:.2e} m: what it bears may be less exact than estimated; \
-                 take accuracy = \"accurate\", whose cells are smaller"
+                 use the accuracy \"accurate\", whose cells are smaller"
             ),
             Self::FloorBeside { depth } => write!(
                 f,
@@ -344,14 +344,12 @@ impl ContactState {
 
 impl Method {
     /// What a result that is not resolved needs.
-    fn finer(self) -> &'static str {
+    fn finer(self) -> Remedy {
         match self {
-            Self::Spectral(Accuracy::Default) => "use method.accuracy = \"accurate\"",
-            Self::Spectral(Accuracy::Accurate) => {
-                "raise the load: the contact is too small for this method"
-            }
-            Self::Love(_) => "use more cells across a pillar, or method.name = \"spectral\"",
-            Self::Punch(_) | Self::Homogenised => "use method.name = \"spectral\"",
+            Self::Spectral(Accuracy::Default) => Remedy::AccurateSetting,
+            Self::Spectral(Accuracy::Accurate) => Remedy::HigherLoad,
+            Self::Love(_) => Remedy::MoreElements,
+            Self::Punch(_) | Self::Homogenised => Remedy::SpectralMethod,
         }
     }
 }

@@ -5,7 +5,7 @@ use super::critical::CriticalState;
 use super::fields::Fields;
 use super::floor_contact::FloorContact;
 use super::limit::{Limit, limits_of_adhesion};
-use super::resolution::Unresolved;
+use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, CyclePlan, Point, System};
 use std::sync::Arc;
 
@@ -402,13 +402,11 @@ impl Cycle {
                 ),
             ]
         });
-        let advice = match self.accuracy {
-            Accuracy::Default => "use method.accuracy = \"accurate\"",
-            Accuracy::Accurate => {
-                "these are orders of magnitude: compare fakir.theory.collapsed_cycle"
-            }
+        let remedy = match self.accuracy {
+            Accuracy::Default => Remedy::AccurateSetting,
+            Accuracy::Accurate => Remedy::CollapsedFloor,
         };
-        Unresolved::among(numbers.into_iter().chain(of_floor), advice)
+        Unresolved::among(numbers.into_iter().chain(of_floor), remedy)
     }
 
     /// The certificate of a closed path: difference between loop area and dissipation, over the loop area. It is made of

@@ -1,6 +1,7 @@
 //! Why a question has no answer.
 
 use crate::problem::{InvalidQuantity, System};
+use std::fmt;
 
 /// So many bytes for a person: `1.2 GB`.
 pub(crate) fn memory(bytes: usize) -> String {
@@ -135,21 +136,21 @@ pub enum SolveError {
     )]
     TopsDiffer {
         /// What is different, and what can be done.
-        what: &'static str,
+        what: TopDifference,
     },
     /// A floor that sticks where that is not known.
     #[error(
         "a floor that sticks is known between pillars on an endless hexagonal lattice that is not turned, whose bodies are half-spaces, and here {what}; or \
-         let adhesion.floor be false, so that the tops stick alone"
+         let the tops stick alone"
     )]
     FloorDoesNotStick {
         /// What is different, and what can be done.
-        what: &'static str,
+        what: FloorDifference,
     },
     /// What is made for a spherical lens, asked of another shape.
     #[error(
         "{what} is made for a spherical lens, not for this shape ({shape}): use the spectral method, without adhesion, \
-         or lens.shape = \"sphere\""
+         or a sphere"
     )]
     NotUnderShape {
         /// `"adhesion"`, `"the punch lattice"` and others.
@@ -170,7 +171,7 @@ pub enum SolveError {
     },
     /// What is made for half-spaces, asked where a body is a layer.
     #[error(
-        "{what} is not there yet where the substrate or the lens is a layer: leave out substrate.thickness and lens.thickness, {instead}"
+        "{what} is not there yet where the substrate or the lens is a layer: leave out the thicknesses, {instead}"
     )]
     NotWithLayers {
         /// `"adhesion"` and others.
@@ -293,6 +294,51 @@ pub enum SolveError {
         /// Indentation, m.
         indentation: f64,
     },
+}
+
+/// How tops differ on which adhesion is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TopDifference {
+    /// Their diameters differ from the common one.
+    Diameters,
+    /// Their heights differ, and so the compliance of their columns.
+    Columns,
+}
+
+impl fmt::Display for TopDifference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Diameters => "diameters differ from the common one: give all pillars that one",
+            Self::Columns => {
+                "heights differ, and so columns: give all pillars one height, or let pillars be rigid"
+            }
+        })
+    }
+}
+
+/// Why adhesion of the floor is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FloorDifference {
+    /// The pillars are on another arrangement.
+    Arrangement,
+    /// A body is a layer.
+    Layer,
+    /// The pillars are elastic bodies.
+    ElasticPillars,
+}
+
+impl fmt::Display for FloorDifference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Arrangement => {
+                "they stand otherwise: use the hexagonal lattice without rotation, columns and scatter"
+            }
+            Self::Layer => "one is a layer: leave the thicknesses out",
+            Self::ElasticPillars => {
+                "pillars are elastic bodies: let them be columns, or rigid"
+            }
+        })
+    }
 }
 
 impl SolveError {

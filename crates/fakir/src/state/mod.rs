@@ -33,12 +33,12 @@ pub use cycle::{
     Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation,
     FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PullOff, StuckFloorErrors,
 };
-pub use error::SolveError;
+pub use error::{FloorDifference, SolveError, TopDifference};
 pub use fields::Fields;
 pub use floor_contact::{FloorContact, FloorErrors};
 pub use gradient::{Derivatives, Gradient};
 pub use limit::Limit;
-pub use resolution::{LARGEST_ERROR, Unresolved};
+pub use resolution::{LARGEST_ERROR, Remedy, Unresolved};
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::Contact;

@@ -11,7 +11,40 @@ pub struct Unresolved {
     /// Its estimated relative error.
     pub error: f64,
     /// What resolves it.
-    pub advice: &'static str,
+    pub remedy: Remedy,
+}
+
+/// What resolves a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Remedy {
+    /// The accurate setting of the spectral method.
+    AccurateSetting,
+    /// The spectral method.
+    SpectralMethod,
+    /// More boundary elements across a pillar, or the spectral method.
+    MoreElements,
+    /// Smaller cells of a height map.
+    SmallerCells,
+    /// A higher load: the contact is too small for the method.
+    HigherLoad,
+    /// The model of the collapsed floor: cells on an adhesive floor give orders of magnitude.
+    CollapsedFloor,
+}
+
+impl std::fmt::Display for Remedy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::AccurateSetting => "use the accuracy \"accurate\"",
+            Self::SpectralMethod => "use the spectral method",
+            Self::MoreElements => "use more cells across a pillar, or the spectral method",
+            Self::SmallerCells => "use smaller cells",
+            Self::HigherLoad => "raise the load: the contact is too small for this method",
+            Self::CollapsedFloor => {
+                "these are orders of magnitude: compare the model of the collapsed floor"
+            }
+        })
+    }
 }
 
 impl std::fmt::Display for Unresolved {
@@ -19,7 +52,7 @@ impl std::fmt::Display for Unresolved {
         write!(
             f,
             "the {} is not resolved, with an estimated relative error of {:.2} where at most {LARGEST_ERROR} is an answer: {}",
-            self.quantity, self.error, self.advice
+            self.quantity, self.error, self.remedy
         )
     }
 }
@@ -28,7 +61,7 @@ impl Unresolved {
     /// The first that is not resolved of numbers, each with its name and its estimated relative error.
     pub(crate) fn among(
         numbers: impl IntoIterator<Item = (&'static str, f64)>,
-        advice: &'static str,
+        remedy: Remedy,
     ) -> Option<Self> {
         let (quantity, error) = numbers
             .into_iter()
@@ -36,13 +69,14 @@ impl Unresolved {
         Some(Self {
             quantity,
             error,
-            advice,
+            remedy,
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::Remedy;
     use crate::problem::{
         HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
     };
@@ -82,7 +116,8 @@ mod tests {
                 (found.quantity, found.error),
                 (quantity, errors[0].max(errors[1]))
             );
-            assert!(found.to_string().contains("method.accuracy = \"accurate\""));
+            assert_eq!(found.remedy, Remedy::AccurateSetting);
+            assert!(found.to_string().contains("accuracy \"accurate\""));
             // What did not converge is told as that.
             let stopped = ContactState {
                 termination: Termination::IterationLimit,

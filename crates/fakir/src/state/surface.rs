@@ -4,7 +4,7 @@ use super::checked::check_number;
 use super::contact::{ErrorEstimate, Termination, Warning};
 use super::critical::Critical;
 use super::error::SolveError;
-use super::resolution::Unresolved;
+use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Grid, Point};
 
 /// The contact of an indenter with a surface. Fields have one value for every cell of the grid.
@@ -95,7 +95,7 @@ impl SurfaceContact {
             ("force", of(self.force, error.force)),
             ("indentation", of(self.indentation, error.indentation)),
         ];
-        Unresolved::among(numbers, "use smaller cells")
+        Unresolved::among(numbers, Remedy::SmallerCells)
     }
 
     /// Estimated error of the contact radius relative to it: that of the cells, from corner to corner.
