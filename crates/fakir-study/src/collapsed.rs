@@ -7,7 +7,6 @@ use fakir::solve::collapsed_floor::{
     NARROWEST_FRONT, WIDEST_ANNULUS,
 };
 use fakir::state::{Run, SolveError, Termination};
-use fakir::state::{Run, SolveError, Termination};
 use fakir::theory::stuck_floor::{AnnulusEdge, StuckFloor};
 use serde::{Deserialize, Serialize};
 

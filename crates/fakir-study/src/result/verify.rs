@@ -3,7 +3,7 @@
 use crate::VERSION;
 use crate::record::{METHOD, boundary_name, indenter_name, of_floor};
 use crate::surfaces::SurfaceVerification;
-use fakir::problem::{Load as Control, Method};
+use fakir::problem::{Load, Method};
 use fakir::state::{ContactState, SurfaceContact};
 use fakir::{Difference, Verification};
 use serde::Serialize;
@@ -80,7 +80,7 @@ pub struct VerifySummary {
 impl VerifySummary {
     /// The answers to a question, which took so many seconds.
     #[must_use]
-    pub fn new(control: Control, verification: &Verification, wall_time: f64) -> Self {
+    pub fn new(control: Load, verification: &Verification, wall_time: f64) -> Self {
         let verdict = verification.verdict();
         let differences = |of: fn(&Difference) -> f64| Differences {
             floor_share: verification.floor_share.as_ref().map(of),
@@ -140,11 +140,11 @@ impl AnswerRow {
     }
 }
 
-fn question_name(control: Control) -> &'static str {
+fn question_name(control: Load) -> &'static str {
     match control {
-        Control::FloorContact => "transition",
-        Control::Indentation(_) => "press at an indentation",
-        Control::Force(_) => "press under a force",
+        Load::FloorContact => "transition",
+        Load::Indentation(_) => "press at an indentation",
+        Load::Force(_) => "press under a force",
     }
 }
 
@@ -216,7 +216,7 @@ pub struct SurfaceVerifySummary {
 impl SurfaceVerifySummary {
     /// The answers to a question, which took so many seconds.
     #[must_use]
-    pub fn new(control: Control, verification: &SurfaceVerification, wall_time: f64) -> Self {
+    pub fn new(control: Load, verification: &SurfaceVerification, wall_time: f64) -> Self {
         let (verdict, doubt) = verification.verdict();
         let differences = |of| differences(&verification.force, &verification.indentation, of);
         let rows = verification.answers.iter().map(|answered| &answered.answer);

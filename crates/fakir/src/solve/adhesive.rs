@@ -13,7 +13,7 @@ use crate::halfspace::disc::basis::{BasisEvaluator, TILT_MODE, UNIT_FORCE, degre
 use crate::numerics::vector::dot;
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Accuracy, CyclePlan, Drive, FloorModel, Load as Control, Method, PillarCompliance, System, Turn,
+    Accuracy, CyclePlan, Drive, FloorModel, Load, Method, PillarCompliance, System, Turn,
 };
 use crate::state::contact::contact_warnings;
 use crate::state::fields::{Disc, HeldPart};
@@ -64,15 +64,15 @@ const FRONT_PLACE_ERROR: f64 = 0.0625;
 /// The contact under what is prescribed on the branch of loading, from the first contact on.
 pub(crate) fn press(
     system: &System,
-    control: Control,
+    control: Load,
     accuracy: Accuracy,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let scene = sticking_scene(system)?;
     let end = match control {
-        Control::Indentation(indentation) => End::Indentation(indentation / scene.length),
-        Control::Force(force) => End::Force(force / scene.force()),
-        Control::FloorContact => End::Floor,
+        Load::Indentation(indentation) => End::Indentation(indentation / scene.length),
+        Load::Force(force) => End::Force(force / scene.force()),
+        Load::FloorContact => End::Floor,
     };
     let route = Route {
         drive: Drive::Displacement,
@@ -115,7 +115,7 @@ pub(crate) fn cycle(
     };
     let end = match plan.turn {
         Turn::Critical(part) if part < 1.0 => {
-            let critical = press(system, Control::FloorContact, accuracy, run)?;
+            let critical = press(system, Load::FloorContact, accuracy, run)?;
             End::Indentation(part * critical.indentation / scene.length)
         }
         Turn::Critical(_) => End::Floor,
