@@ -177,7 +177,7 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
     let session = Session::start(&options.run, options.case.quiet)?;
     let file = read_case(&options.case)?;
     if let Some(folder) = &options.case.output {
-        fakir_study::output::check_folder(folder, options.case.replace())?;
+        fakir_study::results::check_folder(folder, options.case.replace())?;
     }
     let designed = match options.heights()? {
         Some(question) => {
@@ -203,7 +203,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let data = options.measurements()?;
     let file = read_case(&case)?;
     if let Some(folder) = &case.output {
-        fakir_study::output::check_folder(folder, case.replace())?;
+        fakir_study::results::check_folder(folder, case.replace())?;
     }
     let fitted = commands::fit::run(&file, &data, options, &session)?;
     drop(session);
@@ -235,12 +235,12 @@ fn deliver(
     ask: impl FnOnce() -> Result<Report, Failure>,
 ) -> Result<Status, Failure> {
     if let Some(folder) = &options.output {
-        fakir_study::output::check_folder(folder, options.replace())?;
+        fakir_study::results::check_folder(folder, options.replace())?;
     }
     let report = ask()?.with_case_warnings(case_warnings);
     if let Some(folder) = &options.output {
         let files = report.files(command.name());
-        fakir_study::output::save_results(folder, &files, options.replace())?;
+        fakir_study::results::save_results(folder, &files, options.replace())?;
     }
     // Why there is no answer is never kept quiet.
     if !options.quiet || !report.converged {

@@ -12,13 +12,14 @@
 use crate::answer::Row;
 use crate::error::{StudyError, memory};
 use crate::figures::{of_cycles, saved};
-use crate::journal::{
-    Contents, DamagedLine, Found, Header, JOURNAL, Journal, first_difference, whole,
-};
-use crate::output::{File, OutputError, Replace, is_empty, save, save_results};
+use crate::journal::{Contents, DamagedLine, Found, Header, Journal, first_difference, whole};
+#[cfg(feature = "parquet")]
+use crate::names::PARQUET;
+use crate::names::{CSV, JOURNAL, STUDY};
+use crate::output::{File, OutputError, Replace, is_empty, save};
 use crate::plan::{Plan, Shard, longest_first};
 use crate::provenance::Provenance;
-use crate::replace;
+use crate::results::{self, save_results};
 use crate::sweep::{Options, complete};
 use crate::table::Table;
 use fakir_case::{Study, StudyFile};
@@ -140,7 +141,7 @@ impl Ledger {
             Existing::Refuse => return Err(StudyError::NotEmpty(folder.to_owned())),
             Existing::Resume => go_on(&mut journal, &header, study)?,
             Existing::Overwrite => {
-                replace::remove(folder, &found, Some(JOURNAL))?;
+                results::remove(folder, &found, Some(JOURNAL))?;
                 None
             }
         };
@@ -460,7 +461,7 @@ fn check_contents(folder: &Path, existing: Existing) -> Result<Vec<PathBuf>, Stu
         Existing::Resume if !empty && !folder.join(JOURNAL).exists() => {
             Err(StudyError::NoSweep(folder.to_owned()))
         }
-        Existing::Overwrite if !empty => match replace::contents(folder, &[]) {
+        Existing::Overwrite if !empty => match results::contents(folder, &[]) {
             Err(OutputError::InUse { folder }) => Err(StudyError::InUse(folder)),
             found => Ok(found?),
         },
@@ -472,22 +473,6 @@ fn make(folder: &Path) -> Result<(), StudyError> {
     fs::create_dir_all(folder)
         .map_err(|error| StudyError::file("cannot make the folder", folder, error))
 }
-
-/// The study in the folder of a sweep.
-pub(crate) const STUDY: &str = "study.toml";
-
-/// The table in the folder of a sweep.
-pub(crate) const CSV: &str = "table.csv";
-
-/// The table in the folder of a sweep by a build with the feature `parquet`.
-pub(crate) const PARQUET: &str = "table.parquet";
-
-/// The tables that a complete sweep saves in its folder.
-pub const TABLES: &[&str] = &[
-    CSV,
-    #[cfg(feature = "parquet")]
-    PARQUET,
-];
 
 fn results(study: &Study, rows: &[Row]) -> Vec<File> {
     let table = Table::new(study, rows);

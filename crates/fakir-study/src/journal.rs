@@ -9,6 +9,7 @@
 use crate::VERSION;
 use crate::answer::{Answer, Row, kind_of};
 use crate::error::StudyError;
+use crate::names::JOURNAL;
 use crate::plan::{Plan, Shard};
 use crate::sweep::Options;
 use fakir::state::Run;
@@ -22,9 +23,6 @@ use std::fmt;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-
-/// Its name in the folder of a sweep.
-pub(crate) const JOURNAL: &str = "journal.jsonl";
 
 /// The version of what is written here.
 const FORMAT: u32 = 3;

@@ -33,8 +33,8 @@
 //! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.
 //! * [`record`] has one row for every number of a contact; [`result`] is what every answer is as a JSON object and as tables:
 //!   command line, Python package and page show it and make none of their own.
-//! * [`provenance`] is stamped on every file, [`citations`] says what to cite, and [`output`] saves
-//!   files that are there whole or not at all.
+//! * [`provenance`] is stamped on every file, [`citations`] says what to cite, [`output`] saves files that are there whole or not
+//!   at all, and [`results`] replaces folders of results.
 //!
 //! # From a study to a table
 //!
@@ -53,13 +53,14 @@ pub mod fields;
 pub mod figures;
 mod folder;
 mod journal;
+mod names;
 pub mod numbers;
 pub mod output;
 mod plan;
 pub mod provenance;
 pub mod record;
-mod replace;
 pub mod result;
+pub mod results;
 pub mod surfaces;
 mod sweep;
 mod table;
@@ -73,8 +74,9 @@ pub use collapsed::{
     Validity, collapse, collapse_path,
 };
 pub use error::StudyError;
-pub use folder::{Existing, Ledger, Summary, TABLES, merge, sweep_into};
+pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
 pub use journal::DamagedLine;
+pub use names::TABLES;
 pub use plan::{InvalidShard, Shard};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};

@@ -1,10 +1,8 @@
 //! Files that are there whole or not at all.
 //!
 //! Every file is first written in full under a temporary name next to its place, and only then
-//! renamed; what is interrupted leaves nothing behind. Results go to a folder of their own, so that
-//! nothing of earlier ones stays beside them.
+//! renamed; what is interrupted leaves nothing behind.
 
-use crate::replace;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
@@ -127,30 +125,6 @@ pub enum Replace {
     Refused,
 }
 
-/// Whether results can be saved in `folder`, or in a folder to be made there: better known before
-/// a long computation than after it.
-///
-/// # Errors
-/// [`OutputError`] if not; unless it may be replaced, also for a folder that is not empty, and if it
-/// may, for one that is no folder of results, or has more than those in it.
-pub fn check_folder(folder: &Path, replace: Replace) -> Result<(), OutputError> {
-    if !is_empty(folder)? {
-        match replace {
-            Replace::Allowed => replace::check(folder),
-            Replace::Refused => Err(OutputError::NotEmpty {
-                folder: folder.to_owned(),
-            }),
-        }?;
-    }
-    let existing = folder
-        .ancestors()
-        .find(|ancestor| ancestor.exists())
-        .unwrap_or(Path::new("."));
-    NamedTempFile::new_in(existing)
-        .map(drop)
-        .map_err(|error| OutputError::system("cannot write in", existing, error))
-}
-
 /// Whether there is nothing in a folder, or no such folder.
 pub(crate) fn is_empty(folder: &Path) -> Result<bool, OutputError> {
     match folder.read_dir() {
@@ -166,33 +140,6 @@ pub(crate) fn is_empty(folder: &Path) -> Result<bool, OutputError> {
             })
         }
     }
-}
-
-/// Saves results, with their provenance among the files, in a folder that they have for
-/// themselves: an empty one, one that is made, or one of earlier results that is replaced whole.
-///
-/// # Errors
-/// As [`check_folder`], and if a file cannot be written.
-pub fn save_results(folder: &Path, files: &[File], replace: Replace) -> Result<(), OutputError> {
-    check_folder(folder, replace)?;
-    if is_empty(folder)? {
-        save(folder, files)
-    } else {
-        replace::replace(folder, files)
-    }
-}
-
-/// Removes results from a folder. `parts` are folders in it that may have results of their own.
-///
-/// # Errors
-/// [`OutputError`] if anything is there that fakir did not write, or if a sweep is running there;
-/// then nothing is removed.
-pub fn remove_results(folder: &Path, parts: &[&str]) -> Result<(), OutputError> {
-    if is_empty(folder)? {
-        return Ok(());
-    }
-    let found = replace::contents(folder, parts)?;
-    replace::remove(folder, &found, None)
 }
 
 /// A CSV file of flat records, with a heading of their names.
@@ -312,8 +259,6 @@ mod tests {
         let folder = root.path().join("new/results");
         let good = File::new("a.txt", "a");
         let bad = File::new(format!("{}/b.txt", "long".repeat(100)), "b");
-        assert!(check_folder(&folder, Replace::Refused).is_ok());
-        assert!(names(root.path()).is_empty());
         let error = save(&folder, &[good.clone(), bad]).unwrap_err();
         let told = error.to_string();
         assert!(told.starts_with("cannot make the folder "), "{told}");

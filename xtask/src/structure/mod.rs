@@ -47,9 +47,6 @@ const ROOMS: [(&str, &[&str]); 1] = [(
     ],
 )];
 
-/// Crates whose circles are not cut yet.
-const WITH_CIRCLES: [&str; 1] = ["fakir-study"];
-
 /// The check.
 pub(crate) fn check(_cargo: &OsStr) -> Result<(), String> {
     let mut problems = comparisons::problems()?;
@@ -85,12 +82,7 @@ pub(crate) fn check(_cargo: &OsStr) -> Result<(), String> {
 fn problems_of(name: &str, arrows: &Arrows) -> Vec<String> {
     let rooms = ROOMS.iter().find(|(own, _)| *own == name);
     let mut problems = rooms.map_or_else(Vec::new, |(_, rooms)| upward(arrows, rooms));
-    let circles = circles(arrows);
-    match (WITH_CIRCLES.contains(&name), circles.is_empty()) {
-        (true, true) => problems.push("has no circles: take it off the list".to_owned()),
-        (true, false) => println!("  with circles, which are not cut yet"),
-        (false, _) => problems.extend(circles),
-    }
+    problems.extend(circles(arrows));
     problems
 }
 

@@ -3,7 +3,7 @@
 //! A header with dimensions, attributes and variables, then the values of one variable after the other. All numbers are
 //! big-endian. Names and texts are padded with zeros to multiples of four bytes, bytes with the fill value of their type.
 
-use super::{FieldMap, Values};
+use super::map::{FieldMap, Values};
 use crate::provenance::Provenance;
 
 const MAGIC: &[u8; 4] = b"CDF\x02";
@@ -132,7 +132,7 @@ fn variables(map: &FieldMap) -> Vec<Variable> {
     coordinates.chain(map.variables.iter().map(field)).collect()
 }
 
-fn field(variable: &super::Variable) -> Variable {
+fn field(variable: &super::map::Variable) -> Variable {
     let mut attributes = Vec::new();
     let (kind, data) = match &variable.values {
         Values::Numbers(unit, values) => {

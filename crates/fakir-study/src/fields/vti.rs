@@ -3,7 +3,7 @@
 //! Each array is its length in bytes (64 bits) and its values, little-endian, as one piece of
 //! base64. Texts are arrays of characters in field data. The XML itself holds no text from outside.
 
-use super::{FieldMap, Values, Variable};
+use super::map::{FieldMap, Values, Variable};
 use crate::provenance::Provenance;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

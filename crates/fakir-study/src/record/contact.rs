@@ -1,6 +1,6 @@
 //! The numbers of contacts and critical states with pillars, and those that every contact has.
 
-use super::{Kind, Named, Recorded};
+use super::named::{Kind, Named, Recorded};
 use fakir::state::{Contact, ContactState, Critical, CriticalState, FloorContact};
 
 /// Force, indentation and radius of any contact.

@@ -1,6 +1,6 @@
 //! The numbers of cycles of loading and unloading.
 
-use super::{Kind, Named, Recorded};
+use super::named::{Kind, Named, Recorded};
 use fakir::problem::Method;
 use fakir::state::{Critical, Cycle, CycleError, CycleStation, HeldFloor};
 use fakir::theory::adhesion::kendall_pull_off;

@@ -2,7 +2,7 @@
 
 use super::gradient::GradientObject;
 use super::limit::LimitObject;
-use super::{Entry, Named, Recorded, SCHEMA_VERSION, Value};
+use super::named::{Entry, Named, Recorded, SCHEMA_VERSION, Value};
 use crate::VERSION;
 use fakir::state::Limit;
 use serde::ser::SerializeMap;

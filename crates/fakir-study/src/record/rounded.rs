@@ -1,8 +1,8 @@
 //! The numbers of contacts with rounded pillar tops.
 
 use super::contact::{ending, load};
+use super::named::{Kind, Named, Recorded};
 use super::surface::indenter_name;
-use super::{Kind, Named, Recorded};
 use fakir::problem::CapField;
 use fakir::state::{CapContact, CapErrors, CapState, PillarStatus};
 

@@ -1,6 +1,6 @@
 //! What results are made of, for readers and for programs: the tables of the manual, and a JSON Schema.
 
-use super::{Entry, Kind, SCHEMA_VERSION, Type};
+use super::named::{Entry, Kind, SCHEMA_VERSION, Type};
 use serde_json::{Map, Value, json};
 
 /// The names of all numbers of contacts, as Markdown: a table for each kind of answer.

@@ -1,7 +1,8 @@
 //! The numbers of contacts and critical states with height maps.
 
 use super::contact::{critical_load, ending, load};
-use super::{Kind, Named, Object, Recorded};
+use super::named::{Kind, Named, Recorded};
+use super::object::Object;
 use fakir::problem::{Boundary, Grid, Indenter, SurfaceSystem};
 use fakir::state::{ErrorEstimate, SurfaceContact, SurfaceTransition};
 

@@ -1,18 +1,70 @@
-//! Folders of results that give way to new ones: only what fakir wrote is ever removed.
+//! Folders of results, which results have for themselves, and which give way to new ones: only what fakir wrote is ever removed.
 //!
 //! A folder of results has a `provenance.json` with the list of the files beside it; a sweep that is
 //! not complete has its journal instead. A folder with anything else in it is left alone.
 
-use crate::folder::{CSV, PARQUET, STUDY};
-use crate::journal::{JOURNAL, is_journal, is_running};
-use crate::output::{File, OutputError, TEMPORARY, save, temporary};
+use crate::journal::{is_journal, is_running};
+use crate::names::{CSV, JOURNAL, PARQUET, STUDY};
+use crate::output::{File, OutputError, Replace, TEMPORARY, is_empty, save, temporary};
 use crate::provenance::{FILE_NAME, Provenance};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// What a sweep keeps and writes in its folder, by a build with any features.
 const SWEEP: [&str; 5] = [JOURNAL, STUDY, CSV, PARQUET, FILE_NAME];
+
+/// Whether results can be saved in `folder`, or in a folder to be made there: better known before
+/// a long computation than after it.
+///
+/// # Errors
+/// [`OutputError`] if not; unless it may be replaced, also for a folder that is not empty, and if it
+/// may, for one that is no folder of results, or has more than those in it.
+pub fn check_folder(folder: &Path, replace: Replace) -> Result<(), OutputError> {
+    if !is_empty(folder)? {
+        match replace {
+            Replace::Allowed => check(folder),
+            Replace::Refused => Err(OutputError::NotEmpty {
+                folder: folder.to_owned(),
+            }),
+        }?;
+    }
+    let existing = folder
+        .ancestors()
+        .find(|ancestor| ancestor.exists())
+        .unwrap_or(Path::new("."));
+    NamedTempFile::new_in(existing)
+        .map(drop)
+        .map_err(|error| OutputError::system("cannot write in", existing, error))
+}
+
+/// Saves results, with their provenance among the files, in a folder that they have for
+/// themselves: an empty one, one that is made, or one of earlier results that is replaced whole.
+///
+/// # Errors
+/// As [`check_folder`], and if a file cannot be written.
+pub fn save_results(folder: &Path, files: &[File], replace: Replace) -> Result<(), OutputError> {
+    check_folder(folder, replace)?;
+    if is_empty(folder)? {
+        save(folder, files)
+    } else {
+        replace_folder(folder, files)
+    }
+}
+
+/// Removes results from a folder. `parts` are folders in it that may have results of their own.
+///
+/// # Errors
+/// [`OutputError`] if anything is there that fakir did not write, or if a sweep is running there;
+/// then nothing is removed.
+pub fn remove_results(folder: &Path, parts: &[&str]) -> Result<(), OutputError> {
+    if is_empty(folder)? {
+        return Ok(());
+    }
+    let found = contents(folder, parts)?;
+    remove(folder, &found, None)
+}
 
 /// All that is in a folder of results, by paths in it, folders after what is in them. `parts` are
 /// folders in it that may be folders of results of their own.
@@ -103,8 +155,8 @@ pub(crate) fn remove(
     Ok(())
 }
 
-/// Whether [`replace`] can do its work.
-pub(crate) fn check(folder: &Path) -> Result<(), OutputError> {
+/// Whether [`replace_folder`] can do its work.
+fn check(folder: &Path) -> Result<(), OutputError> {
     contents(folder, &[])?;
     let unusable = |error| OutputError::system("cannot replace the folder", folder, error);
     let place = folder.canonicalize().map_err(unusable)?;
@@ -126,7 +178,7 @@ fn beside(place: &Path) -> &Path {
 
 /// Puts a new folder with these files in the place of a folder of results, of which nothing
 /// remains. The new one is whole before the old one is touched.
-pub(crate) fn replace(folder: &Path, files: &[File]) -> Result<(), OutputError> {
+fn replace_folder(folder: &Path, files: &[File]) -> Result<(), OutputError> {
     let unusable = |error| OutputError::system("cannot replace the folder", folder, error);
     let place = folder.canonicalize().map_err(unusable)?;
     let found = contents(&place, &[])?;
@@ -158,7 +210,6 @@ pub(crate) fn replace(folder: &Path, files: &[File]) -> Result<(), OutputError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::{Replace, check_folder, save_results};
 
     fn results(names: &[&str]) -> Vec<File> {
         let mut files: Vec<File> = names

@@ -1,0 +1,63 @@
+//! The tables of all kinds of answers.
+
+use super::named::{Entry, Kind, Recorded};
+use super::rounded::RoundedAnswer;
+use super::surface::SurfaceAnswer;
+use std::sync::LazyLock;
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Press,
+        Self::Transition,
+        Self::SurfacePress,
+        Self::SurfaceTransition,
+        Self::RoundedPress,
+        Self::Cycle,
+    ];
+
+    /// Its name in journals and in the schema.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Press => "press",
+            Self::Transition => "transition",
+            Self::SurfacePress => "surface_press",
+            Self::SurfaceTransition => "surface_transition",
+            Self::RoundedPress => "rounded_press",
+            Self::Cycle => "cycle",
+        }
+    }
+
+    /// What the reference calls it.
+    pub(super) fn heading(self) -> &'static str {
+        match self {
+            Self::Press => "A contact",
+            Self::Transition => "A critical state",
+            Self::SurfacePress => "A contact with a height map",
+            Self::SurfaceTransition => "A critical state with a height map",
+            Self::RoundedPress => "A contact with rounded tops",
+            Self::Cycle => "A cycle",
+        }
+    }
+
+    /// Its numbers, in the order of the JSON object.
+    pub(crate) fn entries(self) -> &'static [Entry] {
+        fn of<T: Recorded>() -> Vec<Entry> {
+            T::rows().iter().map(|row| row.entry).collect()
+        }
+        static ALL: LazyLock<[Vec<Entry>; 6]> = LazyLock::new(|| {
+            Kind::ALL.map(|kind| match kind {
+                Kind::Press => of::<fakir::state::ContactState>(),
+                Kind::Transition => of::<fakir::state::CriticalState>(),
+                Kind::SurfacePress => of::<SurfaceAnswer<'_, fakir::state::SurfaceContact>>(),
+                Kind::SurfaceTransition => {
+                    of::<SurfaceAnswer<'_, fakir::state::SurfaceTransition>>()
+                }
+                Kind::RoundedPress => of::<RoundedAnswer<'_>>(),
+                Kind::Cycle => of::<fakir::state::Cycle>(),
+            })
+        });
+        &ALL[self as usize]
+    }
+}

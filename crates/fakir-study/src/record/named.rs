@@ -1,0 +1,284 @@
+//! Named numbers: a row of the record, and the values that it gives.
+
+use fakir::problem::Point;
+use serde::de::{DeserializeOwned, Error};
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+
+/// The version of names and places of numbers in results; it rises when one of them changes or goes, not when some are added.
+pub const SCHEMA_VERSION: u32 = 2;
+
+/// What kind of value a row has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Type {
+    Number,
+    Count,
+    Flag,
+    Word,
+    Words,
+    Point,
+}
+
+/// A value of an answer. All numbers are in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Value {
+    /// The answer has none.
+    None,
+    Number(f64),
+    Count(usize),
+    Flag(bool),
+    Word(String),
+    Words(Vec<String>),
+    Point(Point),
+}
+
+/// A row without the way to read it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Entry {
+    /// Its place in the JSON object.
+    pub(crate) path: &'static str,
+    pub(super) symbol: &'static str,
+    pub(super) meaning: &'static str,
+    pub(crate) of: Type,
+    /// Whether JSON objects have it, and whether tables have it.
+    pub(super) in_objects: bool,
+    pub(super) in_tables: bool,
+    /// A column that is not named by the path.
+    pub(super) column: Option<&'static str>,
+    /// Whether the object that it is in is `null` where this number is none.
+    pub(super) decides: bool,
+}
+
+/// A number of answers of one type.
+pub struct Named<T> {
+    pub(super) entry: Entry,
+    pub(super) value: Box<dyn Fn(&T) -> Value>,
+}
+
+/// An answer whose numbers are recorded.
+pub trait Recorded {
+    /// What kind of answer it is.
+    const KIND: Kind;
+
+    /// Its numbers, in the order of the JSON object.
+    fn rows() -> Vec<Named<Self>>
+    where
+        Self: Sized;
+}
+
+impl<T> Named<T> {
+    pub(super) fn new(
+        path: &'static str,
+        of: Type,
+        meaning: &'static str,
+        value: impl Fn(&T) -> Value + 'static,
+    ) -> Self {
+        let entry = Entry {
+            path,
+            symbol: "",
+            meaning,
+            of,
+            in_objects: true,
+            in_tables: true,
+            column: None,
+            decides: false,
+        };
+        let value = Box::new(value);
+        Self { entry, value }
+    }
+
+    pub(super) fn number(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> f64 + 'static,
+    ) -> Self {
+        Self::number_if_any(path, meaning, move |it| Some(value(it)))
+    }
+
+    pub(super) fn number_if_any(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> Option<f64> + 'static,
+    ) -> Self {
+        Self::new(path, Type::Number, meaning, move |it| {
+            value(it).map_or(Value::None, Value::Number)
+        })
+    }
+
+    pub(super) fn count(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> usize + 'static,
+    ) -> Self {
+        Self::count_if_any(path, meaning, move |it| Some(value(it)))
+    }
+
+    pub(super) fn count_if_any(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> Option<usize> + 'static,
+    ) -> Self {
+        Self::new(path, Type::Count, meaning, move |it| {
+            value(it).map_or(Value::None, Value::Count)
+        })
+    }
+
+    pub(super) fn flag(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> bool + 'static,
+    ) -> Self {
+        Self::new(path, Type::Flag, meaning, move |it| Value::Flag(value(it)))
+    }
+
+    pub(super) fn word(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> Option<&'static str> + 'static,
+    ) -> Self {
+        Self::new(path, Type::Word, meaning, move |it| {
+            value(it).map_or(Value::None, |word| Value::Word(word.to_owned()))
+        })
+    }
+
+    pub(super) fn words(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> &'static [&'static str] + 'static,
+    ) -> Self {
+        Self::new(path, Type::Words, meaning, move |it| {
+            Value::Words(value(it).iter().map(|word| (*word).to_owned()).collect())
+        })
+    }
+
+    pub(super) fn point(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> Option<Point> + 'static,
+    ) -> Self {
+        Self::new(path, Type::Point, meaning, move |it| {
+            value(it).map_or(Value::None, Value::Point)
+        })
+    }
+
+    /// The same number of an answer that has this one as a part.
+    pub(super) fn of_part<U>(self, part: impl Fn(&U) -> &T + 'static) -> Named<U>
+    where
+        T: 'static,
+    {
+        let value = self.value;
+        Named {
+            entry: self.entry,
+            value: Box::new(move |whole| value(part(whole))),
+        }
+    }
+
+    /// With the symbol of the theory.
+    pub(super) fn symbol(mut self, symbol: &'static str) -> Self {
+        self.entry.symbol = symbol;
+        self
+    }
+
+    /// In JSON objects alone.
+    pub(super) fn in_objects(mut self) -> Self {
+        self.entry.in_tables = false;
+        self
+    }
+
+    /// In tables alone.
+    pub(super) fn in_tables(mut self) -> Self {
+        self.entry.in_objects = false;
+        self
+    }
+
+    /// With a column of this name.
+    pub(super) fn column(mut self, name: &'static str) -> Self {
+        self.entry.column = Some(name);
+        self
+    }
+
+    /// Without this number the object that it is in is `null`.
+    pub(super) fn decides(mut self) -> Self {
+        self.entry.decides = true;
+        self
+    }
+}
+
+impl Entry {
+    /// The columns of tables, and which coordinate each has of a point.
+    pub(crate) fn columns(&self) -> Vec<(String, Option<usize>)> {
+        if !self.in_tables {
+            return Vec::new();
+        }
+        const ERRORS: &str = "relative_error_estimate";
+        let mut names: Vec<&str> = self.path.split('.').collect();
+        if let Some(place) = names.iter().position(|name| *name == ERRORS) {
+            names.remove(place);
+            names.insert(0, ERRORS);
+        }
+        let name = self.column.map_or_else(|| names.join("_"), str::to_owned);
+        if self.of != Type::Point {
+            return vec![(name, None)];
+        }
+        let (quantity, unit) = name.rsplit_once('_').unwrap_or((&name, ""));
+        let coordinate = |(place, axis)| (format!("{quantity}_{axis}_{unit}"), Some(place));
+        ["x", "y"].into_iter().enumerate().map(coordinate).collect()
+    }
+}
+
+/// Which numbers an answer has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// A contact with pillars.
+    Press,
+    /// The critical state with pillars.
+    Transition,
+    /// A contact with a height map.
+    SurfacePress,
+    /// The critical state with a height map.
+    SurfaceTransition,
+    /// A contact with rounded tops.
+    RoundedPress,
+    /// A cycle of loading and unloading.
+    Cycle,
+}
+
+impl Type {
+    /// A value as journals have it.
+    pub(super) fn read(self, json: Json) -> Result<Value, serde_json::Error> {
+        fn read<V: DeserializeOwned>(
+            json: Json,
+            value: impl Fn(V) -> Value,
+        ) -> Result<Value, serde_json::Error> {
+            serde_json::from_value(json).map(value)
+        }
+        match (self, json) {
+            (Self::Number, Json::String(word)) => word
+                .parse()
+                .map(Value::Number)
+                .map_err(|_| serde_json::Error::custom(format!("{word} is not a number"))),
+            (Self::Number, json) => read(json, Value::Number),
+            (Self::Count, json) => read(json, Value::Count),
+            (Self::Flag, json) => read(json, Value::Flag),
+            (Self::Word, json) => read(json, Value::Word),
+            (Self::Words, json) => read(json, Value::Words),
+            (Self::Point, json) => read(json, Value::Point),
+        }
+    }
+}
+
+impl Value {
+    /// As JSON objects have it: what is no number is `null`.
+    pub(super) fn json(&self) -> Json {
+        match self {
+            Self::None => Json::Null,
+            Self::Number(number) => (*number).into(),
+            Self::Count(count) => (*count).into(),
+            Self::Flag(flag) => (*flag).into(),
+            Self::Word(word) => word.clone().into(),
+            Self::Words(words) => words.clone().into(),
+            Self::Point(point) => point.to_vec().into(),
+        }
+    }
+}
