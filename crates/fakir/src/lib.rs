@@ -34,7 +34,7 @@
 //! [homogenised lattice](solve::homogenised), punch lattice, [Love elements](solve::elements), spectral.
 //! The spectral one goes on past the transition: the floor between the pillars bears its part, unless the system is
 //! [told](problem::System::with_floor) to ignore it. It also has [adhesion](problem::Adhesion) on the pillar tops: [`cycle`] takes a lens
-//! down and off again, with all that snaps into contact and out of it on the way. [`gradient()`] has the exact derivatives of a contact. [`verify()`] asks two for the same. A lens or plate on any height map is a
+//! down and off again, with all that snaps into contact and out of it on the way. [`gradient()`] has the exact derivatives of a contact. [`verify()`] asks two for the same. [`collapse`] follows a floor that sticks, by a fast model. A lens or plate on any height map is a
 //! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
 //! # From a case to a force
@@ -55,6 +55,7 @@
 //! The crate opens no files, prints nothing and starts no threads; a
 //! [`Run`](state::Run) hands it a thread pool, a listener for progress and a way to stop.
 
+pub mod collapse;
 pub mod halfspace;
 #[cfg(feature = "kernels")]
 #[doc(hidden)]

@@ -44,6 +44,7 @@ const ROOMS: [(&str, &[&str]); 1] = [(
         "solve",
         "method",
         "verify",
+        "collapse",
     ],
 )];
 

@@ -1,0 +1,312 @@
+//! How a floor that sticks collapses onto the lens and detaches, by the fast model of a [collapsed floor](crate::solve::collapsed_floor).
+
+use crate::problem::{Load, Method, System};
+use crate::solve::collapsed_floor::{
+    CollapsedCycle, CollapsedFloor, CollapsedPoint, MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE,
+    NARROWEST_FRONT, WIDEST_ANNULUS,
+};
+use crate::state::{CriticalState, Run, SolveError};
+use crate::theory::stuck_floor::{AnnulusEdge, StuckFloor};
+
+/// Where the lens turns back, over the critical indentation.
+pub const LARGEST_INDENTATION: f64 = 1.2;
+
+/// From one indentation of the unloading to the next, over the critical one: the floor is lost within half of that.
+pub const STEP: f64 = 0.02;
+
+/// Error of where the floor is lost by the model in its range, over the critical indentation: against cells on the floor it is off by 0.02 to 0.08 at surface fractions of 0.03 and 0.1 with 10 and 50 mJ/m^2.
+pub const MODEL_ERROR_OF_LOSS: f64 = 0.08;
+
+/// How far the lens is withdrawn, over the critical indentation: above the level of the tops.
+const LAST_INDENTATION: f64 = -1.2;
+
+/// Steps of the loading past the critical state.
+const LOADING_STEPS: u32 = 4;
+
+/// Annuli without pressure, in pitches, beyond which the fast model is not asked: it is out of its range, and the slower the wider they are.
+const ANNULI_MEET: f64 = 0.33;
+
+/// States of the tops alone from where the floor is lost to the critical state, even.
+const TOP_STEPS: u32 = 8;
+
+/// What becomes of the floor that sticks when the lens is withdrawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fate {
+    /// The model does not tell: see its validity.
+    Unknown,
+    /// No connected patch is left where the lens turns back.
+    NoPatch,
+    /// It lets go while the lens is still pressed.
+    LostUnderLoad,
+    /// It still holds where the load is zero, and pulls.
+    HeldThroughZero,
+}
+
+impl Fate {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unknown => "unknown",
+            Self::NoPatch => "no_patch",
+            Self::LostUnderLoad => "lost_under_load",
+            Self::HeldThroughZero => "held_through_zero",
+        }
+    }
+}
+
+/// Whether the fast model is good for a number, and why not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Validity {
+    /// It is.
+    InRange,
+    /// The stuck region is below two pitches in radius: a disc is not its form.
+    FrontNarrow,
+    /// Free annuli are wider than 0.3 pitches: they act on each other.
+    AnnuliWide,
+    /// Annuli without pressure come near to each other: the floor sticks hole by hole if at all, and the model was not asked.
+    AnnuliMeet,
+    /// No front stands still: all of the floor is drawn down, or annuli are too narrow to be told from the pillars.
+    NoFront,
+}
+
+impl Validity {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::InRange => "in_range",
+            Self::FrontNarrow => "front_narrow",
+            Self::AnnuliWide => "annuli_wide",
+            Self::AnnuliMeet => "annuli_meet",
+            Self::NoFront => "no_front",
+        }
+    }
+
+    fn of(point: &CollapsedPoint, pitch: f64) -> Self {
+        let wide = |radius| radius > WIDEST_ANNULUS * pitch;
+        if point.in_range {
+            Self::InRange
+        } else if point.front_radius < NARROWEST_FRONT * pitch {
+            Self::FrontNarrow
+        } else if point.widest_annulus.is_some_and(wide) {
+            Self::AnnuliWide
+        } else {
+            Self::NoFront
+        }
+    }
+}
+
+/// The critical state of the tops, and what a floor that sticks does from there.
+///
+/// The lens goes down to [`LARGEST_INDENTATION`] times the critical indentation and up again. What the tops do is computed without adhesion
+/// up to the critical state, which changes its force by less than 1 %.
+#[derive(Debug, Clone)]
+pub struct Collapse {
+    /// The critical state.
+    pub critical: CriticalState,
+    /// Outer radius of the free annulus round a pillar without pressure, m; none where no edge stands.
+    pub annulus_radius: Option<f64>,
+    /// The state after the jump onto the floor; none if the model has none.
+    pub jump: Option<CollapsedPoint>,
+    /// Middles between three pillars inside the front of that.
+    pub holes: usize,
+    /// Where the lens turned back, m; none if the model has no loading.
+    pub turn_indentation: Option<f64>,
+    /// What becomes of the floor.
+    pub fate: Fate,
+    /// Where the floor is lost: indentation (m), within half a step, and force just before (N). None if it does not stick, or still does at the end.
+    pub lost: Option<[f64; 2]>,
+    /// The largest pull while the floor sticks, N, negative; none if it detaches under load.
+    pub pull_off: Option<f64>,
+    /// Area between loading and unloading as far as the floor sticks, J. What tops lose that stick is not in it.
+    pub hysteresis: Option<f64>,
+    /// Whether the model is good for the jump.
+    pub jump_validity: Validity,
+    /// Whether it is where the lens turns back, from which the loss of the floor and what follows comes.
+    pub unloading_validity: Validity,
+    /// Error of the force after the jump by the model over that force; none out of its range.
+    pub force_error: Option<f64>,
+    /// Relative error of the area after the jump by the model; none out of its range.
+    pub area_error: Option<f64>,
+}
+
+/// The critical state of a system by a method, and what a floor that sticks does from there.
+///
+/// # Errors
+/// Those of [`transition`](crate::transition) and [`CollapsedFloor::new`]; a front that does not stand still is none, but a [`Validity`].
+pub fn collapse(system: &System, method: Method, run: &Run<'_>) -> Result<Collapse, SolveError> {
+    let floor = StuckFloor::of(system)?;
+    let bare = system.without_adhesion();
+    let critical = crate::transition(&bare, method, run)?;
+    let annulus_radius = match floor.pillar().edge(system.adhesion().work, 0.0)? {
+        AnnulusEdge::At(edge) => Some(edge),
+        AnnulusEdge::Closed | AnnulusEdge::Runs => None,
+    };
+    let indentation = critical.contact.indentation;
+    let mut found = Collapse {
+        critical,
+        annulus_radius,
+        jump: None,
+        holes: 0,
+        turn_indentation: None,
+        fate: Fate::Unknown,
+        lost: None,
+        pull_off: None,
+        hysteresis: None,
+        jump_validity: Validity::AnnuliMeet,
+        unloading_validity: Validity::AnnuliMeet,
+        force_error: None,
+        area_error: None,
+    };
+    if annulus_radius.is_some_and(|edge| edge < ANNULI_MEET * system.pitch()) {
+        match collapse_path(system, indentation, run) {
+            Ok(cycle) => found.follow(system, &bare, method, &cycle, run)?,
+            Err(SolveError::NoFront { .. }) => {
+                found.jump_validity = Validity::NoFront;
+                found.unloading_validity = Validity::NoFront;
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(found)
+}
+
+/// The loading from the critical indentation (m) on, and the unloading, by the fast model, as [`collapse`] follows them.
+///
+/// # Errors
+/// Those of [`CollapsedFloor::new`] and [`CollapsedFloor::cycle`].
+pub fn collapse_path(
+    system: &System,
+    critical_indentation: f64,
+    run: &Run<'_>,
+) -> Result<CollapsedCycle, SolveError> {
+    let floor = CollapsedFloor::new(system, LARGEST_INDENTATION * critical_indentation)?;
+    let beyond = LARGEST_INDENTATION - 1.0;
+    let steps = 0..=LOADING_STEPS;
+    let loading: Vec<f64> = steps
+        .map(|k| 1.0 + beyond * f64::from(k) / f64::from(LOADING_STEPS))
+        .map(|part| part * critical_indentation)
+        .collect();
+    let steps = ((LARGEST_INDENTATION - LAST_INDENTATION) / STEP).round() as usize;
+    let unloading: Vec<f64> = (0..=steps)
+        .map(|k| (LARGEST_INDENTATION - STEP * k as f64) * critical_indentation)
+        .collect();
+    floor.cycle(&loading, &unloading, run)
+}
+
+impl Collapse {
+    fn follow(
+        &mut self,
+        system: &System,
+        bare: &System,
+        method: Method,
+        cycle: &CollapsedCycle,
+        run: &Run<'_>,
+    ) -> Result<(), SolveError> {
+        let (loading, unloading): (Vec<CollapsedPoint>, Vec<CollapsedPoint>) =
+            cycle.points.iter().copied().partition(|it| !it.unloading);
+        let (Some(first), Some(turn)) = (loading.first(), loading.last()) else {
+            return Ok(());
+        };
+        self.jump_validity = Validity::of(first, system.pitch());
+        self.jump = Some(*first);
+        self.holes = holes_within(system, first.front_radius);
+        if self.jump_validity == Validity::InRange {
+            self.force_error =
+                Some(MODEL_ERROR_OF_FORCE * self.critical.contact.force / first.force.abs());
+            self.area_error = Some(MODEL_ERROR_OF_AREA);
+        }
+        self.turn_indentation = Some(turn.indentation);
+        let Some(last) = unloading.last() else {
+            self.fate = Fate::NoPatch;
+            self.unloading_validity = self.jump_validity;
+            return Ok(());
+        };
+        self.unloading_validity = Validity::of(&unloading[0], system.pitch());
+        let half = 0.5 * STEP * self.critical.contact.indentation;
+        let lost = cycle.floor_lost.map(|_| last.indentation - half);
+        self.lost = lost.map(|indentation| [indentation, last.force]);
+        let least = unloading.iter().map(|point| point.force);
+        let least = least.fold(f64::INFINITY, f64::min);
+        self.fate = if least <= 0.0 {
+            Fate::HeldThroughZero
+        } else {
+            Fate::LostUnderLoad
+        };
+        // Where it never lets go the largest pull may be yet to come.
+        self.pull_off = (least < 0.0 && lost.is_some()).then_some(least);
+        if let Some(end) = lost {
+            let up = self.tops_alone(bare, method, end, run)? + area(&loading);
+            // The force is that before the loss for half a step.
+            self.hysteresis = Some(up + area(&unloading) - last.force * half);
+        }
+        Ok(())
+    }
+
+    /// Work done on the tops alone from an indentation to the critical one, J, by Simpson's rule; nothing is touched below zero.
+    fn tops_alone(
+        &self,
+        bare: &System,
+        method: Method,
+        from: f64,
+        run: &Run<'_>,
+    ) -> Result<f64, SolveError> {
+        let from = from.max(0.0);
+        let to = self.critical.contact.indentation;
+        if from >= to {
+            return Ok(0.0);
+        }
+        let width = (to - from) / f64::from(TOP_STEPS);
+        let mut sum = self.critical.contact.force;
+        for k in 0..TOP_STEPS {
+            let weight = if k == 0 {
+                1.0
+            } else {
+                f64::from(2 + 2 * (k % 2))
+            };
+            let control = Load::Indentation(from + width * f64::from(k));
+            sum += weight * crate::press(bare, control, method, run)?.force;
+        }
+        Ok(sum * width / 3.0)
+    }
+}
+
+/// Work between points, by trapezoids, J; negative on the way back.
+fn area(points: &[CollapsedPoint]) -> f64 {
+    let pairs = points.windows(2);
+    pairs
+        .map(|pair| {
+            0.5 * (pair[0].force + pair[1].force) * (pair[1].indentation - pair[0].indentation)
+        })
+        .sum()
+}
+
+/// Middles between three pillars within a radius (m) of the lens axis.
+fn holes_within(system: &System, radius: f64) -> usize {
+    let Some(lattice) = system.hexagonal_lattice() else {
+        return 0;
+    };
+    let most = (2.0 * radius / lattice.pitch).ceil() as i64 + 3;
+    let middle = lattice.nearest_pillar([0.0, 0.0]);
+    let all = (-most..=most).flat_map(|i| (-most..=most).map(move |j| (i, j)));
+    let centres = all.map(|(i, j)| lattice.centre(middle.0 + i, middle.1 + j));
+    centres
+        .flat_map(|centre| lattice.middles_beside(centre))
+        .filter(|[x, y]| x.hypot(*y) < radius)
+        .count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::theory::reference::intermediate;
+
+    /// Six middles are round a pillar at 0.577 pitches, and six more at 1.155.
+    #[test]
+    fn middles_are_counted() {
+        let system = intermediate(0.1);
+        let within = |pitches: f64| holes_within(&system, pitches * system.pitch());
+        assert_eq!([0.57, 0.58, 1.15, 1.16].map(within), [0, 6, 6, 12]);
+    }
+}
