@@ -2,7 +2,6 @@
 
 use crate::collapsed::Collapsed;
 use crate::record::{Kind, Record};
-use fakir::state::{Contact, Termination, Unresolved};
 use fakir_case::Study;
 use fakir_case::study::{Asked, Coordinate};
 use serde::{Deserialize, Serialize};
@@ -41,18 +40,5 @@ pub(crate) fn kind_of(study: &Study) -> Option<Kind> {
         (Asked::Press, true) => Some(Kind::SurfacePress),
         (Asked::Cycle, _) => Some(Kind::Cycle),
         (Asked::Collapse, _) => None,
-    }
-}
-
-/// Why a contact is no answer.
-pub(crate) fn problem_of(contact: &impl Contact) -> Option<String> {
-    problem(contact.termination(), contact.unresolved())
-}
-
-/// Why numbers are no answer: they are not the solution, or not resolved.
-pub(crate) fn problem(termination: Termination, unresolved: Option<Unresolved>) -> Option<String> {
-    match termination {
-        Termination::Converged => unresolved.map(|it| it.to_string()),
-        _ => Some(termination.description().to_owned()),
     }
 }

@@ -4,7 +4,7 @@ use crate::numbers::{DIGITS, with_unit};
 use crate::result::{LoadingRow, SurfaceLoadingRow, warnings};
 use fakir::problem::{Load, Method, SurfaceSystem, System};
 use fakir::state::{
-    Contact, ContactState, Critical, CriticalState, Run, SolveError, SurfaceContact,
+    Contact, ContactState, Critical, CriticalState, Run, Solution, SolveError, SurfaceContact,
     SurfaceTransition,
 };
 use fakir_case::unit::{Dimension, format_quantity};
@@ -226,7 +226,7 @@ pub struct Approach<P: Loadable> {
     pub critical: Option<Critical<P::Contact>>,
     /// How long that took, s.
     pub critical_time: f64,
-    /// Whether all states are [answers](Contact::is_answer), the critical one too.
+    /// Whether all states are [answers](Solution::is_answer), the critical one too.
     pub converged: bool,
     /// How long all took, s.
     pub wall_time: f64,
@@ -270,7 +270,7 @@ pub fn approach<P: Loadable>(
         let beyond = critical_indentation.map(|reached| contact.indentation() > reached);
         P::row(contact, is_critical, beyond)
     };
-    let mut converged = reached.is_none_or(Contact::is_answer);
+    let mut converged = reached.is_none_or(Solution::is_answer);
     let mut warned = reached.map_or(Vec::new(), warnings);
     // The last state of a loading up to a force tells which indentations there are.
     let begun = Instant::now();

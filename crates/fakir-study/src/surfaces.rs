@@ -1,11 +1,11 @@
 //! Cases with a general surface: on a grid that is wide enough for the contact, and on two meshes.
 
-use crate::answer::{Answer, problem_of};
+use crate::answer::Answer;
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use crate::record::{Record, SurfaceAnswer};
 use fakir::numerics::convergence::larger;
 use fakir::problem::{ElementMesh, Load, Method};
-use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
+use fakir::state::{ErrorEstimate, Run, Solution, SolveError, SurfaceContact};
 use fakir::{Difference, Doubt, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
@@ -89,7 +89,7 @@ pub(crate) fn answer(
                     system: &case.system,
                     answer: &critical,
                 });
-                (Answer::Numbers(answer), problem_of(&critical.contact))
+                (Answer::Numbers(answer), critical.contact.problem())
             }
             load => {
                 let contact = case.system.press(load, run)?;
@@ -97,7 +97,7 @@ pub(crate) fn answer(
                     system: &case.system,
                     answer: &contact,
                 });
-                (Answer::Numbers(answer), problem_of(&contact))
+                (Answer::Numbers(answer), contact.problem())
             }
         })
     })?;

@@ -1,13 +1,13 @@
 //! Answering the cases of a study, on several threads.
 
-use crate::answer::{Answer, Row, problem, problem_of};
+use crate::answer::{Answer, Row};
 use crate::collapsed::collapse;
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
 use crate::record::Record;
 use crate::surfaces::{self, SurfaceError};
 use fakir::problem::Load;
-use fakir::state::{CancelToken, Run, SolveError, Threads};
+use fakir::state::{CancelToken, Run, Solution, SolveError, Termination, Threads};
 use fakir_case::Study;
 use fakir_case::study::{Question, StudiedCase, StudyCase};
 use std::any::Any;
@@ -253,15 +253,16 @@ impl<'a> SharedSweep<'a> {
             (StudiedCase::Texture(texture), Question::Contact(control)) => (texture, control),
             (StudiedCase::Texture(texture), Question::Cycle(plan)) => {
                 let cycle = fakir::cycle(&texture.system, plan, texture.method, &run)?;
-                let problem = problem(cycle.termination, cycle.unresolved());
-                return Ok((Answer::Numbers(Record::of(&cycle)), problem));
+                return Ok((Answer::Numbers(Record::of(&cycle)), cycle.problem()));
             }
             (StudiedCase::Surface(file), Question::Contact(control)) => {
                 return surfaces::answer(file, control, &run);
             }
             (StudiedCase::Texture(texture), Question::Collapse) => {
                 let (collapsed, termination) = collapse(&texture.system, texture.method, &run)?;
-                return Ok((Answer::Collapse(collapsed), problem(termination, None)));
+                let problem = (termination != Termination::Converged)
+                    .then(|| termination.description().to_owned());
+                return Ok((Answer::Collapse(collapsed), problem));
             }
             (StudiedCase::Surface(_), Question::Cycle(_) | Question::Collapse) => {
                 unreachable!("studies refuse adhesion on general surfaces")
@@ -272,11 +273,11 @@ impl<'a> SharedSweep<'a> {
             Load::FloorContact => {
                 let critical = fakir::transition(system, method, &run)?;
                 let answer = Answer::Numbers(Record::of(&critical));
-                Ok((answer, problem_of(&critical.contact)))
+                Ok((answer, critical.contact.problem()))
             }
             load => {
                 let state = fakir::press(system, load, method, &run)?;
-                Ok((Answer::Numbers(Record::of(&state)), problem_of(&state)))
+                Ok((Answer::Numbers(Record::of(&state)), state.problem()))
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::report::state::{
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::problem::{Adhesion, CyclePlan, Drive};
-use fakir::state::{Branch, Cycle, CycleError, CycleEventKind, CycleStation, HeldFloor};
+use fakir::state::{Branch, Cycle, CycleError, CycleEventKind, CycleStation, HeldFloor, Solution};
 use fakir_case::Case;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_figure::{cycle_curve, release_map};
@@ -68,7 +68,7 @@ pub(crate) fn run(
         provenance,
         tables,
         warnings: [cycle_warnings(&cycle), strained_range(&cycle.limits(range))].concat(),
-        converged: cycle.converged() && cycle.unresolved().is_none(),
+        converged: cycle.is_answer(),
         strained: strained_words(&cycle.limits(range)),
     })
 }

@@ -10,7 +10,7 @@ use crate::report::state::{
 };
 use crate::session::Session;
 use fakir::problem::{FloorModel, Load, Method};
-use fakir::state::{Contact, ContactState, CriticalState, Normalized, SolveError};
+use fakir::state::{ContactState, CriticalState, Normalized, Solution, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;

@@ -8,7 +8,7 @@ use crate::report::rounded::{case_line, method_line};
 use crate::report::state::{QuantityList, error_remark};
 use crate::session::Session;
 use fakir::problem::Load;
-use fakir::state::{Contact, PillarStatus};
+use fakir::state::{PillarStatus, Solution};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseFile, RoundedCase};
 use fakir_figure::cap_map;

@@ -10,7 +10,7 @@ use crate::report::state::{
 };
 use crate::session::Session;
 use fakir::problem::Load;
-use fakir::state::{Contact, CriticalState, Regime};
+use fakir::state::{CriticalState, Regime, Solution};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;

@@ -9,7 +9,7 @@ use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::problem::pattern::{CrossSection, Pattern};
 use fakir::problem::{Arrangement, Boundary, Indenter, Load, Point, SurfaceSystem};
-use fakir::state::{Contact, Regime, Shares, SurfaceContact, SurfaceTransition};
+use fakir::state::{Regime, Shares, Solution, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};

@@ -1,7 +1,7 @@
 //! The numbers of contacts and critical states with pillars, and those that every contact has.
 
 use super::named::{Kind, Named, Recorded};
-use fakir::state::{Contact, ContactState, Critical, CriticalState, FloorContact};
+use fakir::state::{Contact, ContactState, Critical, CriticalState, FloorContact, Solution};
 
 /// Force, indentation and radius of any contact.
 pub(super) fn load<T: Contact + 'static>() -> [Named<T>; 3] {
@@ -55,8 +55,8 @@ pub(super) fn critical_load<C: Contact + 'static>() -> [Named<Critical<C>>; 5] {
     ]
 }
 
-/// How the solution of any contact ended.
-pub(super) fn ending<T: Contact + 'static>() -> [Named<T>; 2] {
+/// How any solution ended.
+pub(super) fn ending<T: Solution + 'static>() -> [Named<T>; 2] {
     [
         Named::flag(
             "converged",

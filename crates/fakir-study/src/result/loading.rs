@@ -1,7 +1,7 @@
 //! The states of a loading, as rows of a table.
 
 use crate::record::of_floor;
-use fakir::state::{Contact, ContactState, SurfaceContact};
+use fakir::state::{ContactState, Solution, SurfaceContact};
 use serde::Serialize;
 
 /// A state of the loading: a row of `approach.csv`.

@@ -41,5 +41,5 @@ pub use limit::Limit;
 pub use resolution::{LARGEST_ERROR, Remedy, Unresolved};
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
-pub use shared::Contact;
+pub use shared::{Contact, Solution};
 pub use surface::{Certificate, Share, Shares, SurfaceContact, SurfaceTransition};

@@ -80,7 +80,7 @@ mod tests {
     use crate::problem::{
         HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
     };
-    use crate::state::{Contact, ContactState, ErrorEstimate, FloorErrors, Run, Termination};
+    use crate::state::{ContactState, ErrorEstimate, FloorErrors, Run, Solution, Termination};
 
     fn pressed(control: Load) -> ContactState {
         let pillar = Pillar {

@@ -1,23 +1,15 @@
-//! What all contacts have in common, pillar by pillar or cell by cell.
+//! What all results have in common, and all contacts, pillar by pillar or cell by cell.
 
 use super::cap_contact::CapContact;
 use super::contact::{ContactState, Termination, Warning};
+use super::cycle::Cycle;
 use super::resolution::Unresolved;
 use super::surface::SurfaceContact;
 
-/// A contact of a lens or plate with pillars, rounded or flat, or a general surface. Loadings, their figures and warnings ask for no more
-/// than this, and so are the same for all.
-pub trait Contact {
-    /// Indentation, m.
-    fn indentation(&self) -> f64;
-    /// Normal force, N.
-    fn force(&self) -> f64;
-    /// Contact radius, m; none under a plate.
-    fn contact_radius(&self) -> Option<f64>;
+/// What a solver came to: contacts of all kinds and cycles. Whether it is an answer is decided here alone.
+pub trait Solution {
     /// Why the solver stopped.
     fn termination(&self) -> Termination;
-    /// What to be careful about.
-    fn warnings(&self) -> &[Warning];
 
     /// The first number of a solution that is not resolved, if there is one.
     fn unresolved(&self) -> Option<Unresolved>;
@@ -30,6 +22,68 @@ pub trait Contact {
     /// Whether the numbers are an answer: the solution, and resolved.
     fn is_answer(&self) -> bool {
         self.converged() && self.unresolved().is_none()
+    }
+
+    /// Why the numbers are no answer; none if they are one.
+    fn problem(&self) -> Option<String> {
+        if self.converged() {
+            self.unresolved().map(|it| it.to_string())
+        } else {
+            Some(self.termination().description().to_owned())
+        }
+    }
+}
+
+/// A contact of a lens or plate with a texture or a general surface. Loadings, their figures and warnings ask for no more
+/// than this, and so are the same for all.
+pub trait Contact: Solution {
+    /// Indentation, m.
+    fn indentation(&self) -> f64;
+    /// Normal force, N.
+    fn force(&self) -> f64;
+    /// Contact radius, m; none under a plate.
+    fn contact_radius(&self) -> Option<f64>;
+    /// What to be careful about.
+    fn warnings(&self) -> &[Warning];
+}
+
+impl Solution for ContactState {
+    fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        ContactState::unresolved(self)
+    }
+}
+
+impl Solution for SurfaceContact {
+    fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        SurfaceContact::unresolved(self)
+    }
+}
+
+impl Solution for CapContact {
+    fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        CapContact::unresolved(self)
+    }
+}
+
+impl Solution for Cycle {
+    fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        Cycle::unresolved(self)
     }
 }
 
@@ -44,14 +98,6 @@ impl Contact for ContactState {
 
     fn contact_radius(&self) -> Option<f64> {
         Some(self.whole_contact_radius())
-    }
-
-    fn termination(&self) -> Termination {
-        self.termination
-    }
-
-    fn unresolved(&self) -> Option<Unresolved> {
-        ContactState::unresolved(self)
     }
 
     fn warnings(&self) -> &[Warning] {
@@ -72,14 +118,6 @@ impl Contact for SurfaceContact {
         self.contact_radius
     }
 
-    fn termination(&self) -> Termination {
-        self.termination
-    }
-
-    fn unresolved(&self) -> Option<Unresolved> {
-        SurfaceContact::unresolved(self)
-    }
-
     fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
@@ -96,14 +134,6 @@ impl Contact for CapContact {
 
     fn contact_radius(&self) -> Option<f64> {
         self.contact_radius
-    }
-
-    fn termination(&self) -> Termination {
-        self.termination
-    }
-
-    fn unresolved(&self) -> Option<Unresolved> {
-        CapContact::unresolved(self)
     }
 
     fn warnings(&self) -> &[Warning] {
