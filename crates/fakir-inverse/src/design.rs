@@ -19,7 +19,7 @@
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
 use fakir::problem::{CyclePlan, FloorModel, LensShape, Load, Method};
-use fakir::state::{ContactState, CriticalState, Cycle, Run, SolveError};
+use fakir::state::{ContactState, CriticalState, Cycle, Run, Solution, SolveError};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Capability, Case, CaseError, CaseFile, Key};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
@@ -176,11 +176,17 @@ impl Reached {
         contact.smallest_floor_gap / contact.system.pillar().height
     }
 
-    fn is_converged(&self) -> bool {
+    fn solution(&self) -> &dyn Solution {
         match self {
-            Self::PulledOff(cycle) => cycle.converged(),
-            _ => self.contact().converged(),
+            Self::PulledOff(cycle) => cycle.as_ref(),
+            _ => self.contact(),
         }
+    }
+
+    /// Whether its numbers are an answer: the solution, and resolved.
+    #[must_use]
+    pub fn is_answer(&self) -> bool {
+        self.solution().is_answer()
     }
 }
 
@@ -789,7 +795,7 @@ impl Search<'_> {
             _ => fakir::transition(&case.system, case.method, self.run).map(Reached::Critical),
         };
         let outcome = match reached {
-            Ok(reached) if !reached.is_converged() => {
+            Ok(reached) if !reached.solution().converged() => {
                 return Err(DesignError::NotConverged {
                     key: self.free,
                     value,
@@ -1273,6 +1279,17 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// What was found is an answer only if its numbers are resolved.
+    #[test]
+    fn a_contact_that_is_not_resolved_is_no_answer() {
+        let case = paper(0.01).case().unwrap();
+        let load = Control::Indentation(1e-6);
+        let mut contact = fakir::press(&case.system, load, case.method, &Run::default()).unwrap();
+        assert!(Reached::Pressed(contact.clone()).is_answer());
+        contact.error.force = 0.6;
+        assert!(!Reached::Pressed(contact).is_answer());
     }
 
     /// All lengths a thousand times as large with a force a million times as large are the same contact.

@@ -7,7 +7,7 @@
 use crate::derivative::ByKey;
 use chacha20::ChaCha12Rng;
 use fakir::problem::{Arrangement, CyclePlan, Disorder, Load, Point};
-use fakir::state::{CriticalState, Cycle, Derivatives, Run, SolveError};
+use fakir::state::{CriticalState, Cycle, Derivatives, Run, Solution, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_quantity};
 use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
 use fakir_study::{Column, Table, Values};
@@ -409,8 +409,8 @@ impl Draw<'_> {
         for indentation in &self.sampling.indentations {
             let control = Load::Indentation(*indentation);
             let state = fakir::press(&case.system, control, case.method, run)?;
-            if !state.converged() {
-                return Ok(Err(state.termination.description().to_owned()));
+            if let Some(problem) = state.problem() {
+                return Ok(Err(problem));
             }
             forces.push(state.force);
         }
@@ -468,17 +468,13 @@ fn landed(arrangement: &Arrangement) -> (f64, f64) {
 fn outcome(case: &Case, run: &Run<'_>) -> Result<Result<Critical, String>, SolveError> {
     if case.system.adhesion().is_none() {
         let critical = fakir::transition(&case.system, case.method, run)?;
-        return Ok(match critical.contact.termination {
-            _ if critical.contact.converged() => Ok(Critical::of(&critical)),
-            termination => Err(termination.description().to_owned()),
-        });
+        let problem = critical.contact.problem();
+        return Ok(problem.map_or_else(|| Ok(Critical::of(&critical)), Err));
     }
     let cycle = fakir::cycle(&case.system, CyclePlan::default(), case.method, run)?;
-    Ok(if cycle.converged() {
-        Critical::of_cycle(&cycle).ok_or_else(|| "the lens does not come off again".to_owned())
-    } else {
-        Err(cycle.termination.description().to_owned())
-    })
+    let detached =
+        || Critical::of_cycle(&cycle).ok_or_else(|| "the lens does not come off again".to_owned());
+    Ok(cycle.problem().map_or_else(detached, Err))
 }
 
 impl Critical {
@@ -720,6 +716,34 @@ mod tests {
         // Four standard errors: 0.1/sqrt(2 * 400) and 0.1/sqrt(400).
         assert!((relative - 0.1).abs() < 0.015, "{relative}");
         assert!((summary.mean / reference.contact.force - 1.0).abs() < 0.02);
+    }
+
+    /// Pressed by 0.1 nm the lens touches four of the largest cells of the mesh, and none of the cells that are twice as large.
+    #[test]
+    fn samples_whose_numbers_are_not_resolved_fail() {
+        let mut coarse = file();
+        for setting in ["method.name=love", "method.cells_per_diameter=8"] {
+            coarse.set(setting).unwrap();
+        }
+        let tolerance = Tolerance {
+            key: Key::SubstrateYoungModulus,
+            deviation: Deviation::Relative(0.1),
+        };
+        let at = |indentation: f64| {
+            let sampling = Sampling {
+                indentations: vec![indentation],
+                ..sampling(vec![tolerance], Landing::AsGiven, 2)
+            };
+            spread(&coarse, &sampling, &Run::default(), &|_| {}).unwrap()
+        };
+        assert_eq!(at(1e-7).failures().count(), 0);
+        let doubtful = at(1e-10);
+        let problems: Vec<&str> = doubtful.failures().collect();
+        assert_eq!(problems.len(), 2);
+        assert!(
+            problems[0].contains("the force is not resolved"),
+            "{problems:?}"
+        );
     }
 
     /// Moments of a uniform distribution over a hexagonal cell: the mean of the squared distance

@@ -104,9 +104,12 @@ pub(crate) fn run(
         provenance,
         tables,
         warnings: warned,
-        converged: scatter
+        converged: answer
             .as_ref()
-            .is_none_or(|scatter| scatter.failures().next().is_none()),
+            .is_none_or(|answer| answer.nearest().reached.is_answer())
+            && scatter
+                .as_ref()
+                .is_none_or(|scatter| scatter.failures().next().is_none()),
         strained: Vec::new(),
     };
     Ok(Designed { report, found })

@@ -1,5 +1,6 @@
 //! The numbers of cycles of loading and unloading.
 
+use super::contact::ending;
 use super::named::{Kind, Named, Recorded};
 use fakir::problem::Method;
 use fakir::state::{Critical, Cycle, CycleError, CycleStation, HeldFloor};
@@ -353,17 +354,7 @@ impl Recorded for Cycle {
         rows.extend(errors!("hysteresis", |it| {
             it.certificate().map(|_| it.errors.loop_area)
         }));
-        rows.push(
-            Named::flag("converged", "whether the solver converged", Self::converged).in_objects(),
-        );
-        rows.push(
-            Named::word(
-                "unresolved",
-                "a quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1",
-                |it: &Self| it.unresolved().map(|found| found.quantity),
-            )
-            .in_objects(),
-        );
+        rows.extend(ending());
         rows
     }
 }
