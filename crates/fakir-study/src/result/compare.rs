@@ -1,7 +1,7 @@
 //! The critical state by every method.
 
 use crate::closed_forms::ClosedForm;
-use fakir::state::{CriticalState, SolveError};
+use fakir::state::{CriticalState, Solution, SolveError};
 use serde::Serialize;
 
 /// A critical state by one method: a row of `compare.csv`. What a method does not give is `None`.
@@ -29,7 +29,7 @@ pub struct MethodRow {
     pub force_error_estimate: Option<f64>,
     /// Estimated relative error of the contact radius.
     pub contact_radius_error_estimate: Option<f64>,
-    /// Whether the numbers are the solution, or none was to be had.
+    /// Whether the numbers are the solution and resolved, or there are none.
     pub converged: bool,
     /// Steps taken.
     pub iterations: Option<usize>,
@@ -54,7 +54,7 @@ pub struct CompareSummary {
     pub methods: Vec<MethodRow>,
     /// Threads that shared the work.
     pub threads: usize,
-    /// Whether everything that was solved converged.
+    /// Whether everything that was solved converged and is resolved.
     pub converged: bool,
     pub(crate) fakir_version: &'static str,
 }
@@ -99,9 +99,9 @@ impl MethodRow {
             contact_radius_error_estimate: Some(critical.relative_contact_radius_error()),
             pillars_in_contact: Some(state.pillars_in_contact),
             force_error_estimate: Some(state.error.force),
-            converged: state.converged(),
+            converged: state.is_answer(),
             iterations: Some(state.iterations),
-            remark: (!state.converged()).then(|| state.termination.description().to_owned()),
+            remark: state.problem(),
             ..Self::empty(method, name)
         }
     }
@@ -133,5 +133,31 @@ impl MethodRow {
             processor_time_s: None,
             remark: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fakir::problem::Method;
+    use fakir::state::Run;
+    use fakir_case::Case;
+
+    #[test]
+    fn a_method_whose_numbers_are_not_resolved_has_no_answer() {
+        let system = Case::example().system;
+        let mut critical =
+            fakir::transition(&system, Method::Homogenised, &Run::default()).unwrap();
+        let row = |critical: &CriticalState| MethodRow::solved("homogenised", "", critical);
+        assert!(row(&critical).converged && row(&critical).remark.is_none());
+        critical.contact.error.force = 0.6;
+        let doubtful = row(&critical);
+        assert!(!doubtful.converged);
+        assert!(
+            doubtful
+                .remark
+                .unwrap()
+                .contains("the force is not resolved")
+        );
     }
 }
