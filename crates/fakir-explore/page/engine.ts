@@ -242,7 +242,8 @@ export interface FloorStation {
   readonly force_N: number;
   /** Negative where the floor pulls. */
   readonly floor_force_N: number;
-  readonly floor_contact_area_m2: number;
+  /** Null after a jump of which it is not resolved. */
+  readonly floor_contact_area_m2: number | null;
   readonly filled_holes: number;
 }
 

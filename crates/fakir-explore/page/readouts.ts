@@ -375,8 +375,8 @@ function drawCriticalBefore(state: State): void {
   write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  ${radius}\n${pillars_in_contact} in contact`);
 }
 
-function areaText(area_m2: number, digits: number): string {
-  return `${significant(1e12 * area_m2, digits)} µm^{2}`;
+function areaText(area_m2: number | null, digits: number): string {
+  return area_m2 === null ? "an unresolved area" : `${significant(1e12 * area_m2, digits)} µm^{2}`;
 }
 
 /** Where the lens is on its way. */

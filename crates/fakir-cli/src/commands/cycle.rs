@@ -287,13 +287,12 @@ fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
             Dimension::Force,
             3,
             words,
-        )
-        .row(
-            "  with an area of",
-            significant(floor.area * 1e12, 3),
-            "um^2",
-            &filled(floor),
         );
+        let (area, unit) = match cycle.unresolved_jump_area() {
+            None => (significant(floor.area * 1e12, 3), "um^2"),
+            Some(_) => ("-".to_owned(), ""),
+        };
+        list.row("  with an area of", area, unit, &filled(floor));
     }
     match cycle.floor_lost() {
         Some([last, after]) => {

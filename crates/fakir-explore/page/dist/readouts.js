@@ -319,7 +319,7 @@ function drawCriticalBefore(state) {
     write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  ${radius}\n${pillars_in_contact} in contact`);
 }
 function areaText(area_m2, digits) {
-    return `${significant(1e12 * area_m2, digits)} µm^{2}`;
+    return area_m2 === null ? "an unresolved area" : `${significant(1e12 * area_m2, digits)} µm^{2}`;
 }
 /** Where the lens is on its way. */
 function wayWords(state, station, cycle) {

@@ -380,15 +380,10 @@ impl Cycle {
                 of(self.separation.is_some(), errors.loop_area),
             ),
         ];
-        let floor = self
-            .floor
-            .map(|floor| floor.errors)
-            .filter(|it| *it != StuckFloorErrors::UNKNOWN);
         let lost = self.floor_lost().is_some();
         // A floor that is pulled and pressed carries a small difference of large forces, which counts beside the whole force.
         let share = self.turn.floor.as_ref().map_or(1.0, |it| it.share.abs());
-        // Which holes a jump takes may hang on a detail, so that its area has a large error where all else is known: that is stated with it alone.
-        let of_floor = floor.into_iter().flat_map(|it| {
+        let of_floor = self.known_floor_errors().into_iter().flat_map(|it| {
             [
                 ("force at the end of loading", it.turn_force),
                 (
@@ -402,11 +397,31 @@ impl Cycle {
                 ),
             ]
         });
-        let remedy = match self.accuracy {
+        Unresolved::among(numbers.into_iter().chain(of_floor), self.finer())
+    }
+
+    /// The area of the floor in contact after the jump onto it, if it is [not resolved](Unresolved). Which holes a jump takes may depend on a detail,
+    /// so that the area has a large error where all else is known: it alone is no answer then.
+    #[must_use]
+    pub fn unresolved_jump_area(&self) -> Option<Unresolved> {
+        self.floor_jump()?;
+        let error = self.known_floor_errors()?.jump_area;
+        let quantity = "contact area on the floor after the jump onto it";
+        Unresolved::among([(quantity, error)], self.finer())
+    }
+
+    /// Errors of what a floor that sticks does, where they are known.
+    fn known_floor_errors(&self) -> Option<StuckFloorErrors> {
+        let errors = self.floor?.errors;
+        (errors != StuckFloorErrors::UNKNOWN).then_some(errors)
+    }
+
+    /// What a number that is not resolved needs.
+    fn finer(&self) -> Remedy {
+        match self.accuracy {
             Accuracy::Default => Remedy::AccurateSetting,
             Accuracy::Accurate => Remedy::CollapsedFloor,
-        };
-        Unresolved::among(numbers.into_iter().chain(of_floor), remedy)
+        }
     }
 
     /// The certificate of a closed path: difference between loop area and dissipation, over the loop area. It is made of
