@@ -399,7 +399,7 @@ impl OnCells {
             critical_contact_radius: number("critical_contact_radius_m"),
             jump: FloorJump {
                 force: number("jump_force_N")?,
-                floor_area: number("jump_floor_area_m2")?,
+                floor_area: number("jump_floor_area_m2").unwrap_or(f64::NAN),
                 front_radius: number("jump_front_radius_m")?,
                 holes: cycle.count("jump_holes")?,
             },

@@ -257,8 +257,11 @@ fn stuck_floor() -> [Named<Cycle>; 10] {
         ),
         Named::number_if_any(
             "jump_floor_area_m2",
-            "area of the floor in contact after the jump",
-            |it: &Cycle| Some(jump(it)?.1.area),
+            "contact area on the floor after the jump; none if it is not resolved",
+            |it: &Cycle| match it.unresolved_jump_area() {
+                Some(_) => None,
+                None => Some(jump(it)?.1.area),
+            },
         ),
         Named::number_if_any(
             "jump_front_radius_m",

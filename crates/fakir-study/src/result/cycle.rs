@@ -103,8 +103,8 @@ pub struct FloorRow {
     pub floor_force_N: f64,
     /// That over the normal force.
     pub floor_share: f64,
-    /// Area of the floor in contact, m^2.
-    pub floor_contact_area_m2: f64,
+    /// Area of the floor in contact, m^2; none after a jump of which it is not resolved.
+    pub floor_contact_area_m2: Option<f64>,
     /// Distance of its farthest point in contact from the lens axis, m.
     pub floor_radius_m: f64,
     /// Middles between three pillars that are in contact.
@@ -120,7 +120,7 @@ impl FloorRow {
             force_N: state.force,
             floor_force_N: floor.force,
             floor_share: floor.force / state.force,
-            floor_contact_area_m2: floor.area,
+            floor_contact_area_m2: Some(floor.area),
             floor_radius_m: floor.radius,
             filled_holes: floor.holes,
         }
@@ -129,7 +129,15 @@ impl FloorRow {
     /// The stations of a cycle at which the floor sticks to the lens.
     pub fn of(cycle: &Cycle) -> impl Iterator<Item = Self> + '_ {
         let stations = cycle.stations.iter().enumerate();
-        stations.filter_map(|(place, it)| Some(Self::new(place, it, it.floor.as_ref()?)))
+        let rows =
+            stations.filter_map(|(place, it)| Some(Self::new(place, it, it.floor.as_ref()?)));
+        let after_jump = cycle.unresolved_jump_area().map(|_| 0);
+        rows.enumerate().map(move |(number, row)| Self {
+            floor_contact_area_m2: row
+                .floor_contact_area_m2
+                .filter(|_| Some(number) != after_jump),
+            ..row
+        })
     }
 }
 
@@ -247,5 +255,71 @@ impl CycleSummary {
 /// What to be careful about, of a cycle.
 #[must_use]
 pub fn cycle_warnings(cycle: &Cycle) -> Vec<String> {
-    warnings_of(&cycle.warnings, cycle.termination, cycle.unresolved())
+    let mut words = warnings_of(&cycle.warnings, cycle.termination, cycle.unresolved());
+    words.extend(cycle.unresolved_jump_area().map(|it| it.to_string()));
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Record;
+    use fakir::problem::CyclePlan;
+    use fakir::state::{FloorResolution, Run, Solution, StuckFloorErrors};
+    use fakir_case::{Case, CaseFile};
+
+    /// Which holes a jump takes may depend on a detail: then its area alone is no answer.
+    #[test]
+    fn a_jump_without_a_resolved_area_keeps_the_cycle() {
+        let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
+        for setting in ["texture.surface_fraction=0.003", "adhesion.work=20mJ/m2"] {
+            file.set(setting).unwrap();
+        }
+        let case = file.case().unwrap();
+        let plan = CyclePlan::default();
+        let mut cycle = fakir::cycle(&case.system, plan, case.method, &Run::default()).unwrap();
+        let area = 4e-12;
+        let place = cycle.stations.len() / 2;
+        cycle.stations[place].floor = Some(HeldFloor {
+            force: 1e-6,
+            area,
+            radius: 1e-5,
+            holes: 3,
+        });
+        let mut with = |jump_area: f64| {
+            cycle.floor = Some(FloorResolution {
+                cell: 1e-7,
+                cells_across_ring: 5.0,
+                cells_along_patch: 5.0,
+                errors: StuckFloorErrors {
+                    turn_force: 0.01,
+                    turn_share: 0.01,
+                    turn_area: 0.01,
+                    jump_force: 0.01,
+                    jump_area,
+                    lost_indentation: 0.01,
+                    pull_off_force: 0.01,
+                    loop_area: 0.01,
+                },
+            });
+            assert!(cycle.is_answer());
+            let summary = serde_json::to_value(CycleSummary::new(&cycle, 1.0)).unwrap();
+            assert_eq!(summary["floor"]["jump"]["filled_holes"], 3);
+            let table = Record::of(&cycle).number("jump_floor_area_m2");
+            (summary, table)
+        };
+        let words = |summary: &serde_json::Value| summary["warnings"].to_string();
+        let (known, table) = with(0.4);
+        assert_eq!(known["floor"]["jump"]["floor_contact_area_m2"], area);
+        assert_eq!(table, Some(area));
+        assert!(!words(&known).contains("not resolved"));
+        let (unknown, table) = with(0.8);
+        assert!(unknown["floor"]["jump"]["floor_contact_area_m2"].is_null());
+        assert_eq!((table, &unknown["converged"]), (None, &true.into()));
+        let told = words(&unknown);
+        assert!(
+            told.contains("contact area on the floor after the jump onto it is not resolved"),
+            "{told}"
+        );
+    }
 }
