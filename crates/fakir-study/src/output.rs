@@ -98,6 +98,14 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
+    /// A file in a folder that does not exist.
+    #[error("cannot write {}: there is no folder {}; make it first, or name a file in another folder", path.display(), folder.display())]
+    MissingFolder {
+        /// The file.
+        path: PathBuf,
+        /// The folder.
+        folder: PathBuf,
+    },
     /// There is a file already, which may not be replaced.
     #[error("{} is there already", path.display())]
     Exists {
@@ -130,16 +138,17 @@ pub(crate) fn is_empty(folder: &Path) -> Result<bool, OutputError> {
     match folder.read_dir() {
         Ok(mut entries) => Ok(entries.next().is_none()),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(true),
-        Err(error) => {
-            let file = folder.ancestors().find(|ancestor| ancestor.is_file());
-            Err(match file {
-                Some(file) => OutputError::NoFolder {
-                    path: file.to_owned(),
-                },
-                None => OutputError::system("cannot read the folder", folder, error),
-            })
-        }
+        Err(error) => Err(file_in_place_of(folder)
+            .unwrap_or_else(|| OutputError::system("cannot read the folder", folder, error))),
     }
+}
+
+/// Refuses a folder that is a file, or below one.
+fn file_in_place_of(folder: &Path) -> Option<OutputError> {
+    let file = folder.ancestors().find(|ancestor| ancestor.is_file())?;
+    Some(OutputError::NoFolder {
+        path: file.to_owned(),
+    })
 }
 
 /// A CSV file of flat records, with a heading of their names.
@@ -201,7 +210,15 @@ fn write_beside(path: &Path, contents: &[u8]) -> Result<NamedTempFile, OutputErr
         file.as_file().sync_all()?;
         Ok(file)
     };
-    write().map_err(|error| OutputError::system("cannot write", path, error))
+    write().map_err(|error: std::io::Error| {
+        file_in_place_of(folder).unwrap_or_else(|| match error.kind() {
+            ErrorKind::NotFound => OutputError::MissingFolder {
+                path: path.to_owned(),
+                folder: folder.to_owned(),
+            },
+            _ => OutputError::system("cannot write", path, error),
+        })
+    })
 }
 
 /// How names of temporary files and folders begin.

@@ -52,6 +52,15 @@ fn bad_input_is_status_2_with_an_explanation_and_no_files() {
     bench.write("broken.toml", "[lens]\nradius = 2200 um\n");
     let surface = example("square-pillars.toml");
     bench.write("file", "");
+    for (path, explanation) in [
+        ("file/x", "file is a file, not a folder"),
+        ("missing/x", "there is no folder missing; make it first"),
+    ] {
+        let outcome = bench.run(&["init", path]);
+        assert_eq!(outcome.status, Some(2), "{path}");
+        assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
+        assert!(!outcome.stderr.contains("os error"), "{}", outcome.stderr);
+    }
     let attempts: [(&[&str], &str); 19] = [
         (&["transition", "broken.toml"], "broken.toml:2:10"),
         (&["transition", "missing.toml"], "cannot read missing.toml"),
