@@ -24,7 +24,10 @@ pub enum Kind {
 
 /// The value of a key, or of an axis of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "a value must be a finite number in SI units, or a text such as \"20 um\""
+)]
 pub enum Setting {
     /// In SI units.
     Number(f64),

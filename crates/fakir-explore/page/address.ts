@@ -18,7 +18,7 @@ export function chosenIn(hash: string): Chosen | null {
   for (const [key, text] of parameters) {
     if (!key.includes(".")) continue;
     const number = Number(text);
-    values[key] = text === "" || Number.isNaN(number) ? text : number;
+    values[key] = text === "" || !Number.isFinite(number) ? text : number;
   }
   if (Object.keys(values).length === 0) return null;
   const factor = Number(parameters.get("exaggeration"));

@@ -142,8 +142,13 @@ export function withUnit(text: string, unit: string): string {
   return NUMBER.test(text.replace("−", "-")) && unitOf(text.replace("−", "-")) === "" ? `${text.trim()} ${unit}`.trim() : text;
 }
 
-/** The value in SI units of what was typed; null if that cannot be told here. */
+/** The value in SI units of what was typed; null if only the server can read it, or refuse it. */
 export function parse(text: string, dimension: Dimension): number | null {
+  const value = read(text, dimension);
+  return value !== null && Number.isFinite(value) ? value : null;
+}
+
+function read(text: string, dimension: Dimension): number | null {
   const parts = NUMBER.exec(text.replace("−", "-"));
   if (parts === null) return null;
   const [, digits = "", exponent = "0", symbol = ""] = parts;

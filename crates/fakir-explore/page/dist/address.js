@@ -16,7 +16,7 @@ export function chosenIn(hash) {
         if (!key.includes("."))
             continue;
         const number = Number(text);
-        values[key] = text === "" || Number.isNaN(number) ? text : number;
+        values[key] = text === "" || !Number.isFinite(number) ? text : number;
     }
     if (Object.keys(values).length === 0)
         return null;

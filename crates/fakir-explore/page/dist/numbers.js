@@ -114,8 +114,12 @@ export function unitOf(text) {
 export function withUnit(text, unit) {
     return NUMBER.test(text.replace("−", "-")) && unitOf(text.replace("−", "-")) === "" ? `${text.trim()} ${unit}`.trim() : text;
 }
-/** The value in SI units of what was typed; null if that cannot be told here. */
+/** The value in SI units of what was typed; null if only the server can read it, or refuse it. */
 export function parse(text, dimension) {
+    const value = read(text, dimension);
+    return value !== null && Number.isFinite(value) ? value : null;
+}
+function read(text, dimension) {
     const parts = NUMBER.exec(text.replace("−", "-"));
     if (parts === null)
         return null;

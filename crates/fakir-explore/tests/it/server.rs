@@ -155,6 +155,29 @@ fn answers_are_those_of_the_library() {
     assert_eq!(state["summary"]["beyond_transition"], json!(true));
 }
 
+/// A number that the page cannot send, as 1e400, comes as it was typed, or as no value.
+#[test]
+fn values_that_are_no_numbers_are_refused_in_plain_words() {
+    let server = Running::start();
+    let told = |value: Value| {
+        let mut values = case(0.01);
+        values["lens.radius"] = value;
+        let answer = server.ask("/api/contact", &question(server.next(), &values));
+        assert!((400..500).contains(&answer.status), "{}", answer.status);
+        answer.body
+    };
+    let infinite = told(json!("1e400 um"));
+    for words in ["\"key\":\"lens.radius\"", "greater than 0"] {
+        assert!(infinite.contains(words), "{infinite}");
+    }
+    let none = told(Value::Null);
+    assert!(
+        none.contains("a finite number in SI units, or a text such as"),
+        "{none}"
+    );
+    assert!(!none.contains("untagged"), "{none}");
+}
+
 /// Past the transition the floor bears its part, unless it is to be ignored.
 #[test]
 fn past_the_transition_the_floor_bears_its_part() {
