@@ -13,6 +13,7 @@ from . import _fakir
 from ._format import Row, engineering, html_table, text_table
 from ._quantity import FloatArray, Quantity, WithUnit, finite
 from ._run import Progress, options, warn
+from ._state import Limit
 from ._system import System
 from .errors import FitError, NotConverged
 
@@ -46,6 +47,9 @@ class Estimate(NamedTuple):
     """Where the fit began."""
     unit: str
     """The unit: ``"Pa"``, ``"m"``, ``"m/N"``, ``"N"``, ``"J/m^2"`` or ``"rad"``; ``""`` for plain numbers."""
+    one_sided: bool = False
+    """Whether the interval begins at the least value that the parameter can have, so that the data give its upper end alone:
+    of a work of adhesion that is compatible with zero."""
 
     @property
     def determined(self) -> bool:
@@ -180,6 +184,14 @@ class Fit:
         ]
 
     @property
+    def limits(self) -> list[Limit]:
+        """The conditions of the model, and how near the fitted system comes to where they end under the largest load.
+
+        ``any(limit.strained for limit in fit.limits)`` tells of a fit beyond its model.
+        """
+        return [Limit(**limit) for limit in self._summary["limits"]]
+
+    @property
     def understood(self) -> list[str]:
         """What the columns of the data were taken for, a line for each."""
         return list(self._understood)
@@ -260,7 +272,8 @@ class Fit:
                 rows.append((name, f"{value}: not determined by the data"))
                 continue
             low, high = (_written(end, estimate.unit) for end in estimate.interval)
-            rows.append((name, f"{value}, 95 % interval {low} to {high}"))
+            kind = "one-sided 95 % interval" if estimate.one_sided else "95 % interval"
+            rows.append((name, f"{value}, {kind} {low} to {high}"))
         reduced = self.reduced_chi_square
         scatter = "scatter estimated" if reduced is None else f"reduced chi-square {reduced:.3g}"
         if self.pull_off is not None:
@@ -441,6 +454,7 @@ def _estimate(given: Mapping[str, Any]) -> Estimate:
         interval=None if ends is None else (ends[0], ends[1]),
         start=given[f"start{suffix}"],
         unit=UNITS.get(suffix.removeprefix("_"), ""),
+        one_sided=bool(given["one_sided"]),
     )
 
 

@@ -1,5 +1,6 @@
 """Fits: those of the program, to the bit, and what they do not take."""
 
+import copy
 import json
 import os
 import subprocess
@@ -77,6 +78,25 @@ def test_the_truth_is_in_the_intervals(fitted):
     assert fitted.undetermined == []
     assert "95 % interval" in repr(fitted)
     assert "<table>" in fitted._repr_html_()
+
+
+def test_limits_and_one_sided_intervals(fitted):
+    summary = fitted.to_dict()
+    assert fitted.limits and [limit._asdict() for limit in fitted.limits] == summary["limits"]
+    assert not any(fitted[name].one_sided for name in FREE)
+    vanishing = {
+        "name": "adhesion.work",
+        "value_J_per_m2": 0.0,
+        "start_J_per_m2": 0.03,
+        "one_sided": True,
+        "standard_error_J_per_m2": 1e-3,
+        "confidence_interval_95_J_per_m2": [0.0, 2e-3],
+    }
+    summary["parameters"] = [vanishing]
+    fitted = copy.copy(fitted)
+    fitted._summary = summary
+    assert fitted["adhesion.work"].one_sided
+    assert "one-sided 95 % interval" in repr(fitted)
 
 
 @pytest.mark.slow
