@@ -197,6 +197,7 @@ def sweep(
         )
     warn_of_threads(threads)
     parsed = read_study(study, set)
+    warn(parsed.without_effect, depth=1)
     existing = "resume" if resume else "overwrite" if overwrite else "refuse"
     folder = None if output is None else fspath(output)
     with closing(_fakir.Ledger(parsed, folder, existing, memory_limit)) as ledger:

@@ -165,6 +165,13 @@ def test_a_damaged_line_is_named_and_its_case_computed_again(table, tmp_path):
     assert done.to_csv() == table
 
 
+def test_a_key_without_effect_is_named():
+    angle = '"texture.offset_angle" = ["10 deg", "20 deg"]'
+    study = STUDY.replace('"texture.offset" = { from = 0, to = 0.5, points = 4 }', angle)
+    with pytest.warns(fakir.FakirWarning, match="texture.offset_angle has no effect: the lens axis"):
+        assert len(fakir.sweep(study)) == 10
+
+
 def test_what_is_no_study_or_no_executor():
     with pytest.raises(fakir.CaseError, match=r"axes"):
         fakir.sweep(STUDY.replace("surface_fraction =", "surface_friction ="))

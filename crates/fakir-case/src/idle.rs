@@ -71,19 +71,29 @@ impl CaseFile {
     /// # Errors
     /// [`CaseError`] for a value that cannot be read.
     pub fn without_effect(&self) -> Result<Vec<(Key, &'static str)>, CaseError> {
+        let idle = self.may_be_idle()?.into_iter();
+        let idle = idle.filter_map(|(of, is_idle)| is_idle.then_some((of.key, of.reason)));
+        Ok(idle.collect())
+    }
+
+    /// The keys of [`IDLE`] that are given with another value than their default, and whether they change no answer of the case.
+    pub(crate) fn may_be_idle(&self) -> Result<Vec<(&'static Idle, bool)>, CaseError> {
+        let given = || IDLE.iter().filter(|idle| self.entry(idle.key).is_some());
+        if given().next().is_none() {
+            return Ok(Vec::new());
+        }
         let mut parts = if self.is_surface() {
             self.surface_parts()?.1
         } else {
             self.parts(&[Part::Bodies, Part::Texture])?
         };
-        let mut idle = Vec::new();
-        for Idle { key, holds, reason } in &IDLE {
-            let is_set = self.entry(*key).is_some() && Some(key.get(&mut parts)) != key.default();
-            if is_set && holds(&parts) {
-                idle.push((*key, *reason));
+        let mut found = Vec::new();
+        for idle in given() {
+            if Some(idle.key.get(&mut parts)) != idle.key.default() {
+                found.push((idle, (idle.holds)(&parts)));
             }
         }
-        Ok(idle)
+        Ok(found)
     }
 
     /// Deprecated names that were used, with the names that replace them.
@@ -100,7 +110,12 @@ impl CaseFile {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let idle = self.without_effect().unwrap_or_default().into_iter();
-        let idle = idle.map(|(key, reason)| format!("{key} has no effect: {reason}"));
+        let idle = idle.map(|(key, reason)| without_effect_words(key, reason));
         self.deprecations().into_iter().chain(idle).collect()
     }
+}
+
+/// That a key changes no answer, and why.
+pub(crate) fn without_effect_words(key: Key, reason: &str) -> String {
+    format!("{key} has no effect: {reason}")
 }

@@ -47,6 +47,12 @@ impl Study {
         self.study.cases()
     }
 
+    /// Keys that change no answer of any case, in words.
+    #[getter]
+    fn without_effect(&self) -> Vec<String> {
+        self.study.without_effect().to_vec()
+    }
+
     /// `"transition"` or `"press"`.
     #[getter]
     fn question(&self) -> &'static str {

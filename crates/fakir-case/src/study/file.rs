@@ -6,6 +6,7 @@ use super::posed::{StudiedCase, looked_at};
 use crate::entries::{Entry, STUDY_TABLES, Value, both_given};
 use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::file::{CaseFile, quantity};
+use crate::idle::{IDLE, Idle, without_effect_words};
 use crate::key::{Key, root};
 use crate::unit::format_quantity;
 use fakir::problem::{CyclePlan, Drive, Load};
@@ -216,12 +217,44 @@ impl StudyFile {
         self.resolve_with(index, |_| true)
     }
 
-    /// A case that only some axes, by number, make different from the case of the file.
-    fn resolve_with(
+    /// Keys that change no answer of any case, in words.
+    pub(super) fn without_effect(&self, cases: usize) -> Vec<String> {
+        let is_axis = |key| {
+            let mut axes = self.varied.iter();
+            axes.any(|varied| varied.axis.variable == Variable::Key(key))
+        };
+        let mut candidates: Vec<&Idle> = IDLE
+            .iter()
+            .filter(|idle| self.case.entry(idle.key).is_some() || is_axis(idle.key))
+            .collect();
+        let mut found: Vec<Key> = Vec::new();
+        for index in 0..cases {
+            if candidates.is_empty() {
+                break;
+            }
+            let posed = self.posed(index, |_| true);
+            let given = posed.and_then(|(file, ..)| file.may_be_idle());
+            for (idle, is_idle) in given.unwrap_or_default() {
+                if !is_idle {
+                    candidates.retain(|candidate| candidate.key != idle.key);
+                } else if !found.contains(&idle.key) {
+                    found.push(idle.key);
+                }
+            }
+        }
+        candidates.retain(|candidate| found.contains(&candidate.key));
+        let words = candidates.into_iter();
+        words
+            .map(|idle| without_effect_words(idle.key, idle.reason))
+            .collect()
+    }
+
+    /// The file and the load of a case that only some axes, by number, make different from the case of the file, and its values along these.
+    fn posed(
         &self,
         index: usize,
         counts: impl Fn(usize) -> bool,
-    ) -> Result<StudyCase, CaseError> {
+    ) -> Result<(CaseFile, Option<Load>, Vec<Coordinate>), CaseError> {
         let steps = self.steps(index);
         let mut file = self.case.clone();
         self.leave_out_idle_keys(&mut file, &steps);
@@ -246,6 +279,16 @@ impl StudyFile {
             }
             coordinates.push(coordinate);
         }
+        Ok((file, load, coordinates))
+    }
+
+    /// A case that only some axes, by number, make different from the case of the file.
+    fn resolve_with(
+        &self,
+        index: usize,
+        counts: impl Fn(usize) -> bool,
+    ) -> Result<StudyCase, CaseError> {
+        let (file, load, coordinates) = self.posed(index, counts)?;
         let load = load.unwrap_or(Load::FloorContact);
         let question = match self.asked {
             Asked::Transition | Asked::Press => Question::Contact(load),

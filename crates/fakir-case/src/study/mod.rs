@@ -74,6 +74,7 @@ impl StudyFile {
             }
         }
         let mut study = Study {
+            without_effect: self.without_effect(cases),
             file: self,
             cases,
             examples,
@@ -98,6 +99,7 @@ pub struct Study {
     sticks: bool,
     layered: bool,
     surfaces: Surfaces,
+    without_effect: Vec<String>,
     text: String,
 }
 
@@ -197,6 +199,19 @@ impl Study {
     #[must_use]
     pub fn has_layers(&self) -> bool {
         self.layered
+    }
+
+    /// What to be careful about: keys that change no answer of any case, each with the reason.
+    #[must_use]
+    pub fn without_effect(&self) -> &[String] {
+        &self.without_effect
+    }
+
+    /// What to be careful about in the study as it is written: deprecated names, and keys [without effect](Self::without_effect).
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let deprecations = self.file.case.deprecations();
+        [deprecations.as_slice(), self.without_effect()].concat()
     }
 
     /// The study as a study file. It depends on the study alone, and reading it gives the same

@@ -53,6 +53,29 @@ fn axes_that_go_together() {
     assert_eq!(study.coordinates(1)[1], Coordinate::Number(0.5));
 }
 
+/// A key without effect is named once for the study, also where it is an axis, unless any case has its effect.
+#[test]
+fn keys_without_effect_in_any_case_are_named() {
+    let words = |tables: &str| study(tables).warnings();
+    let angle = "texture.offset_angle has no effect: the lens axis is on a pillar centre: texture.offset is 0";
+    let axis = "[axes]\n\"texture.offset_angle\" = [\"0 deg\", \"10 deg\", \"20 deg\"]";
+    assert_eq!(words(axis), [angle]);
+    let of_offset = format!("{axis}\n\"texture.offset\" = [0, 0.5]");
+    assert!(words(&of_offset).is_empty());
+    let fixed = |offsets: &str| {
+        let text = format!(
+            "[axes]\n\"texture.offset\" = {offsets}\n{}",
+            Case::example().to_toml()
+        );
+        let mut file = StudyFile::parse("study.toml", &text).unwrap();
+        file.set("texture.offset_angle=10deg").unwrap();
+        file.study().unwrap().warnings()
+    };
+    assert_eq!(fixed("[0]"), [angle]);
+    assert!(fixed("[0, 0.5]").is_empty());
+    assert!(words("[axes]\n\"texture.pitch\" = [\"20 um\"]").is_empty());
+}
+
 #[test]
 fn dotted_names_need_no_quotes() {
     let study = study("[axes]\ntexture.pillar.height = [1e-6, 2e-6]\ntexture.offset = [0, 0.5]");

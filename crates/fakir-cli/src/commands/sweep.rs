@@ -9,7 +9,7 @@ use fakir::state::CancelToken;
 use fakir_case::input::LARGEST_STUDY;
 use fakir_case::study::Asked;
 use fakir_case::{Study, StudyFile};
-use fakir_study::result::{SweepSummary, json};
+use fakir_study::result::{SweepSummary, json, with_case_warnings};
 use fakir_study::{
     DamagedLine, Ledger, Options, Progress, Row, StudyError, Summary, TABLES, Table,
 };
@@ -26,6 +26,11 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
     let cancel = CancelToken::default();
     stop_on_interrupt(cancel.clone());
     let study = read(arguments)?;
+    if !arguments.quiet {
+        for warning in study.warnings() {
+            tell(&format!("warning: {warning}"));
+        }
+    }
     let start = Instant::now();
     let mut bar = Bar::new(arguments.quiet);
     let mut listener = |progress| bar.show(progress);
@@ -69,8 +74,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
             }
         }
         (folder, true) => {
-            let summary = SweepSummary::new(&summary, folder.as_deref(), wall_time);
-            standard::print(&json(&summary))?;
+            standard::print(&object(&summary, folder.as_deref(), wall_time))?;
         }
         (Some(folder), false) => standard::print(&text(&summary, folder, wall_time))?,
     }
@@ -82,11 +86,20 @@ pub(crate) fn merge(arguments: &Merge) -> Result<Status, Failure> {
     let summary = fakir_study::merge(folder, &arguments.shards, arguments.existing())?;
     warn(&summary.damaged, true);
     standard::print(&if arguments.json {
-        json(&SweepSummary::new(&summary, Some(folder), None))
+        object(&summary, Some(folder), None)
     } else {
         text(&summary, folder, None)
     })?;
     Ok(status(&summary))
+}
+
+/// The summary as a JSON object, with warnings about the study as it is written.
+fn object(summary: &Summary, folder: Option<&Path>, wall_time: Option<f64>) -> String {
+    let object = json(&SweepSummary::new(summary, folder, wall_time));
+    match &summary.study.warnings()[..] {
+        [] => object,
+        warnings => with_case_warnings(&object, warnings),
+    }
 }
 
 /// Names lines of a journal that are left out, and says what becomes of their cases.
@@ -114,11 +127,6 @@ fn read(arguments: &Sweep) -> Result<Study, Failure> {
     };
     for argument in &arguments.set {
         file.set(argument)?;
-    }
-    if !arguments.quiet {
-        for warning in file.case().deprecations() {
-            tell(&format!("warning: {warning}"));
-        }
     }
     Ok(file.study()?)
 }

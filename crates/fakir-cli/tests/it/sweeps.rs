@@ -406,6 +406,23 @@ fn an_interrupt_keeps_the_journal() {
     assert_eq!(bench.files("results"), ["journal.jsonl", "study.toml"]);
 }
 
+/// Once for the study, on standard error and in the JSON object.
+#[test]
+fn a_key_without_effect_is_named_once() {
+    let bench = bench();
+    let study = "[study]\ncase = \"case.toml\"\n[axes]\nsurface_fraction = [1e-3, 2e-3]\n";
+    bench.write("study.toml", study);
+    let angle = ["--set", "texture.offset_angle=10deg"];
+    let words = "texture.offset_angle has no effect: the lens axis is on a pillar centre: texture.offset is 0";
+    let outcome = bench.run(&[&["sweep", "study.toml", "--json"], &angle[..]].concat());
+    assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
+    assert_eq!(outcome.stderr, format!("warning: {words}\n"));
+    let summary: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(summary["case_warnings"], serde_json::json!([words]));
+    let plain = bench.run(&["sweep", "study.toml", "--json"]);
+    assert!(plain.stderr.is_empty() && !plain.stdout.contains("case_warnings"));
+}
+
 /// Thicknesses and what films rest on are axes like others. Under the critical force a film gives way less the thinner it is, and less where it is bonded.
 #[test]
 fn films_are_swept() {
