@@ -4,6 +4,7 @@ use super::checked::check_number;
 use super::contact::{ErrorEstimate, Termination, Warning};
 use super::critical::Critical;
 use super::error::SolveError;
+use super::floor_contact::FloorErrors;
 use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Grid, Point};
 
@@ -37,6 +38,10 @@ pub struct SurfaceContact {
     /// Estimated relative errors from the size of the cells, zero of what was prescribed; none where the surface has too few
     /// cells, or a periodic one an odd number of them, to compare with cells twice as large.
     pub error: Option<ErrorEstimate>,
+    /// Estimated relative error of the contact area, from the size of the cells; none where [`error`](Self::error) is none.
+    pub area_error: Option<f64>,
+    /// The same of what the floor carries, where it is known which part of the surface that is.
+    pub floor_error: Option<FloorErrors>,
     /// Why the solver stopped.
     pub termination: Termination,
     /// Products with the operator on the last level.
@@ -57,6 +62,13 @@ impl SurfaceContact {
         if let Some(error) = &mut self.error {
             check_number("error estimate of the force", &mut error.force)?;
             check_number("error estimate of the indentation", &mut error.indentation)?;
+        }
+        if let Some(error) = &mut self.area_error {
+            check_number("error estimate of the contact area", error)?;
+        }
+        if let Some(error) = &mut self.floor_error {
+            check_number("error estimate of the floor's share", &mut error.share)?;
+            check_number("error estimate of the floor's area", &mut error.area)?;
         }
         if let Some((gap, _)) = &mut self.nearest_floor {
             check_number("floor gap", gap)?;
@@ -86,7 +98,7 @@ impl SurfaceContact {
         self.termination == Termination::Converged
     }
 
-    /// The first number of a solution that is [not resolved](Unresolved), of force and indentation, where errors are estimated.
+    /// The first number of a solution that is [not resolved](Unresolved), of force, indentation and contact area, where errors are estimated.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
         let error = self.error.filter(|_| self.converged())?;
@@ -94,6 +106,10 @@ impl SurfaceContact {
         let numbers = [
             ("force", of(self.force, error.force)),
             ("indentation", of(self.indentation, error.indentation)),
+            (
+                "contact area",
+                of(self.contact_area, self.area_error.unwrap_or(0.0)),
+            ),
         ];
         Unresolved::among(numbers, Remedy::SmallerCells)
     }

@@ -23,5 +23,6 @@ mod punch_error;
 mod reference;
 mod separations;
 mod slivers;
+mod surface_estimates;
 mod surfaces;
 mod truth;

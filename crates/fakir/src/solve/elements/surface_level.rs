@@ -12,8 +12,8 @@ use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Point, S
 use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::limit::DOUBTFUL_CONTACT;
 use crate::state::{
-    Certificate, ErrorEstimate, Progress, Run, Shares, SolveError, Stage, SurfaceContact,
-    Termination, Warning,
+    Certificate, Progress, Run, Share, Shares, SolveError, Stage, SurfaceContact, Termination,
+    Warning,
 };
 use std::f64::consts::PI;
 
@@ -39,6 +39,10 @@ const GROWN: f64 = 1.25;
 /// Part of the indentation by which the lens may be below the surface at the border: contact
 /// conditions are met to less.
 const BORDER_TOLERANCE: f64 = 1e-6;
+
+/// Part of a cell that may be missing or too much at every side of a cell along the edge of a contact: under a sphere 0.64 cells along the radius of the
+/// disc, of which 0.14 are missing at the least and 0.47 too many at most (test of areas under a sphere).
+const EDGE: f64 = 0.25;
 
 /// Bytes for every cell of the surface: the heights, separation, start and the fields that are
 /// returned.
@@ -391,6 +395,41 @@ impl<'a> Level<'a> {
             .fold(0.0, f64::max)
     }
 
+    /// Area of the cells in contact, m^2.
+    pub(super) fn contact_area(&self) -> f64 {
+        self.loaded().count() as f64 * self.surface.grid().cell_area()
+    }
+
+    /// What the floor carries, if it is known which part of the surface that is.
+    pub(super) fn on_floor(&self) -> Share {
+        let shares = self.system.floor().map(|floor| self.shares(floor));
+        shares.unwrap_or_default().floor
+    }
+
+    /// Part of the contact area that is uncertain along its edge, where cells count whole or not at all: [`EDGE`] of a cell for every side
+    /// that a cell in contact shares with one that is not.
+    pub(super) fn part_along_edge(&self) -> f64 {
+        let grid = self.surface.grid();
+        let (columns, rows) = (grid.columns(), grid.rows());
+        let goes_on = self.system.boundary() == Boundary::Periodic;
+        let is_loaded = |column: usize, row: usize| self.pressure[row * columns + column] > 0.0;
+        // Whether the edge is between a cell and the next one in a direction in which there are so many.
+        let next = |place: usize, count: usize| match place + 1 {
+            next if next < count => Some(next),
+            _ => goes_on.then_some(0),
+        };
+        let sides = (0..grid.cell_count()).map(|cell| {
+            let (column, row) = (cell % columns, cell / columns);
+            let here = is_loaded(column, row);
+            let right = next(column, columns).is_some_and(|next| is_loaded(next, row) != here);
+            let above = next(row, rows).is_some_and(|next| is_loaded(column, next) != here);
+            usize::from(right) + usize::from(above)
+        });
+        let sides: usize = sides.sum();
+        let loaded = self.loaded().count().max(1);
+        EDGE * sides as f64 / loaded as f64
+    }
+
     /// Raises the indentation until the gap to the floor that was taken away is closed.
     pub(super) fn close_floor(&mut self) -> Result<Pressed, SolveError> {
         let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
@@ -536,12 +575,8 @@ impl<'a> Level<'a> {
         lowest.is_finite().then_some((lowest, point))
     }
 
-    /// The fields on the whole grid.
-    pub(super) fn finish(
-        mut self,
-        pressed: &Pressed,
-        error: Option<ErrorEstimate>,
-    ) -> Result<SurfaceContact, SolveError> {
+    /// The fields on the whole grid; errors are estimated by others.
+    pub(super) fn finish(mut self, pressed: &Pressed) -> Result<SurfaceContact, SolveError> {
         self.active = ActiveCells::default();
         self.floor_cells = None;
         let displacement = self.displacement()?;
@@ -559,7 +594,7 @@ impl<'a> Level<'a> {
             grid,
             indentation: pressed.indentation,
             force: pressed.force,
-            contact_area: self.loaded().count() as f64 * grid.cell_area(),
+            contact_area: self.contact_area(),
             contact_radius: match self.system.indenter() {
                 Indenter::Lens(_) => Some(self.contact_radius()),
                 Indenter::Flat(_) => None,
@@ -570,7 +605,9 @@ impl<'a> Level<'a> {
             displacement,
             gap,
             certificate: pressed.certificate,
-            error,
+            error: None,
+            area_error: None,
+            floor_error: None,
             termination: pressed.termination,
             products: self.products,
             pressure: self.pressure,

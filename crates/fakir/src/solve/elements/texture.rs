@@ -15,7 +15,7 @@ use std::collections::HashMap;
 
 /// The contact on so many cells across a pillar, on a grid that holds all within `reach` (m) of the lens axis.
 ///
-/// Single pillars and fields are not handed out. The error of the floor's share and area is not known from one mesh.
+/// Single pillars and fields are not returned.
 ///
 /// # Errors
 /// As [`SurfaceSystem::press`].
@@ -186,10 +186,10 @@ fn state(
             .centres()
             .map(distance_to_rim)
             .fold(f64::INFINITY, f64::min),
-        error: FloorErrors {
+        error: contact.floor_error.unwrap_or(FloorErrors {
             share: f64::INFINITY,
             area: f64::INFINITY,
-        },
+        }),
         energy_bound: contact.certificate.energy_bound,
         pressure: on_floor
             .indices()
