@@ -315,34 +315,42 @@ fn provenance(case: &SurfaceCase, question: &str) -> Provenance {
 }
 
 fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
-    let error = contact.error.unwrap_or(fakir::state::ErrorEstimate {
-        force: f64::NAN,
-        indentation: f64::NAN,
-    });
+    let error = contact.error;
     let rows = [
-        ("force", contact.force, Dimension::Force, error.force),
+        (
+            "force",
+            contact.force,
+            Dimension::Force,
+            error.map(|error| error.force),
+        ),
         (
             "indentation",
             contact.indentation,
             Dimension::Length,
-            error.indentation,
+            error.map(|error| error.indentation),
         ),
     ];
     for (name, value, dimension, error) in rows {
-        let (known, remark) = if error.is_nan() {
-            (AREA_DIGITS, "error not estimated: too few cells".to_owned())
-        } else if error > 0.0 {
+        let (digits, remark) = as_known(error, DIGITS);
+        list.quantity(name, value, dimension, digits, remark);
+    }
+}
+
+/// The digits of a number that its estimated error leaves, at most so many, and a remark about that error.
+fn as_known(error: Option<f64>, most: usize) -> (usize, String) {
+    match error {
+        None => (AREA_DIGITS, "error not estimated: too few cells".to_owned()),
+        Some(error) if error > 0.0 => {
             let remark = format!("estimated error {}", significant(error, 1));
-            (digits(error), remark)
-        } else {
-            (DIGITS, String::new())
-        };
-        list.quantity(name, value, dimension, known, remark);
+            (digits(error).min(most), remark)
+        }
+        Some(_) => (most, String::new()),
     }
 }
 
 fn add_area(list: &mut QuantityList, contact: &SurfaceContact) {
-    list.area("contact area", contact.contact_area, AREA_DIGITS, "");
+    let (digits, remark) = as_known(contact.area_error, AREA_DIGITS);
+    list.area("contact area", contact.contact_area, digits, &remark);
     if let Some(radius) = contact.contact_radius {
         let error = contact.relative_contact_radius_error().unwrap_or(0.0);
         list.radius("contact radius", radius, error, String::new());

@@ -487,6 +487,10 @@ fn a_study_of_surfaces_is_swept() {
             "relative_error_estimate_force",
             "/relative_error_estimate/force",
         ),
+        (
+            "relative_error_estimate_contact_area",
+            "/relative_error_estimate/contact_area",
+        ),
         ("iterations", "/iterations"),
     ] {
         let found: f64 = value(name).parse().expect("a number");

@@ -117,6 +117,11 @@ fn solution() -> Vec<Named<SurfaceContact>> {
             "estimated relative error of the contact radius: a cell from corner to corner",
             SurfaceContact::relative_contact_radius_error,
         ),
+        Named::number_if_any(
+            "relative_error_estimate.contact_area",
+            "estimated relative error of the contact area, at least a part of the cells along its edge",
+            |it: &SurfaceContact| it.area_error,
+        ),
     ];
     rows.extend(ending());
     rows.push(Named::count(

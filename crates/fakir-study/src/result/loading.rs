@@ -92,6 +92,8 @@ pub struct SurfaceLoadingRow {
     pub force_error_estimate: Option<f64>,
     /// Estimated relative error of the contact radius.
     pub contact_radius_error_estimate: Option<f64>,
+    /// Estimated relative error of the contact area; none on too few cells.
+    pub contact_area_error_estimate: Option<f64>,
     /// Whether it is the critical state.
     pub critical: bool,
     /// Whether it is past that; none where it is not known what the floor is.
@@ -119,6 +121,7 @@ impl SurfaceLoadingRow {
             floor_contact_area_m2: floor.map(|share| share.area),
             force_error_estimate: contact.error.map(|error| error.force),
             contact_radius_error_estimate: contact.relative_contact_radius_error(),
+            contact_area_error_estimate: contact.area_error,
             critical,
             beyond_transition,
             converged: contact.is_answer(),

@@ -187,6 +187,8 @@ pub struct MeshRow {
     pub indentation_error_estimate: Option<f64>,
     /// Estimated relative error of the contact radius.
     pub contact_radius_error_estimate: Option<f64>,
+    /// Estimated relative error of the contact area; none on too few cells.
+    pub contact_area_error_estimate: Option<f64>,
     /// Whether the numbers are the solution.
     pub converged: bool,
     /// Steps of the solver.
@@ -260,6 +262,7 @@ impl MeshRow {
             force_error_estimate: contact.error.map(|error| error.force),
             indentation_error_estimate: contact.error.map(|error| error.indentation),
             contact_radius_error_estimate: contact.relative_contact_radius_error(),
+            contact_area_error_estimate: contact.area_error,
             converged: contact.converged(),
             iterations: contact.products,
         }

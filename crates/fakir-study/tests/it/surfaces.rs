@@ -61,7 +61,7 @@ fn rows_are_those_of_single_cases_on_any_threads() {
                    tops_contact_area_m2,floor_force_N,floor_contact_area_m2,grid_columns,grid_rows,\
                    grid_cell_x_m,grid_cell_y_m,energy_bound,relative_error_estimate_force,\
                    relative_error_estimate_indentation,relative_error_estimate_contact_radius,\
-                   iterations,converged,problem";
+                   relative_error_estimate_contact_area,iterations,converged,problem";
     assert_eq!(table.to_csv().lines().next(), Some(heading));
     let force = numbers(&table, "force_N");
     let (tops, floor) = (
