@@ -52,6 +52,8 @@ class ErrorEstimate(NamedTuple):
     """Relative error of the contact radius, of a critical state the larger one; None under a plate."""
     top_contact_radius: float | None = None
     """Relative error of the radius of the contact on the pillar tops; only critical states have it."""
+    contact_area: float | None = None
+    """Relative error of the contact area; only contacts with general surfaces have it."""
 
 
 class Limit(NamedTuple):

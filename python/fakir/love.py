@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _fakir
 from ._bodies import Lens, Substrate, refuse_layers
-from ._format import Row, engineering, html_table, text_table
+from ._format import Row, engineering, html_table, remark, text_table
 from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
 from ._settings import Overrides, load, load_or_critical, settings
@@ -395,10 +395,12 @@ class SurfaceContact:
         return xarray.Dataset(variables, coordinates, attributes)
 
     def _rows(self) -> list[Row]:
+        error = self.error
+        of_area = "" if error is None else remark(error.contact_area or 0.0)
         rows = [
             ("force", engineering(self.force, "N")),
             ("indentation", engineering(self.indentation, "m")),
-            ("contact area", f"{self.contact_area * 1e12:.5g} µm²"),
+            ("contact area", f"{self.contact_area * 1e12:.5g} µm²{of_area}"),
             ("mean pressure", engineering(self.mean_pressure, "Pa", 5)),
         ]
         for name in ["tops", "floor"]:
@@ -406,7 +408,6 @@ class SurfaceContact:
             if share is not None:
                 force, area = engineering(share["force_N"], "N"), share["contact_area_m2"] * 1e12
                 rows.append((f"  on the {name}", f"{force} on {area:.5g} µm²"))
-        error = self.error
         if error is not None:
             rows.append(("estimated error", f"{max(error.force, error.indentation):.0e}"))
         return [*rows, ("solution", f"Love elements, {self.termination}")]

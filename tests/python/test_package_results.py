@@ -250,6 +250,9 @@ def test_height_maps():
     modulus = 2e6 / 1.5
     hertz = 4 / 3 * modulus * np.sqrt(1e-3) * 0.5e-6**1.5
     assert contact.force == pytest.approx(hertz, rel=2e-3)
+    error = contact.error.contact_area
+    assert error < 0.2 and contact.contact_area == pytest.approx(np.pi * 1e-3 * 0.5e-6, rel=error)
+    assert "estimated error" in repr(contact)
     assert contact.pressure_map.sum() * 1e-12 == pytest.approx(contact.force, rel=1e-9)
     # A topography is [x, y]; here a ridge along y, in um, as wide as the lens reaches.
     heights = np.zeros((96, 112))
