@@ -1,4 +1,4 @@
-//! Where pillars stand, and how they differ.
+//! Where pillars are, and how they differ.
 
 use super::lattice::{HALF_SQRT_3, HexagonalLattice};
 use super::point::{Point, turned};
@@ -8,9 +8,9 @@ use crate::numerics::neighbours::Neighbours;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Where pillars stand, seen from the lens axis, and how they differ from the common pillar.
+/// Where pillars are, seen from the lens axis, and how they differ from the common pillar.
 ///
-/// A [`System`](super::System) takes all of them but those at random, a [`Pattern`](super::pattern::Pattern) of a height map all but those of a list.
+/// A [`System`](super::System) accepts lattices and lists, a [`Pattern`](super::pattern::Pattern) on a height map lattices and places at random.
 ///
 /// ```
 /// use fakir::problem::{Arrangement, Disorder, LatticeForm, PlaneLattice, Scatter};
@@ -84,7 +84,7 @@ impl Arrangement {
         }
     }
 
-    /// How the pillars of a lattice, or those at random, differ; not at all those of a list, which says itself how each is made.
+    /// The disorder of a lattice, or of pillars at random. A list has none: it contains the height and the diameter of every pillar.
     #[must_use]
     pub fn disorder(&self) -> Disorder {
         match self {
@@ -135,8 +135,8 @@ impl Arrangement {
         }
     }
 
-    /// Centre of the pillar of an index, m from the lens axis; none where there is no pillar, and of pillars at random, which are placed when they are
-    /// drawn.
+    /// Centre of the pillar of an index, m from the lens axis; none where there is no pillar. Pillars at random are placed when they are drawn, and
+    /// have none before.
     #[must_use]
     pub fn centre(&self, index: (i64, i64)) -> Option<Point> {
         match self {
@@ -543,7 +543,7 @@ pub struct RandomPlaces {
     pub cell_area: f64,
     /// Smallest distance between centres, m.
     pub minimum_distance: f64,
-    /// How the pillars differ. The seed of their heights also decides where they stand.
+    /// How the pillars differ. The seed of their heights also decides where they are.
     pub disorder: Disorder,
 }
 

@@ -27,7 +27,7 @@ pub enum Prescribed {
 }
 
 impl Load {
-    /// The load of an indentation (m) or else of a force (N), if either is given: what command lines, forms and tables of arguments have.
+    /// The load of an indentation (m) or else of a force (N), if either is given, such as by the arguments of a command.
     #[must_use]
     pub fn given(indentation: Option<f64>, force: Option<f64>) -> Option<Self> {
         indentation
@@ -35,7 +35,7 @@ impl Load {
             .or(force.map(Self::Force))
     }
 
-    /// The load with another number, such as that in other units: one that follows from an indentation, or from a force.
+    /// The same load with another value, such as the value in other units.
     #[must_use]
     pub fn map(self, indentation: impl FnOnce(f64) -> f64, force: impl FnOnce(f64) -> f64) -> Self {
         match self {

@@ -321,10 +321,10 @@ impl fmt::Display for Requirement {
                 "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"
             ),
             Self::OfPlaced => f.write_str(
-                "that of a lattice or a list: pillars at random are those of a pattern on a height map",
+                "that of a lattice or a list: only a pattern on a height map has pillars at random",
             ),
             Self::OfNormalLaw => f.write_str(
-                "that of a normal law: heights of a uniform law are those of a pattern on a height map",
+                "that of a normal law: only a pattern on a height map has heights of a uniform law",
             ),
             Self::BelowLensRadius(radius) => {
                 write!(f, "greater than 0 and below the lens radius, {radius:e} m")

@@ -77,7 +77,7 @@ impl Scatter {
     }
 }
 
-/// How the pillars of an arrangement differ: each is there or missing, and has its height, independent of the others and the same for the same seed.
+/// How the pillars of an arrangement differ: each is present or missing and has its own height, independent of the others and the same for the same seed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disorder {
     /// The scatter of the heights. Its seed also decides which pillars are missing.
@@ -213,7 +213,7 @@ mod tests {
         assert!((mean - 1.0).abs() < 4.0 * 0.05 / count.sqrt());
         assert!((variance.sqrt() / 0.05 - 1.0).abs() < 4.0 / (2.0 * count).sqrt() + 1e-3);
         assert!(heights.iter().all(|h| (h - 1.0).abs() <= 0.2));
-        // Neighbours know nothing of each other.
+        // Neighbours are independent.
         let row: Vec<f64> = (0..10_000)
             .filter_map(|i| {
                 Disorder {

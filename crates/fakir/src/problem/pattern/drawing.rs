@@ -38,7 +38,7 @@ use std::f64::consts::PI;
 pub struct Pattern {
     /// One pillar.
     pub pillar: PillarShape,
-    /// Where they stand, on a lattice or at random, and how their heights differ.
+    /// Where they are, on a lattice or at random, and how their heights differ.
     pub arrangement: Arrangement,
 }
 
