@@ -1285,7 +1285,7 @@ mod tests {
     #[test]
     fn a_contact_that_is_not_resolved_is_no_answer() {
         let case = paper(0.01).case().unwrap();
-        let load = Control::Indentation(1e-6);
+        let load = Load::Indentation(1e-6);
         let mut contact = fakir::press(&case.system, load, case.method, &Run::default()).unwrap();
         assert!(Reached::Pressed(contact.clone()).is_answer());
         contact.error.force = 0.6;
