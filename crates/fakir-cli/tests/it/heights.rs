@@ -421,7 +421,7 @@ fn every_other_command_refuses_rounded_tops() {
         (&["--gradient"][..], "--gradient is for flat pillar tops"),
         (
             &["--attraction-range", "5nm"],
-            "rounded ones (texture.top_radius) do not",
+            "--attraction-range is for tops that stick",
         ),
         (
             &["--output", "x", "--field-points", "9"],

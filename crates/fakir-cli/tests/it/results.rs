@@ -33,6 +33,7 @@ fn keys_of_transition_are_the_contract() {
     let result = Bench::new().json(&["transition", &intermediate(), "--set", "method.name=punch"]);
     let mut contract = [
         "method",
+        "lens_shape",
         "regime",
         "surface_fraction",
         "pitch_m",
@@ -55,9 +56,11 @@ fn keys_of_transition_are_the_contract() {
         "relative_error_estimate.top_contact_radius",
         "limits",
         "converged",
+        "unresolved",
         "iterations",
         "wall_time_s",
         "fakir_version",
+        "schema_version",
     ];
     contract.sort_unstable();
     assert_eq!(keys(&result), contract);
@@ -69,9 +72,11 @@ fn keys_of_press_are_the_contract() {
     let result = Bench::new().json(&["press", &intermediate(), "--force", "20 uN"]);
     let mut contract = [
         "method",
+        "lens_shape",
         "force_N",
         "indentation_m",
         "contact_radius_m",
+        "top_contact_radius_m",
         "pillars_in_contact",
         "pillars_partially_in_contact",
         "smallest_floor_gap_m",
@@ -83,9 +88,11 @@ fn keys_of_press_are_the_contract() {
         "relative_error_estimate.contact_radius",
         "limits",
         "converged",
+        "unresolved",
         "iterations",
         "wall_time_s",
         "fakir_version",
+        "schema_version",
     ];
     contract.sort_unstable();
     assert_eq!(keys(&result), contract);

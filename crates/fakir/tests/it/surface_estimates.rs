@@ -1,10 +1,10 @@
 //! Error estimates of contacts with height maps: whether they cover the differences from closed forms, finer cells and another method.
 
 use crate::common::{INTERMEDIATE, paper_system};
-use fakir::problem::pattern::{Arrangement, Pattern, PillarShape, Top};
+use fakir::problem::pattern::{Pattern, PillarShape, Top};
 use fakir::problem::{
-    Accuracy, Boundary, FloorModel, Grid, HeightMap, HexagonalLattice, Indenter, Lens, Load,
-    Material, Method, PillarCompliance, SurfaceSystem,
+    Accuracy, Boundary, FloorModel, Grid, HeightMap, HexagonalLattice, Indenter, LatticeForm, Lens,
+    Load, Material, Method, PillarCompliance, PlaneLattice, SurfaceSystem,
 };
 use fakir::state::{Run, SurfaceContact};
 use std::f64::consts::PI;
@@ -76,11 +76,8 @@ fn areas_on_chamfers_are_within_their_errors() {
             top,
             ..PillarShape::cylinder(DIAMETER, 1.0e-6)
         };
-        let place = Arrangement::Square {
-            pitch: 40.0e-6,
-            offset: [0.0, 0.0],
-        };
-        let pattern = Pattern::new(pillar, place);
+        let lattice = PlaneLattice::new(LatticeForm::Square { pitch: 40.0e-6 });
+        let pattern = Pattern::new(pillar, lattice);
         let indentation = drawn.within(20e-9, 80e-9);
         let on_cells = |across: usize| {
             // As many as an estimate takes.
@@ -124,7 +121,7 @@ fn check_circles(count: usize, seed: u64) {
         let cells = (((reach + 0.5 * pitch + 3.0e-6) / 6.0e-6 * across as f64).ceil() as usize) * 2;
         let grid = Grid::centred(cells.max(64), cells.max(64), 6.0e-6 / across as f64);
         let pillar = PillarShape::cylinder(6.0e-6, 2.2e-6);
-        let pattern = Pattern::new(pillar, Arrangement::Hexagonal(lattice));
+        let pattern = Pattern::new(pillar, lattice);
         let substrate = *system.substrate();
         let surface = pattern
             .height_map(&grid.expect("a grid"), &substrate)
