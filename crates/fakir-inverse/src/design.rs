@@ -379,7 +379,7 @@ pub enum DesignError {
     #[error(transparent)]
     Case(#[from] CaseError),
     /// No contact could be computed.
-    #[error(transparent)]
+    #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
     /// A key that cannot be sought.
     #[error("{} cannot be sought: give one of {}", .0.path(), free_names())]

@@ -157,7 +157,7 @@ pub enum SpreadError {
     #[error(transparent)]
     Case(#[from] CaseError),
     /// The computation was stopped.
-    #[error(transparent)]
+    #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
     /// A key that is no number of the case.
     #[error("{} has no tolerance: it must be a number that the case file gives", .0.path())]

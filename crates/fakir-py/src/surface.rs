@@ -384,7 +384,7 @@ impl Surface {
             answer: &found,
         };
         Ok(SurfaceTransition {
-            summary: json(&result::surface_transition(answer, wall_time)),
+            summary: json(&result::surface_transition(&answer, wall_time)),
             regime: found.regime.name(),
             floor_contact: found.floor_contact,
             contact: Py::new(py, self.contact(found.contact, wall_time))?,
@@ -397,7 +397,7 @@ impl Surface {
             answer: &contact,
         };
         SurfaceContact {
-            summary: json(&result::surface_press(answer, wall_time)),
+            summary: json(&result::surface_press(&answer, wall_time)),
             contact,
         }
     }

@@ -28,7 +28,7 @@ pub enum Answer {
     /// A contact under a load, the critical state, or a cycle.
     Numbers(Record),
     /// How a floor that sticks collapses and lets go.
-    Collapse(Collapsed),
+    Collapse(Box<Collapsed>),
 }
 
 /// Which numbers a study asks for; none of a collapse.

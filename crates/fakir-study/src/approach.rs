@@ -87,7 +87,7 @@ impl LoadingPath {
 #[non_exhaustive]
 pub enum ApproachError {
     /// A contact that cannot be computed.
-    #[error(transparent)]
+    #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
     /// A loading up to the critical state of a surface of which nobody knows what is floor.
     #[error(

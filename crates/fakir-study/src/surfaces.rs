@@ -67,7 +67,7 @@ pub enum SurfaceError {
     #[error(transparent)]
     Case(#[from] CaseError),
     /// A contact that cannot be computed.
-    #[error(transparent)]
+    #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
 }
 
@@ -112,7 +112,7 @@ pub enum SurfaceVerifyError {
     #[error(transparent)]
     Case(#[from] CaseError),
     /// A contact that cannot be computed.
-    #[error(transparent)]
+    #[error("{}", fakir_case::with_keys(.0))]
     Surface(#[from] SolveError),
     /// A height map, which is known on its own cells only.
     #[error(

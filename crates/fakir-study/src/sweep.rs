@@ -262,7 +262,7 @@ impl<'a> SharedSweep<'a> {
                 let (collapsed, termination) = collapse(&texture.system, texture.method, &run)?;
                 let problem = (termination != Termination::Converged)
                     .then(|| termination.description().to_owned());
-                return Ok((Answer::Collapse(collapsed), problem));
+                return Ok((Answer::Collapse(Box::new(collapsed)), problem));
             }
             (StudiedCase::Surface(_), Question::Cycle(_) | Question::Collapse) => {
                 unreachable!("studies refuse adhesion on general surfaces")

@@ -231,7 +231,7 @@ fn loss_columns<T>(of: &mut Answers<'_, T>, lost: impl Fn(&T) -> Option<FloorLos
 
 fn collapse_columns(rows: &[Row], columns: &mut Vec<Column>) {
     let mut of: Answers<'_, Collapsed> = Answers::of(rows, columns, |answer| match answer {
-        Answer::Collapse(collapsed) => Some(collapsed),
+        Answer::Collapse(collapsed) => Some(&**collapsed),
         _ => None,
     });
     of.word("method", |it| it.method.clone());

@@ -55,7 +55,7 @@ pub(crate) fn pressed(
         list.text()
     );
     Report {
-        json: json(&surface_press(answer, wall_time)),
+        json: json(&surface_press(&answer, wall_time)),
         text,
         ..report(case, &control_words(control), contact, None, maps)
     }
@@ -104,7 +104,7 @@ pub(crate) fn reached(
         list.text()
     );
     Report {
-        json: json(&surface_transition(answer, wall_time)),
+        json: json(&surface_transition(&answer, wall_time)),
         text,
         ..report(case, "critical state", contact, Some([x, y]), maps)
     }

@@ -17,7 +17,7 @@ pub enum FitError {
     #[error(transparent)]
     Data(#[from] DataError),
     /// No contact could be computed.
-    #[error(transparent)]
+    #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
     /// Nothing to be fitted.
     #[error("nothing is free: give one or more of {}", parameter_names())]

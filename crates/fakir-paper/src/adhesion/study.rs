@@ -444,7 +444,7 @@ pub fn floor_cases(study: &Study, rows: &[Row]) -> Vec<FloorCase> {
             height: value(study, row, Key::PillarHeight, pillar.height),
             diameter: value(study, row, Key::PillarDiameter, pillar.diameter),
             lens_radius: value(study, row, Key::LensRadius, lens),
-            found: found.clone(),
+            found: (**found).clone(),
             cells: None,
         }),
         _ => None,

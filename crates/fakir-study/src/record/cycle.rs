@@ -3,7 +3,7 @@
 use super::contact::ending;
 use super::named::{Kind, Named, Recorded};
 use fakir::problem::Method;
-use fakir::state::{Critical, Cycle, CycleError, CycleStation, HeldFloor};
+use fakir::state::{Critical, Cycle, CycleError, CycleStation, FloorResolution, HeldFloor};
 use fakir::theory::adhesion::kendall_pull_off;
 
 /// The errors of one figure, which a cycle may not have.
@@ -248,7 +248,7 @@ fn stuck_floor() -> [Named<Cycle>; 10] {
         Named::flag(
             "floor_is_coarse",
             "whether the cells of an adhesive floor are so coarse that its results are orders of magnitude",
-            |it: &Cycle| it.floor.is_some_and(|floor| floor.is_coarse()),
+            |it: &Cycle| it.floor.is_some_and(FloorResolution::is_coarse),
         ),
         Named::number_if_any(
             "jump_force_N",

@@ -86,11 +86,18 @@ fn of_kind(kind: Kind) -> Value {
     let sometimes = [
         ("gradient", json!({"type": "object"})),
         ("floor", json!({"type": "object"})),
-        ("case_warnings", words),
+        ("case_warnings", words.clone()),
     ];
     let limits =
         (kind != Kind::RoundedPress).then(|| ("limits", json!({"type": "array", "items": limit})));
-    let required = limits.into_iter().chain(always);
+    let rows = json!({"type": "array", "items": {"type": "object"}});
+    let of_cycle = [
+        ("stations", rows.clone()),
+        ("events", rows),
+        ("warnings", words.clone()),
+    ];
+    let of_cycle = of_cycle.into_iter().filter(|_| kind == Kind::Cycle);
+    let required = limits.into_iter().chain(of_cycle).chain(always);
     for (name, value) in required {
         if let Some(names) = object["required"].as_array_mut() {
             names.push(name.into());

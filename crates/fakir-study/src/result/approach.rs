@@ -67,7 +67,7 @@ impl SurfaceApproachSummary {
                     system,
                     answer: critical,
                 };
-                surface_transition(answer, found.critical_time)
+                surface_transition(&answer, found.critical_time)
             }),
             states: found.rows.clone(),
             converged: found.converged,

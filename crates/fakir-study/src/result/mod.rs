@@ -144,16 +144,16 @@ pub fn transition(
 
 /// A contact with a height map.
 #[must_use]
-pub fn surface_press(answer: SurfaceAnswer<'_, SurfaceContact>, wall_time: f64) -> Object {
-    Object::of(&answer)
+pub fn surface_press(answer: &SurfaceAnswer<'_, SurfaceContact>, wall_time: f64) -> Object {
+    Object::of(answer)
         .with_limits(answer.answer.limits(answer.system))
         .timed(wall_time)
 }
 
 /// The critical state with a height map.
 #[must_use]
-pub fn surface_transition(answer: SurfaceAnswer<'_, SurfaceTransition>, wall_time: f64) -> Object {
-    Object::of(&answer)
+pub fn surface_transition(answer: &SurfaceAnswer<'_, SurfaceTransition>, wall_time: f64) -> Object {
+    Object::of(answer)
         .with_limits(answer.answer.contact.limits(answer.system))
         .timed(wall_time)
 }
