@@ -305,6 +305,11 @@ def main(arguments):
         running = [processes.submit(run_page, *source, output, update) for source in wanted]
         for run in running:
             problems += run.result()
+    # What pages point at as it is.
+    for path in pages.rglob("*.json"):
+        target = output / path.relative_to(pages)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, target)
     for problem in problems:
         print(problem, file=sys.stderr)
     return 1 if problems else 0
