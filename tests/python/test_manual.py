@@ -198,7 +198,10 @@ def names(value):
 @pytest.mark.slow
 def test_every_name_of_a_result_is_in_the_reference(tmp_path):
     page = (BOOK / "pages" / "reference" / "results.md").read_text(encoding="utf-8")
-    listed = set(re.findall(r"`([^`]+)`", page))
+    printed = subprocess.run([FAKIR, "results"], check=True, capture_output=True, text=True).stdout
+    listed = set(re.findall(r"`([^`]+)`", page + printed))
+    # Objects and what is in them.
+    listed |= {name for path in listed for name in path.split(".")}
     found = set()
     for name, question in QUESTIONS.items():
         folder = tmp_path / name

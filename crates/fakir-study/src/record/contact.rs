@@ -191,6 +191,12 @@ fn floor() -> Vec<Named<ContactState>> {
             |it: &ContactState| it.floor.as_ref().map(FloorContact::cell),
         )
         .in_objects(),
+    ]
+}
+
+/// Errors of what the floor bears.
+fn floor_errors() -> [Named<ContactState>; 2] {
+    [
         Named::number_if_any(
             "floor.relative_error_estimate.share",
             "estimated relative error of the share",
@@ -231,6 +237,7 @@ impl Recorded for ContactState {
             "estimated relative error of the contact radius",
             Self::relative_whole_contact_radius_error,
         ));
+        rows.extend(floor_errors());
         rows.extend(ending());
         rows.push(iterations());
         rows

@@ -234,11 +234,6 @@ fn unloading() -> Vec<Named<Cycle>> {
             "relative difference of `dissipation_J` from `hysteresis_J`",
             Cycle::certificate,
         ),
-        Named::number(
-            "kendall_strain",
-            "tensile stress on a pillar at its detachment over the modulus of the substrate",
-            |it: &Cycle| it.system.kendall_strain(),
-        ),
     ]
 }
 
@@ -345,6 +340,11 @@ impl Recorded for Cycle {
         rows.extend(loading());
         rows.extend(unloading());
         rows.extend(stuck_floor());
+        rows.push(Named::number(
+            "kendall_strain",
+            "tensile stress on a pillar at its detachment over the modulus of the substrate",
+            |it: &Cycle| it.system.kendall_strain(),
+        ));
         rows.extend(errors!("critical_force", |it| {
             it.critical.as_ref().map(|_| it.errors.critical_force)
         }));

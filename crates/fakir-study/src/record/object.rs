@@ -42,11 +42,9 @@ impl Object {
         Self::tree(&pairs)
     }
 
-    /// Values by what is left of their paths; those of one object follow each other.
+    /// Values by what is left of their paths.
     fn tree(pairs: &[(&str, &Entry, &Value)]) -> Self {
-        let first = |path: &str| path.split('.').next().map(str::to_owned);
-        let groups = pairs.chunk_by(|(one, ..), (other, ..)| first(one) == first(other));
-        let node = |group: &[(&str, &Entry, &Value)]| {
+        let node = |group: Vec<(&str, &Entry, &Value)>| {
             let inner: Vec<(&str, &Entry, &Value)> = group
                 .iter()
                 .filter_map(|(path, entry, value)| Some((path.split_once('.')?.1, *entry, *value)))
@@ -54,17 +52,16 @@ impl Object {
             let missing = |(path, entry, value): &(&str, &Entry, &Value)| {
                 entry.decides && !path.contains('.') && **value == Value::None
             };
-            let (path, _, value) = group[0];
-            let node = if inner.is_empty() {
-                Node::Leaf(value.json())
+            if inner.is_empty() {
+                Node::Leaf(group[0].2.json())
             } else if inner.iter().any(missing) {
                 Node::Leaf(Json::Null)
             } else {
                 Node::Group(Self::tree(&inner))
-            };
-            (first(path).unwrap_or_default(), node)
+            }
         };
-        Self(groups.map(node).collect())
+        let groups = groups(pairs, |(path, ..)| path).into_iter();
+        Self(groups.map(|(name, group)| (name, node(group))).collect())
     }
 
     fn with(mut self, name: &str, node: Node) -> Self {
@@ -94,6 +91,22 @@ impl Object {
             .with("fakir_version", Node::Leaf(VERSION.into()))
             .with("schema_version", Node::Leaf(SCHEMA_VERSION.into()))
     }
+}
+
+/// Items by the first name of their path, in the order in which the names come first.
+pub(super) fn groups<'a, T: Copy>(
+    items: &[T],
+    path: impl Fn(&T) -> &'a str,
+) -> Vec<(String, Vec<T>)> {
+    let mut groups: Vec<(String, Vec<T>)> = Vec::new();
+    for item in items {
+        let name = path(item).split('.').next().unwrap_or_default();
+        match groups.iter_mut().find(|(known, _)| known == name) {
+            Some((_, group)) => group.push(*item),
+            None => groups.push((name.to_owned(), vec![*item])),
+        }
+    }
+    groups
 }
 
 impl Serialize for Object {

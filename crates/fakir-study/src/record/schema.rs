@@ -1,6 +1,7 @@
 //! What results are made of, for readers and for programs: the tables of the manual, and a JSON Schema.
 
 use super::named::{Entry, Kind, SCHEMA_VERSION, Type};
+use super::object::groups;
 use serde_json::{Map, Value, json};
 
 /// The names of all numbers of contacts, as Markdown: a table for each kind of answer.
@@ -114,16 +115,14 @@ fn of_kind(kind: Kind) -> Value {
 
 /// An object of values by what is left of their paths.
 fn of_group(entries: &[(&str, &Entry)]) -> Value {
-    let first = |path: &str| path.split('.').next().map(str::to_owned);
     let mut properties = Map::new();
-    for group in entries.chunk_by(|(one, _), (other, _)| first(one) == first(other)) {
+    for (name, group) in groups(entries, |(path, _)| path) {
         let inner: Vec<(&str, &Entry)> = group
             .iter()
             .filter_map(|(path, entry)| Some((path.split_once('.')?.1, *entry)))
             .collect();
-        let (path, entry) = group[0];
         let value = if inner.is_empty() {
-            of_entry(entry)
+            of_entry(group[0].1)
         } else {
             let mut object = of_group(&inner);
             let may_be_missing = inner
@@ -134,7 +133,7 @@ fn of_group(entries: &[(&str, &Entry)]) -> Value {
             }
             object
         };
-        properties.insert(first(path).unwrap_or_default(), value);
+        properties.insert(name, value);
     }
     let required: Vec<&String> = properties.keys().collect();
     json!({

@@ -83,24 +83,6 @@ fn solution() -> Vec<Named<SurfaceContact>> {
     let error =
         |of: fn(&ErrorEstimate) -> f64| move |it: &SurfaceContact| it.error.as_ref().map(of);
     let mut rows = vec![
-        Named::number(
-            "certificate.energy_bound",
-            "upper bound of the energy error of the solution on its cells, over the elastic energy",
-            |it: &SurfaceContact| it.certificate.energy_bound,
-        )
-        .column("energy_bound"),
-        Named::number(
-            "certificate.interpenetration_m",
-            "deepest interpenetration anywhere",
-            |it: &SurfaceContact| it.certificate.interpenetration,
-        )
-        .in_objects(),
-        Named::number(
-            "certificate.gap_under_pressure_m",
-            "largest gap of a cell that bears pressure",
-            |it: &SurfaceContact| it.certificate.gap_under_pressure,
-        )
-        .in_objects(),
         Named::number_if_any(
             "relative_error_estimate.force",
             "estimated relative error of the force; the whole object is `null` on too few cells",
@@ -122,6 +104,24 @@ fn solution() -> Vec<Named<SurfaceContact>> {
             "estimated relative error of the contact area, at least a part of the cells along its edge",
             |it: &SurfaceContact| it.area_error,
         ),
+        Named::number(
+            "certificate.energy_bound",
+            "upper bound of the energy error of the solution on its cells, over the elastic energy",
+            |it: &SurfaceContact| it.certificate.energy_bound,
+        )
+        .column("energy_bound"),
+        Named::number(
+            "certificate.interpenetration_m",
+            "deepest interpenetration anywhere",
+            |it: &SurfaceContact| it.certificate.interpenetration,
+        )
+        .in_objects(),
+        Named::number(
+            "certificate.gap_under_pressure_m",
+            "largest gap of a cell that bears pressure",
+            |it: &SurfaceContact| it.certificate.gap_under_pressure,
+        )
+        .in_objects(),
     ];
     rows.extend(ending());
     rows.push(Named::count(
@@ -159,8 +159,7 @@ impl Recorded for SurfaceAnswer<'_, SurfaceContact> {
                 .map(|row| row.of_part(|it: &Self| it.answer))
         };
         let [force, indentation, radius] = load();
-        let mut rows: Vec<Named<Self>> =
-            contact(vec![method(), force, indentation, area(), radius]).collect();
+        let mut rows: Vec<Named<Self>> = contact(vec![method(), force, indentation]).collect();
         rows.extend(contact(vec![
             Named::number_if_any(
                 "tops.force_N",
@@ -183,6 +182,7 @@ impl Recorded for SurfaceAnswer<'_, SurfaceContact> {
                 |it: &SurfaceContact| Some(it.shares?.floor.area),
             ),
         ]));
+        rows.extend(contact(vec![area(), radius]));
         rows.extend(question(|it: &SurfaceContact| &it.grid));
         rows.extend(contact(solution()));
         rows
@@ -201,9 +201,8 @@ impl Recorded for SurfaceAnswer<'_, SurfaceTransition> {
             critical_load().map(|row| row.of_part(|it: &Self| it.answer));
         let [_, _, radius] = load();
         let mut rows: Vec<Named<Self>> = contact(vec![method()]).collect();
-        rows.extend([regime, force, indentation]);
+        rows.extend([regime, force, indentation, older, floor]);
         rows.extend(contact(vec![area(), radius]));
-        rows.extend([older, floor]);
         rows.extend(question(|it: &SurfaceTransition| &it.contact.grid));
         rows.extend(contact(solution()));
         rows

@@ -57,11 +57,11 @@ fn rows_are_those_of_single_cases_on_any_threads() {
     let table = by(1);
     assert_eq!(table.to_csv(), by(2).to_csv());
     let heading = "case,surface.pillar.height_m,surface.surface_fraction,load.indentation_m,method,\
-                   force_N,indentation_m,contact_area_m2,contact_radius_m,tops_force_N,\
-                   tops_contact_area_m2,floor_force_N,floor_contact_area_m2,grid_columns,grid_rows,\
-                   grid_cell_x_m,grid_cell_y_m,energy_bound,relative_error_estimate_force,\
+                   force_N,indentation_m,tops_force_N,tops_contact_area_m2,floor_force_N,\
+                   floor_contact_area_m2,contact_area_m2,contact_radius_m,grid_columns,grid_rows,\
+                   grid_cell_x_m,grid_cell_y_m,relative_error_estimate_force,\
                    relative_error_estimate_indentation,relative_error_estimate_contact_radius,\
-                   relative_error_estimate_contact_area,iterations,converged,problem";
+                   relative_error_estimate_contact_area,energy_bound,iterations,converged,problem";
     assert_eq!(table.to_csv().lines().next(), Some(heading));
     let force = numbers(&table, "force_N");
     let (tops, floor) = (
