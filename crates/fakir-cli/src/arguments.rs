@@ -414,15 +414,17 @@ pub(crate) struct Cycle {
 
 impl Cycle {
     pub(crate) fn plan(&self) -> Result<CyclePlan, Failure> {
-        LoadingEnd::of(None, false, self.to, self.to_force)?;
-        let end = Load::given(self.to, self.to_force);
+        let turn = match LoadingEnd::of(None, false, self.to, self.to_force)? {
+            LoadingEnd::At(load) => load,
+            LoadingEnd::CriticalOr(indentation) => Load::Indentation(indentation),
+        };
         let drive = match (self.machine_stiffness, self.drive) {
             (Some(stiffness), _) => Drive::Machine(stiffness),
             (None, HeldLoad::Displacement) => Drive::Displacement,
             (None, HeldLoad::Force) => Drive::Force,
         };
         Ok(CyclePlan {
-            turn: end.unwrap_or(Load::FloorContact).into(),
+            turn: turn.into(),
             drive,
             retract: true,
         })

@@ -1,7 +1,8 @@
 //! Named numbers: a row of the record, and the values that it gives.
 
+use crate::exact;
 use fakir::problem::Point;
-use serde::de::{DeserializeOwned, Error};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
@@ -253,17 +254,13 @@ impl Type {
         ) -> Result<Value, serde_json::Error> {
             serde_json::from_value(json).map(value)
         }
-        match (self, json) {
-            (Self::Number, Json::String(word)) => word
-                .parse()
-                .map(Value::Number)
-                .map_err(|_| serde_json::Error::custom(format!("{word} is not a number"))),
-            (Self::Number, json) => read(json, Value::Number),
-            (Self::Count, json) => read(json, Value::Count),
-            (Self::Flag, json) => read(json, Value::Flag),
-            (Self::Word, json) => read(json, Value::Word),
-            (Self::Words, json) => read(json, Value::Words),
-            (Self::Point, json) => read(json, Value::Point),
+        match self {
+            Self::Number => exact::deserialize(json).map(Value::Number),
+            Self::Count => read(json, Value::Count),
+            Self::Flag => read(json, Value::Flag),
+            Self::Word => read(json, Value::Word),
+            Self::Words => read(json, Value::Words),
+            Self::Point => read(json, Value::Point),
         }
     }
 }

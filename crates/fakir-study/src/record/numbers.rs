@@ -2,6 +2,7 @@
 
 use super::named::{Kind, Recorded, Value};
 use super::object::Object;
+use crate::exact;
 use fakir::problem::Point;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -98,16 +99,16 @@ impl Record {
 /// In a journal: the kind, and every number that there is by its path. Numbers that are not finite, which JSON has not, are words.
 impl Serialize for Record {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let numbers: Map<String, Json> = std::iter::zip(self.kind.entries(), &self.values)
+        let json = |value: &Value| match value {
+            Value::Number(number) => exact::serialize(number, serde_json::value::Serializer),
+            _ => Ok(value.json()),
+        };
+        let pairs = std::iter::zip(self.kind.entries(), &self.values);
+        let numbers: Result<Map<String, Json>, _> = pairs
             .filter(|(_, value)| **value != Value::None)
-            .map(|(entry, value)| {
-                let json = match value {
-                    Value::Number(number) if !number.is_finite() => number.to_string().into(),
-                    _ => value.json(),
-                };
-                (entry.path.to_owned(), json)
-            })
+            .map(|(entry, value)| Ok((entry.path.to_owned(), json(value)?)))
             .collect();
+        let numbers = numbers.map_err(serde::ser::Error::custom::<serde_json::Error>)?;
         let kind = self.kind;
         Kept { kind, numbers }.serialize(serializer)
     }
