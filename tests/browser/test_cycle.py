@@ -85,7 +85,7 @@ def test_the_slider_goes_down_and_up_the_computed_path(explore, expected):
     assert words[-1] == "last release" and words.count("critical state") == 1
     assert all(word.startswith("loading, ") for word in words[1:turn])
     assert all(word.startswith("unloading, ") for word in words[turn + 1 : -1])
-    assert "nothing in contact" in page.text("load-numbers")
+    assert "no contact" in page.text("load-numbers")
     page.page.click("#to-pull-off")
     assert page.text("load-words") == "unloading, pull-off"
     assert page.page.get_attribute("#load", "aria-valuetext") == "unloading, pull-off"
@@ -159,12 +159,12 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
     error = expected["relative_error_estimate"]["pull_off_force"]
     assert error["model_fronts"] == 0.05
     model = error["model_fronts"] + error["model_columns"]
-    assert page.text("pull-off-error") == f"error 0.03, of the model {model:.1g}"
+    assert page.text("pull-off-error") == f"error 0.03, model error {model:.1g}"
     assert page.text("pull-off-held").startswith(f"{expected['pull_off_pillars_in_contact']} pillars")
     assert page.text("plain-critical").endswith("without adhesion")
     assert quantity(page.text("plain-critical")) > expected["critical_force_N"]
     note = page.page.locator("#cycle-numbers > .remark").text_content()
-    assert "model error, about 5 %" in note and "does not stick here" in re.sub(r"\s+", " ", note)
+    assert "model error, about 5 %" in note and "is not adhesive" in re.sub(r"\s+", " ", note)
     assert page.page.locator("#cycle-numbers .strained").count() == 0
     assert page.text("limit-kendall_strain").endswith("< 0.3")
     # On a soft substrate pillars are stretched beyond what the model knows.
@@ -185,12 +185,12 @@ def test_pulled_and_partial_pillars_are_on_the_map(explore):
     page.page.click("#to-pull-off")
     assert page.page.evaluate(PICTURE) != loaded
     assert page.page.evaluate(RED) > 20
-    all_pulled = re.search(r"(\d+) in contact, (\d+) in part, (\d+) pulled", page.text("load-numbers"))
+    all_pulled = re.search(r"(\d+) in contact, (\d+) partially, (\d+) in tension", page.text("load-numbers"))
     in_contact, in_part, pulled = map(int, all_pulled.groups())
     assert 0 < pulled <= in_contact and 0 < in_part
     label = page.page.get_attribute("#map", "aria-label")
-    assert f"{in_part} of them in part, {pulled} pulled" in label
-    # The note under the pointer says how much of a top is held.
+    assert f"{in_part} of them partially, {pulled} in tension" in label
+    # The note under the pointer says how much of a top is bonded.
     notes = page.page.evaluate(
         """() => {
             const map = document.getElementById("map");
@@ -206,7 +206,7 @@ def test_pulled_and_partial_pillars_are_on_the_map(explore):
             return [...found];
         }"""
     )
-    assert any(re.match(r"pillar −.*, \d.* % of its top held", note) for note in notes)
+    assert any(re.match(r"pillar −.*, \d.* % of its top bonded", note) for note in notes)
 
 
 def test_the_section_follows(explore):
@@ -261,7 +261,7 @@ def test_works_that_cannot_be_are_refused_at_their_field(explore):
     shown = page.text("pull-off-force")
     page.enter("adhesion.work", "-20 mJ/m2")
     assert page.text("adhesion-work-note").startswith("cannot be -20 mJ/m2: it must be 0, or")
-    assert "last good picture" in page.text("problem")
+    assert "last valid result" in page.text("problem")
     page.enter("adhesion.work", "50 mN/m")
     assert not page.page.is_visible("#problem")
     page.enter("adhesion.work_receding", "10 mJ/m2")

@@ -17,7 +17,7 @@ def test_starts_with_the_case_of_fakir_init(explore):
     assert page.results() == ["4.44813", "199", "15.1643"]
     assert page.text("force-unit") == "mN"
     assert page.text("regime").startswith("top first")
-    assert page.text("pillars") == "451 pillars in contact, 30 in part"
+    assert page.text("pillars") == "451 pillars in contact, 30 partially"
     assert "error" in page.text("force-remark")
     label = page.page.locator("#map").get_attribute("aria-label")
     assert label.startswith("Contact from above: 451 pillars in contact")
@@ -130,18 +130,18 @@ def test_sliders_change_the_result(explore):
     assert "surface_fraction" not in page.text("case-file").split("[texture]")[1].split("#")[0]
 
 
-def test_a_substrate_becomes_a_film_and_again_endless(explore):
+def test_a_substrate_becomes_a_film_and_again_infinite(explore):
     page = explore("#" + "&".join(paper(0.03)))
     before = page.results()
-    assert page.page.input_value("#substrate-thickness") == "endless"
+    assert page.page.input_value("#substrate-thickness") == "infinite"
     page.enter("substrate.thickness", "0.2 mm")
     assert page.results() != before
     assert 'thickness = "200 um"' in page.text("case-file")
     page.slide("lens-thickness-slider", 600)
-    assert page.page.input_value("#lens-thickness") != "endless"
+    assert page.page.input_value("#lens-thickness") != "infinite"
     page.slide("lens-thickness-slider", 1000)
-    assert page.page.input_value("#lens-thickness") == "endless"
-    page.enter("substrate.thickness", "endless")
+    assert page.page.input_value("#lens-thickness") == "infinite"
+    page.enter("substrate.thickness", "infinite")
     assert page.results() == before
     assert "thickness" not in page.text("case-file")
 
@@ -269,7 +269,7 @@ def test_an_error_is_at_its_field_and_the_picture_stays(explore):
     page.enter("texture.pillar.height", "5 mm")
     assert page.text("texture-pillar-height-note").startswith("cannot be 5 mm: it must be")
     assert page.page.get_attribute("#texture-pillar-height", "aria-invalid") == "true"
-    assert "last good picture" in page.text("problem")
+    assert "last valid result" in page.text("problem")
     assert page.results() == before
     page.enter("texture.pillar.height", "2.2 furlongs")
     assert "not a known unit" in page.text("texture-pillar-height-note")

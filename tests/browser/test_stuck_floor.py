@@ -54,7 +54,7 @@ def test_the_jump_and_the_loss_of_the_floor_are_told(explore, expected):
     told = re.match(
         r"Jump onto the floor at ζ = (.*?): (\d+) holes? filled, ([\d ]+) µm2 in contact \(error (.*?)\), "
         r"force from (.*?) to (.*?) \(error (.*?)\)\. "
-        r"Floor lost between ζ = (.*?) and (.*?) \(error (.*?)\), force from (.*?) to (.*?)\.$",
+        r"Floor detaches between ζ = (.*?) and (.*?) \(error (.*?)\), force from (.*?) to (.*?)\.$",
         words,
     )
     assert told, words
@@ -109,7 +109,7 @@ def test_the_slider_goes_through_the_jump_and_the_loss(explore, expected):
 def test_filled_holes_are_on_the_map_and_in_the_section(explore):
     page = explore(QUICK)
     label = "() => document.getElementById('map').getAttribute('aria-label')"
-    assert page.page.evaluate(label).endswith("the floor sticks, 6 holes filled")
+    assert page.page.evaluate(label).endswith("adhesive floor, 6 holes filled")
     assert page.page.is_visible("#floor-pull-key") and page.text("floor-pull-most").startswith("−")
     assert page.page.locator("#section path.floor-part").count() > 0
     on_floor = floor_pixels(page)
@@ -130,7 +130,7 @@ def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
     assert page.text("pillars") == plain.text("pillars")
     assert "55 in contact" in page.text("load-numbers")
     # Many cells, and enough of them across the rings round pillars.
-    assert "220\u202f000 cells" in page.text("cells-note") and "order of magnitude" not in page.text("cells-note")
+    assert "220\u202f000 cells" in page.text("cells-note") and "orders of magnitude" not in page.text("cells-note")
     assert page.page.evaluate("() => document.body.dataset.busy") == "yes"
     # It goes on, and the curve with it.
     stage = page.text("cycle-stage")
@@ -145,8 +145,8 @@ def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
     page.page.click("#call-off")
     page.rest()
     assert time.monotonic() - start < 1
-    assert page.text("cycle-stage") == page.text("status") == "called off"
-    assert page.text("load-words") == "critical state, the rest called off"
+    assert page.text("cycle-stage") == page.text("status") == "cancelled"
+    assert page.text("load-words") == "critical state, the rest cancelled"
     assert page.page.locator("#loading path.unloading").count() == 1
     # The next answer has all threads.
     start = time.monotonic()
@@ -178,7 +178,7 @@ def test_what_was_called_off_is_asked_again_and_another_slider_takes_its_place(e
 def test_rings_too_narrow_for_cells_are_told_before_they_are_solved(explore):
     page = explore(QUICK)
     page.change("adhesion.work", "200 mJ/m2")
-    page.until("/order of magnitude/.test(document.getElementById('cells-note').textContent)")
+    page.until("/orders of magnitude/.test(document.getElementById('cells-note').textContent)")
     assert "220\u202f000 cells" in page.text("cells-note")
     page.page.click("#call-off")
     page.rest()

@@ -119,7 +119,7 @@ fn pack_crates(cargo: &OsStr, target: &Path, folder: &Path) -> Result<Vec<Unpack
         let own = format!("crates/{name}/");
         let wanted = LICENCES.iter().copied().chain(["README.md", "Cargo.toml"]);
         let page = known.iter().filter_map(|file| file.strip_prefix(&own));
-        let page = page.filter(|file| file.starts_with("page/dist/"));
+        let page = page.filter(|file| file.starts_with("page/"));
         check_contents(&stem, &held, wanted.chain(page), |file| {
             OF_CARGO.contains(&file) || known.contains(&format!("{own}{file}"))
         })?;

@@ -1,5 +1,5 @@
-//! The page: a document, a style and scripts, built from `page/` and part of the program, so that
-//! nothing is loaded from elsewhere.
+//! The page: the document, style sheet and scripts in `page/`. They are part of the program, so that nothing is loaded
+//! from elsewhere.
 
 use crate::http::{Response, whole};
 use crate::request::{FARTHEST, LATTICES, MOST_PILLARS, is_on_page, is_thickness, of_case};
@@ -14,7 +14,7 @@ macro_rules! script {
         (
             concat!($name, ".js"),
             SCRIPT,
-            include_str!(concat!("../page/dist/", $name, ".js")),
+            include_str!(concat!("../page/", $name, ".js")),
         )
     };
 }

@@ -8,7 +8,7 @@ pub(super) fn problems() -> Result<Vec<String>, String> {
     let root = root();
     let mut files = Vec::new();
     for folder in ["crates", "checks", "xtask"] {
-        collect(&root.join(folder), &["rs"], &mut files)?;
+        collect(&root.join(folder), "rs", &mut files)?;
     }
     let is_test = |path: &Path| {
         let mut names = path.components().map(std::path::Component::as_os_str);

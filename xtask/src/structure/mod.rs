@@ -59,12 +59,12 @@ pub(crate) fn check(_cargo: &OsStr) -> Result<(), String> {
     }
     folders.push(("xtask".to_owned(), crate_tree(&root().join("xtask/src"))?));
     let package = root().join("python/fakir");
-    let mut package = plain_tree(&package, &["py"], "__init__", python::imports)?;
+    let mut package = plain_tree(&package, "py", "__init__", python::imports)?;
     // The extension module, which uses none of the others.
     package.insert(vec!["_fakir".to_owned()], tree::Imports::default());
     folders.push(("Python package".to_owned(), package));
     let page = root().join("crates/fakir-explore/page");
-    let page = plain_tree(&page, &["ts", "js"], "", script::imports)?;
+    let page = plain_tree(&page, "js", "", script::imports)?;
     folders.push(("page".to_owned(), page));
     for (name, tree) in folders {
         let arrows = arrows(&tree);
@@ -131,7 +131,7 @@ fn depends_on(manifest: &str) -> Vec<String> {
 /// The modules of a crate, those for tests only aside.
 fn crate_tree(source: &FilePath) -> Result<Tree, String> {
     let mut files = Vec::new();
-    collect(source, &["rs"], &mut files)?;
+    collect(source, "rs", &mut files)?;
     // The program of a crate that is a library too.
     let is_library = source.join("lib.rs").exists();
     files.retain(|file| !(is_library && *file == source.join("main.rs")));
@@ -151,12 +151,12 @@ fn crate_tree(source: &FilePath) -> Result<Tree, String> {
 /// The modules of a folder, in which there are no other folders of them.
 fn plain_tree(
     folder: &FilePath,
-    extensions: &[&str],
+    extension: &str,
     facade: &str,
     imports: fn(&str) -> tree::Imports,
 ) -> Result<Tree, String> {
     let mut files = Vec::new();
-    collect(folder, extensions, &mut files)?;
+    collect(folder, extension, &mut files)?;
     files.retain(|file| file.parent() == Some(folder));
     let texts = texts(folder, &files, &[facade])?.into_iter();
     Ok(texts.map(|(path, text)| (path, imports(&text))).collect())

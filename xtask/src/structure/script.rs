@@ -27,7 +27,7 @@ mod tests {
 
     #[test]
     fn imports_of_all_kinds_are_found() {
-        let text = "import type { Key } from \"./engine.js\";\nimport {\n  copy,\n  save,\n} from \"./actions.js\";\n\
+        let text = "/** @import { Key } from \"./engine.js\" */\nimport {\n  copy,\n  save,\n} from \"./actions.js\";\n\
                     export { write } from \"./numbers.js\";\nimport \"./theme.js\";\nconst map = await import(\"./map.js\");\n\
                     import { other } from \"elsewhere\";\n";
         let mut found: Vec<String> = imports(text).uses.concat();

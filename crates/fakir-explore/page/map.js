@@ -1,44 +1,61 @@
-// The contact map: pillars from above, coloured by the force they bear, and the floor where it is in contact.
+// The contact map: pillars from above, coloured by their force, and the floor where it is in contact.
 
-import type { FloorCells } from "./engine.js";
 import { engineeringText, significant } from "./numbers.js";
-import { centre, pillarsWithin, touchesFloor, type Scene } from "./scene.js";
-import { colour, letterSize, mixed, tint, type Colours } from "./theme.js";
+import { centre, pillarsWithin, touchesFloor } from "./scene.js";
+import { colour, letterSize, mixed, tint } from "./theme.js";
 
-/** What is drawn, and the scales: the critical contact radius, m, keeps that of lengths while the
- * load changes; the largest force, N, is that of the last colour. */
-export interface MapContents {
-  readonly scene: Scene;
-  readonly radius: number;
-  readonly force: number;
-}
+/**
+ * @import { FloorCells } from "./engine.js"
+ * @import { Scene } from "./scene.js"
+ * @import { Colours } from "./theme.js"
+ */
 
-/** A canvas whose coordinates are metres from the lens axis. */
-interface Sheet extends MapContents {
-  readonly context: CanvasRenderingContext2D;
-  readonly halfWidth: number;
-  /** Width of a pixel of the screen, m. */
-  readonly pixel: number;
-  /** Radius in which pillars are drawn, m. */
-  readonly pillar: number;
-}
+/**
+ * What is drawn, and the scales.
+ * @typedef {object} MapContents
+ * @property {Scene} scene
+ * @property {number} radius Critical contact radius, m; it sets the scale of lengths for all loads.
+ * @property {number} force Force of a pillar with the last colour, N.
+ */
+
+/**
+ * @typedef {object} Canvas
+ * @property {CanvasRenderingContext2D} context
+ * @property {number} halfWidth Half the width of the map, m.
+ * @property {number} pixel Width of a pixel of the screen, m.
+ * @property {number} pillar Radius of pillars as drawn, m.
+ */
+
+/**
+ * A canvas whose coordinates are metres from the lens axis.
+ * @typedef {MapContents & Canvas} Sheet
+ */
 
 /** Lengths of the scale bar are one of these times a power of ten. */
 const ROUND = [1, 2, 5];
 
-/** Half the width of the map, m. */
-function halfWidth({ scene, radius }: MapContents): number {
+/**
+ * Half the width of the map, m.
+ * @param {MapContents} mapContents
+ * @returns {number}
+ */
+function halfWidth({ scene, radius }) {
   const floor = touchesFloor(scene)
     ? Math.max(0, ...scene.floor_contacts_m.map(([x, y]) => Math.hypot(x, y)))
     : 0;
   const cells = scene.floor === null ? 0 : reach(scene.floor);
   const contact = Math.max(1.12 * radius, 1.12 * scene.contact_radius_m, 1.3 * floor, 1.08 * cells);
-  // A few pillars, unless they are far apart.
+  // Show a few pillars, unless they are far apart.
   const few = contact > 0 ? Math.min(2.3 * scene.pitch_m, 5 * contact) : 1.3 * scene.pitch_m;
   return Math.max(contact, few);
 }
 
-export function drawMap(canvas: HTMLCanvasElement, contents: MapContents, colours: Colours): void {
+/**
+ * @param {HTMLCanvasElement} canvas
+ * @param {MapContents} contents
+ * @param {Colours} colours
+ */
+export function drawMap(canvas, contents, colours) {
   const context = canvas.getContext("2d");
   if (context === null) return;
   const ratio = window.devicePixelRatio || 1;
@@ -52,9 +69,10 @@ export function drawMap(canvas: HTMLCanvasElement, contents: MapContents, colour
   context.fillRect(0, 0, side, side);
   context.setTransform(scale, 0, 0, -scale, side / 2, side / 2);
   const pixel = ratio / scale;
-  // Pillars are always seen, if need be larger than they are.
+  // Pillars too small to be visible are drawn larger.
   const pillar = Math.max(contents.scene.diameter_m / 2, 1.2 * pixel);
-  const sheet: Sheet = { ...contents, context, halfWidth: half, pixel, pillar };
+  /** @type {Sheet} */
+  const sheet = { ...contents, context, halfWidth: half, pixel, pillar };
   drawFloor(sheet);
   drawUntouched(sheet);
   drawPillars(sheet, colours);
@@ -64,26 +82,37 @@ export function drawMap(canvas: HTMLCanvasElement, contents: MapContents, colour
   canvas.setAttribute("aria-label", contents.scene.words);
 }
 
-/** The farthest side of the cells of the floor in contact, m. */
-function reach({ corner_m: [x, y], cell_m: [width, height], columns, rows }: FloorCells): number {
+/**
+ * Largest distance of a side of the grid on the floor from the lens axis, m.
+ * @param {FloorCells} floorCells
+ * @returns {number}
+ */
+function reach({ corner_m: [x, y], cell_m: [width, height], columns, rows }) {
   return Math.max(-x, -y, x + columns * width, y + rows * height);
 }
 
-/** Shades of the pressure on the floor: letters from `a`. */
+/** Number of shades of the pressure on the floor, one for each letter. */
 const SHADES = 26;
 
-/** The colours of these shades, from the smallest pressure to the largest, or from the smallest pull. */
-function floorColours(kind: "press" | "pull"): Colours {
-  const ends = { press: ["--floor-low", "--floor-high"], pull: ["--floor-pull-low", "--floor-pull-high"] } as const;
-  const [low, high] = ends[kind].map(tint);
-  return Array.from({ length: SHADES }, (_, k) => mixed(low ?? "", high ?? "", k / (SHADES - 1)));
+/**
+ * The colours of the shades, from the smallest pressure or tension to the largest.
+ * @param {"press" | "pull"} kind
+ * @returns {Colours}
+ */
+function floorColours(kind) {
+  const prefix = { press: "--floor", pull: "--floor-pull" }[kind];
+  const [low, high] = [tint(`${prefix}-low`), tint(`${prefix}-high`)];
+  return Array.from({ length: SHADES }, (_, k) => mixed(low, high, k / (SHADES - 1)));
 }
 
-/** The first letters of the shades of pressures and of pulls. */
+/** Character codes of the first letters for pressure (`a`) and tension (`A`). */
 const [PRESS, PULL] = [97, 65];
 
-/** The cells of the floor in contact, a pixel for each. */
-function drawFloor({ context, scene }: Sheet): void {
+/**
+ * Draws the floor cells in contact, one pixel each.
+ * @param {Sheet} sheet
+ */
+function drawFloor({ context, scene }) {
   const { floor } = scene;
   if (floor === null || floor.columns === 0) return;
   const { columns, rows, segments, shades } = floor;
@@ -113,8 +142,14 @@ function drawFloor({ context, scene }: Sheet): void {
   context.filter = "none";
 }
 
-/** The pressure on the cell of the floor at a place, Pa, as its shade tells it; null if that is not in contact. */
-function floorPressure(floor: FloorCells, x: number, y: number): number | null {
+/**
+ * The pressure at a place on the floor, Pa, from the shade of its cell; null if the cell is not in contact.
+ * @param {FloorCells} floor
+ * @param {number} x
+ * @param {number} y
+ * @returns {number | null}
+ */
+function floorPressure(floor, x, y) {
   const [cos, sin] = [Math.cos(floor.turned_rad), Math.sin(floor.turned_rad)];
   const column = Math.floor((cos * x + sin * y - floor.corner_m[0]) / floor.cell_m[0]);
   const row = Math.floor((cos * y - sin * x - floor.corner_m[1]) / floor.cell_m[1]);
@@ -131,8 +166,11 @@ function floorPressure(floor: FloorCells, x: number, y: number): number | null {
   return null;
 }
 
-/** Every pillar top in view, as if untouched. */
-function drawUntouched({ context, scene, halfWidth, pillar: radius }: Sheet): void {
+/**
+ * Draws all pillar tops in view as not in contact.
+ * @param {Sheet} sheet
+ */
+function drawUntouched({ context, scene, halfWidth, pillar: radius }) {
   context.beginPath();
   for (const [, , x, y] of pillarsWithin(scene.lattice, halfWidth + radius)) {
     context.moveTo(x + radius, y);
@@ -142,15 +180,21 @@ function drawUntouched({ context, scene, halfWidth, pillar: radius }: Sheet): vo
   context.fill();
 }
 
-/** Touched pillars, in a quarter of the colours: those of a colour are drawn at once. */
-function drawPillars(sheet: Sheet, colours: Colours): void {
+/**
+ * Draws the pillars in contact, with a quarter of the colours: pillars of one colour are drawn together.
+ * @param {Sheet} sheet
+ * @param {Colours} colours
+ */
+function drawPillars(sheet, colours) {
   const { context, scene, pixel, pillar: radius } = sheet;
   const count = colours.length / 4;
-  const groups: Path2D[] = Array.from({ length: count }, () => new Path2D());
-  const pulls: Path2D[] = Array.from({ length: PULLS }, () => new Path2D());
+  /** @type {Path2D[]} */
+  const groups = Array.from({ length: count }, () => new Path2D());
+  /** @type {Path2D[]} */
+  const pulls = Array.from({ length: PULLS }, () => new Path2D());
   const parts = new Map(scene.parts.map((part) => [part.pillar, part.outline]));
   const partial = new Path2D();
-  // A ring around the rim.
+  // Width of the ring around a partial contact.
   const width = Math.max(1.5 * pixel, 0.3 * radius);
   scene.forces_N.forEach((force, k) => {
     const [x, y] = centre(scene, k);
@@ -185,40 +229,53 @@ function drawPillars(sheet: Sheet, colours: Colours): void {
   context.stroke(partial);
 }
 
-/** Shades of pulls. */
+/** Number of shades of tension. */
 const PULLS = 16;
 
-/** The colours of pulls, from none to the largest. */
-function pullColours(): Colours {
+/**
+ * The colours of tension, from zero to the largest.
+ * @returns {Colours}
+ */
+function pullColours() {
   const [low, high] = [tint("--pull-low"), tint("--pull-high")];
   return Array.from({ length: PULLS }, (_, k) => mixed(low, high, k / (PULLS - 1)));
 }
 
-/** The shade of a part of the largest value, of so many. */
-function shade(part: number, count: number): number {
+/**
+ * Index of the shade, out of `count`, for a fraction of the largest value.
+ * @param {number} part
+ * @param {number} count
+ * @returns {number}
+ */
+function shade(part, count) {
   return Math.min(count - 1, Math.max(0, Math.round(part * (count - 1))));
 }
 
-/** Adds what is held of a top. */
-function addOutline(
-  path: Path2D | undefined,
-  outline: readonly number[],
-  x: number,
-  y: number,
-  radius: number,
-): void {
+/**
+ * Adds the bonded region of a top.
+ * @param {Path2D | undefined} path
+ * @param {readonly number[]} outline
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ */
+function addOutline(path, outline, x, y, radius) {
   for (let k = 0; k + 1 < outline.length; k += 2) {
-    const corner = [x + radius * (outline[k] ?? 0), y + radius * (outline[k + 1] ?? 0)] as const;
+    const corner = /** @type {const} */ ([x + radius * (outline[k] ?? 0), y + radius * (outline[k + 1] ?? 0)]);
     if (k === 0) path?.moveTo(...corner);
     else path?.lineTo(...corner);
   }
   path?.closePath();
 }
 
-/** Edge of the contact, lens axis, and where the floor is touched. */
-function drawMarks({ context, scene, pixel }: Sheet): void {
+/**
+ * Draws the edge of the contact, the lens axis and point contacts with the floor.
+ * @param {Sheet} sheet
+ */
+function drawMarks({ context, scene, pixel }) {
   const edge = scene.contact_radius_m;
-  const circle = (x: number, y: number, radius: number): void => {
+  /** @type {(x: number, y: number, radius: number) => void} */
+  const circle = (x, y, radius) => {
     context.beginPath();
     context.arc(x, y, radius, 0, 2 * Math.PI);
   };
@@ -253,12 +310,13 @@ function drawMarks({ context, scene, pixel }: Sheet): void {
   context.stroke();
 }
 
-function drawScaleBar(
-  context: CanvasRenderingContext2D,
-  side: number,
-  scale: number,
-  ratio: number,
-): void {
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} side
+ * @param {number} scale
+ * @param {number} ratio
+ */
+function drawScaleBar(context, side, scale, ratio) {
   const longest = (0.3 * side) / scale;
   const power = 10 ** Math.floor(Math.log10(longest));
   const length = power * Math.max(...ROUND.filter((step) => step * power <= longest));
@@ -278,23 +336,36 @@ function drawScaleBar(
   context.fillRect(left + (box - width) / 2, top + 1.3 * size, width, 0.2 * size);
 }
 
-/** The colours of the floor in contact, from no pressure to the largest. */
-export function drawFloorBar(bar: HTMLCanvasElement): void {
+/**
+ * Draws the colour bar of the pressure on the floor, from zero to the largest.
+ * @param {HTMLCanvasElement} bar
+ */
+export function drawFloorBar(bar) {
   drawColourBar(bar, floorColours("press"));
 }
 
-/** The colours of the floor where it pulls, from the largest pull to none. */
-export function drawFloorPullBar(bar: HTMLCanvasElement): void {
+/**
+ * Draws the colour bar of the tension on the floor, from the largest to zero.
+ * @param {HTMLCanvasElement} bar
+ */
+export function drawFloorPullBar(bar) {
   drawColourBar(bar, [...floorColours("pull")].reverse());
 }
 
-/** The colours of pulls, from the largest to none. */
-export function drawPullBar(bar: HTMLCanvasElement): void {
+/**
+ * Draws the colour bar of the tension of pillars, from the largest to zero.
+ * @param {HTMLCanvasElement} bar
+ */
+export function drawPullBar(bar) {
   drawColourBar(bar, [...pullColours()].reverse());
 }
 
-/** The colours of the map, from no force to the largest. */
-export function drawColourBar(bar: HTMLCanvasElement, colours: Colours): void {
+/**
+ * Draws a colour bar, from the first colour to the last.
+ * @param {HTMLCanvasElement} bar
+ * @param {Colours} colours
+ */
+export function drawColourBar(bar, colours) {
   const context = bar.getContext("2d");
   if (context === null) return;
   const ratio = window.devicePixelRatio || 1;
@@ -306,12 +377,14 @@ export function drawColourBar(bar: HTMLCanvasElement, colours: Colours): void {
   }
 }
 
-/** What is under the pointer, in words. */
-export function wordsAt(
-  canvas: HTMLCanvasElement,
-  contents: MapContents,
-  event: PointerEvent,
-): string {
+/**
+ * Describes what is under the pointer.
+ * @param {HTMLCanvasElement} canvas
+ * @param {MapContents} contents
+ * @param {PointerEvent} event
+ * @returns {string}
+ */
+export function wordsAt(canvas, contents, event) {
   const { scene } = contents;
   const half = canvas.clientWidth / 2;
   const metres = halfWidth(contents) / half;
@@ -330,9 +403,9 @@ export function wordsAt(
       const covered = scene.parts.find(({ pillar }) => pillar === k)?.covered;
       const partly =
         covered !== undefined
-          ? `, ${significant(100 * covered, 2)} % of its top held`
+          ? `, ${significant(100 * covered, 2)} % of its top bonded`
           : scene.statuses[k] === "p"
-            ? ", in contact in part"
+            ? ", partial contact"
             : "";
       words = `pillar ${force}${partly}, ${place}`;
     }

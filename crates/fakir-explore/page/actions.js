@@ -1,14 +1,23 @@
-// What buttons do besides asking for another picture: saving files and copying texts.
+// Actions of buttons that do not change the case: saving files and copying texts.
 
-import type { Server, Texts } from "./engine.js";
 import { byId } from "./screen.js";
-import { knownCritical, type Notice, type Store } from "./store.js";
+import { knownCritical } from "./store.js";
 
-/** How long the message stays that something was copied, ms. */
+/**
+ * @import { Server, Texts } from "./engine.js"
+ * @import { Notice, State, Store } from "./store.js"
+ */
+
+/** Time for which the message "copied" is shown, ms. */
 const NOTICE = 1200;
 
-/** Saves a file of what is chosen, or says why there is none. */
-export async function save(store: Store, server: Server, name: string): Promise<void> {
+/**
+ * Saves a file of the chosen case, or shows why there is none.
+ * @param {Store} store
+ * @param {Server} server
+ * @param {string} name
+ */
+export async function save(store, server, name) {
   store.tell("export", `${name} …`);
   const { question } = store.state;
   const known = knownCritical(store.state, question);
@@ -30,8 +39,13 @@ export async function save(store: Store, server: Server, name: string): Promise<
   }
 }
 
-/** Copies a text, and says so for a moment. */
-export async function copy(store: Store, about: Notice, text: string): Promise<void> {
+/**
+ * Copies a text, and shows a message for a moment.
+ * @param {Store} store
+ * @param {Notice} about
+ * @param {string} text
+ */
+export async function copy(store, about, text) {
   let words = "copied";
   try {
     await navigator.clipboard.writeText(text);
@@ -43,11 +57,14 @@ export async function copy(store: Store, about: Notice, text: string): Promise<v
   window.setTimeout(() => store.tell(about, null), NOTICE);
 }
 
-/** Writes the messages beside the buttons, or on them. */
-export function drawNotices({ notices }: Store["state"]): void {
+/**
+ * Shows the messages beside buttons, or on them.
+ * @param {State} state
+ */
+export function drawNotices({ notices }) {
   byId("export-note").textContent = notices.export ?? "";
   byId("copy-link").textContent = notices.link ?? "copy link";
-  for (const button of document.querySelectorAll<HTMLButtonElement>("[data-copy]")) {
-    button.textContent = notices[button.dataset["copy"] as keyof Texts] ?? "copy";
+  for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll("[data-copy]"))) {
+    button.textContent = notices[/** @type {keyof Texts} */ (button.dataset["copy"])] ?? "copy";
   }
 }

@@ -1,91 +1,115 @@
-// The quantities of a case: a slider and a field with unit for each, and what is wrong with it.
+// The input controls of a case: a field with unit and a slider for each quantity, and error messages.
 
-import type { Key, Refusal, Value, Values } from "./engine.js";
-import { editable, engineeringText, parse, unitOf, withUnit, type Dimension } from "./numbers.js";
+import { editable, engineeringText, parse, unitOf, withUnit } from "./numbers.js";
 import { FRACTION, PITCH, RECEDING, sticks, STUCK, WORK, withSpacing } from "./store.js";
 
-/** A key that takes a number. */
-interface Field extends Key {
-  readonly dimension: Dimension;
-}
+/**
+ * @import { Key, Refusal, Value, Values } from "./engine.js"
+ * @import { Dimension } from "./numbers.js"
+ */
+
+/**
+ * A key that takes a number.
+ * @typedef {Key & { dimension: Dimension }} Field
+ */
 
 const DEGREE = Math.PI / 180;
 
-/** The tables of a case file that stand first on the page, before all others in their order. */
+/** Tables of the case file that come first on the page; the others follow in their order. */
 const FIRST_TABLES = ["texture", "texture.pillar"];
 
-/** The words of a key that is either so or not. */
+/** The two words of a key that is true or false. */
 const [TRUE, FALSE] = ["true", "false"];
 
-/** Steps of a slider. */
+/** Number of steps of a slider. */
 const STEPS = 1000;
 
-/** What a field says that has no value: of a thickness, which half-spaces do not have. */
-const ENDLESS = "endless";
+/** Shown in the field of a thickness without a value: the body is a half-space. */
+const INFINITE = "infinite";
 
-interface Widget {
-  readonly box: HTMLElement;
-  readonly note: HTMLElement;
-  /** Shows a value; the text stays as it is if it was just `typed`. */
-  readonly show: (value: Value, typed: boolean) => void;
-  readonly inputs: readonly HTMLElement[];
-}
+/**
+ * @typedef {object} Widget
+ * @property {HTMLElement} box
+ * @property {HTMLElement} note
+ * @property {(value: Value, typed: boolean) => void} show Shows a value; a text that was just `typed` is not
+ *   replaced.
+ * @property {readonly HTMLElement[]} inputs
+ */
 
-/** What was done at a field: `typed` if its text is to stay as it was written. */
-type Changed = (key: string, value: Value, typed: boolean, asked: number) => void;
+/**
+ * Called when a control changes; `typed` if the text of the field must stay as written.
+ * @typedef {(key: string, value: Value, typed: boolean, asked: number) => void} Changed
+ */
 
-/** All fields of a case. */
+/** All controls of a case. */
 export class Controls {
-  private readonly widgets = new Map<string, Widget>();
-  /** The keys with a control: where there is only one word there is nothing to choose. */
-  private readonly keys: readonly Key[];
+  /** @type {Map<string, Widget>} */
+  #widgets = new Map();
+  /**
+   * The keys with a control. A key with only one word leaves no choice and has none.
+   * @type {readonly Key[]}
+   */
+  #keys;
+  /** @type {Changed} */
+  #changed;
 
-  constructor(
-    container: HTMLElement,
-    keys: readonly Key[],
-    private readonly changed: Changed,
-  ) {
-    this.keys = keys.filter((key) => key.words.length !== 1);
-    for (const table of new Set([...FIRST_TABLES, ...this.keys.map((key) => key.table)])) {
+  /**
+   * @param {HTMLElement} container
+   * @param {readonly Key[]} keys
+   * @param {Changed} changed
+   */
+  constructor(container, keys, changed) {
+    this.#changed = changed;
+    this.#keys = keys.filter((key) => key.words.length !== 1);
+    for (const table of new Set([...FIRST_TABLES, ...this.#keys.map((key) => key.table)])) {
       const set = document.createElement("fieldset");
       const title = document.createElement("legend");
       title.textContent = titleOf(table);
       set.append(title);
-      for (const key of this.keys.filter((key) => key.table === table)) {
-        const widget = isField(key) ? this.field(key) : isFlag(key) ? this.flag(key) : this.choice(key);
-        this.widgets.set(key.key, widget);
+      for (const key of this.#keys.filter((key) => key.table === table)) {
+        const widget = isField(key) ? this.#field(key) : isFlag(key) ? this.#flag(key) : this.#choice(key);
+        this.#widgets.set(key.key, widget);
         set.append(widget.box);
       }
       container.append(set);
     }
   }
 
-  /** Shows a case everywhere but in the field that was just `typed` into. */
-  show(values: Values, typed: string | null): void {
+  /**
+   * Shows a case in all controls but the field that was just `typed` into.
+   * @param {Values} values
+   * @param {string | null} typed
+   */
+  show(values, typed) {
     const shown = withReceding(withSpacing(values));
-    this.widgets.get(FRACTION)?.box.classList.toggle("derived", values[FRACTION] === undefined);
-    this.widgets.get(PITCH)?.box.classList.toggle("derived", values[PITCH] === undefined);
-    const valueOf = (key: Key): Value => shown[key.key] ?? key.default ?? "";
-    for (const key of this.keys) {
-      const widget = this.widgets.get(key.key);
+    this.#widgets.get(FRACTION)?.box.classList.toggle("derived", values[FRACTION] === undefined);
+    this.#widgets.get(PITCH)?.box.classList.toggle("derived", values[PITCH] === undefined);
+    /** @type {(key: Key) => Value} */
+    const valueOf = (key) => shown[key.key] ?? key.default ?? "";
+    for (const key of this.#keys) {
+      const widget = this.#widgets.get(key.key);
       if (widget === undefined) continue;
       const condition = key.goes_with;
-      const choice = this.keys.find(({ key }) => key === condition?.key);
+      const choice = this.#keys.find(({ key }) => key === condition?.key);
       if (condition !== null && choice !== undefined) {
         widget.box.hidden = !condition.words.includes(String(valueOf(choice)));
       }
       widget.show(valueOf(key), key.key === typed);
     }
-    const receding = this.widgets.get(RECEDING)?.box;
+    const receding = this.#widgets.get(RECEDING)?.box;
     receding?.classList.toggle("derived", values[RECEDING] === undefined);
     receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
-    this.widgets.get(STUCK)?.box.toggleAttribute("hidden", !sticks(values) && values[STUCK] === undefined);
+    this.#widgets.get(STUCK)?.box.toggleAttribute("hidden", !sticks(values) && values[STUCK] === undefined);
   }
 
-  /** Shows what is wrong at its field, and nothing at others; false if it is at no field. */
-  refuse(refusal: Refusal | null): boolean {
+  /**
+   * Shows an error at its field and clears all others; false if the error belongs to no field.
+   * @param {Refusal | null} refusal
+   * @returns {boolean}
+   */
+  refuse(refusal) {
     let found = false;
-    for (const [key, widget] of this.widgets) {
+    for (const [key, widget] of this.#widgets) {
       const wrong = refusal !== null && refusal.key === key;
       const accepted = wrong && refusal.accepted !== null ? `: ${refusal.accepted}` : "";
       widget.note.textContent = wrong ? `${refusal.message}${accepted}` : "";
@@ -100,7 +124,11 @@ export class Controls {
     return found;
   }
 
-  private field(field: Field): Widget {
+  /**
+   * @param {Field} field
+   * @returns {Widget}
+   */
+  #field(field) {
     const { box, note, id, describedBy } = frame(field);
     const text = document.createElement("input");
     text.id = id;
@@ -116,18 +144,18 @@ export class Controls {
     slider.max = String(STEPS);
     slider.setAttribute("aria-label", `${field.label}, slider`);
     slider.setAttribute("aria-describedby", describedBy);
-    // A bare number has the unit of the value that it replaces.
+    // A number without a unit gets the unit of the value that it replaces.
     let unit = unitOf(editable(ends(field)[0], field.dimension));
     text.addEventListener("change", () => {
       text.value = withUnit(text.value, unit);
       unit = unitOf(text.value) || unit;
-      const isEndless = field.endless && ["", ENDLESS, "∞"].includes(text.value.trim());
+      const isEndless = field.endless && ["", INFINITE, "∞"].includes(text.value.trim());
       const value = isEndless ? "" : (parse(text.value, field.dimension) ?? text.value);
-      this.changed(field.key, value, true, performance.now());
+      this.#changed(field.key, value, true, performance.now());
     });
-    const slide = (): void => {
+    const slide = () => {
       const value = sliderValue(field, Number(slider.value));
-      this.changed(field.key, value, false, performance.now());
+      this.#changed(field.key, value, false, performance.now());
     };
     text.addEventListener("keydown", (event) => {
       const step = event.key === "ArrowUp" ? 5 : event.key === "ArrowDown" ? -5 : 0;
@@ -137,16 +165,17 @@ export class Controls {
       slide();
     });
     slider.addEventListener("input", slide);
-    // A key that follows another one unless it is given needs no slider.
+    // A key that takes the value of another key by default has no slider.
     slider.hidden = field.usual === null && field.default === null;
     box.append(text, slider, note);
-    const show = (value: Value, typed: boolean): void => {
+    /** @type {(value: Value, typed: boolean) => void} */
+    const show = (value, typed) => {
       if (typeof value !== "number") {
         const isEndless = field.endless && value === "";
-        if (!typed) text.value = isEndless ? ENDLESS : value;
+        if (!typed) text.value = isEndless ? INFINITE : value;
         if (isEndless) {
           slider.value = String(STEPS);
-          slider.setAttribute("aria-valuetext", ENDLESS);
+          slider.setAttribute("aria-valuetext", INFINITE);
         }
         return;
       }
@@ -163,28 +192,36 @@ export class Controls {
     return { box, note, show, inputs: [text, slider] };
   }
 
-  private flag(key: Key): Widget {
+  /**
+   * @param {Key} key
+   * @returns {Widget}
+   */
+  #flag(key) {
     const { box, note, id, describedBy } = frame(key);
     const check = document.createElement("input");
     check.id = id;
     check.type = "checkbox";
     check.setAttribute("aria-describedby", describedBy);
     check.addEventListener("change", () => {
-      this.changed(key.key, check.checked ? TRUE : FALSE, false, performance.now());
+      this.#changed(key.key, check.checked ? TRUE : FALSE, false, performance.now());
     });
     box.classList.add("flag");
     box.append(check, note);
     return { box, note, show: (value) => (check.checked = String(value) === TRUE), inputs: [check] };
   }
 
-  private choice(key: Key): Widget {
+  /**
+   * @param {Key} key
+   * @returns {Widget}
+   */
+  #choice(key) {
     const { box, note, id, describedBy } = frame(key);
     const select = document.createElement("select");
     select.id = id;
     select.setAttribute("aria-describedby", describedBy);
     for (const word of key.words) select.add(new Option(word, word));
     select.addEventListener("change", () => {
-      this.changed(key.key, select.value, false, performance.now());
+      this.#changed(key.key, select.value, false, performance.now());
     });
     box.classList.add("choice");
     box.append(select, note);
@@ -192,38 +229,59 @@ export class Controls {
   }
 }
 
-/** A case with the work of adhesion where contact is broken, which is that where it is made unless it is given; none where nothing sticks. */
-function withReceding(values: Values): Values {
+/**
+ * Adds the work of adhesion on unloading, which by default equals that on loading. A case without adhesion stays as
+ * it is.
+ * @param {Values} values
+ * @returns {Values}
+ */
+function withReceding(values) {
   const work = values[WORK];
   if (values[RECEDING] !== undefined || typeof work !== "number" || work <= 0) return values;
   return { ...values, [RECEDING]: work };
 }
 
-/** Whether a key is either so or not. */
-function isFlag({ words }: Key): boolean {
+/**
+ * Whether a key is true or false.
+ * @param {Key} key
+ * @returns {boolean}
+ */
+function isFlag({ words }) {
   return words.length === 2 && words.includes(TRUE) && words.includes(FALSE);
 }
 
-function isField(key: Key): key is Field {
+/**
+ * @param {Key} key
+ * @returns {key is Field}
+ */
+function isField(key) {
   return key.dimension !== null;
 }
 
-/** The heading of a table: `Pillar` for `texture.pillar`. */
-function titleOf(table: string): string {
+/**
+ * The heading of a table: `Pillar` for `texture.pillar`.
+ * @param {string} table
+ * @returns {string}
+ */
+function titleOf(table) {
   const name = table.slice(table.lastIndexOf(".") + 1);
   return name.charAt(0).toUpperCase() + name.slice(1);
 }
 
-interface Frame {
-  readonly box: HTMLElement;
-  readonly note: HTMLElement;
-  readonly id: string;
-  /** Names of the elements that say what the key means and what is wrong with its value. */
-  readonly describedBy: string;
-}
+/**
+ * @typedef {object} Frame
+ * @property {HTMLElement} box
+ * @property {HTMLElement} note
+ * @property {string} id
+ * @property {string} describedBy IDs of the elements with the meaning of the key and the error in its value.
+ */
 
-/** A field with its label and its help, still without what can be changed. */
-function frame({ key, label, symbol, meaning }: Key): Frame {
+/**
+ * A box with label and help of a key, to which the input is added.
+ * @param {Key} key
+ * @returns {Frame}
+ */
+function frame({ key, label, symbol, meaning }) {
   const id = key.replaceAll(".", "-");
   const box = document.createElement("div");
   box.className = "field";
@@ -254,30 +312,48 @@ function frame({ key, label, symbol, meaning }: Key): Frame {
   return { box, note, id, describedBy: `${help.id} ${note.id}` };
 }
 
-/** Whether the slider of a field begins at zero, before the usual values: what is zero unless it is given can be left out. */
-function beginsAtZero({ default: value, usual }: Field): boolean {
+/**
+ * Whether the slider begins at zero, below the usual values: this is so for keys whose default is zero.
+ * @param {Field} field
+ * @returns {boolean}
+ */
+function beginsAtZero({ default: value, usual }) {
   return value === 0 && usual !== null && usual[0] > 0;
 }
 
-/** Where a slider begins and ends. */
-function ends({ usual, least, greatest }: Field): readonly [number, number] {
+/**
+ * The values at both ends of a slider.
+ * @param {Field} field
+ * @returns {readonly [number, number]}
+ */
+function ends({ usual, least, greatest }) {
   return usual ?? [least ?? 0, greatest ?? 1];
 }
 
-/** The value at a place of the slider, in three digits; nothing at the end of one that goes on without end. */
-function sliderValue(field: Field, place: number): Value {
+/**
+ * The value at a position of the slider, to three digits; empty at the end of a slider that ends at infinity.
+ * @param {Field} field
+ * @param {number} place
+ * @returns {Value}
+ */
+function sliderValue(field, place) {
   const [low, high] = ends(field);
   const part = place / STEPS;
   if (place === STEPS && field.endless) return "";
   if (place === 0 && beginsAtZero(field)) return 0;
-  // Where zero is not among them values go over decades.
+  // The scale is logarithmic unless it includes zero.
   const value = low > 0 ? low * (high / low) ** part : low + (high - low) * part;
   if (field.whole) return Math.round(value);
   if (field.dimension === "angle") return Math.round(value / DEGREE) * DEGREE;
   return Number(value.toPrecision(3));
 }
 
-function sliderPlace(field: Field, value: number): string {
+/**
+ * @param {Field} field
+ * @param {number} value
+ * @returns {string}
+ */
+function sliderPlace(field, value) {
   const [low, high] = ends(field);
   const part =
     low > 0 ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);

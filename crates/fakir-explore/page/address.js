@@ -1,9 +1,16 @@
-// The part of the address after the #, which holds what the user has chosen.
+// The fragment of the address, which contains what the user has chosen.
 
-import type { Values } from "./engine.js";
-import type { Chosen } from "./store.js";
+/**
+ * @import { Values } from "./engine.js"
+ * @import { Chosen } from "./store.js"
+ */
 
-export function fragment(chosen: Chosen): string {
+/**
+ * The fragment for what is chosen.
+ * @param {Chosen} chosen
+ * @returns {string}
+ */
+export function fragment(chosen) {
   const parameters = new URLSearchParams();
   for (const [key, value] of Object.entries(chosen.case)) parameters.set(key, String(value));
   parameters.set("load", String(chosen.load));
@@ -11,10 +18,15 @@ export function fragment(chosen: Chosen): string {
   return `#${parameters.toString()}`;
 }
 
-/** What an address says; null if there is no case in it. */
-export function chosenIn(hash: string): Chosen | null {
+/**
+ * Reads the fragment of an address; null if it contains no case.
+ * @param {string} hash
+ * @returns {Chosen | null}
+ */
+export function chosenIn(hash) {
   const parameters = new URLSearchParams(hash.slice(1));
-  const values: Values = {};
+  /** @type {Values} */
+  const values = {};
   for (const [key, text] of parameters) {
     if (!key.includes(".")) continue;
     const number = Number(text);

@@ -1,48 +1,55 @@
-// Charts on logarithmic or linear axes, as SVG: colours and lettering are those of the style sheet.
+// Charts with logarithmic or linear axes, as SVG. Colours and lettering come from the style sheet.
 
-import { engineering, significant, write, type Dimension } from "./numbers.js";
+import { engineering, significant, write } from "./numbers.js";
 import { letterSize } from "./theme.js";
 
-export type Place = readonly [number, number];
+/** @import { Dimension } from "./numbers.js" */
 
-/** A line, markers or an area, by its class in the style sheet. */
-export interface Series {
-  readonly kind: "line" | "points" | "area" | "vertical" | "ticks-above" | "ticks-below";
-  readonly style: string;
-  readonly points: readonly Place[];
-}
+/** @typedef {readonly [number, number]} Place */
 
-/** A text, by its class in the style sheet. */
-export interface Lettering {
-  readonly place: Place;
-  readonly text: string;
-  readonly style: string;
-}
+/**
+ * A line, markers or an area; `style` is its class in the style sheet.
+ * @typedef {object} Series
+ * @property {"line" | "points" | "area" | "vertical" | "ticks-above" | "ticks-below"} kind
+ * @property {string} style
+ * @property {readonly Place[]} points
+ */
 
-export interface Contents {
-  readonly x: Place;
-  readonly y: Place;
-  readonly series: readonly Series[];
-  readonly names?: readonly Lettering[];
-}
+/**
+ * A text in the chart; `style` is its class in the style sheet.
+ * @typedef {object} Lettering
+ * @property {Place} place
+ * @property {string} text
+ * @property {string} style
+ */
 
-export interface Axes {
-  readonly xLabel: string;
-  /** What numbers on x measure; plain ones if it is left out. */
-  readonly xDimension?: Dimension;
-  readonly yLabel: string;
-  /** What numbers on y measure; plain ones get powers of ten. */
-  readonly yDimension: Dimension;
-  /** Whether the numbers on x are left out, because the chart below has them. */
-  readonly bare?: boolean;
-  /** Whether both axes are linear. */
-  readonly linear?: boolean;
-}
+/**
+ * @typedef {object} Contents
+ * @property {Place} x
+ * @property {Place} y
+ * @property {readonly Series[]} series
+ * @property {readonly Lettering[]} [names]
+ */
+
+/**
+ * @typedef {object} Axes
+ * @property {string} xLabel
+ * @property {Dimension} [xDimension] Dimension of the numbers on x; none if it is left out.
+ * @property {string} yLabel
+ * @property {Dimension} yDimension Dimension of the numbers on y; numbers without one are written as powers of ten.
+ * @property {boolean} [bare] Whether numbers on x are omitted because the chart below shows them.
+ * @property {boolean} [linear] Whether both axes are linear.
+ */
 
 const SVG = "http://www.w3.org/2000/svg";
 
-/** Fills an SVG element with a chart. */
-export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): void {
+/**
+ * Draws a chart into an SVG element.
+ * @param {SVGSVGElement} svg
+ * @param {Axes} axes
+ * @param {Contents} contents
+ */
+export function drawChart(svg, axes, contents) {
   const { width, height } = svg.getBoundingClientRect();
   if (width < 40 || height < 40) return;
   const em = letterSize();
@@ -55,7 +62,8 @@ export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): v
   const [scale, ticks] = axes.linear ? [linear, evenTicks] : [logarithmic, decadeTicks];
   const across = scale(contents.x, frame.left, frame.right);
   const up = scale(contents.y, frame.bottom, frame.top);
-  const placed = ({ points }: Series): Place[] => points.map(([x, y]) => [across(x), up(y)]);
+  /** @type {(series: Series) => Place[]} */
+  const placed = ({ points }) => points.map(([x, y]) => [across(x), up(y)]);
   const clip = `${svg.id}-frame`;
   const box = rectangle(frame.left, frame.top, frame.right, frame.bottom);
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -122,13 +130,21 @@ export function drawChart(svg: SVGSVGElement, axes: Axes, contents: Contents): v
   svg.replaceChildren(clipping, grid, inside, path(box, "frame"), lettering);
 }
 
-/** Whether both axes have a place for a point: 0 is on no logarithmic one. */
-function isPlace(place: Place): boolean {
+/**
+ * Whether a point can be drawn: 0 has no place on a logarithmic axis.
+ * @param {Place} place
+ * @returns {boolean}
+ */
+function isPlace(place) {
   return place.every(Number.isFinite);
 }
 
-/** A path through the places, interrupted where there is none. */
-function through(places: readonly Place[]): string {
+/**
+ * A path through the places, interrupted at those that cannot be drawn.
+ * @param {readonly Place[]} places
+ * @returns {string}
+ */
+function through(places) {
   let step = "M";
   return places
     .map((place) => {
@@ -139,29 +155,50 @@ function through(places: readonly Place[]): string {
     .join("");
 }
 
-/** A number in words, as a power of ten where it would be long. */
-function number(value: number): string {
+/**
+ * Formats a number, as a power of ten where it would be long.
+ * @param {number} value
+ * @returns {string}
+ */
+function number(value) {
   const power = Math.round(Math.log10(value));
   const isPower = Math.abs(value / 10 ** power - 1) < 1e-9;
   if (isPower && (power > 3 || power < -2)) return `10^{${String(power).replace("-", "−")}}`;
   return significant(value, 1);
 }
 
-/** A tick in words. */
-function wordsOf(value: number, dimension: Dimension, { linear }: Axes): string {
+/**
+ * The label of a tick.
+ * @param {number} value
+ * @param {Dimension} dimension
+ * @param {Axes} axes
+ * @returns {string}
+ */
+function wordsOf(value, dimension, { linear }) {
   if (value === 0) return "0";
   if (dimension === "number") return number(value);
   const { number: digits, unit } = engineering(value, dimension, linear ? 3 : 1);
-  // Even ticks have at most three digits, of which zeros at the end are not written.
+  // Linear ticks have at most three digits; trailing zeros are dropped.
   return `${linear ? digits.replace(/\.0+$|(\.\d*?)0+$/, "$1") : digits} ${unit}`;
 }
 
-function linear([low, high]: Place, first: number, last: number): (value: number) => number {
+/**
+ * @param {Place} place
+ * @param {number} first
+ * @param {number} last
+ * @returns {(value: number) => number}
+ */
+function linear([low, high], first, last) {
   return (value) => first + ((value - low) / (high - low)) * (last - first);
 }
 
-/** Ticks at whole multiples of a round step, as many as there is room for. The range need not begin with one. */
-function evenTicks([low, high]: Place, room: number): Tick[] {
+/**
+ * Ticks at multiples of a round step, as many as there is room for. The range need not begin at a tick.
+ * @param {Place} place
+ * @param {number} room
+ * @returns {Tick[]}
+ */
+function evenTicks([low, high], room) {
   const least = (high - low) / Math.max(2, Math.min(6, room));
   const power = 10 ** Math.floor(Math.log10(least));
   const step = [1, 2, 5, 10].map((round) => round * power).find((round) => round >= least) ?? least;
@@ -172,23 +209,36 @@ function evenTicks([low, high]: Place, room: number): Tick[] {
   }));
 }
 
-function logarithmic([low, high]: Place, first: number, last: number): (value: number) => number {
+/**
+ * @param {Place} place
+ * @param {number} first
+ * @param {number} last
+ * @returns {(value: number) => number}
+ */
+function logarithmic([low, high], first, last) {
   const [start, length] = [Math.log(low), Math.log(high) - Math.log(low)];
   return (value) => first + ((Math.log(value) - start) / length) * (last - first);
 }
 
-interface Tick {
-  readonly value: number;
-  readonly label: boolean;
-}
+/**
+ * @typedef {object} Tick
+ * @property {number} value
+ * @property {boolean} label
+ */
 
-/** Ticks at whole numbers of every decade; labels at as many as there is room for. */
-function decadeTicks([low, high]: Place, room: number): Tick[] {
+/**
+ * Ticks at the integers 1 to 9 of every decade, with as many labels as there is room for.
+ * @param {Place} place
+ * @param {number} room
+ * @returns {Tick[]}
+ */
+function decadeTicks([low, high], room) {
   const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
   const decades = Math.log10(high / low);
   const every = Math.max(1, Math.ceil(decades / Math.max(1, room)));
   const digits = 3 * decades + 1 <= room ? [1, 2, 5] : [1];
-  const result: Tick[] = [];
+  /** @type {Tick[]} */
+  const result = [];
   for (let power = first; power <= last; power += 1) {
     for (let digit = 1; digit < 10; digit += 1) {
       const value = Number(`${digit}e${power}`);
@@ -200,29 +250,58 @@ function decadeTicks([low, high]: Place, room: number): Tick[] {
   return result;
 }
 
-/** The range of values with some room around them. */
-export function range(values: readonly number[], room = 1.3): Place {
+/**
+ * The range of the positive values, with some room around them.
+ * @param {readonly number[]} values
+ * @param {number} [room]
+ * @returns {Place}
+ */
+export function range(values, room = 1.3) {
   const positive = values.filter((value) => value > 0 && Number.isFinite(value));
   if (positive.length === 0) return [1, 10];
   const [low, high] = [Math.min(...positive) / room, Math.max(...positive) * room];
   return high / low < 4 ? [low / 1.5, high * 1.5] : [low, high];
 }
 
-export function element(name: string, attributes: Record<string, string>): SVGElement {
+/**
+ * @param {string} name
+ * @param {Record<string, string>} attributes
+ * @returns {SVGElement}
+ */
+export function element(name, attributes) {
   const made = document.createElementNS(SVG, name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   return made;
 }
 
-export function path(d: string, style: string): SVGElement {
+/**
+ * @param {string} d
+ * @param {string} style
+ * @returns {SVGElement}
+ */
+export function path(d, style) {
   return element("path", { d, class: style });
 }
 
-export function rectangle(left: number, top: number, right: number, bottom: number): string {
+/**
+ * @param {number} left
+ * @param {number} top
+ * @param {number} right
+ * @param {number} bottom
+ * @returns {string}
+ */
+export function rectangle(left, top, right, bottom) {
   return `M${left} ${top}H${right}V${bottom}H${left}Z`;
 }
 
-export function text(words: string, x: number, y: number, anchor: string): SVGElement {
+/**
+ * @param {string} words
+ * @param {number} x
+ * @param {number} y
+ * @param {string} anchor
+ * @returns {SVGElement}
+ */
+export function text(words, x, y, anchor) {
   const made = element("text", { x: x.toFixed(1), y: y.toFixed(1), "text-anchor": anchor });
   write(made, words);
   return made;

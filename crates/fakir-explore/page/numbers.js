@@ -1,22 +1,18 @@
-// Numbers for people: units with prefixes, and as many digits as are known.
+// Formats and parses numbers: units with prefixes, and as many digits as the error allows.
 
-export type Dimension =
-  | "length"
-  | "pressure"
-  | "force"
-  | "energy"
-  | "energy per area"
-  | "angle"
-  | "fraction"
-  | "number";
+/**
+ * @typedef {"length" | "pressure" | "force" | "energy" | "energy per area" | "angle" | "fraction" | "number"}
+ *   Dimension
+ */
 
-interface Unit {
-  readonly symbol: string;
-  /** Power of ten in SI units; none for degrees. */
-  readonly power: number | null;
-}
+/**
+ * @typedef {object} Unit
+ * @property {string} symbol
+ * @property {number | null} power Power of ten relative to the SI unit; null for degrees.
+ */
 
-const UNITS: Record<Dimension, readonly Unit[]> = {
+/** @type {Record<Dimension, readonly Unit[]>} */
+const UNITS = {
   length: [
     { symbol: "m", power: 0 },
     { symbol: "mm", power: -3 },
@@ -48,34 +44,47 @@ const UNITS: Record<Dimension, readonly Unit[]> = {
     { symbol: "mJ/m²", power: -3 },
   ],
   angle: [{ symbol: "°", power: null }],
-  // Per cent and what else can be typed is read by the program.
+  // The server parses per cent and other input.
   fraction: [],
   number: [],
 };
 
 const DEGREE = Math.PI / 180;
 
-/** A number and its unit, apart. */
-export interface Quantity {
-  readonly number: string;
-  readonly unit: string;
-}
+/**
+ * A formatted number and its unit.
+ * @typedef {object} Quantity
+ * @property {string} number
+ * @property {string} unit
+ */
 
-/** Digits of a value with this relative error that mean something, two to six; three if the error is not
- * estimated yet. */
-export function digitsFor(error: number | null): number {
+/**
+ * Significant digits of a value with this relative error: two to six; three if the error is not estimated yet.
+ * @param {number | null} error
+ * @returns {number}
+ */
+export function digitsFor(error) {
   if (error === null) return 3;
   if (!(error > 0)) return 6;
   return Math.min(6, Math.max(2, Math.ceil(-Math.log10(error))));
 }
 
-/** Digits of a contact radius with this relative error: at most five. */
-export function radiusDigits(error: number | null): number {
+/**
+ * Significant digits of a contact radius with this relative error: at most five.
+ * @param {number | null} error
+ * @returns {number}
+ */
+export function radiusDigits(error) {
   return Math.min(5, digitsFor(error));
 }
 
-/** A number in so many digits, with a power of ten only where zeros would hide it. */
-export function significant(value: number, digits: number): string {
+/**
+ * Formats a number with so many significant digits, with a power of ten only where there would be many zeros.
+ * @param {number} value
+ * @param {number} digits
+ * @returns {string}
+ */
+export function significant(value, digits) {
   if (value === 0) return "0";
   if (!Number.isFinite(value)) return "–";
   const [mantissa = "0", exponent = "0"] = value.toExponential(digits - 1).split("e");
@@ -87,41 +96,72 @@ export function significant(value: number, digits: number): string {
   return minus(Number(`${mantissa}e${power}`).toFixed(decimals));
 }
 
-/** A number in its shortest form. */
-export function plain(value: number): string {
+/**
+ * Formats a number in its shortest form.
+ * @param {number} value
+ * @returns {string}
+ */
+export function plain(value) {
   const text = String(value);
   const [mantissa = "", exponent] = text.split("e");
   return exponent === undefined ? minus(text) : `${minus(mantissa)}e${exponent}`;
 }
 
-function minus(text: string): string {
+/**
+ * @param {string} text
+ * @returns {string}
+ */
+function minus(text) {
   return text.replace("-", "−");
 }
 
-/** The unit in which a value has one to three digits before the point. */
-function unitFor(value: number, dimension: Dimension): Unit | null {
+/**
+ * The unit in which a value has one to three digits before the point.
+ * @param {number} value
+ * @param {Dimension} dimension
+ * @returns {Unit | null}
+ */
+function unitFor(value, dimension) {
   const units = UNITS[dimension];
   const size = Math.abs(value);
   const fitting = units.find((unit) => unit.power !== null && size >= 0.9999995 * 10 ** unit.power);
   return fitting ?? units[units.length - 1] ?? null;
 }
 
-/** A value in the unit that suits it. */
-export function engineering(value: number, dimension: Dimension, digits: number): Quantity {
+/**
+ * Formats a value in the unit in which it has one to three digits before the point.
+ * @param {number} value
+ * @param {Dimension} dimension
+ * @param {number} digits
+ * @returns {Quantity}
+ */
+export function engineering(value, dimension, digits) {
   if (dimension === "angle") return { number: significant(value / DEGREE, digits), unit: "°" };
   const unit = value === 0 ? (UNITS[dimension][0] ?? null) : unitFor(value, dimension);
   if (unit === null || unit.power === null) return { number: significant(value, digits), unit: "" };
   return { number: significant(value / 10 ** unit.power, digits), unit: unit.symbol };
 }
 
-/** The same in one text. */
-export function engineeringText(value: number, dimension: Dimension, digits: number): string {
+/**
+ * Formats a value with its unit in one text.
+ * @param {number} value
+ * @param {Dimension} dimension
+ * @param {number} digits
+ * @returns {string}
+ */
+export function engineeringText(value, dimension, digits) {
   const { number, unit } = engineering(value, dimension, digits);
   return unit === "" ? number : `${number} ${unit}`;
 }
 
-/** A value to be edited: its shortest digits, with the decimal point moved for the unit. */
-export function editable(value: number, dimension: Dimension): string {
+/**
+ * Formats a value for a field, with all its digits. The decimal point is moved in the text, which causes no rounding
+ * error.
+ * @param {number} value
+ * @param {Dimension} dimension
+ * @returns {string}
+ */
+export function editable(value, dimension) {
   if (dimension === "number" || dimension === "fraction") return String(value);
   if (dimension === "angle") return `${Number((value / DEGREE).toPrecision(12))} deg`;
   const unit = unitFor(value, dimension);
@@ -132,23 +172,43 @@ export function editable(value: number, dimension: Dimension): string {
 
 const NUMBER = /^\s*([+-]?(?:\d+\.?\d*|\.\d+))(?:e([+-]?\d+))?\s*(\S*)\s*$/i;
 
-/** The unit of a number in words; nothing if it has none. */
-export function unitOf(text: string): string {
+/**
+ * The unit of a number in a text; empty if it has none.
+ * @param {string} text
+ * @returns {string}
+ */
+export function unitOf(text) {
   return NUMBER.exec(text)?.[3] ?? "";
 }
 
-/** What was typed, with this unit if it is a number without one. */
-export function withUnit(text: string, unit: string): string {
-  return NUMBER.test(text.replace("−", "-")) && unitOf(text.replace("−", "-")) === "" ? `${text.trim()} ${unit}`.trim() : text;
+/**
+ * Adds the unit to a text that is a number without one.
+ * @param {string} text
+ * @param {string} unit
+ * @returns {string}
+ */
+export function withUnit(text, unit) {
+  const ascii = text.replace("−", "-");
+  return NUMBER.test(ascii) && unitOf(ascii) === "" ? `${text.trim()} ${unit}`.trim() : text;
 }
 
-/** The value in SI units of what was typed; null if only the server can read it, or refuse it. */
-export function parse(text: string, dimension: Dimension): number | null {
+/**
+ * The value of a text in SI units; null if only the server can read or refuse the text.
+ * @param {string} text
+ * @param {Dimension} dimension
+ * @returns {number | null}
+ */
+export function parse(text, dimension) {
   const value = read(text, dimension);
   return value !== null && Number.isFinite(value) ? value : null;
 }
 
-function read(text: string, dimension: Dimension): number | null {
+/**
+ * @param {string} text
+ * @param {Dimension} dimension
+ * @returns {number | null}
+ */
+function read(text, dimension) {
   const parts = NUMBER.exec(text.replace("−", "-"));
   if (parts === null) return null;
   const [, digits = "", exponent = "0", symbol = ""] = parts;
@@ -166,8 +226,12 @@ function read(text: string, dimension: Dimension): number | null {
   return Number(`${digits}e${Number(exponent) + unit.power}`);
 }
 
-/** Puts a text into an element, with what stands in `^{}` raised and in `_{}` lowered. */
-export function write(element: Element, text: string): void {
+/**
+ * Writes a text into an element, with `^{}` as superscript and `_{}` as subscript.
+ * @param {Element} element
+ * @param {string} text
+ */
+export function write(element, text) {
   const svg = element instanceof SVGElement;
   const parts = text.split(/(\^\{[^}]*\}|_\{[^}]*\})/);
   element.replaceChildren();

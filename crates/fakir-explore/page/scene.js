@@ -1,41 +1,38 @@
-// What the map shows of a state, or of what is nearly one.
+// Scenes: what the map shows of a state or of an estimate.
 
-import type {
-  ContactState,
-  FloorCells,
-  FloorStation,
-  Lattice,
-  PartialTop,
-  Point,
-  Preview,
-  SolvedCycle,
-  StationState,
-} from "./engine.js";
 import { engineeringText, radiusDigits, significant } from "./numbers.js";
 
-export interface Scene {
-  readonly fraction: number;
-  readonly pitch_m: number;
-  readonly diameter_m: number;
-  readonly lattice: Lattice;
-  readonly contact_radius_m: number;
-  readonly pillars: readonly number[];
-  readonly forces_N: readonly number[];
-  /** A letter for every pillar, `f`ully or `p`artially in contact; empty if that is not known. */
-  readonly statuses: string;
-  /** What is held of those in part, where that is known. */
-  readonly parts: readonly PartialTop[];
-  /** The largest pull on a pillar that colours show, N, which is negative; 0 where nothing sticks. */
-  readonly pull_N: number;
-  readonly floor_contacts_m: readonly Point[];
-  readonly floor: FloorCells | null;
-  /** Whether the floor is that of a state before, on the same pillars: it is grey then. */
-  readonly floorIsOlder: boolean;
-  readonly words: string;
-}
+/**
+ * @import {
+ *   ContactState, FloorCells, FloorStation, Lattice, PartialTop, Point, Preview, SolvedCycle, StationState,
+ * } from "./engine.js"
+ */
 
-/** A state as it is drawn. */
-export function sceneOf(state: ContactState): Scene {
+/**
+ * @typedef {object} Scene
+ * @property {number} fraction
+ * @property {number} pitch_m
+ * @property {number} diameter_m
+ * @property {Lattice} lattice
+ * @property {number} contact_radius_m
+ * @property {readonly number[]} pillars
+ * @property {readonly number[]} forces_N
+ * @property {string} statuses A letter for each pillar: `f` for full, `p` for partial contact; empty if unknown.
+ * @property {readonly PartialTop[]} parts Bonded regions of the partial contacts, where known.
+ * @property {number} pull_N Largest tension of a pillar on the colour scale, N, negative; 0 without adhesion.
+ * @property {readonly Point[]} floor_contacts_m
+ * @property {FloorCells | null} floor
+ * @property {boolean} floorIsOlder Whether the floor belongs to an earlier state of the same pillars; it is greyed
+ *   out.
+ * @property {string} words
+ */
+
+/**
+ * The scene of a contact state.
+ * @param {ContactState} state
+ * @returns {Scene}
+ */
+export function sceneOf(state) {
   const { summary } = state;
   if (summary.method === "homogenised") {
     const { force_N, contact_radius_m } = summary;
@@ -63,7 +60,7 @@ export function sceneOf(state: ContactState): Scene {
     floor: state.floor,
     floorIsOlder: false,
     words:
-      `Contact from above: ${all} pillars in contact, ${part} of them in part, ` +
+      `Contact from above: ${all} pillars in contact, ${part} of them partially, ` +
       `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}` +
       (summary.floor === null
         ? ""
@@ -71,8 +68,13 @@ export function sceneOf(state: ContactState): Scene {
   };
 }
 
-/** A state of a cycle as it is drawn. */
-export function sceneOfStation(cycle: SolvedCycle, state: StationState): Scene {
+/**
+ * The scene of a state of a cycle.
+ * @param {SolvedCycle} cycle
+ * @param {StationState} state
+ * @returns {Scene}
+ */
+export function sceneOfStation(cycle, state) {
   const station = cycle.summary.stations[state.place];
   const forces = state.pillar_forces_N;
   const partial = new Set(state.parts.map(({ pillar }) => pillar));
@@ -95,32 +97,47 @@ export function sceneOfStation(cycle: SolvedCycle, state: StationState): Scene {
     floorIsOlder: false,
     words:
       `Contact from above, ${station?.branch ?? "loading"}: ${all} pillars in contact, ` +
-      `${partial.size} of them in part, ${pulled} pulled, ` +
+      `${partial.size} of them partially, ${pulled} in tension, ` +
       `within ${engineeringText(radius, "length", 3)} of the lens axis` +
-      (onFloor === null ? "" : `; the floor sticks, ${holesWords(onFloor.filled_holes)} filled`),
+      (onFloor === null ? "" : `; adhesive floor, ${holesWords(onFloor.filled_holes)} filled`),
   };
 }
 
-/** What of a floor that sticks is in contact at a station; null if nothing is. */
-export function floorAt(cycle: SolvedCycle, state: StationState): FloorStation | null {
+/**
+ * Contact with an adhesive floor at a state of a cycle; null if there is none.
+ * @param {SolvedCycle} cycle
+ * @param {StationState} state
+ * @returns {FloorStation | null}
+ */
+export function floorAt(cycle, state) {
   return cycle.summary.floor?.stations.find(({ station }) => station === state.place) ?? null;
 }
 
-export function holesWords(holes: number): string {
+/**
+ * @param {number} holes
+ * @returns {string}
+ */
+export function holesWords(holes) {
   return `${holes} ${holes === 1 ? "hole" : "holes"}`;
 }
 
-/** The numbers from which forces on pillars are estimated where pillars are not resolved. */
-type Smooth = Pick<
-  Preview,
-  "fraction" | "pitch_m" | "diameter_m" | "lattice" | "force_N" | "contact_radius_m"
->;
+/**
+ * The data from which pillar forces are estimated when pillars are not resolved.
+ * @typedef {Pick< Preview, "fraction" | "pitch_m" | "diameter_m" | "lattice" | "force_N" | "contact_radius_m" >}
+ *   Smooth
+ */
 
-/** A preview as it is drawn: forces fall off as under a sphere, and bear the load together. */
-export function sceneOfPreview(preview: Smooth): Scene {
+/**
+ * The scene of a preview: pillar forces follow the pressure under a sphere and add up to the load.
+ * @param {Smooth} preview
+ * @returns {Scene}
+ */
+export function sceneOfPreview(preview) {
   const { contact_radius_m: radius, lattice } = preview;
-  const pillars: number[] = [];
-  const forces: number[] = [];
+  /** @type {number[]} */
+  const pillars = [];
+  /** @type {number[]} */
+  const forces = [];
   let sum = 0;
   for (const [i, j, x, y] of pillarsWithin(lattice, radius)) {
     const squared = (x * x + y * y) / (radius * radius);
@@ -144,53 +161,77 @@ export function sceneOfPreview(preview: Smooth): Scene {
     floor_contacts_m: [],
     floor: null,
     floorIsOlder: false,
-    words: "Contact from above, estimated by the homogenised lattice",
+    words: "Contact from above, estimated with the homogenised lattice",
   };
 }
 
-/** A scene of the pillar tops alone, with the floor of the scene before, grey, if that has the same pillars. */
-export function withFloorBefore(scene: Scene, before: Scene | null): Scene {
-  const pillars = ({ diameter_m, lattice: { vectors_m, origin_m } }: Scene): string =>
+/**
+ * Adds the floor of the previous scene, greyed out, to a scene without floor, if both have the same pillars.
+ * @param {Scene} scene
+ * @param {Scene | null} before
+ * @returns {Scene}
+ */
+export function withFloorBefore(scene, before) {
+  /** @type {(scene: Scene) => string} */
+  const pillars = ({ diameter_m, lattice: { vectors_m, origin_m } }) =>
     [diameter_m, ...vectors_m.flat(), ...origin_m].join();
   if (before === null || before.floor === null || pillars(before) !== pillars(scene)) return scene;
   return { ...scene, floor: before.floor, floorIsOlder: true, floor_contacts_m: [] };
 }
 
-/** Whether the floor is touched, or would be, where the scene says. */
-export function touchesFloor({ fraction }: Scene): boolean {
+/**
+ * Whether the lens reaches the floor: at the critical state and beyond it.
+ * @param {Scene} scene
+ * @returns {boolean}
+ */
+export function touchesFloor({ fraction }) {
   return fraction > 1 - 1e-9;
 }
 
-/** Centre of the k-th touched pillar, m. */
-export function centre(scene: Scene, k: number): [number, number] {
+/**
+ * Centre of the k-th pillar in contact, m.
+ * @param {Scene} scene
+ * @param {number} k
+ * @returns {[number, number]}
+ */
+export function centre(scene, k) {
   return place(scene.lattice, scene.pillars[2 * k] ?? 0, scene.pillars[2 * k + 1] ?? 0);
 }
 
-function place({ vectors_m: [a, b], origin_m }: Lattice, i: number, j: number): [number, number] {
+/**
+ * @param {Lattice} lattice
+ * @param {number} i
+ * @param {number} j
+ * @returns {[number, number]}
+ */
+function place({ vectors_m: [a, b], origin_m }, i, j) {
   return [origin_m[0] + i * a[0] + j * b[0], origin_m[1] + i * a[1] + j * b[1]];
 }
 
-/** All pillars with centres in a square around the lens axis, of this half width (m): indices and centre of each. */
-export function* pillarsWithin(
-  lattice: Lattice,
-  half: number,
-): Generator<readonly [number, number, number, number]> {
+/**
+ * Indices and centres of all pillars in a square around the lens axis with this half width, m.
+ * @param {Lattice} lattice
+ * @param {number} half
+ * @returns {Generator<readonly [number, number, number, number]>}
+ */
+export function* pillarsWithin(lattice, half) {
   const [[a, b], [c, d]] = lattice.vectors_m;
   const [x0, y0] = lattice.origin_m;
   const area = a * d - b * c;
   if (area === 0) return;
-  const missing = new Set<string>();
+  /** @type {Set<string>} */
+  const missing = new Set();
   for (let k = 0; k + 1 < lattice.missing.length; k += 2) {
     missing.add(`${lattice.missing[k] ?? 0} ${lattice.missing[k + 1] ?? 0}`);
   }
   // The indices of the corners of the square bound those of all pillars in it.
-  const corners = [-half, half].flatMap((x) => [-half, half].map((y) => [x - x0, y - y0] as const));
+  const corners = [-half, half].flatMap((x) => [-half, half].map((y) => /** @type {const} */ ([x - x0, y - y0])));
   const rows = corners.map(([x, y]) => (x * d - y * c) / area);
   const [low, high] = lattice.range ?? [-Infinity, Infinity];
   const first = Math.max(low, Math.ceil(Math.min(...rows)));
   const last = Math.min(high - 1, Math.floor(Math.max(...rows)));
   for (let i = first; i <= last; i += 1) {
-    // Along a row the square is entered and left where x or y are at its sides.
+    // A row enters and leaves the square where x or y reaches one of its sides.
     const [x, y] = place(lattice, i, 0);
     const [from, to] = within([x, c, half], within([y, d, half], [low, high - 1]));
     for (let j = Math.ceil(from); j <= Math.floor(to); j += 1) {
@@ -200,17 +241,23 @@ export function* pillarsWithin(
   }
 }
 
-/** The part of a range of t in which start + t step is no farther from 0 than that. */
-function within(
-  [start, step, limit]: readonly [number, number, number],
-  [low, high]: readonly [number, number],
-): readonly [number, number] {
+/**
+ * The part of a range of t with |start + t step| ≤ limit.
+ * @param {readonly [number, number, number]} line
+ * @param {readonly [number, number]} range
+ * @returns {readonly [number, number]}
+ */
+function within([start, step, limit], [low, high]) {
   if (step === 0) return Math.abs(start) <= limit ? [low, high] : [1, 0];
   const ends = [(-limit - start) / step, (limit - start) / step];
   return [Math.max(low, Math.min(...ends)), Math.min(high, Math.max(...ends))];
 }
 
-/** The largest force on a pillar, N. */
-export function largestForceOf(scene: Scene): number {
+/**
+ * The largest force on a pillar, N.
+ * @param {Scene} scene
+ * @returns {number}
+ */
+export function largestForceOf(scene) {
   return scene.forces_N.reduce((largest, force) => Math.max(largest, force), 0);
 }

@@ -1,20 +1,13 @@
-// The page: what is drawn from which part of the state, and what the user does to the state.
+// The page: which view is drawn from which part of the state, and how inputs change the state.
 
 import { copy, drawNotices, save } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
 import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
-import { Server, type Start, type Texts, type Values } from "./engine.js";
-import { drawColourBar, drawFloorBar, drawFloorPullBar, drawMap, drawPullBar, wordsAt, type MapContents } from "./map.js";
+import { Server } from "./engine.js";
+import { drawColourBar, drawFloorBar, drawFloorPullBar, drawMap, drawPullBar, wordsAt } from "./map.js";
 import { engineeringText, write } from "./numbers.js";
-import {
-  announcement,
-  drawCritical,
-  drawCycleNumbers,
-  drawCycleProgress,
-  drawFacts,
-  drawLoad,
-} from "./readouts.js";
+import { announcement, drawCritical, drawCycleNumbers, drawCycleProgress, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
 import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
@@ -30,42 +23,62 @@ import {
   sticks,
   Store,
   STUCK,
-  type Of,
-  type State,
   WORK,
 } from "./store.js";
 import { onScheme } from "./theme.js";
 
-/** Young's moduli of the paper's three substrates, Pa. */
-const SUBSTRATES: Record<string, number> = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
+/**
+ * @import { Refusal, Start, Texts, Values } from "./engine.js"
+ * @import { MapContents } from "./map.js"
+ * @import { Of, State } from "./store.js"
+ */
 
-/** What the substrates of the paper leave as it is: how far apart pillars are, whether the floor bears anything, whether tops stick, and how
- * thick bodies are. */
+/**
+ * Young's moduli of the paper's three substrates, Pa.
+ * @type {Record<string, number>}
+ */
+const SUBSTRATES = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
+
+/**
+ * Keys that the buttons of the paper's substrates do not change: spacing of pillars, floor contact, adhesion and
+ * thicknesses.
+ */
 const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING, STUCK, "substrate.thickness", "lens.thickness"];
 
-/** A load this close to the critical one is meant to be it, when it comes from a pointer. */
+/** A load set with the pointer snaps to the critical one within this distance. */
 const SNAP = 0.012;
 
-/** What is chosen goes into the address when it has not changed for this long, ms. */
+/** The address is updated when the choice has not changed for this time, ms. */
 const REMEMBER = 250;
 
-/** A result is read out when it has not changed for this long, ms. */
+/** Screen readers announce a result when it has not changed for this time, ms. */
 const REST = 800;
 
-/** The paper's case with one of its substrates, without what stays as it is. */
-function preset(start: Start, name: string): Values {
-  const values: Values = { ...start.paper, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
+/**
+ * The paper's case with one of its substrates, without the keys that are kept.
+ * @param {Start} start
+ * @param {string} name
+ * @returns {Values}
+ */
+function preset(start, name) {
+  /** @type {Values} */
+  const values = { ...start.paper, "substrate.young_modulus": SUBSTRATES[name] ?? 2e6 };
   for (const key of KEPT) delete values[key];
   return values;
 }
 
-function buttons(data: string): NodeListOf<HTMLButtonElement> {
-  return document.querySelectorAll<HTMLButtonElement>(`[data-${data}]`);
+/**
+ * @param {string} data
+ * @returns {NodeListOf<HTMLButtonElement>}
+ */
+function buttons(data) {
+  return /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll(`[data-${data}]`));
 }
 
 // --- Showing ------------------------------------------------------------------------------------
 
-function show(store: Store): void {
+/** @param {Store} store */
+function show(store) {
   const { start } = store.state;
   const controls = new Controls(byId("fields"), start.keys, (...change) =>
     store.setValue(...change),
@@ -114,9 +127,9 @@ function show(store: Store): void {
   );
   screen.add((state) => [state.cycle?.is.solved], drawCycleNumbers);
 
-  const floorBar = byId<HTMLCanvasElement>("floor-bar");
-  const pullBar = byId<HTMLCanvasElement>("pull-bar");
-  const [canvas, bar] = [byId<HTMLCanvasElement>("map"), byId<HTMLCanvasElement>("colour-bar")];
+  const floorBar = byId("floor-bar", HTMLCanvasElement);
+  const pullBar = byId("pull-bar", HTMLCanvasElement);
+  const [canvas, bar] = [byId("map", HTMLCanvasElement), byId("colour-bar", HTMLCanvasElement)];
   screen.add(
     (state) => [state.picture, ...Object.values(mapContents(state) ?? {})],
     (state) => {
@@ -141,7 +154,7 @@ function show(store: Store): void {
       for (const id of ["floor-pull-key", "floor-pull-words"]) byId(id).hidden = !pulled;
       if (pulled) {
         write(byId("floor-pull-most"), engineeringText(floor.largest_pull_Pa, "pressure", 3));
-        drawFloorPullBar(byId<HTMLCanvasElement>("floor-pull-bar"));
+        drawFloorPullBar(byId("floor-pull-bar", HTMLCanvasElement));
       }
       const { of, is } = state.picture;
       const detail = { asked: of.asked, stage: is.stage };
@@ -184,7 +197,8 @@ function show(store: Store): void {
   screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
   const facts = [byId("regime"), byId("pillars")];
   screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
-  const known = (state: State): Of<unknown> | null => state.cycle ?? state.critical;
+  /** @type {(state: State) => Of<unknown> | null} */
+  const known = (state) => state.cycle ?? state.critical;
   screen.age(known, "case", [loading, pull, byId("cycle-numbers")]);
   screen.age((state) => state.picture, "load", [canvas, byId("bar"), byId("floor-key")]);
   const numbers = ["load-numbers", "floor-numbers", "beyond-note", "warnings"].map((id) => byId(id));
@@ -202,8 +216,8 @@ function show(store: Store): void {
     ({ start }) => (byId("version").textContent = `fakir ${start.version}`),
   );
 
-  // The page is marked as busy at once, so that nobody takes what is still shown for the answer.
-  const begin = (): void => {
+  // The page is marked as busy at once: what is still shown is not the answer.
+  const begin = () => {
     if (isBusy(store.state)) document.body.dataset["busy"] = "yes";
   };
   store.listen(begin);
@@ -216,11 +230,19 @@ function show(store: Store): void {
   canvas.addEventListener("pointerleave", () => (byId("map-note").textContent = ""));
 }
 
-function mapContents(state: State): MapContents | null {
+/**
+ * @param {State} state
+ * @returns {MapContents | null}
+ */
+function mapContents(state) {
   return state.picture && { scene: state.picture.is.scene, ...mapScale(state, state.picture) };
 }
 
-function showRefusal(controls: Controls, refusal: NonNullable<State["refusal"]>["is"] | null): void {
+/**
+ * @param {Controls} controls
+ * @param {Refusal | null} refusal
+ */
+function showRefusal(controls, refusal) {
   const atField = controls.refuse(refusal);
   const problem = byId("problem");
   problem.hidden = refusal === null;
@@ -230,17 +252,18 @@ function showRefusal(controls: Controls, refusal: NonNullable<State["refusal"]>[
   }
   const accepted = refusal.accepted === null ? "" : `: ${refusal.accepted}`;
   problem.textContent = atField
-    ? `${refusal.key ?? ""}: ${refusal.message}. This is the last good picture.`
+    ? `${refusal.key ?? ""}: ${refusal.message}. The last valid result is shown.`
     : `${refusal.message}${accepted}`;
 }
 
-function showTexts(state: State): void {
+/** @param {State} state */
+function showTexts(state) {
   const older = isOlder(state, state.texts, "load");
-  for (const [name, id] of [
+  for (const [name, id] of /** @type {const} */ ([
     ["command", "command"],
     ["python", "python"],
     ["toml", "case-file"],
-  ] as const) {
+  ])) {
     byId(id).textContent = state.texts?.is[name].trimEnd() ?? "";
   }
   for (const button of buttons("copy")) button.disabled = older || state.texts === null;
@@ -248,9 +271,13 @@ function showTexts(state: State): void {
 
 // --- Acting -------------------------------------------------------------------------------------
 
-function listen(store: Store, server: Server): void {
+/**
+ * @param {Store} store
+ * @param {Server} server
+ */
+function listen(store, server) {
   rememberInAddress(store);
-  const slider = byId<HTMLInputElement>("load");
+  const slider = byId("load", HTMLInputElement);
   let pointing = false;
   slider.addEventListener("pointerdown", () => (pointing = true));
   slider.addEventListener("pointerup", () => (pointing = false));
@@ -258,7 +285,7 @@ function listen(store: Store, server: Server): void {
     const value = Number(slider.value);
     const { chosen, cycle } = store.state;
     if (sticks(chosen.case)) {
-      // With adhesion it has a step for every state.
+      // With adhesion the slider has a step for each state.
       const state = cycle?.is.states[value];
       if (state !== undefined) store.choose({ load: state.load }, performance.now());
       return;
@@ -281,7 +308,7 @@ function listen(store: Store, server: Server): void {
     const state = cycle?.is.states.find(({ place, load }) => load > 1 && stations?.[place]?.force_N === pull);
     if (state !== undefined) store.choose({ load: state.load }, performance.now());
   });
-  const exaggeration = byId<HTMLInputElement>("exaggeration");
+  const exaggeration = byId("exaggeration", HTMLInputElement);
   exaggeration.addEventListener("input", () => {
     const factor = Number((10 ** Number(exaggeration.value)).toPrecision(3));
     store.choose({ exaggeration: factor }, performance.now());
@@ -304,25 +331,28 @@ function listen(store: Store, server: Server): void {
     button.addEventListener("click", () => void save(store, server, button.dataset["file"] ?? ""));
   }
   for (const button of buttons("copy")) {
-    const name = button.dataset["copy"] as keyof Texts;
+    const name = /** @type {keyof Texts} */ (button.dataset["copy"]);
     button.addEventListener("click", () => void copy(store, name, store.state.texts?.is[name] ?? ""));
   }
-  const menu = byId<HTMLDetailsElement>("export-menu");
+  const menu = byId("export-menu", HTMLDetailsElement);
   document.addEventListener("keydown", (event) => {
     if (event.key !== "Escape" || !menu.open) return;
     menu.open = false;
     menu.querySelector("summary")?.focus();
   });
   document.addEventListener("click", (event) => {
-    if (!menu.contains(event.target as Node)) menu.open = false;
+    if (!menu.contains(/** @type {Node} */ (event.target))) menu.open = false;
   });
 }
 
-/** Keeps what is chosen in the address, and takes it from there when the user changes it. */
-function rememberInAddress(store: Store): void {
+/**
+ * Writes what is chosen to the address, and reads it from there when the user changes the address.
+ * @param {Store} store
+ */
+function rememberInAddress(store) {
   let known = location.hash;
-  const write = (): void => {
-    // An address that was entered a moment ago, of which the page is not told yet, is not written over.
+  const write = () => {
+    // An address that was just entered, before its event arrives, is not overwritten.
     if (location.hash !== known) return;
     history.replaceState(null, "", fragment(store.state.chosen));
     known = location.hash;
@@ -340,10 +370,19 @@ function rememberInAddress(store: Store): void {
   });
 }
 
-/** Calls `act` once what `of` picks has not changed for a while, ms. */
-function afterwards<T>(store: Store, delay: number, of: (state: State) => T, act: (it: T) => void): void {
-  let last: T | undefined;
-  let timer: number | undefined;
+/**
+ * Calls `act` when the part of the state that `of` returns has not changed for `delay`, ms.
+ * @template T
+ * @param {Store} store
+ * @param {number} delay
+ * @param {(state: State) => T} of
+ * @param {(it: T) => void} act
+ */
+function afterwards(store, delay, of, act) {
+  /** @type {T | undefined} */
+  let last;
+  /** @type {number | undefined} */
+  let timer;
   store.listen(() => {
     const now = of(store.state);
     if (now === last) return;

@@ -1,33 +1,34 @@
-// The phase diagram, the loading, and the curves over the surface fraction.
+// The phase diagram, the force against the indentation, and the critical state against the surface fraction.
 
-import { drawChart, range, type Axes, type Contents, type Lettering, type Place, type Series } from "./charts.js";
-import type { CurvePoint, CurveStation, CycleStation, FloorStation, Values } from "./engine.js";
+import { drawChart, range } from "./charts.js";
 import { digitsFor, engineeringText } from "./numbers.js";
 import { byId } from "./screen.js";
-import {
-  floorBears,
-  isCritical,
-  isOlder,
-  stationAt,
-  sticks,
-  type Cycle,
-  type Of,
-  type State,
-} from "./store.js";
+import { floorBears, isCritical, isOlder, stationAt, sticks } from "./store.js";
 
-const PHASE: Axes = {
+/**
+ * @import { Axes, Contents, Lettering, Place, Series } from "./charts.js"
+ * @import {
+ *   CurvePoint, CurveStation, CycleEvent, CycleStation, FloorStation, TransitionSummary, Values,
+ * } from "./engine.js"
+ * @import { Cycle, Of, State } from "./store.js"
+ */
+
+/** @type {Axes} */
+const PHASE = {
   xLabel: "contact radius on the tops over pitch, a/e",
   yLabel: "F γ_{int}/(h d)",
   yDimension: "number",
 };
 
-interface CurveChart {
-  readonly id: string;
-  readonly axes: Axes;
-  readonly of: (point: CurvePoint) => number;
-}
+/**
+ * @typedef {object} CurveChart
+ * @property {string} id
+ * @property {Axes} axes
+ * @property {(point: CurvePoint) => number} of
+ */
 
-const CURVES: readonly CurveChart[] = [
+/** @type {readonly CurveChart[]} */
+const CURVES = [
   {
     id: "curve-force",
     axes: { xLabel: "", yLabel: "F_{c}", yDimension: "force", bare: true },
@@ -45,34 +46,48 @@ const CURVES: readonly CurveChart[] = [
   },
 ];
 
-/** A style, grey if what is drawn is of an older case or load. */
-function aged(style: string, older: boolean): string {
+/**
+ * A style, greyed out if the series belongs to an older case or load.
+ * @param {string} style
+ * @param {boolean} older
+ * @returns {string}
+ */
+function aged(style, older) {
   return older ? `${style} older` : style;
 }
 
-/** Whether something is still of the case before, while the critical state is of the next. */
-function isBefore(shown: Of<unknown>, critical: Of<unknown>): boolean {
+/**
+ * Whether a result belongs to another case than the critical state.
+ * @param {Of<unknown>} shown
+ * @param {Of<unknown>} critical
+ * @returns {boolean}
+ */
+function isBefore(shown, critical) {
   return shown.of.name !== critical.of.name;
 }
 
-export function drawPhase(state: State): void {
+/** @param {State} state */
+export function drawPhase(state) {
   const contents = phaseContents(state);
-  if (contents !== null) drawChart(byId<SVGSVGElement>("phase"), PHASE, contents);
+  if (contents !== null) drawChart(byId("phase", SVGSVGElement), PHASE, contents);
 }
 
-function phaseContents(state: State): Contents | null {
+/**
+ * @param {State} state
+ * @returns {Contents | null}
+ */
+function phaseContents(state) {
   const { phase, critical, solved } = state;
   if (phase === null || critical === null) return null;
   const older = isBefore(phase, critical);
   const { transition } = phase.is;
-  // The radius is that of the contact on the pillar tops, as on the way there.
-  const placeOf = ({ is }: { is: typeof critical.is }): Place => [
-    is.top_contact_radius_m / is.pitch_m,
-    is.normalized.force,
-  ];
-  const at = placeOf(critical);
-  const end = placeOf({ is: phase.is.critical });
-  const places = (of: (fraction: number) => boolean): Place[] =>
+  // The contact radius on the pillar tops, as along the loading path.
+  /** @type {(summary: TransitionSummary) => Place} */
+  const placeOf = (summary) => [summary.top_contact_radius_m / summary.pitch_m, summary.normalized.force];
+  const at = placeOf(critical.is);
+  const end = placeOf(phase.is.critical);
+  /** @type {(of: (fraction: number) => boolean) => Place[]} */
+  const places = (of) =>
     phase.is.path.filter(({ fraction }) => of(fraction)).map(({ normalized }) => normalized);
   const path = [...places((fraction) => fraction < 1), end];
   const beyond = places((fraction) => fraction > 1);
@@ -83,11 +98,13 @@ function phaseContents(state: State): Contents | null {
   const y = range([0.2 * floor, 30 * floor, ...forces], 1.8);
   const curve = transition.filter(([a]) => a > x[0] / 2 && a < x[1] * 2);
   const inside = curve.filter(([a]) => a >= x[0] && a <= x[1]);
-  const edge = (level: number): Place[] => [
+  /** @type {(level: number) => Place[]} */
+  const edge = (level) => [
     [x[1] * 2, level],
     [x[0] / 2, level],
   ];
-  const series: Series[] = [
+  /** @type {Series[]} */
+  const series = [
     { kind: "area", style: aged("top-region", older), points: [...curve, ...edge(y[0])] },
     { kind: "area", style: aged("mixed-region", older), points: [...curve, ...edge(y[1])] },
     { kind: "vertical", style: "one-pitch", points: [[1, y[0]]] },
@@ -111,25 +128,32 @@ function phaseContents(state: State): Contents | null {
   const station = stationShown(state);
   if (station !== null && state.cycle?.of.name === critical.of.name && station.force_N > 0) {
     const unit = critical.is.normalized.force / critical.is.critical_force_N;
-    const place: Place = [station.contact_radius_m / critical.is.pitch_m, station.force_N * unit];
+    /** @type {Place} */
+    const place = [station.contact_radius_m / critical.is.pitch_m, station.force_N * unit];
     series.push({ kind: "points", style: "load-point", points: [place] });
   }
-  const part = (share: number): Place => inside[Math.floor(inside.length * share)] ?? [1, floor];
+  /** @type {(share: number) => Place} */
+  const part = (share) => inside[Math.floor(inside.length * share)] ?? [1, floor];
   const [left, right] = [part(0.3), part(0.78)];
   const style = aged("region", older);
   const names = [
-    { place: [left[0], Math.sqrt(left[1] * y[1])] as const, text: "tops and floor", style },
-    { place: [right[0], Math.sqrt(right[1] * y[0])] as const, text: "pillar tops only", style },
+    { place: /** @type {const} */ ([left[0], Math.sqrt(left[1] * y[1])]), text: "tops and floor", style },
+    { place: /** @type {const} */ ([right[0], Math.sqrt(right[1] * y[0])]), text: "pillar tops only", style },
   ];
   return { x, y, series, names };
 }
 
-/** The style of what is past the transition: with the floor, or through it. */
-function pastStyle(values: Values): string {
+/**
+ * The style of the path beyond the transition: with floor contact, or with floor contact ignored.
+ * @param {Values} values
+ * @returns {string}
+ */
+function pastStyle(values) {
   return floorBears(values) ? "floor-path" : "fiction-path";
 }
 
-const LOADING: Axes = {
+/** @type {Axes} */
+const LOADING = {
   xLabel: "indentation ζ",
   xDimension: "length",
   yLabel: "F",
@@ -137,28 +161,37 @@ const LOADING: Axes = {
   linear: true,
 };
 
-/** The part of the height of a chart above which a pull is well seen. */
+/** A pull-off force larger than this fraction of the height of the chart needs no close-up. */
 const WELL_SEEN = 0.25;
 
-/** The station of the cycle that is shown. */
-export function stationShown({ cycle, chosen }: State): CycleStation | null {
+/**
+ * The load step of the cycle that is shown.
+ * @param {State} state
+ * @returns {CycleStation | null}
+ */
+export function stationShown({ cycle, chosen }) {
   const shown = stationAt(cycle, chosen.load);
   return (shown && cycle?.is.solved?.summary.stations[shown.place]) ?? null;
 }
 
-/** Both branches, and what happens on them. */
-function drawCycle(state: State, cycle: Cycle): void {
+/**
+ * Draws loading and unloading with their events.
+ * @param {State} state
+ * @param {Cycle} cycle
+ */
+function drawCycle(state, cycle) {
   const curve = cycle.solved === null ? cycle.curve.map(placeOf) : cycle.solved.summary.stations.map(placeOf);
   const pull = cycle.solved?.summary.pull_off_force_N ?? null;
   const series = cycleSeries(state, cycle);
   const [x, y] = [withRoom(curve.map(([x]) => x)), withRoom(curve.map(([, y]) => y))];
   const force = engineeringText(pull ?? 0, "force", digitsFor(numericalErrorOf(cycle)));
-  const name = (place: Place): Lettering => ({ place, text: `pull-off ${force}`, style: "pull-name" });
-  // A pull that is well seen needs no chart of its own.
+  /** @type {(place: Place) => Lettering} */
+  const name = (place) => ({ place, text: `pull-off ${force}`, style: "pull-name" });
+  // A large pull-off force needs no close-up.
   const isSeen = pull !== null && -pull > WELL_SEEN * (y[1] - y[0]);
   const at = cycle.solved?.summary.pull_off_indentation_m ?? 0;
   const names = isSeen ? [name([Math.max(at, x[0] + 0.2 * (x[1] - x[0])), pull - 0.09 * (y[1] - y[0])])] : [];
-  drawChart(byId<SVGSVGElement>("loading"), LOADING, {
+  drawChart(byId("loading", SVGSVGElement), LOADING, {
     x,
     y: isSeen ? [y[0] - 0.12 * (y[1] - y[0]), y[1]] : y,
     series,
@@ -167,11 +200,11 @@ function drawCycle(state: State, cycle: Cycle): void {
   byId("pull-box").hidden = pull === null || isSeen;
   if (pull === null || isSeen || cycle.solved === null) return;
   const { stations, last_release_indentation_m: last } = cycle.solved.summary;
-  // From the last release to where the lens no longer bears half as much as it is held back by.
+  // The close-up covers the part of unloading with a force below half the pull-off force.
   const held = stations.filter(({ branch, force_N }) => branch === "unloading" && force_N < -0.5 * pull);
   const [left, right] = extremes([0, last ?? 0, ...held.map(({ indentation_m }) => indentation_m)]);
   const room = 0.06 * (right - left);
-  drawChart(byId<SVGSVGElement>("pull"), LOADING, {
+  drawChart(byId("pull", SVGSVGElement), LOADING, {
     x: [left - room, right + room],
     y: [1.42 * pull, -0.55 * pull],
     series,
@@ -179,38 +212,62 @@ function drawCycle(state: State, cycle: Cycle): void {
   });
 }
 
-/** The least and the greatest of some values. */
-function extremes(values: readonly number[]): Place {
-  return values.reduce<Place>(
-    ([low, high], value) => [Math.min(low, value), Math.max(high, value)],
-    [Infinity, -Infinity],
+/**
+ * The smallest and the largest value.
+ * @param {readonly number[]} values
+ * @returns {Place}
+ */
+function extremes(values) {
+  return values.reduce(
+    /** @returns {Place} */ ([low, high], value) => [Math.min(low, value), Math.max(high, value)],
+    /** @type {Place} */ ([Infinity, -Infinity]),
   );
 }
 
-/** The range of values on a linear axis, with room for marks. */
-function withRoom(values: readonly number[]): Place {
+/**
+ * The range of values on a linear axis, with room for marks.
+ * @param {readonly number[]} values
+ * @returns {Place}
+ */
+function withRoom(values) {
   const [low, high] = extremes(values);
   if (!(high > low)) return [0, 1];
   return [low - 0.04 * (high - low), high + 0.06 * (high - low)];
 }
 
-function numericalErrorOf(cycle: Cycle): number | null {
+/**
+ * @param {Cycle} cycle
+ * @returns {number | null}
+ */
+function numericalErrorOf(cycle) {
   return cycle.solved?.summary.relative_error_estimate.pull_off_force?.numerical ?? null;
 }
 
-function placeOf({ indentation_m, force_N }: CurveStation | CycleStation | FloorStation): Place {
+/**
+ * @param {CurveStation | CycleEvent | CycleStation | FloorStation} curveStation
+ * @returns {Place}
+ */
+function placeOf({ indentation_m, force_N }) {
   return [indentation_m, force_N];
 }
 
-/** What both charts of a cycle show. */
-function cycleSeries(state: State, { curve, solved }: Cycle): Series[] {
-  const isDown = (station: CurveStation | CycleStation): boolean =>
+/**
+ * The series of both charts of a cycle.
+ * @param {State} state
+ * @param {Cycle} cycle
+ * @returns {Series[]}
+ */
+function cycleSeries(state, { curve, solved }) {
+  /** @type {(station: CurveStation | CycleStation) => boolean} */
+  const isDown = (station) =>
     "loading" in station ? station.loading : station.branch === "loading";
-  const all: readonly (CurveStation | CycleStation)[] = solved?.summary.stations ?? curve;
+  /** @type {readonly (CurveStation | CycleStation)[]} */
+  const all = solved?.summary.stations ?? curve;
   const down = all.filter(isDown).map(placeOf);
   const up = all.filter((station) => !isDown(station)).map(placeOf);
   const turn = down[down.length - 1];
-  const lines: Series[] = [
+  /** @type {Series[]} */
+  const lines = [
     { kind: "line", style: "zero", points: [[-1, 0], [1, 0]] },
     { kind: "line", style: "path", points: down },
     { kind: "line", style: "path unloading", points: turn === undefined ? up : [turn, ...up] },
@@ -218,8 +275,9 @@ function cycleSeries(state: State, { curve, solved }: Cycle): Series[] {
   if (solved === null) return lines;
   const { events, pull_off_force_N: pull, pull_off_indentation_m: at } = solved.summary;
   const { first_contact_indentation_m: first, first_contact_force_N: force } = solved.summary;
-  const placesOf = (kind: string, branch: string): Place[] =>
-    events.filter((event) => event.event === kind && event.branch === branch).map(({ indentation_m, force_N }): Place => [indentation_m, force_N]);
+  /** @type {(kind: string, branch: string) => Place[]} */
+  const placesOf = (kind, branch) =>
+    events.filter((event) => event.event === kind && event.branch === branch).map(placeOf);
   const floor = placesOf("floor_contact", "loading");
   const last = up[up.length - 1];
   lines.unshift({ kind: "area", style: "loop-area", points: [...down, ...up] });
@@ -233,7 +291,8 @@ function cycleSeries(state: State, { curve, solved }: Cycle): Series[] {
   );
   const { jump, last: lost, force_before_jump_N: before } = solved.summary.floor ?? {};
   if (jump && before !== null && before !== undefined) {
-    const ends: Place[] = [[jump.indentation_m, before], placeOf(jump)];
+    /** @type {Place[]} */
+    const ends = [[jump.indentation_m, before], placeOf(jump)];
     lines.push({ kind: "line", style: "floor-jump", points: ends });
     lines.push({ kind: "points", style: "floor-jump", points: ends.slice(1) });
   }
@@ -243,30 +302,38 @@ function cycleSeries(state: State, { curve, solved }: Cycle): Series[] {
   return lines;
 }
 
-export function drawLoading(state: State): void {
+/** @param {State} state */
+export function drawLoading(state) {
   const sticky = sticks(state.chosen.case);
   if (sticky && state.cycle !== null) drawCycle(state, state.cycle.is);
   if (sticky) return;
   byId("pull-box").hidden = true;
   const contents = loadingContents(state);
-  if (contents !== null) drawChart(byId<SVGSVGElement>("loading"), LOADING, contents);
+  if (contents !== null) drawChart(byId("loading", SVGSVGElement), LOADING, contents);
 }
 
-function loadingContents(state: State): Contents | null {
+/**
+ * @param {State} state
+ * @returns {Contents | null}
+ */
+function loadingContents(state) {
   const { phase, critical, solved } = state;
   if (phase === null || critical === null) return null;
   const older = isBefore(phase, critical);
   const { path, critical: end } = phase.is;
-  const reached: Place = [end.critical_indentation_m, end.critical_force_N];
-  const places = (of: (fraction: number) => boolean): Place[] =>
+  /** @type {Place} */
+  const reached = [end.critical_indentation_m, end.critical_force_N];
+  /** @type {(of: (fraction: number) => boolean) => Place[]} */
+  const places = (of) =>
     path
       .filter(({ fraction }) => of(fraction))
-      .map(({ indentation_m, force_N }): Place => [indentation_m, force_N]);
+      .map(/** @returns {Place} */ ({ indentation_m, force_N }) => [indentation_m, force_N]);
   const past = places((fraction) => fraction > 1);
-  const onFloor = path.flatMap(({ fraction, indentation_m, floor_force_N }): Place[] =>
+  const onFloor = path.flatMap(/** @returns {Place[]} */ ({ fraction, indentation_m, floor_force_N }) =>
     fraction > 1 && floor_force_N !== null ? [[indentation_m, floor_force_N]] : [],
   );
-  const series: Series[] = [
+  /** @type {Series[]} */
+  const series = [
     { kind: "vertical", style: "one-pitch", points: [reached] },
     { kind: "line", style: aged("path", older), points: [...places((f) => f < 1), reached] },
     {
@@ -285,46 +352,57 @@ function loadingContents(state: State): Contents | null {
       points: [[critical.is.critical_indentation_m, critical.is.critical_force_N]],
     },
   ];
-  const shown: Place[] = [];
+  /** @type {Place[]} */
+  const shown = [];
   if (solved !== null && solved.of.name === critical.of.name) {
     const { summary } = solved.is;
     shown.push([summary.indentation_m, summary.force_N]);
     const style = aged("load-point", isOlder(state, solved, "load"));
     if (summary.floor !== null) {
-      const point: Place = [summary.indentation_m, summary.floor.force_N];
+      /** @type {Place} */
+      const point = [summary.indentation_m, summary.floor.force_N];
       series.push({ kind: "points", style, points: [point] });
     }
     series.push({ kind: "points", style, points: shown });
   }
-  const most = (k: 0 | 1): number =>
+  /** @type {(k: 0 | 1) => number} */
+  const most = (k) =>
     1.05 * Math.max(...[reached, ...past, ...shown].map((place) => place[k]));
   return { x: [0, most(0)], y: [0, most(1)], series };
 }
 
-export function drawCurves(state: State): void {
+/** @param {State} state */
+export function drawCurves(state) {
   for (const chart of CURVES) {
     const contents = curveContents(state, chart);
-    if (contents !== null) drawChart(byId<SVGSVGElement>(chart.id), chart.axes, contents);
+    if (contents !== null) drawChart(byId(chart.id, SVGSVGElement), chart.axes, contents);
   }
 }
 
-function curveContents(state: State, { of }: CurveChart): Contents | null {
+/**
+ * @param {State} state
+ * @param {CurveChart} curveChart
+ * @returns {Contents | null}
+ */
+function curveContents(state, { of }) {
   const { curves, critical } = state;
   if (curves === null || critical === null) return null;
   const { small, large, homogenised, exact } = curves.is;
-  // Closed forms are of the hexagonal lattice on half-spaces.
+  // Closed forms exist only for the hexagonal lattice on half-spaces.
   const all = [...small, ...large, ...homogenised, ...exact];
   if (all.length === 0) return null;
   const older = isBefore(curves, critical);
   const now = of(pointOf(critical.is));
   const present = critical.is.surface_fraction;
   const fractions = all.map((point) => point.surface_fraction);
-  const places = (points: readonly CurvePoint[]): Place[] =>
+  /** @type {(points: readonly CurvePoint[]) => Place[]} */
+  const places = (points) =>
     points
       .filter((point) => of(point) > 0)
-      .map((point): Place => [point.surface_fraction, of(point)]);
+      .map(/** @returns {Place} */ (point) => [point.surface_fraction, of(point)]);
   const shown = places([...exact, ...homogenised, ...small]);
-  const line = (style: string, points: readonly CurvePoint[]): Series => ({
+  /** @type {(style: string, points: readonly CurvePoint[]) => Series} */
+  const line = (style, points) => ({
     kind: "line",
     style: aged(style, older),
     points: places(points),
@@ -344,8 +422,12 @@ function curveContents(state: State, { of }: CurveChart): Contents | null {
   };
 }
 
-/** A critical state as a point of the curves. */
-function pointOf(critical: NonNullable<State["critical"]>["is"]): CurvePoint {
+/**
+ * A critical state as a point of the curves.
+ * @param {TransitionSummary} critical
+ * @returns {CurvePoint}
+ */
+function pointOf(critical) {
   return {
     surface_fraction: critical.surface_fraction,
     force_N: critical.critical_force_N,
@@ -355,8 +437,11 @@ function pointOf(critical: NonNullable<State["critical"]>["is"]): CurvePoint {
   };
 }
 
-/** Says what is being computed for the curves, or why there are none. */
-export function drawCurvesStatus({ asking, answered, question }: State): void {
+/**
+ * Shows whether the curves are being computed, or why there are none.
+ * @param {State} state
+ */
+export function drawCurvesStatus({ asking, answered, question }) {
   const refused = [answered.curves, answered.phase]
     .filter((each) => each?.of.name === question.name)
     .map((each) => each?.is ?? "");

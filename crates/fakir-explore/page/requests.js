@@ -1,33 +1,48 @@
-// The one place that asks the server: it follows the store, and puts the answers into it.
+// Sends the questions of the store to the server, and puts the answers into the store.
 
-import { Refused, type ApiPath, type Background, type Kind, type Refusal, type Server } from "./engine.js";
-import { isBusy, isWithoutFloor, knownCritical, sticks, type Question, type Store } from "./store.js";
+import { Refused } from "./engine.js";
+import { isBusy, isWithoutFloor, knownCritical, sticks } from "./store.js";
 
-/** A computation that takes longer than this, ms, is given up for a newer one; shorter ones are
- * shown, so that the picture moves while a slider does. */
-const GRACE = [120, 700] as const;
+/**
+ * @import { ApiPath, Background, Kind, Refusal, Server } from "./engine.js"
+ * @import { Question, Store } from "./store.js"
+ */
 
-/** Questions of the background are asked when nothing has changed for this long, ms. */
+/**
+ * Bounds of the time, ms, after which a computation is cancelled for a newer one. Shorter ones are shown, so that the
+ * picture follows a moving slider.
+ */
+const GRACE = /** @type {const} */ ([120, 700]);
+
+/** Background questions are sent when nothing has changed for this time, ms. */
 const CALM = 200;
 
-/** If nothing of the new case or load is shown this long, ms, after a change, all that is older turns grey. With the first
- * new part it turns grey at once, so that parts of two cases never look alike. */
+/**
+ * Older results are greyed out this long after a change, ms, or with the first new result, so that results of two
+ * cases never look alike.
+ */
 const OVERDUE = 200;
 
-/** The time that a cycle takes is shown anew after this long, ms. */
+/** The elapsed time of a cycle is updated at this interval, ms. */
 const TICK = 200;
 
-/** The pillar tops alone are shown if the floor is not solved for this long, ms, after them. */
+/** A state without the floor is shown if the floor is not solved within this time, ms. */
 const WITHOUT_FLOOR = 60;
 
-const BACKGROUND: readonly Background[] = ["phase", "curves"];
+/** @type {readonly Background[]} */
+const BACKGROUND = ["phase", "curves"];
 
-/** Sends what the state asks for, from now on. */
-export function answerQuestions(store: Store, server: Server): void {
+/**
+ * Starts sending the questions of the store.
+ * @param {Store} store
+ * @param {Server} server
+ */
+export function answerQuestions(store, server) {
   let newest = 0;
-  let calm: number | undefined;
+  /** @type {number | undefined} */
+  let calm;
 
-  function follow(): void {
+  function follow() {
     const { question } = store.state;
     if (question.number > newest) {
       newest = question.number;
@@ -39,8 +54,11 @@ export function answerQuestions(store: Store, server: Server): void {
     if (asking.contact === null && sent < question.number) void contact(question);
   }
 
-  /** There is a new question. */
-  function begin(question: Question): void {
+  /**
+   * Handles a new question.
+   * @param {Question} question
+   */
+  function begin(question) {
     window.clearTimeout(calm);
     window.setTimeout(() => store.overdue(question), OVERDUE);
     const { asking, lastTime } = store.state;
@@ -56,8 +74,10 @@ export function answerQuestions(store: Store, server: Server): void {
     );
   }
 
-  /** Calls off a question that has an estimated picture, or the first state of a cycle, if there is a newer question. */
-  function callOffSketched(): void {
+  /**
+   * Cancels a question that has an estimated picture, or the first state of a cycle, if there is a newer question.
+   */
+  function callOffSketched() {
     const { asking, picture, question } = store.state;
     const under = asking.contact?.question;
     if (under === undefined || under.number >= question.number) return;
@@ -67,17 +87,21 @@ export function answerQuestions(store: Store, server: Server): void {
     }
   }
 
-  /** Calls off a question of which there is no picture yet. */
-  function callOffLate(question: Question): void {
+  /**
+   * Cancels a question that has no picture yet.
+   * @param {Question} question
+   */
+  function callOffLate(question) {
     const { asking, picture } = store.state;
     if (asking.contact?.question.number !== question.number) return;
     if (picture?.of.number === question.number && picture.is.stage === "exact") return;
     server.cancel("contact");
   }
 
-  async function contact(question: Question): Promise<void> {
+  /** @param {Question} question */
+  async function contact(question) {
     const known = knownCritical(store.state, question);
-    // A cycle can take minutes: its time goes on where nothing else comes.
+    // A cycle can take minutes: its elapsed time is shown meanwhile.
     const clock = sticks(question.case) ? window.setInterval(() => store.tick(performance.now()), TICK) : undefined;
     await ask("contact", sticks(question.case) ? "cycle" : "contact", question, {
       case: question.case,
@@ -90,8 +114,8 @@ export function answerQuestions(store: Store, server: Server): void {
     if (!isBusy(store.state)) calm = window.setTimeout(background, CALM);
   }
 
-  /** Curves and phase diagram, once nothing else is asked. */
-  function background(): void {
+  /** Requests curves and phase diagram when no other question is open. */
+  function background() {
     const { question, asking, answered } = store.state;
     const critical = knownCritical(store.state, question);
     if (critical === null) return;
@@ -107,13 +131,20 @@ export function answerQuestions(store: Store, server: Server): void {
     }
   }
 
-  async function ask(kind: Kind, path: ApiPath, question: Question, body: object): Promise<void> {
+  /**
+   * @param {Kind} kind
+   * @param {ApiPath} path
+   * @param {Question} question
+   * @param {object} body
+   */
+  async function ask(kind, path, question, body) {
     store.send(kind, question, performance.now());
     let whole = false;
-    let refusal: Refusal | null = null;
+    /** @type {Refusal | null} */
+    let refusal = null;
     try {
       whole = await server.ask(kind, path, body, (line) => {
-        const take = (): void => store.receive(kind, question.number, line, performance.now());
+        const take = () => store.receive(kind, question.number, line, performance.now());
         if (line.state && isWithoutFloor(line.state)) window.setTimeout(take, WITHOUT_FLOOR);
         else take();
       });

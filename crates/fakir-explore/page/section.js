@@ -1,24 +1,27 @@
-// The section through lens and surface, deformed, with heights exaggerated. Its outlines come from
-// the server; here they are only drawn.
+// Draws the deformed section through lens and surface, with exaggerated heights.
 
 import { element, path, text } from "./charts.js";
-import type { Section } from "./engine.js";
 import { engineeringText, significant } from "./numbers.js";
 import { byId } from "./screen.js";
-import type { State } from "./store.js";
 import { letterSize } from "./theme.js";
 
-export function drawSection(state: State): void {
-  const svg = byId<SVGSVGElement>("section");
+/**
+ * @import { Section } from "./engine.js"
+ * @import { State } from "./store.js"
+ */
+
+/** @param {State} state */
+export function drawSection(state) {
+  const svg = byId("section", SVGSVGElement);
   const wanted = state.chosen.exaggeration;
   byId("exaggeration-fit").setAttribute("aria-pressed", String(wanted === null));
-  if (wanted !== null) tellExaggeration(wanted);
+  if (wanted !== null) showExaggeration(wanted);
   const { width, height } = svg.getBoundingClientRect();
   if (state.section === null || width < 40 || height < 40) return;
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   const section = state.section.is;
   if (section === null) {
-    const note = text("this method does not resolve the section", width / 2, height / 2, "middle");
+    const note = text("this method does not compute the section", width / 2, height / 2, "middle");
     note.setAttribute("class", "region");
     svg.replaceChildren(note);
     return;
@@ -27,15 +30,17 @@ export function drawSection(state: State): void {
   const [low, high] = span(section, 0.01 * half);
   const across = width / (2 * half);
   const factor = wanted ?? (0.62 * height) / (high - low) / across;
-  if (wanted === null) tellExaggeration(factor);
+  if (wanted === null) showExaggeration(factor);
   const up = across * factor;
   const middle = (low + high) / 2;
-  const place = (x: number, z: number): [string, string] => [
+  /** @type {(x: number, z: number) => [string, string]} */
+  const place = (x, z) => [
     ((x + half) * across).toFixed(1),
-    // What is above or below the picture is cut by its frame.
+    // The frame clips what is above or below the picture.
     (height * 0.56 - (z - middle) * up).toFixed(1),
   ];
-  const outline = (heights: readonly number[]): string =>
+  /** @type {(heights: readonly number[]) => string} */
+  const outline = (heights) =>
     section.x_m.map((x, k) => place(x, heights[k] ?? 0).join(" ")).join("L");
   const lens = outline(section.lens_m);
   const surface = outline(section.surface_m);
@@ -51,42 +56,59 @@ export function drawSection(state: State): void {
   );
 }
 
-/** Shows an exaggeration beside its slider, and on it. */
-function tellExaggeration(factor: number): void {
+/**
+ * Shows the exaggeration beside its slider, and on it.
+ * @param {number} factor
+ */
+function showExaggeration(factor) {
   const words = `heights × ${significant(factor, factor >= 100 ? 3 : 2)}`;
-  const slider = byId<HTMLInputElement>("exaggeration");
+  const slider = byId("exaggeration", HTMLInputElement);
   slider.value = String(Math.log10(factor));
   slider.setAttribute("aria-valuetext", words);
   byId("exaggeration-words").textContent = words;
 }
 
-/** A line along the floor where it is in contact. */
-function floorPart(
-  section: Section,
-  [start, end]: readonly [number, number],
-  place: (x: number, z: number) => [string, string],
-): SVGElement {
+/**
+ * A line along the floor where it is in contact.
+ * @param {Section} section
+ * @param {readonly [number, number]} ends
+ * @param {(x: number, z: number) => [string, string]} place
+ * @returns {SVGElement}
+ */
+function floorPart(section, [start, end], place) {
   const inside = section.x_m
-    .map((x, k): [number, number] => [x, section.surface_m[k] ?? 0])
+    .map(/** @returns {[number, number]} */ (x, k) => [x, section.surface_m[k] ?? 0])
     .filter(([x]) => x > start && x < end);
-  // Between two places of the outline heights are those of the next one.
+  // Between two points of the outline the height is that of the next point.
   const next = section.x_m.findIndex((x) => x >= end);
   const height = section.surface_m[next] ?? 0;
   const points = [
-    [start, inside[0]?.[1] ?? height] as const,
+    /** @type {const} */ ([start, inside[0]?.[1] ?? height]),
     ...inside,
-    [end, inside[inside.length - 1]?.[1] ?? height] as const,
+    /** @type {const} */ ([end, inside[inside.length - 1]?.[1] ?? height]),
   ];
   return path(`M${points.map(([x, z]) => place(x, z).join(" ")).join("L")}`, "floor-part");
 }
 
-/** An arrow from below to where the floor is touched. */
-function floorMark([x, y]: [string, string], em: number): SVGElement {
+/**
+ * An arrow from below to a point contact with the floor.
+ * @param {[string, string]} tip
+ * @param {number} em
+ * @returns {SVGElement}
+ */
+function floorMark([x, y], em) {
   const tip = Number(y) + 0.15 * em;
   return path(`M${x} ${tip}l${-0.35 * em} ${0.7 * em}h${0.7 * em}Z`, "floor-mark");
 }
 
-function names(width: number, height: number, em: number, across: number): SVGElement[] {
+/**
+ * @param {number} width
+ * @param {number} height
+ * @param {number} em
+ * @param {number} across
+ * @returns {SVGElement[]}
+ */
+function names(width, height, em, across) {
   const lens = text("lens", width / 2, 1.4 * em, "middle");
   const substrate = text("substrate", 0.7 * em, height - 0.8 * em, "start");
   const longest = (0.2 * width) / across;
@@ -104,8 +126,13 @@ function names(width: number, height: number, em: number, across: number): SVGEl
   return [lens, substrate, bar, label];
 }
 
-/** Lowest and highest point of the surface; at least so far apart that rounding is not seen. */
-function span(section: Section, least: number): [number, number] {
+/**
+ * Lowest and highest point of the surface, at least `least` apart, so that rounding errors are not visible.
+ * @param {Section} section
+ * @param {number} least
+ * @returns {[number, number]}
+ */
+function span(section, least) {
   let [low, high] = [Infinity, -Infinity];
   for (const z of section.surface_m) {
     low = Math.min(low, z);

@@ -1,27 +1,6 @@
-// The numbers: the critical state of the case, and the load that is shown.
+// Readouts: the critical state, the load that is shown, and how they were solved.
 
-import type {
-  CycleError,
-  CycleSummary,
-  ExpectedCells,
-  FloorSummary,
-  Limit,
-  Progress,
-  SolvedCycle,
-  StationState,
-  StuckFloor,
-  TransitionSummary,
-} from "./engine.js";
-import {
-  digitsFor,
-  engineering,
-  engineeringText,
-  plain,
-  radiusDigits,
-  significant,
-  write,
-  type Dimension,
-} from "./numbers.js";
+import { digitsFor, engineering, engineeringText, plain, radiusDigits, significant, write } from "./numbers.js";
 import { byId } from "./screen.js";
 import { stationShown } from "./diagrams.js";
 import { floorAt, holesWords } from "./scene.js";
@@ -37,20 +16,31 @@ import {
   isWhole,
   stationAt,
   sticks,
-  type Estimate,
-  type State,
 } from "./store.js";
 
-interface Readout {
-  readonly id: string;
-  readonly value: number;
-  readonly dimension: Dimension;
-  readonly digits: number;
-  readonly remark: string;
-}
+/**
+ * @import {
+ *   CycleError, CycleStation, ExpectedCells, FloorSummary, Limit, Progress, SolvedCycle, StationState, StuckFloor,
+ *   TransitionSummary,
+ * } from "./engine.js"
+ * @import { Dimension } from "./numbers.js"
+ * @import { Estimate, Question, State } from "./store.js"
+ */
 
-/** The critical state of the case, or its estimate until it is solved for. */
-export function drawCritical(state: State): void {
+/**
+ * @typedef {object} Readout
+ * @property {string} id
+ * @property {number} value
+ * @property {Dimension} dimension
+ * @property {number} digits
+ * @property {string} remark
+ */
+
+/**
+ * Shows the critical state of the case, or its estimate until it is solved.
+ * @param {State} state
+ */
+export function drawCritical(state) {
   const { estimate, critical } = state;
   byId("readouts").classList.toggle("estimated", estimate !== null);
   const readouts =
@@ -63,8 +53,12 @@ export function drawCritical(state: State): void {
   }
 }
 
-/** The readouts of an estimate, in the digits that it is good for. */
-function estimated(estimate: Estimate): readonly Readout[] {
+/**
+ * The readouts of an estimate, to three digits.
+ * @param {Estimate} estimate
+ * @returns {readonly Readout[]}
+ */
+function estimated(estimate) {
   const [digits, remark] = [3, "estimate, being solved"];
   const { force_N: force, contact_radius_m: radius, indentation_m: indentation } = estimate;
   return [
@@ -74,12 +68,18 @@ function estimated(estimate: Estimate): readonly Readout[] {
   ];
 }
 
-function solved(summary: TransitionSummary): readonly Readout[] {
+/**
+ * @param {TransitionSummary} summary
+ * @returns {readonly Readout[]}
+ */
+function solved(summary) {
   const error = summary.relative_error_estimate;
   const model = summary.method === "homogenised";
-  const digits = (value: number | null): number => (model ? 4 : digitsFor(value));
-  const words = (value: number | null): string => {
-    if (model) return "error of the model";
+  /** @type {(value: number | null) => number} */
+  const digits = (value) => (model ? 4 : digitsFor(value));
+  /** @type {(value: number | null) => string} */
+  const words = (value) => {
+    if (model) return "model error";
     if (value === null) return "error not estimated";
     return value > 0 ? `error ${significant(value, 1)}` : "exact";
   };
@@ -111,8 +111,11 @@ function solved(summary: TransitionSummary): readonly Readout[] {
   ];
 }
 
-/** What else is known of the critical state, and of how it was solved for. */
-export function drawFacts(state: State): void {
+/**
+ * Shows regime, pillars, status, warnings and limits of the model.
+ * @param {State} state
+ */
+export function drawFacts(state) {
   const { critical } = state;
   if (critical !== null) {
     const regime = byId("regime");
@@ -123,7 +126,7 @@ export function drawFacts(state: State): void {
       : "top first: the lens rests on pillar tops before it reaches the floor";
     regime.classList.toggle("beyond", bottom);
     byId("pillars").textContent =
-      `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} in part`;
+      `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} partially`;
   }
   byId("status").textContent = statusWords(state);
   const warnings = byId("warnings");
@@ -133,8 +136,11 @@ export function drawFacts(state: State): void {
   drawLimits(state.solved?.is.summary.limits ?? []);
 }
 
-/** What the limits of the model are called. */
-const LIMITS: Readonly<Record<string, string>> = {
+/**
+ * Names of the limits of the model.
+ * @type {Readonly<Record<string, string>>}
+ */
+const LIMITS = {
   slope: "slope of the lens",
   contact_radius_over_lens_radius: "contact radius over lens radius",
   contact_radius_over_lens_thickness: "contact radius over thickness of the lens",
@@ -143,17 +149,20 @@ const LIMITS: Readonly<Record<string, string>> = {
   thickness_over_diameter: "smallest thickness over pillar diameter",
   pillar_stress: "stress of a pillar over its modulus",
   buckling: "force on a pillar over its buckling load",
-  pillar_compliance: "compliance of pillars beside elastic ones",
+  pillar_compliance: "error of the column model",
   kendall_strain: "strain of pillars at pull-off",
 };
 
-/** A quiet line about where the model holds, marked where it does not. */
-function drawLimits(limits: readonly Limit[]): void {
+/**
+ * Shows the closest limit of the model, or the limits that are exceeded.
+ * @param {readonly Limit[]} limits
+ */
+function drawLimits(limits) {
   const line = byId("limits");
   const known = limits.flatMap(({ name, value, threshold, strained }) => {
     const words = LIMITS[name];
     if (words === undefined || threshold === null) return [];
-    // Some values are to be small, and some large.
+    // Some values must be below their limits, others above.
     const isAbove = value > threshold;
     const part = isAbove === strained ? value / threshold : threshold / value;
     return [{ words: `${words} ${significant(value, 2)} of ${plain(threshold)}`, part, strained }];
@@ -164,31 +173,42 @@ function drawLimits(limits: readonly Limit[]): void {
   line.hidden = nearest === undefined;
   const told = strained.map((limit) => limit.words).join("; ");
   line.textContent =
-    strained.length > 0 ? `model strained: ${told}` : `limits of the model kept, the nearest: ${nearest?.words ?? ""}`;
+    strained.length > 0
+      ? `model strained: ${told}`
+      : `within the limits of the model; closest: ${nearest?.words ?? ""}`;
 }
 
-/** How the contact or the cycle that is shown was solved; null while there is none. */
-function answerOf({ solved, cycle }: State): Answer | null {
+/**
+ * How the contact or the cycle that is shown was solved; null while there is none.
+ * @param {State} state
+ * @returns {Answer | null}
+ */
+function answerOf({ solved, cycle }) {
   if (solved !== null) return { of: solved.of, ...solved.is.summary, warnings: solved.is.warnings };
   const summary = cycle?.is.solved?.summary;
   return cycle === null || summary === undefined ? null : { of: cycle.of, ...summary };
 }
 
-interface Answer {
-  readonly of: State["question"];
-  readonly method: string;
-  readonly wall_time_s: number;
-  readonly warnings: readonly string[];
-}
+/**
+ * @typedef {object} Answer
+ * @property {Question} of
+ * @property {string} method
+ * @property {number} wall_time_s
+ * @property {readonly string[]} warnings
+ */
 
-function statusWords(state: State): string {
+/**
+ * @param {State} state
+ * @returns {string}
+ */
+function statusWords(state) {
   const { progress, refusal } = state;
   const answer = answerOf(state);
   if (progress !== null) {
     const { stage, step, touched } = progress.is;
     return `${stage}, step ${step}, ${touched} pillars touched …`;
   }
-  if (isCalledOff(state)) return "called off";
+  if (isCalledOff(state)) return "cancelled";
   if (refusal !== null && !isOlder(state, refusal, "load")) return "no result";
   if (answer === null) return "starting …";
   if (isOlder(state, { of: answer.of, is: answer }, "load")) return "solving …";
@@ -196,15 +216,23 @@ function statusWords(state: State): string {
   return `${method}, solved in ${seconds(wall_time_s)}`;
 }
 
-function seconds(time: number): string {
+/**
+ * @param {number} time
+ * @returns {string}
+ */
+function seconds(time) {
   return time < 1 ? `${significant(1e3 * time, 2)} ms` : `${significant(time, 3)} s`;
 }
 
-/** Cycles that take less than this, ms, are solved without a word about how far they are. */
+/** Progress is shown for cycles that take longer than this, ms. */
 const SHORT = 400;
 
-/** How far the cycle that is being solved has come, or that it was called off; and before that whether it takes long. */
-export function drawCycleProgress(state: State): void {
+/**
+ * Shows the progress of the cycle that is being solved or that it was cancelled, and a note on the cells of the
+ * floor.
+ * @param {State} state
+ */
+export function drawCycleProgress(state) {
   const { asking, cycle, elapsed, expected, progress, question } = state;
   const under = asking.contact?.question;
   const isUnder = under !== undefined && sticks(under.case) && elapsed > SHORT;
@@ -213,22 +241,26 @@ export function drawCycleProgress(state: State): void {
   byId("cycle-share").hidden = byId("call-off").hidden = !isUnder;
   byId("ask-again").hidden = !calledOff;
   const way = isUnder && progress?.of.number === under.number ? progress.is.way : undefined;
-  const share = byId<HTMLProgressElement>("cycle-share");
+  const share = byId("cycle-share", HTMLProgressElement);
   if (way === undefined) share.removeAttribute("value");
   else share.value = way.share;
   byId("cycle-stage").textContent = calledOff
-    ? "called off"
+    ? "cancelled"
     : isUnder
       ? `${stageWords(progress?.is ?? null)}, ${significant(elapsed / 1e3, elapsed < 1e4 ? 2 : 3)} s`
       : "";
-  const isTold = expected?.of.number === question.number && !(cycle?.of.number === question.number && cycle.is.solved !== null);
-  const cells = isTold ? cellsWords(expected.is) : "";
+  const isSolved = cycle?.of.number === question.number && cycle.is.solved !== null;
+  const cells = expected?.of.number === question.number && !isSolved ? cellsWords(expected.is) : "";
   byId("cells-note").textContent = cells;
   byId("cells-note").hidden = cells === "";
 }
 
-/** What is being solved of a cycle, and where the lens is. */
-function stageWords(progress: Progress | null): string {
+/**
+ * The stage of the computation of a cycle, and the position of the lens.
+ * @param {Progress | null} progress
+ * @returns {string}
+ */
+function stageWords(progress) {
   if (progress === null || progress.way === undefined) return "critical state";
   const { stage, step, way } = progress;
   const percent = `about ${Math.round(100 * way.share)} %`;
@@ -238,16 +270,23 @@ function stageWords(progress: Progress | null): string {
   return `${way.loading ? "loading" : "unloading"}, ζ = ${at}${fronts}, ${percent}`;
 }
 
-/** What is said of the cells of a floor that sticks before they are solved for; nothing of those that are quick and fine. */
-function cellsWords({ cells, across_ring, many, coarse }: ExpectedCells): string {
+/**
+ * A note on the cells of an adhesive floor before they are solved; empty if they are quick and fine.
+ * @param {ExpectedCells} expectedCells
+ * @returns {string}
+ */
+function cellsWords({ cells, across_ring, many, coarse }) {
   const rounded = Number(cells.toPrecision(2)).toLocaleString("en").replaceAll(",", "\u202f");
-  const time = many ? `The floor is laid out in about ${rounded} cells, which can take minutes. ` : "";
-  const rings = `Only about ${significant(across_ring, 2)} cells are across the free ring round a pillar`;
-  return time + (coarse ? `${rings}: what the floor does will be an order of magnitude, and it sticks too long.` : "");
+  const time = many ? `The floor has about ${rounded} cells, which can take minutes. ` : "";
+  const rings = `Only about ${significant(across_ring, 2)} cells across the free ring around a pillar`;
+  return time + (coarse ? `${rings}: results for the floor are orders of magnitude, and it detaches too late.` : "");
 }
 
-/** The load: words and slider follow what is chosen, the numbers are those of the state solved for. */
-export function drawLoad(state: State): void {
+/**
+ * Shows the load: text and slider follow the choice, numbers are those of the solved state.
+ * @param {State} state
+ */
+export function drawLoad(state) {
   const sticky = sticks(state.chosen.case);
   const stuck = floorSticks(state.chosen.case);
   byId("to-pull-off").hidden = !sticky;
@@ -260,7 +299,7 @@ export function drawLoad(state: State): void {
     drawCycleLoad(state);
     return;
   }
-  byId<HTMLInputElement>("load").disabled = false;
+  byId("load", HTMLInputElement).disabled = false;
   const { load } = state.chosen;
   const words = loadWords(load);
   const beyond = isBeyond(load);
@@ -275,7 +314,8 @@ export function drawLoad(state: State): void {
   if (state.solved === null) return;
   const { summary } = state.solved.is;
   const error = summary.relative_error_estimate;
-  const digits = (value: number | null): number => Math.min(4, digitsFor(value));
+  /** @type {(value: number | null) => number} */
+  const digits = (value) => Math.min(4, digitsFor(value));
   const force = engineeringText(summary.force_N, "force", digits(error.force));
   const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
   const { contact_radius_m: reached, top_contact_radius_m: tops = reached } = summary;
@@ -286,21 +326,40 @@ export function drawLoad(state: State): void {
   drawFloor(summary.floor);
 }
 
-/** The radius of the critical state, with the place where the lens reaches the floor; that on the tops until it is known. */
-function criticalRadius({ critical, question }: State, tops: number): number {
+/**
+ * The contact radius of the critical state, including the point where the lens reaches the floor; that on the tops
+ * until it is known.
+ * @param {State} state
+ * @param {number} tops
+ * @returns {number}
+ */
+function criticalRadius({ critical, question }, tops) {
   const isKnown = critical !== null && critical.of.name === question.name;
   return isKnown ? Math.max(tops, critical.is.critical_contact_radius_m) : tops;
 }
 
-/** The contact radius, and that of the contact on the pillar tops where the floor is reached farther out. */
-function radiusWords(whole: number, tops: number, digits: number): string {
+/**
+ * The contact radius, and that on the pillar tops if floor contact extends farther.
+ * @param {number} whole
+ * @param {number} tops
+ * @param {number} digits
+ * @returns {string}
+ */
+function radiusWords(whole, tops, digits) {
   const [all, part] = [whole, tops].map((radius) => engineeringText(radius, "length", digits));
   return `a = ${all}${whole > tops ? `,  on the tops ${part}` : ""}`;
 }
 
-/** The slider of the load: its steps, its end, where the critical state is, its value and that in words. */
-function setSlider(step: number, end: number, critical: number, value: number, words: string): void {
-  const slider = byId<HTMLInputElement>("load");
+/**
+ * Sets the load slider: step, end, position of the critical state, value and its text.
+ * @param {number} step
+ * @param {number} end
+ * @param {number} critical
+ * @param {number} value
+ * @param {string} words
+ */
+function setSlider(step, end, critical, value, words) {
+  const slider = byId("load", HTMLInputElement);
   slider.step = String(step);
   slider.max = String(end);
   slider.value = String(value);
@@ -308,11 +367,14 @@ function setSlider(step: number, end: number, critical: number, value: number, w
   byId("load-track").style.setProperty("--farthest", String(end / critical));
 }
 
-/** Indentations below this, m, are none: a part in 1e6 of the smallest pillars. */
+/** Indentations below this, m, are shown as 0: 1e-6 of the smallest pillars. */
 const NO_LENGTH = 1e-13;
 
-/** The way of the lens with adhesion: the slider has a step for every state. */
-function drawCycleLoad(state: State): void {
+/**
+ * Shows the load of a cycle: the slider has a step for each state.
+ * @param {State} state
+ */
+function drawCycleLoad(state) {
   const { cycle, chosen } = state;
   byId("beyond-note").hidden = true;
   byId("floor-numbers").hidden = true;
@@ -326,16 +388,16 @@ function drawCycleLoad(state: State): void {
   const words =
     shown === null || station === null || solved === null
       ? isCalledOff(state)
-        ? "called off"
+        ? "cancelled"
         : state.refusal === null
           ? "being solved"
           : "no result"
       : wayWords(shown, station, solved);
   write(byId("load-words"), words);
-  const slider = byId<HTMLInputElement>("load");
+  const slider = byId("load", HTMLInputElement);
   slider.disabled = !isWhole(cycle);
-  byId<HTMLButtonElement>("to-jump").disabled = slider.disabled || (summary?.floor?.jump ?? null) === null;
-  byId<HTMLButtonElement>("to-pull-off").disabled =
+  byId("to-jump", HTMLButtonElement).disabled = slider.disabled || (summary?.floor?.jump ?? null) === null;
+  byId("to-pull-off", HTMLButtonElement).disabled =
     slider.disabled || (summary?.pull_off_force_N ?? null) === null;
   const spoken = words.replace(/[_^]\{(.*?)\}/g, "$1");
   const turn = states.findIndex(({ load }) => load === 1);
@@ -347,44 +409,55 @@ function drawCycleLoad(state: State): void {
   }
   const { indentation_m, force_N, contact_radius_m } = station;
   const pulled = shown.pillar_forces_N.filter((force) => force < 0).length;
-  // The first contact is found a little beyond where it is.
+  // The first contact is found slightly beyond zero.
   const zeta = engineeringText(Math.abs(indentation_m) < NO_LENGTH ? 0 : indentation_m, "length", 4);
   const whole = isCriticalStation(solved, shown) ? criticalRadius(state, contact_radius_m) : contact_radius_m;
   const radius = radiusWords(whole, contact_radius_m, 4);
   const force = engineeringText(force_N, "force", 4);
   const all = shown.pillar_forces_N.length;
-  const holding = all === 0 ? "nothing in contact" : `${all} in contact, ${shown.parts.length} in part, ${pulled} pulled`;
+  const part = shown.parts.length;
+  const contact = all === 0 ? "no contact" : `${all} in contact, ${part} partially, ${pulled} in tension`;
   const floor = floorAt(solved, shown);
   const onFloor =
     floor === null
       ? ""
       : `\nfloor: ${holesWords(floor.filled_holes)} filled, ${areaText(floor.floor_contact_area_m2, 3)}, ` +
         engineeringText(floor.floor_force_N, "force", 2);
-  write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  ${radius}\n${holding}${onFloor}`);
+  write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  ${radius}\n${contact}${onFloor}`);
 }
 
-/** The critical state, while the rest of the cycle is being solved: the lens jumps from it onto a floor that sticks. */
-function drawCriticalBefore(state: State): void {
+/**
+ * Shows the critical state while the rest of the cycle is being solved.
+ * @param {State} state
+ */
+function drawCriticalBefore(state) {
   const { solved, question } = state;
   if (solved === null || solved.of.number !== question.number) return;
   const { force_N, indentation_m, contact_radius_m, pillars_in_contact } = solved.is.summary;
   const zeta = engineeringText(indentation_m, "length", 4);
   const radius = radiusWords(criticalRadius(state, contact_radius_m), contact_radius_m, 4);
   const force = engineeringText(force_N, "force", 4);
-  write(byId("load-words"), `critical state, the rest ${isCalledOff(state) ? "called off" : "is being solved"}`);
+  write(byId("load-words"), `critical state, the rest ${isCalledOff(state) ? "cancelled" : "is being solved"}`);
   write(byId("load-numbers"), `F = ${force},  ζ = ${zeta},  ${radius}\n${pillars_in_contact} in contact`);
 }
 
-function areaText(area_m2: number | null, digits: number): string {
+/**
+ * @param {number | null} area_m2
+ * @param {number} digits
+ * @returns {string}
+ */
+function areaText(area_m2, digits) {
   return area_m2 === null ? "an unresolved area" : `${significant(1e12 * area_m2, digits)} µm^{2}`;
 }
 
-/** Where the lens is on its way. */
-function wayWords(
-  state: StationState,
-  station: CycleSummary["stations"][number],
-  cycle: SolvedCycle,
-): string {
+/**
+ * The position of the lens in the cycle.
+ * @param {StationState} state
+ * @param {CycleStation} station
+ * @param {SolvedCycle} cycle
+ * @returns {string}
+ */
+function wayWords(state, station, cycle) {
   const { load } = state;
   const { summary } = cycle;
   if (isCriticalStation(cycle, state)) return "critical state";
@@ -400,23 +473,29 @@ function wayWords(
   return `${station.branch}, ${part} % of the way to the ${down ? "critical state" : "last release"}`;
 }
 
-/** What loading and unloading come to. */
-export function drawCycleNumbers(state: State): void {
+/**
+ * Shows the results of a cycle.
+ * @param {State} state
+ */
+export function drawCycleNumbers(state) {
   const cycle = state.cycle?.is.solved;
   if (cycle === undefined || cycle === null) return;
   const { summary } = cycle;
   const errors = summary.relative_error_estimate;
-  const number = (value: number | null, dimension: Dimension, error: CycleError | null): string =>
+  /** @type {(value: number | null, dimension: Dimension, error: CycleError | null) => string} */
+  const number = (value, dimension, error) =>
     value === null ? "–" : engineeringText(value, dimension, Math.min(5, digitsFor(error?.numerical ?? null)));
   const pull = summary.pull_off_force_N;
   const pillars = summary.pull_off_pillars_in_contact ?? 0;
-  const texts: Record<string, string> = {
-    "pull-off-force": pull === null ? "nothing pulls" : number(pull, "force", errors.pull_off_force),
+  /** @type {Record<string, string>} */
+  const texts = {
+    "pull-off-force": pull === null ? "no tension" : number(pull, "force", errors.pull_off_force),
     "pull-off-error": pull === null ? "" : errorWords(errors.pull_off_force),
     "pull-off-held":
       pull === null
         ? ""
-        : `${pillars} ${pillars === 1 ? "pillar" : "pillars"}, ζ = ${engineeringText(summary.pull_off_indentation_m ?? 0, "length", 3)}`,
+        : `${pillars} ${pillars === 1 ? "pillar" : "pillars"}, ` +
+          `ζ = ${engineeringText(summary.pull_off_indentation_m ?? 0, "length", 3)}`,
     "sticky-critical": number(summary.critical_force_N, "force", errors.critical_force),
     "plain-critical": `${engineeringText(cycle.critical_force_without_adhesion_N, "force", 5)} without adhesion`,
     "last-release":
@@ -435,15 +514,23 @@ export function drawCycleNumbers(state: State): void {
   if (floor !== null) write(byId("stuck-floor"), stuckFloorWords(floor));
 }
 
-/** The jump onto a floor that sticks, and its loss, with what is known of their errors. */
-function stuckFloorWords(floor: StuckFloor): string {
+/**
+ * Describes the jump onto an adhesive floor and its detachment, with estimated errors.
+ * @param {StuckFloor} floor
+ * @returns {string}
+ */
+function stuckFloorWords(floor) {
   const { jump, last, force_before_jump_N: before, relative_error_estimate: errors } = floor;
   const { indentation_after_loss_m: after, force_after_loss_N: lighter } = floor;
-  const words: string[] = [];
-  // Of coarse cells no error is known.
-  const digits = (error: number): number => (error < 0.1 ? 3 : 2);
-  const about = (error: number): string => (error < 1 ? ` (error ${significant(error, 1)})` : "");
-  const force = (value: number | null, error: number): string =>
+  /** @type {string[]} */
+  const words = [];
+  // Coarse cells have no error estimate.
+  /** @type {(error: number) => number} */
+  const digits = (error) => (error < 0.1 ? 3 : 2);
+  /** @type {(error: number) => string} */
+  const about = (error) => (error < 1 ? ` (error ${significant(error, 1)})` : "");
+  /** @type {(value: number | null, error: number) => string} */
+  const force = (value, error) =>
     value === null ? "–" : engineeringText(value, "force", digits(error));
   if (jump !== null) {
     const area = areaText(jump.floor_contact_area_m2, digits(errors.jump_contact_area));
@@ -457,44 +544,57 @@ function stuckFloorWords(floor: StuckFloor): string {
     const error = errors.lost_indentation;
     const [from, to] = [last.indentation_m, after].map((zeta) => engineeringText(zeta, "length", 3));
     words.push(
-      `Floor lost between ζ = ${from} and ${to}${about(error)}, force from ${force(last.force_N, error)} to ${force(lighter, error)}.`,
+      `Floor detaches between ζ = ${from} and ${to}${about(error)}, ` +
+        `force from ${force(last.force_N, error)} to ${force(lighter, error)}.`,
     );
   } else {
-    words.push("The floor is not lost.");
+    words.push("The floor does not detach.");
   }
   if (floor.coarse) {
     const across = significant(floor.cells_across_ring, 2);
-    words.push(`Only ${across} cells are across the free ring round a pillar: these are orders of magnitude.`);
+    words.push(`Only ${across} cells across the free ring around a pillar: these are orders of magnitude.`);
   } else if (Math.max(errors.jump_force, errors.jump_contact_area, errors.lost_indentation) >= 1) {
-    words.push("What has no error here is an order of magnitude.");
+    words.push("Values without an error are orders of magnitude.");
   }
   return words.join(" ");
 }
 
-/** The numerical error, and that of the model apart. */
-function errorWords(error: CycleError | null): string {
+/**
+ * The numerical error and the model error.
+ * @param {CycleError | null} error
+ * @returns {string}
+ */
+function errorWords(error) {
   if (error === null) return "";
   const numerical = `error ${significant(error.numerical, 1)}`;
   const model = error.model_fronts + error.model_columns;
-  return model > 0 ? `${numerical}, of the model ${significant(model, 1)}` : numerical;
+  return model > 0 ? `${numerical}, model error ${significant(model, 1)}` : numerical;
 }
 
-/** A condition of the model, marked where it does not hold. */
-function drawLimit({ name, value, threshold, strained }: Limit): void {
+/**
+ * Shows a limit of the model, marked if it is exceeded.
+ * @param {Limit} limit
+ */
+function drawLimit({ name, value, threshold, strained }) {
   const shown = document.getElementById(`limit-${name}`);
   if (shown === null || threshold === null) return;
   write(shown, `${significant(value, 2)} ${strained ? ">" : "<"} ${plain(threshold)}`);
   shown.parentElement?.classList.toggle("strained", strained);
 }
 
-/** What the floor bears, in the digits that its errors leave. */
-function drawFloor(floor: FloorSummary | null): void {
+/**
+ * Shows force and contact on the floor, rounded to the estimated errors.
+ * @param {FloorSummary | null} floor
+ */
+function drawFloor(floor) {
   byId("floor-numbers").hidden = floor === null;
   if (floor === null) return;
   const { share, contact_area } = floor.relative_error_estimate;
-  const known = (error: number | null): number =>
+  /** @type {(error: number | null) => number} */
+  const known = (error) =>
     error !== null && error > 0.1 ? 1 : Math.min(4, digitsFor(error));
-  const about = (error: number | null): string =>
+  /** @type {(error: number | null) => string} */
+  const about = (error) =>
     error === null ? "" : `error ${significant(error, 1)}`;
   const area = significant(1e12 * floor.contact_area_m2, known(contact_area));
   const texts = {
@@ -503,15 +603,19 @@ function drawFloor(floor: FloorSummary | null): void {
     "floor-share": `${significant(100 * floor.share, known(share))} %`,
     "floor-area": `${area} µm^{2}`,
     "floor-area-error": about(contact_area),
-    // Two grids differ where bridges between patches are narrow.
+    // Two grids give different numbers if bridges between patches are narrow.
     "floor-patches": floor.patches === null ? "not resolved" : String(floor.patches),
     "floor-rim": engineeringText(floor.smallest_distance_to_rim_m, "length", 3),
   };
   for (const [id, text] of Object.entries(texts)) write(byId(id), text);
 }
 
-function loadWords(fraction: number): string {
-  if (fraction === 0) return "first touch";
+/**
+ * @param {number} fraction
+ * @returns {string}
+ */
+function loadWords(fraction) {
+  if (fraction === 0) return "first contact";
   if (isCritical(fraction)) return "critical state";
   const percent = `${significant(100 * fraction, 3)} %`;
   return fraction < 1
@@ -519,8 +623,12 @@ function loadWords(fraction: number): string {
     : `${percent}, beyond the transition`;
 }
 
-/** What listeners are told of a result that has come to rest; null while there is none. */
-export function announcement(state: State): string | null {
+/**
+ * The text for screen readers once the result is complete; null before.
+ * @param {State} state
+ * @returns {string | null}
+ */
+export function announcement(state) {
   const { critical, solved, refusal, question } = state;
   if (critical === null || refusal !== null || isBusy(state)) return null;
   if (critical.of.name !== question.name) return null;
@@ -536,7 +644,7 @@ export function announcement(state: State): string | null {
     const pull = cycle.summary.pull_off_force_N;
     return (
       `Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
-      (pull === null ? "Nothing pulls. " : `Pull-off force ${engineeringText(pull, "force", 2)}. `) +
+      (pull === null ? "No tension. " : `Pull-off force ${engineeringText(pull, "force", 2)}. `) +
       `Load shown: ${wayWords(shown, station, cycle)}.`
     );
   }
@@ -546,6 +654,6 @@ export function announcement(state: State): string | null {
     `Load shown: ${loadWords(solved.is.fraction)}.` +
     (solved.is.summary.floor === null
       ? ""
-      : ` The floor bears ${significant(100 * solved.is.summary.floor.share, 2)} % of the force.`)
+      : ` The floor carries ${significant(100 * solved.is.summary.floor.share, 2)} % of the force.`)
   );
 }

@@ -1,0 +1,527 @@
+// Questions to the server. Of each kind only the newest counts; answers arrive line by line.
+
+/** @import { Dimension } from "./numbers.js" */
+
+/** @typedef {number | string} Value */
+/** @typedef {Record<string, Value>} Values */
+
+/**
+ * @typedef {object} Refusal
+ * @property {string | null} key
+ * @property {string} message
+ * @property {string | null} accepted
+ */
+
+/**
+ * @typedef {object} Progress
+ * @property {string} stage
+ * @property {number} step
+ * @property {number} pillars
+ * @property {number} touched
+ * @property {Way} [way] How far the lens has come, of a cycle.
+ */
+
+/**
+ * Progress of the lens in a cycle.
+ * @typedef {object} Way
+ * @property {boolean} loading
+ * @property {number} indentation_m
+ * @property {number} share Approximate fraction of the whole computation.
+ */
+
+/**
+ * Expected grid on an adhesive floor.
+ * @typedef {object} ExpectedCells
+ * @property {number} cells Cells under the contact in the critical state.
+ * @property {number} across_ring Cells across the free ring around a pillar.
+ * @property {boolean} many Whether the computation takes long.
+ * @property {boolean} coarse Whether the cells are so coarse that results are orders of magnitude.
+ */
+
+/**
+ * Estimated relative errors; null where an error is not estimated yet.
+ * @typedef {object} ErrorEstimate
+ * @property {number | null} force
+ * @property {number | null} indentation
+ * @property {number | null} contact_radius
+ * @property {number | null} [top_contact_radius] Only in the critical state.
+ */
+
+/**
+ * @typedef {object} TransitionSummary
+ * @property {string} method
+ * @property {"top_first" | "bottom_first"} regime
+ * @property {number} surface_fraction
+ * @property {number} pitch_m
+ * @property {number} critical_force_N
+ * @property {number} critical_indentation_m
+ * @property {number} critical_contact_radius_m
+ * @property {number} top_contact_radius_m
+ * @property {number} pillars_in_contact
+ * @property {number} pillars_partially_in_contact
+ * @property {{ force: number, contact_radius: number, indentation: number }} normalized
+ * @property {ErrorEstimate} relative_error_estimate
+ * @property {boolean} converged
+ * @property {number} iterations
+ * @property {number} wall_time_s
+ */
+
+/**
+ * Load and contact on the floor.
+ * @typedef {object} FloorSummary
+ * @property {number} force_N
+ * @property {number} share
+ * @property {number} contact_area_m2
+ * @property {number} radius_m
+ * @property {number} smallest_distance_to_rim_m
+ * @property {number | null} patches Null if two grids give different numbers.
+ * @property {Point} cell_m
+ * @property {{ share: number | null, contact_area: number | null }} relative_error_estimate
+ */
+
+/**
+ * @typedef {object} PressSummary
+ * @property {string} method
+ * @property {number} force_N
+ * @property {number} indentation_m
+ * @property {number} contact_radius_m
+ * @property {number} [top_contact_radius_m] Only if the floor is in contact.
+ * @property {number} pillars_in_contact
+ * @property {number} pillars_partially_in_contact
+ * @property {number} smallest_floor_gap_m
+ * @property {boolean} beyond_transition
+ * @property {FloorSummary | null} floor Null before the transition, and beyond it if floor contact is ignored.
+ * @property {ErrorEstimate} relative_error_estimate
+ * @property {readonly Limit[]} limits
+ * @property {boolean} converged
+ * @property {number} wall_time_s
+ */
+
+/** @typedef {readonly [number, number]} Point */
+
+/**
+ * Positions of the pillars: pillar (i, j) is at `origin + i a + j b`.
+ * @typedef {object} Lattice
+ * @property {readonly [Point, Point]} vectors_m The vectors `a` and `b`.
+ * @property {Point} origin_m
+ * @property {readonly [number, number] | null} range First index and end (exclusive) along both vectors; null for an
+ *   infinite lattice.
+ * @property {readonly number[]} missing Indices (i, j) of the missing pillars in view, as a flat list.
+ */
+
+/**
+ * The floor cells in contact, in a rectangular grid.
+ * @typedef {object} FloorCells
+ * @property {number} turned_rad Rotation of the grid about the lens axis, counter-clockwise.
+ * @property {Point} corner_m Lower left corner of the grid relative to the lens axis, before the rotation.
+ * @property {Point} cell_m
+ * @property {number} columns
+ * @property {number} rows
+ * @property {readonly number[]} segments Row, first column and length of each run of adjacent cells, as a flat list.
+ * @property {string} shades A letter for each cell: `a` (smallest) to `z` (largest) for pressure, `A` to `Z` for
+ *   tension.
+ * @property {number} largest_pressure_Pa
+ * @property {number} largest_pull_Pa Largest tension on the floor, negative; 0 without adhesion on the floor.
+ */
+
+/**
+ * A contact state with the data to draw it.
+ * @typedef {object} ContactState
+ * @property {boolean} approximate Whether a more accurate state follows. This one is computed with the punch lattice
+ *   (within one or two per cent), or without the floor, which takes longer.
+ * @property {number} fraction
+ * @property {PressSummary} summary
+ * @property {readonly [number, number, number]} normalized The reduced variables F gamma_int/(h d), a/e and zeta/h.
+ * @property {number} pitch_m
+ * @property {number} diameter_m
+ * @property {Lattice} lattice
+ * @property {readonly number[]} pillars
+ * @property {readonly number[]} pillar_forces_N
+ * @property {string} pillar_statuses
+ * @property {readonly Point[]} floor_contacts_m
+ * @property {FloorCells | null} floor Null if the floor carries no load.
+ * @property {readonly string[]} warnings
+ */
+
+/**
+ * An estimate with the homogenised lattice, shown until the contact is solved.
+ * @typedef {object} Preview
+ * @property {number} fraction
+ * @property {number} critical_force_N
+ * @property {number} critical_indentation_m
+ * @property {number} critical_contact_radius_m
+ * @property {number} force_N
+ * @property {number} contact_radius_m
+ * @property {number} pitch_m
+ * @property {number} diameter_m
+ * @property {Lattice} lattice
+ */
+
+/**
+ * Outlines of both bodies: their heights at positions along x.
+ * @typedef {object} Section
+ * @property {readonly number[]} x_m
+ * @property {readonly number[]} lens_m
+ * @property {readonly number[]} surface_m
+ * @property {readonly Point[]} floor_contacts_m Point contacts with the floor in this plane: x and height.
+ * @property {readonly Point[]} floor_m Both ends along x of each part of the floor in contact.
+ */
+
+/**
+ * A state of the loading, as a point of the curves.
+ * @typedef {object} PathState
+ * @property {number} fraction Load as a fraction of the way to the critical state.
+ * @property {number} indentation_m
+ * @property {number} force_N
+ * @property {number | null} floor_force_N Floor force, part of `force_N`; null if floor contact is ignored.
+ * @property {Point} normalized a/e and F gamma_int/(h d).
+ */
+
+/**
+ * @typedef {object} CurvePoint
+ * @property {number} surface_fraction
+ * @property {number} force_N
+ * @property {number} contact_radius_m
+ * @property {number} indentation_m
+ * @property {Point} normalized
+ */
+
+/**
+ * A load step of a cycle, sent while the cycle is computed.
+ * @typedef {object} CurveStation
+ * @property {boolean} loading
+ * @property {number} indentation_m
+ * @property {number} force_N
+ */
+
+/**
+ * Estimated relative errors of a number of a cycle: of the numerical solution and of the model.
+ * @typedef {object} CycleError
+ * @property {number} numerical
+ * @property {number} model_fronts
+ * @property {number} model_columns
+ */
+
+/**
+ * A validity limit of the model, and the value of the case.
+ * @typedef {object} Limit
+ * @property {string} name
+ * @property {number} value
+ * @property {number | null} threshold Null if there is no limit, only an effect on the answer.
+ * @property {boolean} strained
+ */
+
+/**
+ * @typedef {object} CycleStation
+ * @property {"loading" | "unloading"} branch
+ * @property {number} indentation_m
+ * @property {number} force_N
+ * @property {number} contact_radius_m
+ * @property {number} pillars_in_contact
+ * @property {number} pillars_partially_in_contact
+ */
+
+/**
+ * @typedef {object} CycleEvent
+ * @property {"loading" | "unloading"} branch
+ * @property {"snap_in" | "growth" | "recession" | "release" | "floor_contact"} event
+ * @property {number} indentation_m
+ * @property {number} force_N
+ */
+
+/**
+ * Contact with an adhesive floor at a load step.
+ * @typedef {object} FloorStation
+ * @property {number} station Index of the load step.
+ * @property {number} indentation_m
+ * @property {number} force_N
+ * @property {number} floor_force_N Negative in tension.
+ * @property {number | null} floor_contact_area_m2 Null after a jump if the area is not resolved.
+ * @property {number} filled_holes
+ */
+
+/**
+ * An adhesive floor in a cycle.
+ * @typedef {object} StuckFloor
+ * @property {number | null} force_before_jump_N
+ * @property {FloorStation | null} jump The state after the jump onto the floor.
+ * @property {FloorStation | null} last The last state with floor contact; null if the floor does not detach.
+ * @property {number | null} indentation_after_loss_m
+ * @property {number | null} force_after_loss_N
+ * @property {number} cells_across_ring
+ * @property {boolean} coarse Whether the cells are so coarse that results are orders of magnitude.
+ * @property {{ jump_force: number, jump_contact_area: number, lost_indentation: number }} relative_error_estimate
+ *   Estimated relative errors; 1 if unknown.
+ * @property {readonly FloorStation[]} stations
+ */
+
+/**
+ * A cycle of loading and unloading with adhesion, as the command `fakir cycle` prints it.
+ * @typedef {object} CycleSummary
+ * @property {string} method
+ * @property {number | null} first_contact_indentation_m
+ * @property {number | null} first_contact_force_N
+ * @property {number | null} critical_force_N
+ * @property {number} turn_indentation_m
+ * @property {number | null} pull_off_force_N
+ * @property {number | null} pull_off_indentation_m
+ * @property {number | null} pull_off_pillars_in_contact
+ * @property {number | null} last_release_indentation_m
+ * @property {number} work_of_separation_J
+ * @property {number | null} hysteresis_J
+ * @property {number | null} certificate
+ * @property {{ critical_force: CycleError | null, pull_off_force: CycleError | null, hysteresis: CycleError | null }}
+ *   relative_error_estimate
+ * @property {StuckFloor} [floor] Only if the floor is adhesive and was touched.
+ * @property {readonly Limit[]} limits
+ * @property {readonly CycleStation[]} stations
+ * @property {readonly CycleEvent[]} events
+ * @property {readonly string[]} warnings
+ * @property {boolean} converged
+ * @property {number} wall_time_s
+ */
+
+/**
+ * A solved cycle, whose states follow.
+ * @typedef {object} SolvedCycle
+ * @property {CycleSummary} summary
+ * @property {number} critical_force_without_adhesion_N Critical force without adhesion.
+ * @property {number} states Number of the states that follow.
+ * @property {number} largest_force_N Largest force on a pillar in all states.
+ * @property {number} largest_pull_N Largest tension of a pillar in all states, negative.
+ * @property {number} pitch_m
+ * @property {number} diameter_m
+ * @property {Lattice} lattice
+ */
+
+/**
+ * A pillar in partial contact.
+ * @typedef {object} PartialTop
+ * @property {number} pillar Its index among the pillars in contact.
+ * @property {number} covered
+ * @property {readonly number[]} outline Corners (x, y) of the outline of the contact from the centre of the top, in
+ *   pillar radii, as a flat list.
+ */
+
+/**
+ * Contact at a load step of a cycle.
+ * @typedef {object} StationState
+ * @property {number} place Its index in `stations` of the summary.
+ * @property {number} load Position in the cycle: 0 at first contact, 1 where unloading starts, 2 at the last release.
+ * @property {readonly number[]} pillars
+ * @property {readonly number[]} pillar_forces_N
+ * @property {readonly PartialTop[]} parts
+ * @property {readonly Point[]} floor_contacts_m
+ * @property {FloorCells | null} floor Null without adhesion on the floor.
+ * @property {Section | null} section
+ */
+
+/**
+ * @typedef {object} Texts
+ * @property {string} toml
+ * @property {string} command
+ * @property {string} python
+ */
+
+/**
+ * A line of an answer; it has exactly one of these parts, but `warnings`, which come with `summary`.
+ * @typedef {object} Line
+ * @property {Progress} [progress]
+ * @property {Refusal} [refused]
+ * @property {Preview} [preview]
+ * @property {TransitionSummary} [critical]
+ * @property {ContactState} [state]
+ * @property {PressSummary} [summary] Summary of the latest state, now with its error estimates.
+ * @property {readonly string[]} [warnings]
+ * @property {Texts} [case]
+ * @property {Section | null} [section]
+ * @property {{ method: string, small_contact: readonly CurvePoint[], large_contact: readonly CurvePoint[] }}
+ *   [formulas]
+ * @property {readonly CurvePoint[]} [homogenised]
+ * @property {CurvePoint} [point]
+ * @property {{ largest_surface_fraction: number }} [complete]
+ * @property {readonly Point[]} [transition]
+ * @property {PathState} [path]
+ * @property {ExpectedCells} [expected_cells]
+ * @property {readonly CurveStation[]} [curve]
+ * @property {SolvedCycle} [cycle]
+ * @property {StationState} [station]
+ */
+
+/**
+ * A key of a case, as the key table of the program describes it.
+ * @typedef {object} Key
+ * @property {string} key
+ * @property {string} table Its table in the case file.
+ * @property {string} label
+ * @property {string | null} symbol The part after `_` is a subscript.
+ * @property {string} meaning
+ * @property {Dimension | null} dimension Dimension of its value; null if the value is a word.
+ * @property {number | null} least Smallest accepted value, unless it depends on other keys.
+ * @property {number | null} greatest Largest accepted value, unless it depends on other keys.
+ * @property {readonly [number, number] | null} usual Range of usual values.
+ * @property {boolean} whole
+ * @property {boolean} endless Whether its default is infinite.
+ * @property {readonly string[]} words The words that it accepts; empty if it takes a number.
+ * @property {Value | null} default Its default; null if it must be given.
+ * @property {string | null} alternative The key that it replaces.
+ * @property {{ key: string, words: readonly string[] } | null} goes_with The key that must have one of these words
+ *   for this key to be given.
+ */
+
+/**
+ * @typedef {object} Start
+ * @property {string} version
+ * @property {Values} case
+ * @property {Values} paper The paper's intermediate case.
+ * @property {readonly Key[]} keys
+ * @property {readonly (readonly [number, number, number])[]} colours
+ * @property {number} farthest_load
+ */
+
+/**
+ * Questions that are sent once all others are answered.
+ * @typedef {"curves" | "phase"} Background
+ */
+
+/** @typedef {"contact" | Background} Kind */
+
+/**
+ * Paths of the server's interface: with adhesion `cycle` replaces `contact`.
+ * @typedef {Kind | "cycle" | "export"} ApiPath
+ */
+
+/** Thrown if a request is refused or the server does not answer. */
+export class Refused extends Error {
+  /** @type {Refusal} */
+  refusal;
+
+  /** @param {Refusal} refusal */
+  constructor(refusal) {
+    super(refusal.message);
+    this.refusal = refusal;
+  }
+}
+
+/** The server of this page. */
+export class Server {
+  #token = location.pathname.split("/")[1] ?? "";
+  /** Identifies this page among other pages of the same server. */
+  #session = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) =>
+    byte.toString(16).padStart(2, "0"),
+  ).join("");
+  /** @type {Map<Kind | "export", AbortController>} */
+  #running = new Map();
+  #sequence = 0;
+
+  /**
+   * Fetches the initial data of the page.
+   * @returns {Promise<Start>}
+   */
+  async start() {
+    return /** @type {Start} */ (await (await fetch("start.json")).json());
+  }
+
+  /**
+   * Cancels a question, also on the server.
+   * @param {Kind | "export"} kind
+   */
+  cancel(kind) {
+    this.#running.get(kind)?.abort();
+    this.#running.delete(kind);
+  }
+
+  /**
+   * Sends a question, and calls `listen` with each line of the answer. Returns false if a newer question replaced it.
+   * @param {Kind} kind
+   * @param {ApiPath} path
+   * @param {object} question
+   * @param {(line: Line) => void} listen
+   * @returns {Promise<boolean>}
+   */
+  async ask(kind, path, question, listen) {
+    const controller = this.#begin(kind);
+    try {
+      const response = await this.#post(path, question, controller.signal);
+      if (response === null || response.body === null) return false;
+      const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+      let rest = "";
+      for (;;) {
+        const { value, done } = await reader.read();
+        if (done) break;
+        const lines = (rest + value).split("\n");
+        rest = lines.pop() ?? "";
+        for (const text of lines) {
+          const line = /** @type {Line} */ (JSON.parse(text));
+          if (line.refused) throw new Refused(line.refused);
+          listen(line);
+        }
+      }
+      return true;
+    } catch (error) {
+      if (controller.signal.aborted) return false;
+      throw error;
+    } finally {
+      if (this.#running.get(kind) === controller) this.#running.delete(kind);
+    }
+  }
+
+  /**
+   * Requests a file; null if another was requested in the meantime.
+   * @param {object} question
+   * @returns {Promise<Blob | null>}
+   */
+  async file(question) {
+    const controller = this.#begin("export");
+    try {
+      const response = await this.#post("export", question, controller.signal);
+      return response === null ? null : await response.blob();
+    } catch (error) {
+      if (controller.signal.aborted) return null;
+      throw error;
+    }
+  }
+
+  /**
+   * @param {Kind | "export"} kind
+   * @returns {AbortController}
+   */
+  #begin(kind) {
+    this.cancel(kind);
+    const controller = new AbortController();
+    this.#running.set(kind, controller);
+    return controller;
+  }
+
+  /**
+   * Sends a request; null if a newer question replaced it.
+   * @param {ApiPath} path
+   * @param {object} question
+   * @param {AbortSignal} signal
+   * @returns {Promise<Response | null>}
+   */
+  async #post(path, question, signal) {
+    this.#sequence += 1;
+    const ticket = { session: this.#session, sequence: this.#sequence };
+    /** @type {Response} */
+    let response;
+    try {
+      response = await fetch(`/api/${path}`, {
+        method: "POST",
+        headers: { "content-type": "application/json", "x-fakir-token": this.#token },
+        body: JSON.stringify({ ticket, ...question }),
+        signal,
+      });
+    } catch (error) {
+      if (signal.aborted) throw error;
+      throw new Refused({
+        key: null,
+        message: "no answer from fakir",
+        accepted: "start `fakir explore` again; it prints a new address",
+      });
+    }
+    if (response.ok) return response;
+    if (response.status === 409) return null;
+    throw new Refused(/** @type {Refusal} */ (await response.json()));
+  }
+}
