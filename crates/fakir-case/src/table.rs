@@ -178,7 +178,7 @@ keys! {
                 .of(Quantity::HeightSpread);
         TextureMissing = "texture.missing" is
             fraction("probability that a pillar is missing", |p| &mut p.texture.arrangement.disorder.missing)
-                .label("missing").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
+                .label("vacancy fraction").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::Missing);
         TextureSeed = "texture.seed" is
             number("whole number that decides which heights and which pillars", |p| &mut p.texture.arrangement.seed)
@@ -207,12 +207,12 @@ keys! {
                 .range(Range::Between(Included(0.0), Unbounded)).optional().of(Quantity::WorkOfAdhesion);
         RecedingWorkOfAdhesion = "adhesion.work_receding" is
             energy_per_area("where contact is broken, if that takes more", |p| &mut p.texture.adhesion.work_receding)
-                .label("receding work of adhesion")
+                .label("work of adhesion on unloading")
                 .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
                 .of(Quantity::RecedingWorkOfAdhesion);
         FloorSticks = "adhesion.floor" is
             word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.texture.adhesion.floor)
-                .label("floor that sticks").optional();
+                .label("adhesive floor").optional();
     }
     HeightMap {
         HeightMap = "surface.height_map" is
