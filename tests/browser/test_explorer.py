@@ -302,6 +302,82 @@ def test_a_bare_number_has_the_unit_that_is_shown(explore):
     assert case["texture"]["offset_angle"] == "30 deg" and case["substrate"]["young_modulus"] == "3 MPa"
 
 
+def test_messages_have_the_units_of_the_controls(explore):
+    page = explore("#" + "&".join(paper(0.02)))
+    page.enter("texture.pitch", "5 um")
+    assert "at least the pillar diameter, 6 µm" in page.text("texture-pitch-note")
+
+
+def test_an_error_is_at_the_field_that_was_changed(explore):
+    """Thinner pillars at one surface fraction are more pillars, for which the server names the surface fraction."""
+    page = explore("#" + "&".join(paper(0.12)))
+    page.slide("texture-pillar-diameter-slider", 100)
+    note = page.text("texture-pillar-diameter-note")
+    assert note.startswith("surface fraction: about ") and "pillars would be touched" in note
+    assert page.page.get_attribute("#texture-pillar-diameter", "aria-invalid") == "true"
+    assert page.page.get_attribute("#texture-surface_fraction", "aria-invalid") is None
+    page.enter("texture.pillar.diameter", "6 um")
+    assert not page.page.is_visible("#problem")
+
+
+def test_legends_contain_what_is_drawn(explore):
+    """Closed forms, and the transition curve, exist only for the hexagonal lattice."""
+    curves = ["exact", "homogenised", "large", "small"]
+    names = [f"#curves-legend .{name}-curve" for name in curves] + ["#phase-legend .transition", "#phase-legend .path"]
+    page = explore("#" + "&".join(paper(0.01)))
+    page.until("document.querySelector('#curve-force path.exact-curve') !== null", 60)
+    assert [page.page.is_visible(name) for name in names] == [True] * 6
+    page.page.select_option("#texture-lattice", "oblique")
+    page.until("document.querySelector('#curves-legend .small-curve').hidden", 60)
+    page.until("document.querySelector('#phase-legend .transition').hidden", 60)
+    page.until("document.querySelector('#curve-force path.exact-curve') !== null", 60)
+    assert [page.page.is_visible(name) for name in names] == [True, False, False, False, False, True]
+    assert page.page.locator("#phase .region").count() == 0
+
+
+@pytest.mark.parametrize("width, height", [(1400, 900), (700, 450), (360, 800)])
+def test_the_focus_is_never_hidden(explore, width, height):
+    """At 200 % a window of 1400 by 900 pixels has 700 by 450."""
+    page = explore("#" + "&".join(paper(0.01)), width, height)
+    hidden = []
+    for key in ["Tab"] * 75 + ["Shift+Tab"] * 75:
+        page.page.keyboard.press(key)
+        found = page.page.evaluate(
+            """() => {
+                const focused = document.activeElement;
+                if (focused === document.body) return null;
+                const { left, right, top, bottom } = focused.getBoundingClientRect();
+                const x = (left + right) / 2;
+                const y = (Math.max(0, top) + Math.min(innerHeight, bottom)) / 2;
+                const above = document.elementFromPoint(x, y);
+                return focused.contains(above) ? null : `${focused.id} ${focused.textContent.slice(0, 20)}`;
+            }"""
+        )
+        if found is not None:
+            hidden.append(found)
+    assert hidden == []
+
+
+def test_forced_colours_leave_marks_and_states_visible(explore):
+    page = explore("#" + "&".join(paper(0.01)), forced_colors="active")
+    colour = """([selector, pseudo, property]) =>
+        getComputedStyle(document.querySelector(selector), pseudo || null)[property]"""
+
+    def of(selector, pseudo, name):
+        return page.page.evaluate(colour, [selector, pseudo, name])
+
+    page.until("document.querySelector('#phase .lettering text') !== null", 60)
+    behind = of("body", "", "backgroundColor")
+    lines = [f"#curves-legend .{name}-curve" for name in ("exact", "homogenised", "large")]
+    assert len({of(line, "::before", "borderTopColor") for line in lines}) == 3
+    assert of(".sign.floor", "::before", "backgroundColor") != behind
+    pressed, other = (f"[data-preset={name}]" for name in ("intermediate", "soft"))
+    assert of(pressed, "", "backgroundColor") != of(other, "", "backgroundColor")
+    assert of("#phase .lettering text", "", "fill") != behind
+    assert of("#load", "", "forcedColorAdjust") == "none"
+    page.picture("forced-colours")
+
+
 @pytest.mark.parametrize("load", [1, 0.5])
 def test_one_name_for_one_radius(explore, load):
     # One pillar of 3 µm is pressed, and the floor is reached beside it.

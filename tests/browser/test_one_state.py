@@ -8,11 +8,20 @@ from test_explorer import paper
 
 # What is shown of the critical state of a case, and of a state at a load.
 CASE = ["#force-value", "#radius-value", "#indentation-value", "#regime", "#pillars"]
-LOAD = ["#map", "#colour-bar", "#colour-most", "#section", "#load-numbers"]
+LOAD = ["#map", "#colour-bar", "#colour-most", "#map-key .partial", "#section", "#load-numbers", "#limits"]
 TEXTS = ["#command", "#python", "#case-file"]
-CURVES = ["#curve-force .exact-curve", "#curve-radius .exact-curve", "#curve-indentation .exact-curve"]
-PHASE = ["#phase .transition", "#phase path.path", "#phase .top-region"]
-NOW = ["#phase .critical-point", "#curve-force .load-point"]
+CURVES = [
+    *("#curve-force .exact-curve", "#curve-radius .exact-curve", "#curve-indentation .exact-curve"),
+    "#curves-legend .exact-curve",
+]
+PHASE = [
+    *("#phase .transition", "#phase path.path", "#phase .top-region"),
+    *("#phase-legend .transition", "#loading-legend .path"),
+]
+NOW = [
+    *("#phase .critical-point", "#curve-force .load-point"),
+    *("#phase-legend .critical-point", "#curves-legend .load-point", "#loading-legend .critical-point"),
+]
 
 # How opaque an element is, with all that it is in.
 OPACITY = """([selector]) => {

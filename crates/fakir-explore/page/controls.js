@@ -4,7 +4,7 @@ import { editable, engineeringText, parse, unitOf, withUnit } from "./numbers.js
 import { FRACTION, PITCH, RECEDING, sticks, STUCK, WORK, withSpacing } from "./store.js";
 
 /**
- * @import { Key, Refusal, Value, Values } from "./engine.js"
+ * @import { Key, Value, Values } from "./engine.js"
  * @import { Dimension } from "./numbers.js"
  */
 
@@ -103,16 +103,16 @@ export class Controls {
   }
 
   /**
-   * Shows an error at its field and clears all others; false if the error belongs to no field.
-   * @param {Refusal | null} refusal
+   * Shows an error at the field of a key and clears all others; false if there is no such field.
+   * @param {string | null} wrongKey
+   * @param {string} words
    * @returns {boolean}
    */
-  refuse(refusal) {
+  refuse(wrongKey, words) {
     let found = false;
     for (const [key, widget] of this.#widgets) {
-      const wrong = refusal !== null && refusal.key === key;
-      const accepted = wrong && refusal.accepted !== null ? `: ${refusal.accepted}` : "";
-      widget.note.textContent = wrong ? `${refusal.message}${accepted}` : "";
+      const wrong = key === wrongKey;
+      widget.note.textContent = wrong ? words : "";
       widget.note.hidden = !wrong;
       widget.box.classList.toggle("wrong", wrong);
       for (const input of widget.inputs) {

@@ -7,9 +7,7 @@ import { floorBears, isCritical, isOlder, stationAt, sticks } from "./store.js";
 
 /**
  * @import { Axes, Contents, Lettering, Place, Series } from "./charts.js"
- * @import {
- *   CurvePoint, CurveStation, CycleEvent, CycleStation, FloorStation, TransitionSummary, Values,
- * } from "./engine.js"
+ * @import { CurvePoint, CurveStation, CycleStation, TransitionSummary, Values } from "./engine.js"
  * @import { Cycle, Of, State } from "./store.js"
  */
 
@@ -69,7 +67,22 @@ function isBefore(shown, critical) {
 /** @param {State} state */
 export function drawPhase(state) {
   const contents = phaseContents(state);
-  if (contents !== null) drawChart(byId("phase", SVGSVGElement), PHASE, contents);
+  if (contents === null) return;
+  drawChart(byId("phase", SVGSVGElement), PHASE, contents);
+  hideUndrawn("phase-legend", contents.series);
+}
+
+/**
+ * Hides the entries of a legend whose lines are not drawn: closed forms exist only for some lattices.
+ * @param {string} id
+ * @param {readonly Series[]} series
+ */
+function hideUndrawn(id, series) {
+  const drawn = series.filter(({ kind, points }) => kind === "line" && points.length > 0);
+  const names = drawn.map(({ style }) => style.split(" ")[0] ?? "");
+  for (const entry of byId(id).querySelectorAll(".line")) {
+    entry.toggleAttribute("hidden", !names.some((name) => entry.classList.contains(name)));
+  }
 }
 
 /**
@@ -136,11 +149,13 @@ function phaseContents(state) {
   const part = (share) => inside[Math.floor(inside.length * share)] ?? [1, floor];
   const [left, right] = [part(0.3), part(0.78)];
   const style = aged("region", older);
+  /** @type {Lettering[]} */
   const names = [
-    { place: /** @type {const} */ ([left[0], Math.sqrt(left[1] * y[1])]), text: "tops and floor", style },
-    { place: /** @type {const} */ ([right[0], Math.sqrt(right[1] * y[0])]), text: "pillar tops only", style },
+    { place: [left[0], Math.sqrt(left[1] * y[1])], text: "tops and floor", style },
+    { place: [right[0], Math.sqrt(right[1] * y[0])], text: "pillar tops only", style },
   ];
-  return { x, y, series, names };
+  // Without a transition curve there are no regions.
+  return { x, y, series, names: curve.length > 0 ? names : [] };
 }
 
 /**
@@ -244,7 +259,7 @@ function numericalErrorOf(cycle) {
 }
 
 /**
- * @param {CurveStation | CycleEvent | CycleStation | FloorStation} curveStation
+ * @param {{ indentation_m: number, force_N: number }} state
  * @returns {Place}
  */
 function placeOf({ indentation_m, force_N }) {
@@ -324,10 +339,7 @@ function loadingContents(state) {
   /** @type {Place} */
   const reached = [end.critical_indentation_m, end.critical_force_N];
   /** @type {(of: (fraction: number) => boolean) => Place[]} */
-  const places = (of) =>
-    path
-      .filter(({ fraction }) => of(fraction))
-      .map(/** @returns {Place} */ ({ indentation_m, force_N }) => [indentation_m, force_N]);
+  const places = (of) => path.filter(({ fraction }) => of(fraction)).map(placeOf);
   const past = places((fraction) => fraction > 1);
   const onFloor = path.flatMap(/** @returns {Place[]} */ ({ fraction, indentation_m, floor_force_N }) =>
     fraction > 1 && floor_force_N !== null ? [[indentation_m, floor_force_N]] : [],
@@ -375,7 +387,9 @@ function loadingContents(state) {
 export function drawCurves(state) {
   for (const chart of CURVES) {
     const contents = curveContents(state, chart);
-    if (contents !== null) drawChart(byId(chart.id, SVGSVGElement), chart.axes, contents);
+    if (contents === null) continue;
+    drawChart(byId(chart.id, SVGSVGElement), chart.axes, contents);
+    hideUndrawn("curves-legend", contents.series);
   }
 }
 

@@ -6,7 +6,7 @@ import { Controls } from "./controls.js";
 import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
 import { Server } from "./engine.js";
 import { drawColourBar, drawFloorBar, drawFloorPullBar, drawMap, drawPullBar, wordsAt } from "./map.js";
-import { engineeringText, write } from "./numbers.js";
+import { engineeringText, withPrefixes, write } from "./numbers.js";
 import { announcement, drawCritical, drawCycleNumbers, drawCycleProgress, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
 import { byId, Screen } from "./screen.js";
@@ -20,6 +20,7 @@ import {
   mapScale,
   PITCH,
   RECEDING,
+  refusedAt,
   sticks,
   Store,
   STUCK,
@@ -28,7 +29,7 @@ import {
 import { onScheme } from "./theme.js";
 
 /**
- * @import { Refusal, Start, Texts, Values } from "./engine.js"
+ * @import { Start, Texts, Values } from "./engine.js"
  * @import { MapContents } from "./map.js"
  * @import { Of, State } from "./store.js"
  */
@@ -75,6 +76,16 @@ function buttons(data) {
   return /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll(`[data-${data}]`));
 }
 
+/**
+ * The entries of a legend with this mark.
+ * @param {string} name
+ * @param {string} mark
+ * @returns {Element[]}
+ */
+function legend(name, mark) {
+  return [...byId(`${name}-legend`).querySelectorAll(mark)];
+}
+
 // --- Showing ------------------------------------------------------------------------------------
 
 /** @param {Store} store */
@@ -101,7 +112,7 @@ function show(store) {
   );
   screen.add(
     ({ refusal }) => [refusal],
-    ({ refusal }) => showRefusal(controls, refusal?.is ?? null),
+    (state) => showRefusal(state, controls),
   );
   screen.add((state) => [state.critical, state.estimate], drawCritical);
   screen.add(
@@ -196,12 +207,16 @@ function show(store) {
 
   screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
   const facts = [byId("regime"), byId("pillars")];
-  screen.age((state) => state.critical, "case", [...facts, phase, ...curves]);
+  const ofCase = [...legend("phase", ".dot"), ...legend("curves", ".dot")];
+  screen.age((state) => state.critical, "case", [...facts, phase, ...curves, ...ofCase]);
+  screen.age((state) => state.phase, "case", legend("phase", ".line"));
+  screen.age((state) => state.curves, "case", legend("curves", ".line"));
   /** @type {(state: State) => Of<unknown> | null} */
   const known = (state) => state.cycle ?? state.critical;
-  screen.age(known, "case", [loading, pull, byId("cycle-numbers")]);
-  screen.age((state) => state.picture, "load", [canvas, byId("bar"), byId("floor-key")]);
-  const numbers = ["load-numbers", "floor-numbers", "beyond-note", "warnings"].map((id) => byId(id));
+  screen.age(known, "case", [loading, pull, byId("cycle-numbers"), ...legend("loading", ".dot")]);
+  screen.age((state) => state.cycle ?? state.phase, "case", legend("loading", ".line"));
+  screen.age((state) => state.picture, "load", [canvas, byId("map-key")]);
+  const numbers = ["load-numbers", "floor-numbers", "beyond-note", "warnings", "limits"].map((id) => byId(id));
   screen.age((state) => state.solved ?? state.picture, "load", numbers);
   screen.age((state) => state.section, "load", [section]);
   const texts = [byId("command"), byId("python"), byId("case-file")];
@@ -239,21 +254,27 @@ function mapContents(state) {
 }
 
 /**
+ * @param {State} state
  * @param {Controls} controls
- * @param {Refusal | null} refusal
  */
-function showRefusal(controls, refusal) {
-  const atField = controls.refuse(refusal);
+function showRefusal(state, controls) {
+  const refusal = state.refusal?.is ?? null;
+  const key = refusedAt(state);
   const problem = byId("problem");
   problem.hidden = refusal === null;
+  problem.textContent = "";
   if (refusal === null) {
-    problem.textContent = "";
+    controls.refuse(null, "");
     return;
   }
   const accepted = refusal.accepted === null ? "" : `: ${refusal.accepted}`;
+  const words = withPrefixes(`${refusal.message}${accepted}`);
+  // The message is about the key that the server names, which may be another than the one that was changed.
+  const about = state.start.keys.find((each) => each.key === refusal.key);
+  const atField = controls.refuse(key, about === undefined || key === about.key ? words : `${about.label}: ${words}`);
   problem.textContent = atField
-    ? `${refusal.key ?? ""}: ${refusal.message}. The last valid result is shown.`
-    : `${refusal.message}${accepted}`;
+    ? `${refusal.key ?? ""}: ${withPrefixes(refusal.message)}. The last valid result is shown.`
+    : words;
 }
 
 /** @param {State} state */

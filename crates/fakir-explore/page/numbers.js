@@ -170,6 +170,21 @@ export function editable(value, dimension) {
   return `${Number(`${mantissa}e${Number(exponent) - unit.power}`)} ${unit.symbol}`;
 }
 
+const EXPONENT = /(-?\d+(?:\.\d+)?e-?\d+) (m|N|Pa|J)(?![\p{L}\d/^²])/gu;
+
+/**
+ * A message in which numbers with an exponent and an SI unit, such as `1.807e-5 m`, have a prefix instead.
+ * @param {string} message
+ * @returns {string}
+ */
+export function withPrefixes(message) {
+  return message.replace(EXPONENT, (whole, number, symbol) => {
+    const dimensions = /** @type {Dimension[]} */ (Object.keys(UNITS));
+    const dimension = dimensions.find((each) => UNITS[each].some((unit) => unit.symbol === symbol && unit.power === 0));
+    return dimension === undefined ? whole : editable(Number(number), dimension);
+  });
+}
+
 const NUMBER = /^\s*([+-]?(?:\d+\.?\d*|\.\d+))(?:e([+-]?\d+))?\s*(\S*)\s*$/i;
 
 /**

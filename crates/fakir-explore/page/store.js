@@ -474,6 +474,19 @@ export function floorSticks(values) {
 }
 
 /**
+ * The field at which a refused case is wrong: that of the only key changed since the last solved case, or else that of
+ * the key which the server names; null if it names none.
+ * @param {State} state
+ * @returns {string | null}
+ */
+export function refusedAt({ refusal, critical }) {
+  if (refusal === null || refusal.is.key === null) return null;
+  const [now, before] = [refusal.of.case, critical?.of.case ?? {}];
+  const changed = Object.keys(now).filter((key) => now[key] !== before[key]);
+  return (changed.length === 1 ? changed[0] : undefined) ?? refusal.is.key;
+}
+
+/**
  * Whether the user cancelled the newest question.
  * @param {State} state
  * @returns {boolean}
