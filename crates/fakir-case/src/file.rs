@@ -12,12 +12,11 @@ use crate::key::{Key, Setting, is_table};
 use crate::parts::{ArrangementName, OfTexture, Parts, ShapeForm, TRUE_OR_FALSE, TextureParts};
 use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
-use crate::support::Capability;
 use crate::table::{Field, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
-    Adhesion, Arrangement, FloorModel, InvalidQuantity, LensProfile, LensShape, Method, PillarList,
-    Quantity, Requirement, ShapedLens, System, Texture,
+    Adhesion, Arrangement, Feature, FloorModel, InvalidQuantity, LensProfile, LensShape, Method,
+    PillarList, Quantity, Question, Requirement, ShapedLens, System, Texture,
 };
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
@@ -264,7 +263,11 @@ impl CaseFile {
             "a [surface] is solved by elements: press, transition, approach, verify and sweep take one",
         )?;
         let parts = self.parts(&[Part::Bodies, Part::Texture])?;
-        self.check_supported(Capability::Transition)?;
+        if self.is_rounded() {
+            return Err(self
+                .problem(Key::TopRadius, "this is computed for flat pillar tops only")
+                .accepted("leave it out; rounded tops are known to `press`, `approach`, `sweep` and `design --free heights`"));
+        }
         let texture = &parts.texture;
         let spacing = self.spacing(texture)?;
         let mut pillar = texture.pillar;
@@ -306,6 +309,19 @@ impl CaseFile {
             pillars,
             profile,
         })
+    }
+
+    /// The [case](Self::case), if all of these questions have an answer for it.
+    ///
+    /// # Errors
+    /// [`CaseError`] that says why one has none, and what to do in its place; and as [`case`](Self::case).
+    pub fn case_for(&self, questions: &[Question]) -> Result<Case, CaseError> {
+        let case = self.case()?;
+        let features = Feature::of(&case.system);
+        for question in questions {
+            self.answers(*question, case.method.into(), &features)?;
+        }
+        Ok(case)
     }
 
     /// The shape of the lens, and the file of its table of heights, if it has one: next to the case file, or in the current folder if an override
@@ -432,38 +448,16 @@ impl CaseFile {
         )
     }
 
-    /// Refuses pillar tops that stick where there is no answer with them.
-    ///
-    /// # Errors
-    /// [`CaseError`] at the work of adhesion with that problem, and what would be right; or what is wrong with the case.
-    pub fn refuse_adhesion(&self, problem: &str, accepted: &str) -> Result<(), CaseError> {
-        if self.case()?.system.adhesion().is_none() {
-            return Ok(());
-        }
-        Err(self
-            .problem(Key::WorkOfAdhesion, problem)
-            .accepted(accepted))
-    }
-
     /// Refuses a receding work of adhesion alone, and adhesion with a method that has none.
     fn check_adhesion(&self, adhesion: Adhesion, method: Method) -> Result<(), CaseError> {
         let work = Key::WorkOfAdhesion;
         if adhesion.work_receding.is_some() && self.entry(work).is_none() {
             return Err(self.missing(work));
         }
-        match method {
-            Method::Spectral(_) => Ok(()),
-            _ if adhesion.is_none() => Ok(()),
-            other => Err(self
-                .problem(
-                    work,
-                    format!("the method \"{}\" has no adhesion", other.name()),
-                )
-                .accepted(format!(
-                    "leave it out, or {} = \"spectral\", the method that has adhesion",
-                    Key::MethodName
-                ))),
+        if adhesion.is_none() {
+            return Ok(());
         }
+        self.answers(Question::Press, method.into(), &[Feature::AdhesiveTops])
     }
 
     /// Refuses a floor that sticks where nothing else does, or where the lens goes through it.
@@ -499,7 +493,7 @@ impl CaseFile {
     }
 
     /// Refuses a thickness that is none, and what a body rests on where that is a half-space.
-    fn check_bases(&self, parts: &Parts) -> Result<(), CaseError> {
+    pub(crate) fn check_bases(&self, parts: &Parts) -> Result<(), CaseError> {
         let bodies = [
             (
                 &parts.substrate_layer,

@@ -81,6 +81,7 @@
 //! [`CaseFile`] reads a file and takes overrides, [`CaseFile::case`] gives the [`Case`]; every
 //! [`CaseError`] points at the line, or at the override, that is to blame.
 
+mod any_case;
 mod case;
 mod columns;
 mod entries;
@@ -106,6 +107,7 @@ mod surface;
 mod table;
 pub mod unit;
 
+pub use any_case::AnyCase;
 pub use case::Case;
 pub use error::CaseError;
 pub use file::CaseFile;
@@ -114,5 +116,5 @@ pub use reference::reference;
 pub use rounded::RoundedCase;
 pub use solve_error::with_keys;
 pub use study::{Study, StudyFile};
-pub use support::{Capability, SurfaceKind, Unsupported, support};
+pub use support::{SurfaceKind, support};
 pub use surface::{SurfaceCase, SurfaceExample, SurfaceOrigin};

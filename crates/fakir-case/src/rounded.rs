@@ -8,7 +8,8 @@ use crate::parts::{MethodName, Parts, ShapeForm};
 use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
-    Accuracy, Cap, CapField, Indenter, InvalidCaps, Material, PillarCompliance, Point,
+    Accuracy, Cap, CapField, Indenter, InvalidCaps, Material, PillarCompliance, Point, Question,
+    Solver,
 };
 use std::f64::consts::PI;
 
@@ -114,7 +115,8 @@ impl RoundedCase {
         })
     }
 
-    fn value(&self, key: Key) -> Option<String> {
+    /// The value of a key as it is written in a case file; none if it was not given.
+    pub(crate) fn value(&self, key: Key) -> Option<String> {
         let setting = self.settings.iter().find(|(given, _)| *given == key);
         setting.map(|(_, value)| value.clone())
     }
@@ -270,26 +272,7 @@ impl CaseFile {
 
     /// Refuses what rounded tops do not have.
     fn refuse_with_rounded(&self, parts: &Parts) -> Result<(), CaseError> {
-        let adhesion = &parts.texture.adhesion;
-        let sticks = [
-            (Key::WorkOfAdhesion, adhesion.work != 0.0),
-            (
-                Key::RecedingWorkOfAdhesion,
-                self.entry(Key::RecedingWorkOfAdhesion).is_some(),
-            ),
-            (Key::FloorSticks, adhesion.floor.0),
-        ];
-        if let Some((key, _)) = sticks.into_iter().find(|(_, sticks)| *sticks) {
-            return Err(self
-                .problem(key, "rounded pillar tops do not stick here")
-                .accepted(format!("leave it out, or leave {} out", Key::TopRadius)));
-        }
-        let mut given = self.entries.keys.keys().copied();
-        if let Some(key) = given.find(|key| key.is_of_layers()) {
-            return Err(self
-                .problem(key, "under rounded pillar tops both bodies are half-spaces")
-                .accepted(format!("leave it out, or leave {} out", Key::TopRadius)));
-        }
+        self.answers(Question::Press, Solver::Asperities, &self.features(parts))?;
         if parts.method.name != MethodName::Spectral {
             return Err(self
                 .problem(
@@ -303,35 +286,6 @@ impl CaseFile {
                     "{} = \"spectral\" has rounded ones",
                     Key::MethodName
                 )));
-        }
-        let level = parts.shape.tilt == 0.0;
-        match parts.shape.form {
-            ShapeForm::Sphere => {}
-            ShapeForm::Plate if level => {}
-            ShapeForm::Plate => {
-                return Err(self
-                    .problem(
-                        Key::LensTilt,
-                        "a plate on rounded pillar tops is level here",
-                    )
-                    .accepted("leave it out"));
-            }
-            _ => {
-                return Err(self
-                    .problem(
-                        Key::LensShape,
-                        "rounded pillar tops are under a sphere or a plate here",
-                    )
-                    .accepted(format!("{} = \"sphere\" or \"plate\"", Key::LensShape)));
-            }
-        }
-        if parts.texture.pillar.compliance == PillarCompliance::Elastic {
-            return Err(self
-                .problem(
-                    Key::PillarCompliance,
-                    "how elastic pillars give way is known under flat tops only",
-                )
-                .accepted("\"column\" or \"none\""));
         }
         let needs_diameter = self.entry(Key::PillarCompliance).is_some()
             && parts.texture.pillar.compliance == PillarCompliance::Column

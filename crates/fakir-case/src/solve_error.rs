@@ -1,45 +1,61 @@
 //! Errors of the solvers with the keys of the case that they are about.
 
 use crate::key::Key;
-use fakir::state::{FloorDifference, SolveError, TopDifference};
+use fakir::problem::{Feature, Unsupported};
+use fakir::state::SolveError;
 
 /// The text of an error, and behind it the keys of a case that can be changed.
 ///
 /// ```
-/// use fakir::state::{SolveError, TopDifference};
-/// let error = SolveError::TopsDiffer { what: TopDifference::Diameters };
-/// assert!(fakir_case::with_keys(&error).ends_with(" (texture.pillar.diameter)"));
+/// use fakir::problem::Unsupported;
+/// use fakir::state::SolveError;
+/// let error = SolveError::Unsupported(Unsupported::BUT_FOR_A_SPHERE);
+/// assert!(fakir_case::with_keys(&error).ends_with(" (lens.shape)"));
 /// ```
 #[must_use]
 pub fn with_keys(error: &SolveError) -> String {
-    let keys: &[Key] = match error {
-        SolveError::TopsDiffer { what } => match what {
-            TopDifference::Diameters => &[Key::PillarDiameter],
-            TopDifference::Columns => &[Key::PillarHeight, Key::PillarCompliance],
-        },
-        SolveError::FloorDoesNotStick { what } => match what {
-            FloorDifference::Arrangement => &[
-                Key::FloorSticks,
-                Key::Lattice,
-                Key::Rotation,
-                Key::Columns,
-                Key::HeightStandardDeviation,
-                Key::TextureMissing,
-            ],
-            FloorDifference::Layer => &[
-                Key::FloorSticks,
-                Key::SubstrateThickness,
-                Key::LensThickness,
-            ],
-            FloorDifference::ElasticPillars => &[Key::FloorSticks, Key::PillarCompliance],
-        },
-        SolveError::NotUnderShape { .. } => &[Key::LensShape, Key::MethodName],
-        SolveError::NotWithLayers { .. } => &[Key::SubstrateThickness, Key::LensThickness],
-        _ => &[],
+    let SolveError::Unsupported(unsupported) = error else {
+        return error.to_string();
     };
-    let keys: Vec<&str> = keys.iter().map(|key| key.path()).collect();
+    let keys: Vec<&str> = keys_of(unsupported).map(Key::path).collect();
     match &keys[..] {
         [] => error.to_string(),
         _ => format!("{error} ({})", keys.join(", ")),
+    }
+}
+
+/// The keys that can be changed where there is no answer, each once.
+pub(crate) fn keys_of(unsupported: &Unsupported) -> impl Iterator<Item = Key> {
+    let features = unsupported.with.iter().copied().flatten();
+    let mut keys: Vec<Key> = Vec::new();
+    for key in features.flat_map(|feature| keys_with(*feature)) {
+        if !keys.contains(key) {
+            keys.push(*key);
+        }
+    }
+    keys.into_iter()
+}
+
+/// The keys by which a case has a feature.
+fn keys_with(feature: Feature) -> &'static [Key] {
+    match feature {
+        Feature::Paraboloid | Feature::Profile | Feature::Cylinder | Feature::Plate => {
+            &[Key::LensShape]
+        }
+        Feature::TiltedPlate => &[Key::LensTilt],
+        Feature::OtherArrangement => &[
+            Key::Lattice,
+            Key::Rotation,
+            Key::Columns,
+            Key::HeightStandardDeviation,
+            Key::TextureMissing,
+        ],
+        Feature::SeveralDiameters => &[Key::PillarDiameter],
+        Feature::SeveralColumns => &[Key::PillarHeight, Key::PillarCompliance],
+        Feature::Layer => &[Key::SubstrateThickness, Key::LensThickness],
+        Feature::ElasticPillars => &[Key::PillarCompliance],
+        Feature::IgnoredFloor => &[Key::FloorContact],
+        Feature::AdhesiveTops => &[Key::WorkOfAdhesion, Key::RecedingWorkOfAdhesion],
+        Feature::AdhesiveFloor => &[Key::FloorSticks],
     }
 }

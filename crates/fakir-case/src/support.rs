@@ -1,4 +1,12 @@
-//! Which question has an answer for which kind of surface: the one table, with the reason where there is none.
+//! What a case can be asked, in the words of case files: the table of [`fakir::problem::Question`] with the keys that are in the way.
+
+use crate::error::CaseError;
+use crate::file::CaseFile;
+use crate::key::Key;
+use crate::parts::{Parts, ShapeForm};
+use crate::solve_error::keys_of;
+use fakir::problem::{Feature, PillarCompliance, Question, Solver, Unsupported};
+use std::fmt::Write;
 
 /// A kind of surface that a case can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,233 +19,279 @@ pub enum SurfaceKind {
     HeightMap,
 }
 
-/// What can be asked of a case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Capability {
-    /// A contact under a load.
-    Press,
-    /// The critical state.
-    Transition,
-    /// Loading step by step.
-    Approach,
-    /// Loading and unloading with adhesion.
-    Cycle,
-    /// A second method or mesh.
-    Verify,
-    /// Exact derivatives of a contact.
-    Gradient,
-    /// The Tabor number of an attraction of a given range.
-    AttractionRange,
-    /// Validity limits of the model, and `--strict`.
-    Limits,
-    /// Maps of pressure, gap and displacement.
-    Fields,
-    /// The closed forms.
-    Theory,
-    /// The critical state by every method.
-    Compare,
-    /// The value of a key that gives a wanted result, and the spread of samples.
-    Design,
-    /// Least squares on a measured curve.
-    Fit,
-    /// Many cases.
-    Sweep,
-    /// The page with sliders.
-    Explore,
-}
-
-/// Why there is no answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Unsupported {
-    /// The reason.
-    pub why: &'static str,
-    /// What to do in its place.
-    pub instead: &'static str,
-}
-
-impl SurfaceKind {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Pillars, Self::Asperities, Self::HeightMap];
-
-    /// What the table calls it.
-    fn heading(self) -> &'static str {
-        match self {
-            Self::Pillars => "flat pillars (`[texture]`)",
-            Self::Asperities => "rounded tops (`texture.top_radius`)",
-            Self::HeightMap => "height map (`[surface]`)",
+impl CaseFile {
+    /// What kind of surface the case has.
+    #[must_use]
+    pub fn surface_kind(&self) -> SurfaceKind {
+        if self.is_surface() {
+            SurfaceKind::HeightMap
+        } else if self.is_rounded() {
+            SurfaceKind::Asperities
+        } else {
+            SurfaceKind::Pillars
         }
+    }
+
+    /// Refuses what has no answer by this solver where a case has these features.
+    pub(crate) fn answers(
+        &self,
+        question: Question,
+        solver: Solver,
+        features: &[Feature],
+    ) -> Result<(), CaseError> {
+        let Err(unsupported) = question.check(solver, features) else {
+            return Ok(());
+        };
+        let Unsupported { why, instead, .. } = unsupported;
+        let given = |key: &Key| self.entry(*key).is_some();
+        let of_kind = match solver {
+            Solver::Asperities => Some(Key::TopRadius),
+            Solver::HeightMap => None,
+            Solver::Spectral | Solver::Punch | Solver::Elements | Solver::Homogenised => {
+                Some(Key::MethodName)
+            }
+        };
+        let of_layers = || {
+            let mut keys = self.entries.keys.keys().copied();
+            let has_layer = unsupported
+                .with
+                .iter()
+                .any(|group| group.contains(&Feature::Layer));
+            keys.find(|key| has_layer && key.is_of_layers())
+        };
+        let in_the_way = keys_of(&unsupported).find(given).or_else(of_layers);
+        // What a method does not do is said with its name.
+        let why = match solver {
+            Solver::Punch | Solver::Elements | Solver::Homogenised => {
+                format!("the method {}: {why}", heading(solver).replace('`', "\""))
+            }
+            Solver::Spectral | Solver::Asperities | Solver::HeightMap => why.to_owned(),
+        };
+        match in_the_way.or(of_kind) {
+            Some(key) => Err(self.problem(key, why).accepted(instead)),
+            None => self.refuse_surface(&why, instead),
+        }
+    }
+
+    /// What a case has that not every solver knows, by its keys.
+    pub(crate) fn features(&self, parts: &Parts) -> Vec<Feature> {
+        let texture = &parts.texture;
+        let is_of_layers = |key: &Key| key.is_of_layers();
+        let has = |feature: &Feature| match feature {
+            Feature::Paraboloid => parts.shape.form == ShapeForm::Paraboloid,
+            Feature::Profile => parts.shape.form == ShapeForm::Profile,
+            Feature::Cylinder => parts.shape.form == ShapeForm::Cylinder,
+            Feature::Plate => parts.shape.form == ShapeForm::Plate,
+            Feature::TiltedPlate => {
+                parts.shape.form == ShapeForm::Plate && parts.shape.tilt.abs() > 0.0
+            }
+            Feature::Layer => self.entries.keys.keys().any(is_of_layers),
+            Feature::ElasticPillars => texture.pillar.compliance == PillarCompliance::Elastic,
+            Feature::AdhesiveTops => {
+                texture.adhesion.work.abs() > 0.0
+                    || self.entry(Key::RecedingWorkOfAdhesion).is_some()
+            }
+            Feature::AdhesiveFloor => texture.adhesion.floor.0,
+            // These are looked at in a system, or have a meaning of their own on other surfaces.
+            Feature::OtherArrangement
+            | Feature::SeveralDiameters
+            | Feature::SeveralColumns
+            | Feature::IgnoredFloor => false,
+        };
+        Feature::ALL.into_iter().filter(has).collect()
     }
 }
 
-impl Capability {
-    /// All of them.
-    pub const ALL: [Self; 15] = [
-        Self::Press,
-        Self::Transition,
-        Self::Approach,
-        Self::Cycle,
-        Self::Verify,
-        Self::Gradient,
-        Self::AttractionRange,
-        Self::Limits,
-        Self::Fields,
-        Self::Theory,
-        Self::Compare,
-        Self::Design,
-        Self::Fit,
-        Self::Sweep,
-        Self::Explore,
+/// What the table calls a solver.
+fn heading(solver: Solver) -> &'static str {
+    match solver {
+        Solver::Spectral => "`spectral`",
+        Solver::Punch => "`punch`",
+        Solver::Elements => "`love`",
+        Solver::Homogenised => "`homogenised`",
+        Solver::Asperities => "rounded tops",
+        Solver::HeightMap => "`[surface]`",
+    }
+}
+
+/// What the table calls a question: the command or the option, where there is one.
+fn asked(question: Question) -> String {
+    match question {
+        Question::Gradient => "`--gradient`".to_owned(),
+        Question::AttractionRange => "`--attraction-range`".to_owned(),
+        Question::Limits => "validity limits, `--strict`".to_owned(),
+        Question::Fields => "maps, `--field-points`".to_owned(),
+        Question::FloorShare | Question::VerifyFloor => question.name().to_owned(),
+        Question::Spread => "`design` with tolerances".to_owned(),
+        command => format!("`{}`", command.name()),
+    }
+}
+
+/// What the table calls a feature.
+fn named(feature: Feature) -> &'static str {
+    match feature {
+        Feature::Paraboloid => "paraboloid",
+        Feature::Profile => "lens with a table of heights",
+        Feature::Cylinder => "cylinder",
+        Feature::Plate => "plate",
+        Feature::TiltedPlate => "tilted plate",
+        Feature::OtherArrangement => "other arrangement than the endless hexagonal lattice",
+        Feature::SeveralDiameters => "pillars of several diameters",
+        Feature::SeveralColumns => "columns of several heights",
+        Feature::Layer => "lens or substrate of finite thickness",
+        Feature::ElasticPillars => "elastic pillars",
+        Feature::IgnoredFloor => "floor ignored",
+        Feature::AdhesiveTops => "adhesive tops",
+        Feature::AdhesiveFloor => "adhesive floor",
+    }
+}
+
+/// Whether a surface that this solver is for can have these features at all, together.
+fn can_have(solver: Solver, features: &[Feature]) -> bool {
+    let has = |feature| features.contains(&feature);
+    let of_pillars = [
+        Feature::OtherArrangement,
+        Feature::SeveralDiameters,
+        Feature::SeveralColumns,
     ];
+    let lenses = [
+        Feature::Paraboloid,
+        Feature::Profile,
+        Feature::Cylinder,
+        Feature::Plate,
+    ];
+    let is_lens = |feature: &&Feature| lenses.contains(feature);
+    let is_other_surface = matches!(solver, Solver::Asperities | Solver::HeightMap);
+    let of_flat_pillars = is_other_surface && of_pillars.into_iter().any(has);
+    // The floor under rounded tops is left out.
+    let ignored = solver == Solver::Asperities && has(Feature::IgnoredFloor);
+    features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !ignored
+}
 
-    /// What the table calls it: the command or the option.
-    fn heading(self) -> &'static str {
-        match self {
-            Self::Press => "`press`",
-            Self::Transition => "`transition`",
-            Self::Approach => "`approach`",
-            Self::Cycle => "`cycle`",
-            Self::Verify => "`verify`",
-            Self::Gradient => "`--gradient`",
-            Self::AttractionRange => "`--attraction-range`",
-            Self::Limits => "validity limits, `--strict`",
-            Self::Fields => "maps, `--field-points`",
-            Self::Theory => "`theory`",
-            Self::Compare => "`compare`",
-            Self::Design => "`design`",
-            Self::Fit => "`fit`",
-            Self::Sweep => "`sweep`",
-            Self::Explore => "`explore`",
-        }
+/// The reasons of a table, by their numbers.
+#[derive(Default)]
+struct Notes(Vec<Unsupported>);
+
+impl Notes {
+    fn number(&mut self, unsupported: Unsupported) -> usize {
+        let known = self.0.iter().position(|note| *note == unsupported);
+        1 + known.unwrap_or_else(|| {
+            self.0.push(unsupported);
+            self.0.len() - 1
+        })
     }
 
-    /// Whether it has an answer for a kind of surface.
-    ///
-    /// # Errors
-    /// [`Unsupported`]: why not, and what to do in its place.
-    pub fn of(self, surface: SurfaceKind) -> Result<(), Unsupported> {
-        let unsupported = |why, instead| Err(Unsupported { why, instead });
-        match (surface, self) {
-            (SurfaceKind::Pillars, _)
-            | (SurfaceKind::Asperities, Self::Press)
-            | (
-                SurfaceKind::HeightMap,
-                Self::Press
-                | Self::Transition
-                | Self::Approach
-                | Self::Verify
-                | Self::Limits
-                | Self::Fields
-                | Self::Sweep,
-            ) => Ok(()),
-            (SurfaceKind::Asperities, Self::Gradient) => unsupported(
-                "--gradient is for flat pillar tops",
-                "leave it out: the result of rounded tops has the stiffness",
-            ),
-            (SurfaceKind::Asperities, Self::AttractionRange) => unsupported(
-                "--attraction-range is for tops that stick, and rounded ones (texture.top_radius) do not",
-                "leave it out",
-            ),
-            (SurfaceKind::Asperities, Self::Limits) => unsupported(
-                "--strict is for flat pillars of a [texture] and for a [surface]: contacts with rounded tops have no limits of the model",
-                "leave it out",
-            ),
-            (SurfaceKind::Asperities, Self::Fields) => unsupported(
-                "--field-points is for flat tops: there are no maps of the pressure on rounded ones",
-                "leave it out: the contacts are in pillars.csv",
-            ),
-            (SurfaceKind::Asperities, _) => unsupported(
-                "this is computed for flat pillar tops only",
-                "leave it out; rounded tops are known to `fakir press` and `fakir design --free heights`, in Python to fakir.RoundedTops",
-            ),
-            (SurfaceKind::HeightMap, Self::Compare) => unsupported(
-                "compare sets several methods side by side, and a [surface] has only one: elements",
-                "use fakir verify, which solves pillars on a lattice on two meshes, or press and transition, which estimate their error",
-            ),
-            (SurfaceKind::HeightMap, Self::Theory) => unsupported(
-                "the closed forms are those of a [texture], round pillars on a hexagonal lattice; a [surface] has none",
-                "use fakir transition and fakir approach, which solve it by elements",
-            ),
-            (SurfaceKind::HeightMap, Self::Design) => unsupported(
-                "design follows a critical state that changes smoothly with the free key; on a [surface] it changes by whole cells, and takes seconds each time",
-                "use fakir sweep with the free key as an axis, and read the value from its table",
-            ),
-            (SurfaceKind::HeightMap, Self::Fit) => unsupported(
-                "a fit needs derivatives of the contact; on a [surface] it changes by whole cells, and takes seconds each time",
-                "use fakir approach for a loading curve to lay over the measured one, or fakir sweep with the modulus and the indentation as axes",
-            ),
-            (SurfaceKind::HeightMap, Self::Explore) => unsupported(
-                "the sliders of the page need an answer in milliseconds, and a [surface] takes seconds",
-                "use fakir press or fakir approach with --output, which save figures",
-            ),
-            (SurfaceKind::HeightMap, Self::Gradient) => unsupported(
-                "derivatives are those of a contact of the method spectral; on a [surface] it changes by whole cells",
-                "use fakir sweep with a key as an axis, and take differences over several cells",
-            ),
-            (SurfaceKind::HeightMap, Self::Cycle) => unsupported(
-                "adhesion is that of the round tops of a [texture]; a [surface] has none",
-                "ask for the loading alone: without adhesion the lens is withdrawn the way it came",
-            ),
-            (SurfaceKind::HeightMap, Self::AttractionRange) => unsupported(
-                "adhesion is that of the round tops of a [texture]; a [surface] has none",
-                "leave the range of the attraction out",
-            ),
+    /// What a solver answers where a case has these features: of all that it answers without them.
+    fn cell(&mut self, solver: Solver, features: &[Feature]) -> String {
+        if !can_have(solver, features) {
+            return String::new();
+        }
+        let plain = Question::ALL.into_iter();
+        let plain: Vec<Question> = plain
+            .filter(|question| question.check(solver, &[]).is_ok())
+            .collect();
+        let refused: Vec<(Question, Unsupported)> = plain
+            .iter()
+            .filter_map(|question| Some((*question, question.check(solver, features).err()?)))
+            .collect();
+        let reasons = |notes: &mut Self| {
+            let mut numbers: Vec<usize> = Vec::new();
+            for (_, unsupported) in &refused {
+                let number = notes.number(*unsupported);
+                if !numbers.contains(&number) {
+                    numbers.push(number);
+                }
+            }
+            let numbers: Vec<String> = numbers.iter().map(usize::to_string).collect();
+            numbers.join(", ")
+        };
+        if refused.is_empty() {
+            "yes".to_owned()
+        } else if refused.len() == plain.len() {
+            format!("no ({})", reasons(self))
+        } else {
+            let names: Vec<String> = refused
+                .iter()
+                .map(|(question, _)| asked(*question))
+                .collect();
+            format!("all but {} ({})", names.join(", "), reasons(self))
         }
     }
 }
 
-/// What has an answer for which kind of surface, as a table in Markdown, and the reasons where there is none.
+/// What is answered and what is not, as tables in Markdown, and the reasons where there is no answer: every question by every solver, and every feature, alone and
+/// with each other, of a case.
 #[must_use]
 pub fn support() -> String {
-    let mut notes: Vec<Unsupported> = Vec::new();
-    let headings = SurfaceKind::ALL.map(SurfaceKind::heading);
-    let mut lines = vec![
-        format!("| | {} |", headings.join(" | ")),
-        "|---|---|---|---|".to_owned(),
-    ];
-    for capability in Capability::ALL {
-        let cells = SurfaceKind::ALL.map(|surface| match capability.of(surface) {
+    let headings = Solver::ALL.map(heading).join(" | ");
+    let rule = "|---".repeat(Solver::ALL.len() + 1) + "|";
+    let mut notes = Notes::default();
+    let mut text = format!("| question | {headings} |\n{rule}\n");
+    for question in Question::ALL {
+        let cells = Solver::ALL.map(|solver| match question.check(solver, &[]) {
             Ok(()) => "yes".to_owned(),
-            Err(unsupported) => {
-                let known = notes.iter().position(|note| *note == unsupported);
-                let number = known.unwrap_or_else(|| {
-                    notes.push(unsupported);
-                    notes.len() - 1
-                });
-                format!("no ({})", number + 1)
-            }
+            Err(unsupported) => format!("no ({})", notes.number(unsupported)),
         });
-        lines.push(format!(
-            "| {} | {} |",
-            capability.heading(),
-            cells.join(" | ")
-        ));
+        let _ = writeln!(text, "| {} | {} |", asked(question), cells.join(" | "));
     }
-    lines.push(String::new());
-    for (number, note) in notes.iter().enumerate() {
-        lines.push(format!("{}. {}; {}.", number + 1, note.why, note.instead));
+    let _ = write!(text, "\n| with | {headings} |\n{rule}\n");
+    for feature in Feature::ALL {
+        let cells = Solver::ALL.map(|solver| notes.cell(solver, &[feature]));
+        let _ = writeln!(text, "| {} | {} |", named(feature), cells.join(" | "));
     }
-    lines.join("\n") + "\n"
+    for (place, one) in Feature::ALL.into_iter().enumerate() {
+        for other in &Feature::ALL[place + 1..] {
+            let both = [one, *other];
+            // A floor sticks only where tops do.
+            let implied = both == [Feature::AdhesiveTops, Feature::AdhesiveFloor];
+            if implied || !Solver::ALL.into_iter().any(|solver| is_news(solver, both)) {
+                continue;
+            }
+            let cells = Solver::ALL.map(|solver| match is_news(solver, both) {
+                true => notes.cell(solver, &both),
+                false => String::new(),
+            });
+            let named = both.map(named).join(" and ");
+            let _ = writeln!(text, "| {named} | {} |", cells.join(" | "));
+        }
+    }
+    text.push('\n');
+    for (number, note) in notes.0.iter().enumerate() {
+        let _ = writeln!(text, "{}. {}: {}.", number + 1, note.why, note.instead);
+    }
+    text
+}
+
+/// Whether a solver refuses two features together in a question that it answers with each of them.
+fn is_news(solver: Solver, both: [Feature; 2]) -> bool {
+    let refuses =
+        |question: &Question, features: &[Feature]| question.check(solver, features).is_err();
+    let news = |question: &Question| {
+        refuses(question, &both) && both.iter().all(|feature| !refuses(question, &[*feature]))
+    };
+    can_have(solver, &both) && Question::ALL.iter().any(news)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Every reason ends in something to do, and flat pillars can do everything.
+    /// Every reason ends in something to do, and pillars with flat tops can be asked everything by the spectral method.
     #[test]
     fn reasons_are_given_with_what_to_do() {
-        for capability in Capability::ALL {
-            assert_eq!(capability.of(SurfaceKind::Pillars), Ok(()));
-            for surface in SurfaceKind::ALL {
-                if let Err(Unsupported { why, instead }) = capability.of(surface) {
+        for question in Question::ALL {
+            assert_eq!(question.check(Solver::Spectral, &[]), Ok(()));
+            for solver in Solver::ALL {
+                if let Err(Unsupported { why, instead, .. }) = question.check(solver, &[]) {
                     assert!(!why.is_empty() && !instead.is_empty());
                 }
             }
         }
         let table = support();
-        assert!(table.contains("| `press` | yes | yes | yes |"), "{table}");
+        let press = "| `press` | yes | yes | yes | yes | yes | yes |";
+        assert!(table.contains(press), "{table}");
         assert!(
-            table.contains("| `transition` | yes | no (1) | yes |"),
+            table.contains("| lens or substrate of finite thickness and adhesive tops |"),
             "{table}"
         );
     }

@@ -10,13 +10,12 @@ use crate::key::{Key, root};
 use crate::parts::{
     ArrangementName, IndenterForm, OutlineForm, OutlineParts, Parts, SurfaceParts, TopForm,
 };
-use crate::support::{Capability, SurfaceKind, Unsupported};
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::pattern::{CrossSection, InvalidPattern, Pattern, PillarShape, Top};
 use fakir::problem::{
-    Arrangement, Boundary, Floor, Grid, HeightMap, Indenter, LatticeForm, Point, RandomPlaces,
-    SurfaceSystem,
+    Arrangement, Boundary, Feature, Floor, Grid, HeightMap, Indenter, LatticeForm, Point, Question,
+    RandomPlaces, Solver, SurfaceSystem, Unsupported,
 };
 use std::path::{Path, PathBuf};
 
@@ -140,6 +139,10 @@ impl CaseFile {
         };
         let mut system = SurfaceSystem::new(indenter, parts.substrate, surface, boundary)
             .map_err(|invalid| self.impossible(&invalid))?;
+        self.check_bases(&parts)?;
+        system = system
+            .with_layers(parts.substrate_layer.layer(), parts.lens_layer.layer())
+            .map_err(|invalid| self.impossible(&invalid))?;
         if matches!(origin, SurfaceOrigin::Pattern(_)) {
             system = system.continued();
         }
@@ -189,33 +192,6 @@ impl CaseFile {
         })
     }
 
-    /// What kind of surface the case has.
-    #[must_use]
-    pub fn surface_kind(&self) -> SurfaceKind {
-        if self.is_surface() {
-            SurfaceKind::HeightMap
-        } else if self.is_rounded() {
-            SurfaceKind::Asperities
-        } else {
-            SurfaceKind::Pillars
-        }
-    }
-
-    /// Refuses what has no answer for the surface of this case.
-    ///
-    /// # Errors
-    /// [`CaseError`] that says why, and what to do in its place.
-    pub fn check_supported(&self, capability: Capability) -> Result<(), CaseError> {
-        let surface = self.surface_kind();
-        let Err(Unsupported { why, instead }) = capability.of(surface) else {
-            return Ok(());
-        };
-        match surface {
-            SurfaceKind::HeightMap => self.refuse_surface(why, instead),
-            _ => Err(self.problem(Key::TopRadius, why).accepted(instead)),
-        }
-    }
-
     /// Refuses a general surface where a texture is wanted, in these words.
     pub(crate) fn refuse_surface(&self, problem: &str, accepted: &str) -> Result<(), CaseError> {
         match (self.place_of("surface"), self.place_of("texture")) {
@@ -239,11 +215,6 @@ impl CaseFile {
                 "leave [floor] out: surface.floor says what is floor",
             ),
             (
-                "adhesion",
-                "a [surface] is solved without adhesion",
-                "leave [adhesion] out, or describe round pillars as a [texture], which supports adhesion",
-            ),
-            (
                 "method",
                 "a [surface] has no choice of methods",
                 "leave [method] out: surfaces are solved by elements, on [surface.grid]",
@@ -258,20 +229,14 @@ impl CaseFile {
         let Some(key) = given.find(|key| key.part() == Part::Texture) else {
             return Ok(());
         };
-        let error = if key.is_of_layers() {
-            self.problem(key, "under a [surface] both bodies are half-spaces")
-                .accepted(format!(
-                    "leave out the thickness and the base of the {}, or describe round pillars as a [texture], which supports them",
-                    root(key.path())
-                ))
-        } else {
-            self.problem(key, "only a [texture] has lenses of other shapes")
-                .accepted(format!(
-                    "leave it out: a [surface] is touched by a sphere, or by a plate with {} = \"plate\"",
-                    Key::Indenter
-                ))
+        let feature = match key.table() {
+            "adhesion" => Feature::AdhesiveTops,
+            _ => Feature::Profile,
         };
-        Err(error)
+        match Question::Press.check(Solver::HeightMap, &[feature]) {
+            Err(Unsupported { why, instead, .. }) => Err(self.problem(key, why).accepted(instead)),
+            Ok(()) => Ok(()),
+        }
     }
 
     /// Whether the surface is a height map or a pattern; refuses the keys of the other.

@@ -91,6 +91,8 @@ keys! {
         LensProfile = "lens.profile" is
             text("table of the heights of a lens: columns radius_m, height_m", |p| &mut p.shape.profile)
                 .with(Key::LensShape, &["profile"]);
+    }
+    Bodies {
         LensThickness = "lens.thickness" is
             length("thickness, of a flat layer; then indentations are the approach of the backs", |p| &mut p.lens_layer.thickness)
                 .label("thickness of the lens").symbol("t").usual(1e-5, 1e-2)
@@ -104,8 +106,6 @@ keys! {
         LensBasePoissonRatio = "lens.base_poisson_ratio" is
             number("of an elastic base: Poisson's ratio, 0 to 0.5", |p| &mut p.lens_layer.material.poisson_ratio)
                 .label("Poisson's ratio of the base").range(POISSON).with(Key::LensBase, &["elastic"]).of(Quantity::LensBasePoissonRatio);
-    }
-    Bodies {
         SubstrateYoungModulus = "substrate.young_modulus" is
             pressure("Young's modulus, of the pillars too", |p| &mut p.substrate.young_modulus)
                 .label("Young's modulus").symbol("E_s").usual(1e3, 1e11)
@@ -114,8 +114,6 @@ keys! {
             number("Poisson's ratio, 0 to 0.5", |p| &mut p.substrate.poisson_ratio)
                 .label("Poisson's ratio").symbol("ν_s")
                 .range(POISSON).of(Quantity::SubstratePoissonRatio);
-    }
-    Texture {
         SubstrateThickness = "substrate.thickness" is
             length("thickness, of a film; then indentations are the approach of the backs", |p| &mut p.substrate_layer.thickness)
                 .label("thickness of the substrate").symbol("t").usual(1e-5, 1e-2)
@@ -129,6 +127,8 @@ keys! {
         SubstrateBasePoissonRatio = "substrate.base_poisson_ratio" is
             number("of an elastic base: Poisson's ratio, 0 to 0.5", |p| &mut p.substrate_layer.material.poisson_ratio)
                 .label("Poisson's ratio of the base").range(POISSON).with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBasePoissonRatio);
+    }
+    Texture {
         Lattice = "texture.lattice" is
             word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.name)
                 .optional();

@@ -4,9 +4,9 @@ use crate::failure::Failure;
 use crate::report::maps::Maps;
 use crate::session::{RunArguments, memory};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use fakir::problem::{CyclePlan, Drive, Load};
+use fakir::problem::{CyclePlan, Drive, Load, Question};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
-use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
 use fakir_inverse::fit::{FitOptions, Measurements, NamedColumn, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
@@ -308,6 +308,15 @@ impl Transition {
     pub(crate) fn maps(&self) -> Maps {
         self.fields.maps(&self.case)
     }
+
+    /// What is asked of the case.
+    pub(crate) fn questions(&self) -> Vec<Question> {
+        let options = [self.adhesion.question(), self.gradient.question()];
+        [Question::Transition]
+            .into_iter()
+            .chain(options.into_iter().flatten())
+            .collect()
+    }
 }
 
 #[derive(Debug, Args)]
@@ -336,14 +345,20 @@ impl Press {
         self.fields.maps(&self.case)
     }
 
-    /// Refuses options that mean nothing for the surface of a case.
-    pub(crate) fn check(&self, file: &CaseFile) -> Result<(), CaseError> {
-        self.adhesion.check(file)?;
-        self.limits.check(file)?;
-        if self.fields.field_points.is_some() {
-            file.check_supported(Capability::Fields)?;
-        }
-        Ok(())
+    /// What is asked of the case.
+    pub(crate) fn questions(&self) -> Vec<Question> {
+        let maps = self.fields.field_points.map(|_| Question::Fields);
+        let limits = self.limits.strict.then_some(Question::Limits);
+        let options = [
+            self.adhesion.question(),
+            limits,
+            maps,
+            self.gradient.question(),
+        ];
+        [Question::Press]
+            .into_iter()
+            .chain(options.into_iter().flatten())
+            .collect()
     }
 }
 
@@ -1099,12 +1114,9 @@ pub(crate) struct GradientArguments {
 }
 
 impl GradientArguments {
-    /// Whether they are, of a texture.
-    pub(crate) fn of(self, file: &CaseFile) -> Result<bool, CaseError> {
-        if self.gradient {
-            file.check_supported(Capability::Gradient)?;
-        }
-        Ok(self.gradient)
+    /// Whether they are.
+    pub(crate) fn question(self) -> Option<Question> {
+        self.gradient.then_some(Question::Gradient)
     }
 }
 
@@ -1114,16 +1126,6 @@ pub(crate) struct LimitArguments {
     /// Take it as a failure if a limit of the model is strained: exit status 1, and the result is still printed and saved
     #[arg(long)]
     pub(crate) strict: bool,
-}
-
-impl LimitArguments {
-    /// Refuses it where results have no limits.
-    fn check(self, file: &CaseFile) -> Result<(), CaseError> {
-        match self.strict {
-            true => file.check_supported(Capability::Limits),
-            false => Ok(()),
-        }
-    }
 }
 
 /// What is known of the attraction between lens and pillar tops besides its work.
@@ -1156,12 +1158,9 @@ impl RangeArguments {
         Ok(Some(range))
     }
 
-    /// Refuses the range where nothing sticks.
-    pub(crate) fn check(self, file: &CaseFile) -> Result<(), CaseError> {
-        match self.attraction_range {
-            Some(_) => file.check_supported(Capability::AttractionRange),
-            None => Ok(()),
-        }
+    /// Whether it is given.
+    pub(crate) fn question(self) -> Option<Question> {
+        self.attraction_range.map(|_| Question::AttractionRange)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Why there is no result, what the user is told, and with which exit status.
 
-use fakir::problem::{InvalidQuantity, Quantity};
+use fakir::problem::{InvalidQuantity, Quantity, Question, Solver};
 use fakir::state::SolveError;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{CaseError, with_keys};
@@ -58,6 +58,13 @@ pub(crate) enum Failure {
     /// Nobody reads the output any more, as with `fakir ... | head`.
     #[error("the output was closed")]
     OutputClosed,
+}
+
+/// That a question has no answer for a surface of this kind; it is refused where the case is read.
+pub(crate) fn not_answered(question: Question) -> Failure {
+    let unsupported = question.check(Solver::Asperities, &[]).err();
+    let why = unsupported.map_or(String::new(), |unsupported| unsupported.to_string());
+    Failure::Argument(why)
 }
 
 impl From<PaperError> for Failure {
@@ -156,8 +163,10 @@ impl Failure {
             interrupted if interrupted.is_interruption() => INTERRUPTED,
             #[cfg(feature = "explore")]
             Self::Explore(_) => 2,
-            Self::Solve(SolveError::InvalidQuantity(_))
-            | Self::Design(DesignError::Solve(SolveError::InvalidQuantity(_)))
+            Self::Solve(SolveError::InvalidQuantity(_) | SolveError::Unsupported(_))
+            | Self::Design(DesignError::Solve(
+                SolveError::InvalidQuantity(_) | SolveError::Unsupported(_),
+            ))
             | Self::Case(_)
             | Self::Output(_)
             | Self::Study(_)

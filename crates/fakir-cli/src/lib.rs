@@ -16,8 +16,9 @@ mod standard;
 use arguments::{Arguments, CaseArguments, Command};
 use clap::Parser;
 use failure::{Failure, Status};
+use fakir::problem::Question;
 use fakir_case::input::LARGEST_CASE;
-use fakir_case::{Capability, Case, CaseFile, SurfaceKind};
+use fakir_case::{AnyCase, Case, CaseFile};
 use fakir_study::numbers;
 use report::Report;
 use session::Session;
@@ -53,80 +54,46 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Transition(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
-            let gradient = options.gradient.of(&file)?;
-            options.adhesion.check(&file)?;
-            if file.surface_kind() == SurfaceKind::HeightMap {
-                return deliver(command, &options.case, file.warnings(), move || {
-                    commands::surface::transition(&file, options.maps(), &session)
-                });
-            }
-            answer(command, &options.case, &file, move |case| {
-                let range = options.adhesion.of(case)?;
-                commands::transition::run(case, range, gradient, options.maps(), &session)
-            })
+            answer(
+                command,
+                &options.case,
+                &file,
+                &options.questions(),
+                move |case| commands::transition::run(case, options, &session),
+            )
         }
         Command::Press(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
-            let gradient = options.gradient.of(&file)?;
-            options.check(&file)?;
-            match file.surface_kind() {
-                SurfaceKind::HeightMap => {
-                    return deliver(command, &options.case, file.warnings(), move || {
-                        commands::surface::press(
-                            &file,
-                            options.load.load(),
-                            options.maps(),
-                            &session,
-                        )
-                    });
-                }
-                SurfaceKind::Asperities => {
-                    return deliver(command, &options.case, file.warnings(), move || {
-                        commands::rounded::press(
-                            &file,
-                            options.load.load(),
-                            options.maps(),
-                            &session,
-                        )
-                    });
-                }
-                SurfaceKind::Pillars => {}
-            }
-            answer(command, &options.case, &file, move |case| {
-                let range = options.adhesion.of(case)?;
-                commands::press::run(
-                    case,
-                    options.load.load(),
-                    range,
-                    gradient,
-                    options.maps(),
-                    &session,
-                )
-            })
+            answer(
+                command,
+                &options.case,
+                &file,
+                &options.questions(),
+                move |case| commands::press::run(case, options, &session),
+            )
         }
         Command::Approach(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let (mut file, path) = (read_case(&options.case)?, options.path()?);
             options.floor.apply(&mut file)?;
             let saves = options.case.output.is_some();
-            if file.surface_kind() == SurfaceKind::HeightMap {
-                return deliver(command, &options.case, file.warnings(), move || {
-                    commands::surface::approach(&file, &path, saves, &session)
-                });
-            }
-            answer(command, &options.case, &file, move |case| {
-                commands::approach::run(case, &path, saves, &session)
-            })
+            answer(
+                command,
+                &options.case,
+                &file,
+                &[Question::Approach],
+                move |case| commands::approach::run(case, &path, saves, &session),
+            )
         }
         Command::Cycle(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
-            file.check_supported(Capability::Cycle)?;
             let (plan, saves) = (options.plan()?, options.case.output.is_some());
-            answer(command, &options.case, &file, move |case| {
+            let asked = &[Question::Cycle];
+            answer_of_pillars(command, &options.case, &file, asked, move |case| {
                 let range = options.adhesion.of(case)?;
                 commands::cycle::run(case, plan, range, saves, &session)
             })
@@ -135,31 +102,27 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
-            if file.surface_kind() == SurfaceKind::HeightMap {
-                return deliver(command, &options.case, file.warnings(), move || {
-                    commands::surface::verify(&file, options.load.load(), options.cells, &session)
-                });
-            }
-            file.refuse_adhesion(
-                commands::verify::NO_SECOND_OPINION,
-                commands::verify::WITHOUT_ADHESION,
-            )?;
-            answer(command, &options.case, &file, move |case| {
-                commands::verify::run(case, options.load.load(), options.cells, &session)
-            })
+            let load = options.load.load();
+            answer(
+                command,
+                &options.case,
+                &file,
+                &[Question::Verify],
+                move |case| commands::verify::run(case, load, options.cells, &session),
+            )
         }
         Command::Theory(options) => {
             let file = read_case(&options.case)?;
-            file.check_supported(Capability::Theory)?;
-            answer(command, &options.case, &file, move |case| {
+            let asked = &[Question::Theory];
+            answer_of_pillars(command, &options.case, &file, asked, move |case| {
                 commands::theory::run(case, options.adhesion.of(case)?)
             })
         }
         Command::Compare(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
-            file.check_supported(Capability::Compare)?;
-            answer(command, &options.case, &file, move |case| {
+            let asked = &[Question::Compare];
+            answer_of_pillars(command, &options.case, &file, asked, move |case| {
                 commands::compare::run(case, &session)
             })
         }
@@ -214,14 +177,29 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     deliver(command, &case, file.warnings(), || Ok(fitted.report))
 }
 
-/// Answers a question about a texture. A session that `ask` owns ends with it, and clears its
+/// Answers questions about a case, if they have an answer. A session that `ask` owns ends with it, and clears its
 /// progress away before anything is printed.
 fn answer(
     command: &Command,
     options: &CaseArguments,
     file: &CaseFile,
+    questions: &[Question],
+    ask: impl FnOnce(&AnyCase) -> Result<Report, Failure>,
+) -> Result<Status, Failure> {
+    let case = file.any_case(questions)?;
+    deliver(command, options, file.warnings(), || ask(&case))
+}
+
+/// The same of questions that only pillars with flat tops have an answer to.
+fn answer_of_pillars(
+    command: &Command,
+    options: &CaseArguments,
+    file: &CaseFile,
+    questions: &[Question],
     ask: impl FnOnce(&Case) -> Result<Report, Failure>,
 ) -> Result<Status, Failure> {
+    // What other surfaces do not have is said here.
+    file.any_case(questions)?;
     let case = file.case()?;
     deliver(command, options, file.warnings(), || ask(&case))
 }
@@ -290,6 +268,6 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
             file
         }
     };
-    file.check_supported(Capability::Explore)?;
+    file.any_case(&[Question::Explore])?;
     Ok(file.case()?)
 }

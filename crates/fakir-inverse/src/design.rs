@@ -18,10 +18,10 @@
 
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{CyclePlan, FloorModel, LensShape, Load, Method};
+use fakir::problem::{CyclePlan, Feature, Load, Method, Question};
 use fakir::state::{ContactState, CriticalState, Cycle, Run, Solution, SolveError};
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{Capability, Case, CaseError, CaseFile, Key};
+use fakir_case::{Case, CaseError, CaseFile, Key};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
 use fakir_study::result::control_words;
 use std::ops::Bound;
@@ -395,14 +395,6 @@ pub enum DesignError {
         "a floor share is wanted at a load: give a force or an indentation that is a number greater than 0"
     )]
     NotALoad,
-    /// A floor share by a method that leaves the floor out.
-    #[error(
-        "the method {} leaves the floor out: a floor share needs method.name = \"spectral\"", .0.name()
-    )]
-    NoFloor(Method),
-    /// A floor share where the lens goes through the floor.
-    #[error("floor.contact = false leaves the floor out: a floor share needs floor.contact = true")]
-    FloorIgnored,
     /// A pull-off force of tops that do not stick.
     #[error(
         "a pull-off force needs pillar tops that stick: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
@@ -502,7 +494,7 @@ pub fn design(
     wanted: Wanted,
     run: &Run<'_>,
 ) -> Result<Design, DesignError> {
-    file.check_supported(Capability::Design)?;
+    file.check_surface(&[Question::Design])?;
     if !free_keys().contains(&free) {
         return Err(DesignError::NotFree(free));
     }
@@ -525,18 +517,14 @@ pub fn design(
     if wanted.is_pull_off() && case.system.adhesion().is_none() {
         return Err(DesignError::NoAdhesion);
     }
-    if wanted.is_share() {
-        if !matches!(case.method, Method::Spectral(_)) {
-            return Err(DesignError::NoFloor(case.method));
-        }
-        if case.system.floor_model() == FloorModel::Ignored {
-            return Err(DesignError::FloorIgnored);
-        }
-        if let LensShape::Cylinder { .. } | LensShape::Plate { .. } = case.system.lens().shape {
-            let why =
-                "under a cylinder or a plate the floor carries no load; use another lens.shape";
-            return Err(SolveError::NoFloorShare { why }.into());
-        }
+    let asked = match wanted.is_share() {
+        true => &[Question::FloorShare, Question::Design][..],
+        false => &[Question::Design],
+    };
+    let features = Feature::of(&case.system);
+    for question in asked {
+        let answered = question.check(case.method.into(), &features);
+        answered.map_err(SolveError::from)?;
     }
     let mut search = Search {
         file,
@@ -1362,13 +1350,15 @@ mod tests {
         other.method = Method::Homogenised;
         let other = CaseFile::parse("homogenised", &other.to_toml()).unwrap();
         let told = refused(&other, 0.2, Load::Force(1e-3));
-        assert!(told.contains("homogenised leaves the floor out"), "{told}");
+        assert!(told.contains("this method leaves the floor out"), "{told}");
         let mut ignored = file.case().unwrap();
-        ignored.system = ignored.system.with_floor(FloorModel::Ignored);
+        ignored.system = ignored
+            .system
+            .with_floor(fakir::problem::FloorModel::Ignored);
         let ignored = ignored.to_toml();
         let ignored = CaseFile::parse("ignored", &ignored).unwrap();
         let told = refused(&ignored, 0.2, Load::Force(1e-3));
-        assert!(told.contains("needs floor.contact = true"), "{told}");
+        assert!(told.contains("the floor is ignored"), "{told}");
     }
 
     /// The cycle of the case as it is written down has the wanted pull-off force to within its own numerical error.
@@ -1437,10 +1427,10 @@ mod tests {
             assert!(wanted.excess(&Reached::Pressed(state)) <= -1.0);
             for free in [Key::PillarHeight, Key::Pitch] {
                 let told = design(&file, free, wanted, &Run::default()).unwrap_err();
-                assert!(matches!(
-                    told,
-                    DesignError::Solve(SolveError::NoFloorShare { .. })
-                ));
+                assert!(
+                    told.to_string().contains("the floor carries no load"),
+                    "{told}"
+                );
             }
         }
     }

@@ -6,10 +6,10 @@
 
 use crate::derivative::ByKey;
 use chacha20::ChaCha12Rng;
-use fakir::problem::{Arrangement, CyclePlan, Disorder, Load, Point};
+use fakir::problem::{Arrangement, CyclePlan, Disorder, Load, Point, Question};
 use fakir::state::{CriticalState, Cycle, Derivatives, Run, Solution, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_quantity};
-use fakir_case::{Capability, Case, CaseError, CaseFile, Key, Kind};
+use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
 use fakir_study::{Column, Table, Values};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
@@ -202,7 +202,7 @@ pub fn spread(
     run: &Run<'_>,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Spread, SpreadError> {
-    file.check_supported(Capability::Design)?;
+    file.check_surface(&[Question::Spread])?;
     if sampling.samples < 2 {
         return Err(SpreadError::TooFew);
     }

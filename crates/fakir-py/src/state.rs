@@ -255,16 +255,15 @@ pub(crate) fn approach(
     options: Options,
 ) -> PyResult<Loading> {
     let path = path(step, until, to, to_force)?;
-    let (system, method) = (case.case.system.clone(), case.case.method);
+    let problem = (case.case.system.clone(), case.case.method);
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |state, wall_time| states.push(State { state, wall_time });
-        let problem = (system, method);
         let found = fakir_study::approach::approach(&problem, &path, run, &|_| {}, &mut keep);
         (found, states)
     })?;
     let found = found.map_err(|error| approach_error(&error))?;
-    let summary = json(&ApproachSummary::new(method, &found));
+    let summary = json(&ApproachSummary::new(&problem, &found));
     let time = found.critical_time;
     let critical = found.critical.map(|critical| Critical::new(critical, time));
     Ok((summary, critical, states))

@@ -12,7 +12,7 @@ use fakir::problem::{
 use fakir::state::Run;
 use fakir_case::CaseFile;
 use fakir_study::record::SurfaceAnswer;
-use fakir_study::result::{self, SurfaceApproachSummary, SurfaceVerifySummary, json};
+use fakir_study::result::{self, ApproachSummary, SurfaceVerifySummary, json};
 use fakir_study::surfaces::{self, SurfaceVerifyError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -303,7 +303,7 @@ pub(crate) fn approach_surface(
         (found, states)
     })?;
     let found = found.map_err(|error| approach_error(&error))?;
-    let summary = json(&SurfaceApproachSummary::new(&surface.system, &found));
+    let summary = json(&ApproachSummary::new(&surface.system, &found));
     let critical = found
         .critical
         .map(|critical| surface.reached(py, critical, found.critical_time));

@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::error::{solve_error, value_error};
 use crate::watched::{Options, watched};
-use fakir::problem::{InvalidQuantity, System};
+use fakir::problem::{InvalidQuantity, System, Unsupported};
 use fakir::solve::collapsed_floor::{CollapsedCycle, CollapsedFloor};
 use fakir::solve::homogenised::HomogenisedLattice;
 use fakir::state::SolveError;
@@ -55,9 +55,7 @@ fn of_sphere(case: &Case) -> PyResult<&System> {
     let system = &case.case.system;
     match system.lens().sphere() {
         Some(_) => Ok(system),
-        None => Err(value_error(
-            SolveError::not_made_for("the theory", system).to_string(),
-        )),
+        None => Err(value_error(Unsupported::BUT_FOR_A_SPHERE)),
     }
 }
 

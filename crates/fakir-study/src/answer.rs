@@ -2,8 +2,8 @@
 
 use crate::collapsed::Collapsed;
 use crate::record::{Kind, Record};
-use fakir_case::Study;
 use fakir_case::study::{Asked, Coordinate};
+use fakir_case::{Study, SurfaceKind};
 use serde::{Deserialize, Serialize};
 
 /// One case of a sweep, with its answer or the reason why there is none.
@@ -33,11 +33,13 @@ pub enum Answer {
 
 /// Which numbers a study asks for; none of a collapse.
 pub(crate) fn kind_of(study: &Study) -> Option<Kind> {
-    match (study.asked(), study.is_of_surfaces()) {
-        (Asked::Transition, false) => Some(Kind::Transition),
-        (Asked::Transition, true) => Some(Kind::SurfaceTransition),
-        (Asked::Press, false) => Some(Kind::Press),
-        (Asked::Press, true) => Some(Kind::SurfacePress),
+    use SurfaceKind::{Asperities, HeightMap, Pillars};
+    match (study.asked(), study.surface_kind()) {
+        (Asked::Transition, Pillars | Asperities) => Some(Kind::Transition),
+        (Asked::Transition, HeightMap) => Some(Kind::SurfaceTransition),
+        (Asked::Press, Asperities) => Some(Kind::RoundedPress),
+        (Asked::Press, Pillars) => Some(Kind::Press),
+        (Asked::Press, HeightMap) => Some(Kind::SurfacePress),
         (Asked::Cycle, _) => Some(Kind::Cycle),
         (Asked::Collapse, _) => None,
     }

@@ -1,12 +1,16 @@
 //! Quasi-static loading from first touch to the critical state.
 
 use crate::numbers::{DIGITS, with_unit};
-use crate::result::{LoadingRow, SurfaceLoadingRow, warnings};
-use fakir::problem::{Load, Method, SurfaceSystem, System};
-use fakir::state::{
-    Contact, ContactState, Critical, CriticalState, Run, Solution, SolveError, SurfaceContact,
-    SurfaceTransition,
+use crate::record::{
+    LoadingState, Object, Place, Record, RoundedAnswer, SurfaceAnswer, rounded_head, surface_head,
 };
+use crate::result::{self, rounded_warnings, warnings};
+use fakir::problem::{Feature, Load, Method, Question, Solver, SurfaceSystem, System};
+use fakir::state::{
+    CapContact, Contact, ContactState, Critical, CriticalState, Run, Solution, SolveError,
+    SurfaceContact, SurfaceTransition,
+};
+use fakir_case::RoundedCase;
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
 
@@ -89,13 +93,12 @@ pub enum ApproachError {
     /// A contact that cannot be computed.
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
-    /// A loading up to the critical state of a surface of which nobody knows what is floor.
-    #[error(
-        "up to where the loading goes is not known: a height map has no pillars that would tell which \
-         part of it is the floor; give surface.floor, the height at or below which it is, or the last \
-         indentation (to)"
-    )]
-    NoEnd,
+    /// A loading up to a critical state that there is not.
+    #[error("the end of the loading is not known: {why}; or give the last indentation (to)")]
+    NoEnd {
+        /// Why there is no critical state.
+        why: &'static str,
+    },
     /// Several ends.
     #[error("a loading has one end: give one of until, to and to_force")]
     Ends,
@@ -140,8 +143,6 @@ fn rounded_length(value: f64) -> String {
 pub trait Loadable {
     /// Its contacts.
     type Contact: Contact;
-    /// What is told of each in a table.
-    type Row;
 
     /// The contact under what is prescribed.
     ///
@@ -149,51 +150,77 @@ pub trait Loadable {
     /// As [`fakir::press`].
     fn press(&self, control: Load, run: &Run<'_>) -> Result<Self::Contact, SolveError>;
 
-    /// The critical state; none where it is not known what the floor is.
+    /// The critical state; none where [no end](Self::no_end) is known.
     ///
     /// # Errors
     /// As [`fakir::transition`].
     fn transition(&self, run: &Run<'_>) -> Result<Option<Critical<Self::Contact>>, SolveError>;
 
-    /// Whether it is known what the floor is.
-    fn has_floor(&self) -> bool;
+    /// Why there is no critical state at which a loading could end; none if there is one.
+    fn no_end(&self) -> Option<&'static str>;
 
     /// An indentation before which nothing is touched, m.
     fn first_touch(&self) -> f64;
 
-    /// The row of a contact: whether it is the critical state, and whether it is past that, if that is known.
-    fn row(contact: &Self::Contact, critical: bool, beyond: Option<bool>) -> Self::Row;
+    /// The numbers of a state.
+    fn state(&self, state: LoadingState<&Self::Contact>) -> Record;
+
+    /// What to be careful about in a state.
+    fn warnings(&self, contact: &Self::Contact) -> Vec<String> {
+        warnings(contact)
+    }
+
+    /// Method, and what is pressed onto what, for a summary.
+    fn head(&self) -> Object;
+
+    /// The critical state for a summary.
+    fn critical(&self, critical: &Critical<Self::Contact>, wall_time: f64) -> Object;
 }
 
-/// A texture, with the method that solves it.
+/// Pillars, with the method that solves them.
 impl Loadable for (System, Method) {
     type Contact = ContactState;
-    type Row = LoadingRow;
 
     fn press(&self, control: Load, run: &Run<'_>) -> Result<ContactState, SolveError> {
         fakir::press(&self.0, control, self.1, run)
     }
 
     fn transition(&self, run: &Run<'_>) -> Result<Option<CriticalState>, SolveError> {
+        if self.no_end().is_some() {
+            return Ok(None);
+        }
         fakir::transition(&self.0, self.1, run).map(Some)
     }
 
-    fn has_floor(&self) -> bool {
-        true
+    fn no_end(&self) -> Option<&'static str> {
+        let features = Feature::of(&self.0);
+        let answered = Question::Transition.check(self.1.into(), &features);
+        answered.err().map(|unsupported| unsupported.why)
     }
 
     fn first_touch(&self) -> f64 {
         self.0.first_touch().min(self.0.pillar().height)
     }
 
-    fn row(contact: &ContactState, critical: bool, _: Option<bool>) -> LoadingRow {
-        LoadingRow::new(contact, critical)
+    fn state(&self, state: LoadingState<&ContactState>) -> Record {
+        let place = Place {
+            beyond: Some(state.answer.beyond_transition()),
+            ..state.place
+        };
+        Record::of(&LoadingState { place, ..state })
+    }
+
+    fn head(&self) -> Object {
+        Object::word("method", self.1.name())
+    }
+
+    fn critical(&self, critical: &CriticalState, wall_time: f64) -> Object {
+        result::transition(critical, None, None, wall_time)
     }
 }
 
 impl Loadable for SurfaceSystem {
     type Contact = SurfaceContact;
-    type Row = SurfaceLoadingRow;
 
     fn press(&self, control: Load, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
         SurfaceSystem::press(self, control, run)
@@ -204,16 +231,81 @@ impl Loadable for SurfaceSystem {
         known.transpose()
     }
 
-    fn has_floor(&self) -> bool {
-        self.floor().is_some()
+    fn no_end(&self) -> Option<&'static str> {
+        self.floor().is_none().then_some(
+            "a height map has no pillars that would tell which part of it is the floor: give surface.floor, the height at or below which it is",
+        )
     }
 
     fn first_touch(&self) -> f64 {
         0.0
     }
 
-    fn row(contact: &SurfaceContact, critical: bool, beyond: Option<bool>) -> SurfaceLoadingRow {
-        SurfaceLoadingRow::new(contact, critical, beyond)
+    fn state(&self, state: LoadingState<&SurfaceContact>) -> Record {
+        let answer = SurfaceAnswer {
+            system: self,
+            answer: state.answer,
+        };
+        Record::of(&state.of(answer))
+    }
+
+    fn head(&self) -> Object {
+        surface_head(self)
+    }
+
+    fn critical(&self, critical: &SurfaceTransition, wall_time: f64) -> Object {
+        let answer = SurfaceAnswer {
+            system: self,
+            answer: critical,
+        };
+        result::surface_transition(&answer, wall_time)
+    }
+}
+
+/// Pillars with rounded tops.
+impl Loadable for RoundedCase {
+    type Contact = CapContact;
+
+    fn press(&self, control: Load, run: &Run<'_>) -> Result<CapContact, SolveError> {
+        self.field.press(control, self.accuracy, run)
+    }
+
+    fn transition(&self, _: &Run<'_>) -> Result<Option<Critical<CapContact>>, SolveError> {
+        Ok(None)
+    }
+
+    fn no_end(&self) -> Option<&'static str> {
+        let answered = Question::Transition.check(Solver::Asperities, &[]);
+        answered.err().map(|unsupported| unsupported.why)
+    }
+
+    fn first_touch(&self) -> f64 {
+        -self.field.highest()
+    }
+
+    fn state(&self, state: LoadingState<&CapContact>) -> Record {
+        Record::of(&state.of(answer_of(self, state.answer)))
+    }
+
+    fn warnings(&self, contact: &CapContact) -> Vec<String> {
+        rounded_warnings(answer_of(self, contact))
+    }
+
+    fn head(&self) -> Object {
+        rounded_head(&self.field)
+    }
+
+    fn critical(&self, _: &Critical<CapContact>, _: f64) -> Object {
+        Object::default()
+    }
+}
+
+/// A contact with what was asked about.
+fn answer_of<'a>(case: &'a RoundedCase, contact: &'a CapContact) -> RoundedAnswer<'a> {
+    RoundedAnswer {
+        field: &case.field,
+        height: case.height,
+        contact,
     }
 }
 
@@ -221,7 +313,7 @@ impl Loadable for SurfaceSystem {
 #[derive(Debug, Clone)]
 pub struct Approach<P: Loadable> {
     /// The states, by rising indentation.
-    pub rows: Vec<P::Row>,
+    pub rows: Vec<Record>,
     /// The critical state, also if the loading ends before it; none where it is not known what the floor is.
     pub critical: Option<Critical<P::Contact>>,
     /// How long that took, s.
@@ -247,10 +339,12 @@ pub fn approach<P: Loadable>(
     keep: &mut dyn FnMut(P::Contact, f64),
 ) -> Result<Approach<P>, ApproachError> {
     let start = Instant::now();
+    let no_end = || ApproachError::NoEnd {
+        why: problem.no_end().unwrap_or_default(),
+    };
+    let has_critical = problem.no_end().is_none();
     match path.end {
-        LoadingEnd::At(Load::FloorContact) if !problem.has_floor() => {
-            return Err(ApproachError::NoEnd);
-        }
+        LoadingEnd::At(Load::FloorContact) if !has_critical => return Err(no_end()),
         LoadingEnd::At(Load::Indentation(end)) | LoadingEnd::CriticalOr(end)
             if end <= problem.first_touch() =>
         {
@@ -259,7 +353,7 @@ pub fn approach<P: Loadable>(
         }
         _ => {}
     }
-    if problem.has_floor() {
+    if has_critical {
         next("critical state");
     }
     let critical = problem.transition(run)?;
@@ -267,11 +361,16 @@ pub fn approach<P: Loadable>(
     let reached = critical.as_ref().map(|critical| &critical.contact);
     let critical_indentation = reached.map(Contact::indentation);
     let row = |contact: &P::Contact, is_critical: bool| {
-        let beyond = critical_indentation.map(|reached| contact.indentation() > reached);
-        P::row(contact, is_critical, beyond)
+        problem.state(LoadingState {
+            answer: contact,
+            place: Place {
+                critical: is_critical,
+                beyond: critical_indentation.map(|reached| contact.indentation() > reached),
+            },
+        })
     };
     let mut converged = reached.is_none_or(Solution::is_answer);
-    let mut warned = reached.map_or(Vec::new(), warnings);
+    let mut warned = reached.map_or(Vec::new(), |contact| problem.warnings(contact));
     // The last state of a loading up to a force tells which indentations there are.
     let begun = Instant::now();
     let mut last = None;
@@ -287,9 +386,13 @@ pub fn approach<P: Loadable>(
             critical.map_or(until, |critical| critical.min(until))
         }
         (_, _, Some(critical)) => critical,
-        (_, _, None) => return Err(ApproachError::NoEnd),
+        (_, _, None) => return Err(no_end()),
     };
-    let steps = steps(path.step, end, critical_indentation)?;
+    let steps = steps(
+        path.step,
+        [problem.first_touch(), end],
+        critical_indentation,
+    )?;
     let mut rows = Vec::with_capacity(steps.len());
     for (number, step) in steps.iter().enumerate() {
         let indentation = match (step, reached) {
@@ -297,7 +400,7 @@ pub fn approach<P: Loadable>(
                 rows.push(row(contact, true));
                 continue;
             }
-            (Step::Critical, None) => return Err(ApproachError::NoEnd),
+            (Step::Critical, None) => return Err(no_end()),
             (Step::At(indentation), _) => *indentation,
         };
         next(&format!("state {} of {}", number + 1, steps.len()));
@@ -310,7 +413,7 @@ pub fn approach<P: Loadable>(
                 (contact, begun.elapsed())
             }
         };
-        let of_contact = warnings(&contact);
+        let of_contact = problem.warnings(&contact);
         warned.extend(of_contact.iter().map(|text| at(indentation, text)));
         converged &= contact.is_answer();
         rows.push(row(&contact, false));
@@ -343,20 +446,24 @@ enum Step {
 
 /// Multiples of the step, with the critical state in its place among them and the end of the path
 /// last.
-fn steps(step: f64, end: f64, critical: Option<f64>) -> Result<Vec<Step>, ApproachError> {
+///
+/// They begin at 0, or at the first multiple in contact if what is touched first is higher than the level that indentations count from.
+fn steps(
+    step: f64,
+    [first_touch, end]: [f64; 2],
+    critical: Option<f64>,
+) -> Result<Vec<Step>, ApproachError> {
     // Where there is no critical state none of the indentations is taken for one.
     let critical = critical.unwrap_or(f64::INFINITY);
-    if end / step > MOST_STATES {
-        return Err(ApproachError::TooManyStates {
-            step,
-            end,
-            states: end / step,
-        });
+    let first = (first_touch.min(0.0) / step).ceil();
+    let states = end / step - first;
+    if states > MOST_STATES {
+        return Err(ApproachError::TooManyStates { step, end, states });
     }
     // What differs by rounding only is the same state.
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * step;
     let multiples = (0..)
-        .map(|k| f64::from(k) * step)
+        .map(|k| (first + f64::from(k)) * step)
         .take_while(|value| *value < end && !same(*value, end))
         .filter(|value| !same(*value, critical));
     let mut indentations: Vec<f64> = multiples.chain([end]).collect();
@@ -382,7 +489,7 @@ mod tests {
     use super::*;
 
     fn path(step: f64, end: f64) -> Vec<Step> {
-        steps(step, end, Some(2.5)).unwrap()
+        steps(step, [0.0, end], Some(2.5)).unwrap()
     }
 
     #[test]
@@ -400,13 +507,13 @@ mod tests {
 
     #[test]
     fn steps_in_the_wrong_unit_are_refused() {
-        assert!(steps(1e-9, 2.5, Some(2.5)).is_err());
+        assert!(steps(1e-9, [0.0, 2.5], Some(2.5)).is_err());
     }
 
     #[test]
     fn without_a_critical_state_the_path_ends_where_it_is_told_to() {
         use Step::At;
-        let found = steps(1.0, 2.5, None).unwrap();
+        let found = steps(1.0, [0.0, 2.5], None).unwrap();
         assert_eq!(found, [At(0.0), At(1.0), At(2.0), At(2.5)]);
     }
 

@@ -5,7 +5,7 @@
 
 use fakir::problem::{Boundary, MeshLayout, Method, PunchForm};
 use fakir_case::study::Asked;
-use fakir_case::{Case, Study};
+use fakir_case::{Case, Study, SurfaceKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -77,10 +77,13 @@ impl Topic {
         let adhesion = study.has_adhesion().then_some(Self::Adhesion);
         let floor = (study.asked() == Asked::Collapse).then_some(Self::StuckFloor);
         let layers = study.has_layers().then_some(Self::Layers);
+        let is_rounded = study.surface_kind() == SurfaceKind::Asperities;
+        let rounded = is_rounded.then_some(Self::RoundedTops);
         textures
             .chain(adhesion)
             .chain(floor)
             .chain(layers)
+            .chain(rounded)
             .chain(surfaces)
             .collect()
     }

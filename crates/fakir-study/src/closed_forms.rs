@@ -1,6 +1,6 @@
 //! The formulas for the critical state, by name, with where they apply.
 
-use fakir::problem::System;
+use fakir::problem::{Feature, Question, Solver, System};
 use fakir::solve::homogenised;
 use fakir::state::SolveError;
 use fakir::theory::closed_forms;
@@ -118,18 +118,10 @@ pub struct ClosedForm {
 /// Refuses what the formulas are not made for.
 ///
 /// # Errors
-/// [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice, and [`SolveError::NotUnderShape`] of a lens that is
+/// [`Unsupported`](fakir::problem::Unsupported) of a body of finite thickness, of any but equal pillars on the endless hexagonal lattice, and of a lens that is
 /// no sphere.
 pub fn check_arrangement(system: &System) -> Result<(), SolveError> {
-    if system.hexagonal_lattice().is_none() || system.lens().sphere().is_none() {
-        return Err(SolveError::not_made_for("the theory", system));
-    }
-    if system.has_layers() {
-        return Err(SolveError::NotWithLayers {
-            what: "the theory",
-            instead: "or use the spectral method",
-        });
-    }
+    Question::Theory.check(Solver::Spectral, &Feature::of(system))?;
     Ok(())
 }
 

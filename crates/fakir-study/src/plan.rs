@@ -167,6 +167,7 @@ pub(crate) fn longest_first(
         let middle = usize::midpoint(cases.start, cases.end);
         let cost = match study.case(middle).case {
             StudiedCase::Texture(case) => cost(&case.system, case.method),
+            StudiedCase::Rounded(case) => case.field.caps().len() as f64,
             StudiedCase::Surface(_) => study.cells(middle).max(1) as f64,
         };
         Costed { cases, cost }

@@ -7,9 +7,9 @@ use crate::VERSION;
 use crate::citations::{Citation, REFERENCE_DOI, Topic, citations};
 use crate::output::File;
 use fakir::problem::{Accuracy, Method, PunchForm};
-use fakir_case::Study;
 use fakir_case::input::{self, LARGEST_STUDY};
 use fakir_case::study::Asked;
+use fakir_case::{Study, SurfaceKind};
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
@@ -147,7 +147,7 @@ impl Provenance {
 /// The methods of a study in a few words.
 #[must_use]
 pub fn study_words(study: &Study) -> String {
-    if study.is_of_surfaces() {
+    if study.surface_kind() == SurfaceKind::HeightMap {
         return "Love elements on surfaces".to_owned();
     }
     let words: Vec<String> = study.methods().into_iter().map(method_words).collect();

@@ -4,7 +4,7 @@ use crate::answer::{Answer, Row};
 use crate::collapsed::collapse;
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
-use crate::record::Record;
+use crate::record::{Record, RoundedAnswer};
 use crate::surfaces::{self, SurfaceError};
 use fakir::problem::Load;
 use fakir::state::{CancelToken, Run, Solution, SolveError, Termination, Threads};
@@ -255,6 +255,15 @@ impl<'a> SharedSweep<'a> {
                 let cycle = fakir::cycle(&texture.system, plan, texture.method, &run)?;
                 return Ok((Answer::Numbers(Record::of(&cycle)), cycle.problem()));
             }
+            (StudiedCase::Rounded(rounded), Question::Contact(load)) => {
+                let contact = rounded.field.press(load, rounded.accuracy, &run)?;
+                let answer = RoundedAnswer {
+                    field: &rounded.field,
+                    height: rounded.height,
+                    contact: &contact,
+                };
+                return Ok((Answer::Numbers(Record::of(&answer)), contact.problem()));
+            }
             (StudiedCase::Surface(file), Question::Contact(control)) => {
                 return surfaces::answer(file, control, &run);
             }
@@ -264,8 +273,11 @@ impl<'a> SharedSweep<'a> {
                     .then(|| termination.description().to_owned());
                 return Ok((Answer::Collapse(Box::new(collapsed)), problem));
             }
-            (StudiedCase::Surface(_), Question::Cycle(_) | Question::Collapse) => {
-                unreachable!("studies refuse adhesion on general surfaces")
+            (
+                StudiedCase::Surface(_) | StudiedCase::Rounded(_),
+                Question::Cycle(_) | Question::Collapse,
+            ) => {
+                unreachable!("studies refuse adhesion on other surfaces")
             }
         };
         let (system, method) = (&of_texture.system, of_texture.method);

@@ -39,9 +39,18 @@
 //!
 //! # From a case to a force
 //!
-//! A [`System`](problem::System), checked once, goes to [`press`], [`transition`] or [`cycle`], and from there to one method. That scales it to
-//! pillar radii, chooses a window of pillars, and solves it ([`solve`] says how); answers come back in SI units, and are looked at once more
-//! before they are handed out: a number that is infinite or undefined is an error. No room is entered twice.
+//! The files of the spectral method in the order in which a contact passes through them, each once:
+//!
+//! 1. `problem/system.rs`: a [`System`](problem::System) is checked when it is made; one that exists can be solved.
+//! 2. `method.rs`: [`press`], [`transition`] and [`cycle`] check the load;
+//! 3. `problem/dispatch.rs`: the one table of what is answered: a [`Question`](problem::Question) about a problem has a [`Solver`](problem::Solver), or is
+//!    [`Unsupported`](problem::Unsupported) with the reason and what to do instead.
+//! 4. `solve/answers.rs`: the system is scaled to pillar radii (`problem/scaled.rs`), and cases without contact are answered.
+//! 5. `solve/spectral.rs`: a window of pillars is chosen and solved, first with a flat punch on each pillar, then with all degrees;
+//! 6. `solve/newton.rs`: by Newton steps, on contact conditions (`solve/rules`) and products with the elastic response (`halfspace`).
+//! 7. `solve/estimate.rs`: the error is estimated from what was left out.
+//! 8. `solve/assembled.rs`: forces, radii and pillars in SI units: a [`ContactState`](state::ContactState);
+//! 9. `state/checked.rs`: a number that is infinite or undefined is an error.
 //!
 //! # What is computed
 //!

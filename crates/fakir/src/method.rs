@@ -2,7 +2,7 @@
 
 use crate::problem::lens::LARGEST_CONTACT;
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, CyclePlan, FloorModel, LensShape, Load, Method, System};
+use crate::problem::{Accuracy, CyclePlan, Feature, LensShape, Load, Method, Question, System};
 use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
@@ -24,7 +24,7 @@ use crate::theory;
 /// the floor is ignored. A force is that which is first borne; under none the lens rests where it snapped into contact.
 ///
 /// # Errors
-/// A load that cannot be, a contact too large for the lens or for memory, or interruption:
+/// [`Unsupported`](crate::problem::Unsupported) of what the method does not solve. A load that cannot be, a contact too large for the lens or for memory, or interruption:
 /// see [`SolveError`]. A solution that did not converge is not an error: it says so in
 /// [`ContactState::termination`].
 pub fn press(
@@ -34,14 +34,17 @@ pub fn press(
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let control = checked_control(system, control)?;
-    refuse_transition(system, control)?;
-    refuse_layers(system)?;
-    if !system.adhesion().is_none() {
-        let state = adhesive::press(system, control, with_adhesion(method)?, run)?;
-        check_reach(&state)?;
-        return state.checked();
-    }
+    let question = match control {
+        Load::FloorContact => Question::Transition,
+        Load::Indentation(_) | Load::Force(_) => Question::Press,
+    };
+    question.check(method.into(), &Feature::of(system))?;
     match method {
+        Method::Spectral(accuracy) if !system.adhesion().is_none() => {
+            let state = adhesive::press(system, control, accuracy, run)?;
+            check_reach(&state)?;
+            return state.checked();
+        }
         Method::Spectral(accuracy) => {
             answers::press(system, control, PillarMethod::Spectral(accuracy), run)
         }
@@ -74,7 +77,7 @@ pub fn press(
 ///
 /// # Errors
 /// [`SolveError::NoGradient`] where nothing is touched, where the lens touches a part of one pillar top alone, where the floor bears a part of
-/// the load, where tops stick, of other methods, and of a contact that did not converge; and as [`press`].
+/// the load, and of a contact that did not converge; and as [`press`].
 pub fn gradient(
     system: &System,
     control: Load,
@@ -82,17 +85,12 @@ pub fn gradient(
     run: &Run<'_>,
 ) -> Result<Gradient, SolveError> {
     let control = checked_control(system, control)?;
-    refuse_transition(system, control)?;
-    if !system.adhesion().is_none() {
-        let why =
-            "with adhesion the contact depends on the way there; leave out the works of adhesion";
-        return Err(SolveError::NoGradient { why });
+    let features = Feature::of(system);
+    if control == Load::FloorContact {
+        Question::Transition.check(method.into(), &features)?;
     }
-    refuse_layers(system)?;
-    let Method::Spectral(accuracy) = method else {
-        let why = "only the spectral method has one; use that";
-        return Err(SolveError::NoGradient { why });
-    };
+    Question::Gradient.check(method.into(), &features)?;
+    let accuracy = accuracy_of(method);
     let mut gradient = gradient::gradient(system, control, accuracy, run)?;
     check_reach(&gradient.contact)?;
     gradient.contact = with_layer_warnings(gradient.contact);
@@ -137,8 +135,7 @@ pub fn transition(
 /// ```
 ///
 /// # Errors
-/// [`SolveError::NoFloorShare`] where a share is not between 0 and 1, where the floor is reached before any pillar or ignored, with adhesion, and of other
-/// methods; and as [`press`].
+/// [`SolveError::NoFloorShare`] where a share is not between 0 and 1, or the floor is reached before any pillar; and as [`press`].
 pub fn press_to_floor_shares(
     critical: &CriticalState,
     shares: &[f64],
@@ -146,19 +143,12 @@ pub fn press_to_floor_shares(
 ) -> Result<Vec<ContactState>, SolveError> {
     let CriticalState { contact, .. } = critical;
     let system = &contact.system;
+    Question::FloorShare.check(contact.method.into(), &Feature::of(system))?;
     let refused = |why| Err(SolveError::NoFloorShare { why });
     if !shares.iter().all(|share| *share > 0.0 && *share < 1.0) {
         return refused("it has to be between 0 and 1 (100 %), without these");
     }
-    if !system.adhesion().is_none() {
-        return refused("with adhesion the contact depends on the way there; follow a cycle");
-    }
-    if system.floor_model() != FloorModel::Contact {
-        return refused("the system ignores the floor; have it in contact");
-    }
-    let Method::Spectral(accuracy) = contact.method else {
-        return refused("the method leaves the floor out; use the spectral method");
-    };
+    let accuracy = accuracy_of(contact.method);
     if !(contact.converged() && contact.force > 0.0) {
         return refused("it takes a critical state that converged, in which pillars are touched");
     }
@@ -187,7 +177,7 @@ pub fn press_to_floor_shares(
 /// ```
 ///
 /// # Errors
-/// A plan that cannot be, a method without adhesion, a system in which nothing sticks, and as [`press`]. A path that does not converge is not an error: it says so in
+/// A plan that cannot be, a system in which nothing sticks, and as [`press`]. A path that does not converge is not an error: it says so in
 /// [`Cycle::termination`].
 pub fn cycle(
     system: &System,
@@ -214,8 +204,8 @@ pub fn follow_cycle(
     if system.adhesion().is_none() {
         return Err(SolveError::NothingSticks);
     }
-    refuse_layers(system)?;
-    let cycle = adhesive::cycle(system, plan, with_adhesion(method)?, run, follower)?;
+    Question::Cycle.check(method.into(), &Feature::of(system))?;
+    let cycle = adhesive::cycle(system, plan, accuracy_of(method), run, follower)?;
     check_reach(&cycle.turn)?;
     cycle.checked()
 }
@@ -230,16 +220,6 @@ fn checked_control(system: &System, control: Load) -> Result<Load, SolveError> {
     }
     let length = 0.5 * system.pillar().diameter;
     Ok(control.checked(length, system.reduced_modulus())?)
-}
-
-/// Refuses the critical state under what comes nearest to the floor beyond the pillars.
-fn refuse_transition(system: &System, control: Load) -> Result<(), SolveError> {
-    if control == Load::FloorContact && !system.lens().is_axisymmetric() {
-        return Err(SolveError::NoTransition {
-            shape: system.lens().shape_name(),
-        });
-    }
-    Ok(())
 }
 
 /// A state without adhesion as it is handed out.
@@ -278,22 +258,6 @@ fn with_layer_warnings(mut state: ContactState) -> ContactState {
     state
 }
 
-/// Refuses what is made for half-spaces alone where a body is a layer.
-fn refuse_layers(system: &System) -> Result<(), SolveError> {
-    if !system.has_layers() {
-        return Ok(());
-    }
-    let refused = |what, instead| Err(SolveError::NotWithLayers { what, instead });
-    if !system.adhesion().is_none() {
-        return refused("adhesion", "or the works of adhesion");
-    }
-    if !system.has_common_diameter() {
-        let instead = "or give all pillars of the list the common diameter";
-        return refused("a list of pillars of several diameters", instead);
-    }
-    Ok(())
-}
-
 /// Refuses a state that reaches too far from the axis of the lens: a contact beyond half its radius, and a lowest point of the floor beyond its table of
 /// heights, where its gap is not known.
 fn check_reach(state: &ContactState) -> Result<(), SolveError> {
@@ -319,12 +283,10 @@ fn check_reach(state: &ContactState) -> Result<(), SolveError> {
     Ok(())
 }
 
-/// The accuracy of the one method that has adhesion.
-fn with_adhesion(method: Method) -> Result<Accuracy, SolveError> {
+/// The accuracy of the spectral method; of others that of the default.
+fn accuracy_of(method: Method) -> Accuracy {
     match method {
-        Method::Spectral(accuracy) => Ok(accuracy),
-        other => Err(SolveError::NoAdhesion {
-            method: other.name(),
-        }),
+        Method::Spectral(accuracy) => accuracy,
+        Method::Punch(_) | Method::Love(_) | Method::Homogenised => Accuracy::default(),
     }
 }

@@ -7,7 +7,9 @@
 
 use crate::method::press;
 use crate::numerics::convergence::{larger, within};
-use crate::problem::{Accuracy, ElementMesh, FloorModel, Load, Method, System};
+use crate::problem::{
+    Accuracy, ElementMesh, Feature, FloorModel, Load, Method, Question, Solver, System,
+};
 use crate::solve::elements::texture;
 use crate::state::{ContactState, LARGEST_ERROR, Run, SolveError, Termination};
 
@@ -201,9 +203,7 @@ pub fn verify(
     run: &Run<'_>,
 ) -> Result<Verification, SolveError> {
     // Before anything is solved in vain.
-    if !system.adhesion().is_none() {
-        return Err(SolveError::NoAdhesion { method: "love" });
-    }
+    Question::Verify.check(Solver::Spectral, &Feature::of(system))?;
     // Elements do not know how elastic pillars lean: the second opinion is on all else.
     let system = &system.without_leaning();
     let spectral = press(system, control, Method::Spectral(Accuracy::Accurate), run)?;

@@ -208,7 +208,7 @@ impl StudyFile {
     /// Whether a case of a file can be.
     fn check(&self, case: StudiedCase) -> Result<(), CaseError> {
         match case {
-            StudiedCase::Texture(_) => Ok(()),
+            StudiedCase::Texture(_) | StudiedCase::Rounded(_) => Ok(()),
             StudiedCase::Surface(file) => looked_at(&file, self.asked).map(drop),
         }
     }

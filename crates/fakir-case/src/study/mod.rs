@@ -40,6 +40,8 @@ pub use posed::StudiedCase;
 use crate::case::{Case, write_tables};
 use crate::error::CaseError;
 use crate::parts::Words;
+use crate::rounded::RoundedCase;
+use crate::support::SurfaceKind;
 use crate::surface::SurfaceExample;
 use crate::unit::{Dimension, format_quantity};
 use fakir::problem::{Drive, Load, Method};
@@ -56,6 +58,7 @@ impl StudyFile {
         let cases = self.number_of_cases()?;
         let mut examples: Vec<Case> = Vec::new();
         let mut surfaces = Surfaces::default();
+        let mut rounded = None;
         let (mut sticks, mut layered) = (false, false);
         for index in 0..cases {
             let blame = |error| self.blame(error, index);
@@ -67,6 +70,7 @@ impl StudyFile {
                         examples.push(*case);
                     }
                 }
+                StudiedCase::Rounded(case) => rounded = rounded.or(Some(case)),
                 StudiedCase::Surface(file) => {
                     let steps = self.steps_of_keys(index);
                     surfaces.look(steps, &file, self.asked).map_err(blame)?;
@@ -80,6 +84,7 @@ impl StudyFile {
             examples,
             sticks,
             layered,
+            rounded,
             surfaces,
             text: String::new(),
         };
@@ -98,6 +103,8 @@ pub struct Study {
     /// Whether there is adhesion in any case.
     sticks: bool,
     layered: bool,
+    /// The first case, if pillars have rounded tops.
+    rounded: Option<Box<RoundedCase>>,
     surfaces: Surfaces,
     without_effect: Vec<String>,
     text: String,
@@ -160,10 +167,13 @@ impl Study {
         self.file.settings(&self.file.steps(index))
     }
 
-    /// Whether its cases have general surfaces.
+    /// What kind of surface its cases have.
     #[must_use]
-    pub fn is_of_surfaces(&self) -> bool {
-        self.file.case.is_surface()
+    pub fn surface_kind(&self) -> SurfaceKind {
+        match self.rounded {
+            Some(_) => SurfaceKind::Asperities,
+            None => self.file.case.surface_kind(),
+        }
     }
 
     /// General surfaces of its cases, one of each kind and choice of keys; none of textures.
@@ -183,10 +193,13 @@ impl Study {
         self.surfaces.cells(&self.file.steps_of_keys(index))
     }
 
-    /// The methods that cases with a texture are solved with.
+    /// The methods that cases with pillars are solved with.
     #[must_use]
     pub fn methods(&self) -> Vec<Method> {
-        self.examples.iter().map(|case| case.method).collect()
+        let rounded = self.rounded.iter();
+        let rounded = rounded.map(|case| Method::Spectral(case.accuracy));
+        let flat = self.examples.iter().map(|case| case.method);
+        flat.chain(rounded).collect()
     }
 
     /// Whether pillar tops stick in any of its cases.
@@ -253,9 +266,11 @@ impl Study {
             }
             // Other keys are the same in all cases that have them.
             let textures = self.examples.iter();
+            let rounded = self.rounded.iter();
             let surfaces = self.surfaces().iter();
             textures
                 .map(|case| case.value(key))
+                .chain(rounded.map(|case| case.value(key)))
                 .chain(surfaces.map(|surface| surface.value(key)))
                 .find_map(|value| value)
         }));

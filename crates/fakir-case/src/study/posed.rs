@@ -1,12 +1,14 @@
 //! What a case of a study is of: a texture, or a general surface.
 
 use super::asked::Asked;
+use crate::any_case::AnyCase;
 use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
-use crate::support::Capability;
+use crate::rounded::RoundedCase;
 use crate::surface::SurfaceExample;
+use fakir::problem::Question;
 use fakir::state::Run;
 use std::collections::BTreeMap;
 
@@ -15,6 +17,8 @@ use std::collections::BTreeMap;
 pub enum StudiedCase {
     /// A texture.
     Texture(Box<Case>),
+    /// Pillars with rounded tops.
+    Rounded(Box<RoundedCase>),
     /// A general surface, as the case file that describes it: it is drawn when it is solved, on a grid
     /// that is wide enough.
     Surface(Box<CaseFile>),
@@ -24,17 +28,20 @@ impl StudiedCase {
     /// The case of a file, of which something can be asked.
     pub(super) fn of(file: CaseFile, asked: Asked) -> Result<Self, CaseError> {
         let of_adhesion = matches!(asked, Asked::Cycle | Asked::Collapse);
-        if of_adhesion {
-            file.check_supported(Capability::Cycle)?;
-        }
-        if file.is_surface() {
-            return Ok(Self::Surface(Box::new(file)));
-        }
-        let case = file.case()?;
+        let question = match asked {
+            Asked::Press => Question::Press,
+            Asked::Transition => Question::Transition,
+            Asked::Cycle | Asked::Collapse => Question::Cycle,
+        };
+        let case = match file.any_case(&[Question::Sweep, question])? {
+            AnyCase::HeightMap(file) => return Ok(Self::Surface(file)),
+            AnyCase::Asperities(case) => return Ok(Self::Rounded(case)),
+            AnyCase::Pillars(case) => case,
+        };
         if of_adhesion && case.system.adhesion().is_none() {
             return Err(file.without_adhesion());
         }
-        Ok(Self::Texture(Box::new(case)))
+        Ok(Self::Texture(case))
     }
 
     /// The case with a texture, if it is one.
@@ -42,7 +49,7 @@ impl StudiedCase {
     pub fn texture(&self) -> Option<&Case> {
         match self {
             Self::Texture(case) => Some(case),
-            Self::Surface(_) => None,
+            Self::Rounded(_) | Self::Surface(_) => None,
         }
     }
 }

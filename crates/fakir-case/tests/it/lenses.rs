@@ -176,5 +176,9 @@ fn surfaces_take_spheres_and_plates_of_their_own() {
         .surface_case(1 << 30)
         .unwrap_err();
     assert_eq!(error.key_path(), Some("lens.shape"));
-    assert!(error.problem().contains("only a [texture]"));
+    assert!(
+        error
+            .problem()
+            .contains("a height map is under a sphere or a level plate")
+    );
 }

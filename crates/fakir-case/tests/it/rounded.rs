@@ -176,7 +176,7 @@ fn flat_tops_are_not_computed_in_their_place() {
         both.contains("texture.top_radius: this is computed for flat pillar tops only"),
         "{both}"
     );
-    assert!(both.contains("fakir press"), "{both}");
+    assert!(both.contains("`press`"), "{both}");
     let surface = format!("{PLATE}[surface]\nheight_map = \"map.npy\"\ncell_size = \"1 um\"\n");
     let surface = file(&surface)
         .surface_case(1_000_000)

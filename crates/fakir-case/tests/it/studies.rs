@@ -4,7 +4,7 @@ use fakir::problem::pattern::CrossSection;
 use fakir::problem::{Accuracy, ElementMesh, Grid, Indenter, Load, Method, PunchForm};
 use fakir_case::height_map::to_npy;
 use fakir_case::study::{Asked, Axis, Coordinate, Question, StudiedCase, Variable};
-use fakir_case::{Case, CaseFile, Key, Study, StudyFile, SurfaceCase, SurfaceOrigin};
+use fakir_case::{Case, CaseFile, Key, Study, StudyFile, SurfaceCase, SurfaceKind, SurfaceOrigin};
 
 /// A study of the example case.
 fn study(tables: &str) -> Study {
@@ -264,7 +264,7 @@ fn cases_with_a_surface_vary_along_its_keys() {
     let surface = PILLARS.replace("side", "diameter = \"5 um\"\nside");
     let study = surface_study(tables, &surface).unwrap();
     assert_eq!(study.cases(), 16);
-    assert!(study.is_of_surfaces() && study.methods().is_empty());
+    assert!(study.surface_kind() == SurfaceKind::HeightMap && study.methods().is_empty());
     let last = drawn(&study, 15);
     let Indenter::Lens(lens) = last.system.indenter() else {
         panic!("a lens")

@@ -5,8 +5,8 @@
 
 use fakir::problem::pattern::{CrossSection, Pattern, PillarShape, Top};
 use fakir::problem::{
-    Arrangement, Boundary, Disorder, Floor, HeightMap, Indenter, LatticeForm, PillarCompliance,
-    PlaneLattice, RandomPlaces, Scatter,
+    Arrangement, Base, Boundary, Disorder, Floor, HeightMap, Indenter, LatticeForm,
+    PillarCompliance, PlaneLattice, RandomPlaces, Scatter,
 };
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
 use std::path::{Path, PathBuf};
@@ -370,30 +370,42 @@ fn a_height_map_that_cannot_be_read_is_named() {
     assert_eq!(error.position(), Some((1, 20)));
 }
 
+/// Bodies of finite thickness, as they are given.
+#[test]
+fn layers_are_those_of_the_keys() {
+    let case = with(&[
+        "substrate.thickness=5um",
+        "lens.thickness=50um",
+        "lens.base=frictionless",
+    ]);
+    let case = case.unwrap();
+    let [film, lens] = case.system.layers().map(Option::unwrap);
+    assert_eq!((film.thickness, film.base), (5e-6, Base::Rigid));
+    assert_eq!((lens.thickness, lens.base), (50e-6, Base::Frictionless));
+    let written = CaseFile::parse("written.toml", &case.to_toml()).unwrap();
+    let again = written.surface_case(MEMORY).unwrap();
+    assert_eq!(again.system.layers(), case.system.layers());
+}
+
 /// What is not solved on a surface is refused where it is given, in the file or as an override.
 #[test]
-fn layers_and_adhesion_are_refused() {
+fn bases_without_a_thickness_and_adhesion_are_refused() {
     for (setting, words) in [
         (
-            "substrate.thickness=5um",
-            "substrate.thickness: under a [surface] both bodies are half-spaces",
-        ),
-        (
             "substrate.base=frictionless",
-            "substrate.base: under a [surface]",
-        ),
-        ("lens.thickness=5um", "lens.thickness: under a [surface]"),
-        (
-            "lens.base_young_modulus=1MPa",
-            "lens.base_young_modulus: under a [surface]",
+            "substrate.base: only a body of finite thickness",
         ),
         (
             "adhesion.work=1J/m2",
-            "adhesion: a [surface] is solved without adhesion",
+            "adhesion.work: a height map is solved without adhesion",
         ),
         (
             "adhesion.floor=true",
-            "adhesion: a [surface] is solved without adhesion",
+            "adhesion.floor: a height map is solved without adhesion",
+        ),
+        (
+            "lens.shape=paraboloid",
+            "lens.shape: a height map is under a sphere or a level plate",
         ),
         (
             "surface.array=heights",

@@ -1,5 +1,7 @@
 //! `fakir press`: the contact under a load.
 
+use super::{rounded, surface};
+use crate::arguments::Press;
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
 use crate::report::Report;
@@ -11,15 +13,29 @@ use crate::report::state::{
 use crate::session::Session;
 use fakir::problem::{FloorModel, Load, Method};
 use fakir::state::{ContactState, CriticalState, Normalized, Solution, SolveError};
-use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_case::{AnyCase, Case};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::record::GradientObject;
 use fakir_study::result::{self, control_words, json, pillars, warnings};
 use std::time::Instant;
 
-pub(crate) fn run(
+/// The contact of a case of any kind.
+pub(crate) fn run(case: &AnyCase, options: &Press, session: &Session) -> Result<Report, Failure> {
+    let (load, maps) = (options.load.load(), options.maps());
+    match case {
+        AnyCase::Pillars(case) => {
+            let range = options.adhesion.of(case)?;
+            let with_gradient = options.gradient.question().is_some();
+            of_pillars(case, load, range, with_gradient, maps, session)
+        }
+        AnyCase::Asperities(case) => rounded::press(case, load, maps, session),
+        AnyCase::HeightMap(file) => surface::press(file, load, maps, session),
+    }
+}
+
+fn of_pillars(
     case: &Case,
     control: Load,
     range: Option<f64>,

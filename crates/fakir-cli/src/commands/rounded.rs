@@ -9,8 +9,8 @@ use crate::report::state::{QuantityList, error_remark};
 use crate::session::Session;
 use fakir::problem::Load;
 use fakir::state::{PillarStatus, Solution};
+use fakir_case::RoundedCase;
 use fakir_case::unit::Dimension;
-use fakir_case::{CaseFile, RoundedCase};
 use fakir_figure::cap_map;
 use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
@@ -22,12 +22,11 @@ use fakir_study::result::{
 use std::time::Instant;
 
 pub(crate) fn press(
-    file: &CaseFile,
+    case: &RoundedCase,
     control: Load,
     maps: Maps,
     session: &Session,
 ) -> Result<Report, Failure> {
-    let case = file.rounded_case()?;
     let start = Instant::now();
     let contact = case.field.press(control, case.accuracy, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
@@ -48,7 +47,7 @@ pub(crate) fn press(
     }
     Ok(Report {
         json: json(&rounded_press(answer, wall_time)),
-        text: text(&case, answer, wall_time),
+        text: text(case, answer, wall_time),
         provenance,
         tables,
         warnings: rounded_warnings(answer),

@@ -1,14 +1,13 @@
-//! `fakir press`, `transition`, `approach` and `verify` of a case with a general surface.
+//! `fakir press`, `transition` and `verify` of a case with a general surface.
 
 use crate::failure::Failure;
 use crate::report::Report;
 use crate::report::maps::Maps;
-use crate::report::surface::{loaded, pressed, reached, verified};
+use crate::report::surface::{pressed, reached, verified};
 use crate::session::Session;
 use fakir::problem::Load;
 use fakir::state::SolveError;
 use fakir_case::{CaseFile, SurfaceCase};
-use fakir_study::approach::{self, LoadingPath};
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::surfaces;
 use std::time::Instant;
@@ -32,7 +31,7 @@ pub(crate) fn press(
 
 /// The case and what is asked of it, on a grid that is wide enough; a sentence if that of the file is
 /// not.
-fn on_wide_enough_a_grid<T>(
+pub(super) fn on_wide_enough_a_grid<T>(
     file: &CaseFile,
     session: &Session,
     ask: impl FnMut(&SurfaceCase) -> Result<T, Failure>,
@@ -65,28 +64,6 @@ pub(crate) fn transition(
     })?;
     let wall_time = start.elapsed().as_secs_f64();
     let mut report = reached(&case, &critical, maps, wall_time);
-    report.warnings.extend(widened);
-    Ok(report)
-}
-
-pub(crate) fn approach(
-    file: &CaseFile,
-    path: &LoadingPath,
-    saves: bool,
-    session: &Session,
-) -> Result<Report, Failure> {
-    let next = |part: &str| session.part(part);
-    let (case, found, widened) = on_wide_enough_a_grid(file, session, |case| {
-        let keep = &mut |_, _| {};
-        Ok(approach::approach(
-            &case.system,
-            path,
-            &session.run(),
-            &next,
-            keep,
-        )?)
-    })?;
-    let mut report = loaded(&case, path, found, saves);
     report.warnings.extend(widened);
     Ok(report)
 }

@@ -1,6 +1,8 @@
 //! `fakir transition`: the critical state.
 
-use crate::failure::Failure;
+use super::surface;
+use crate::arguments::Transition;
+use crate::failure::{Failure, not_answered};
 use crate::numbers::{significant, with_unit};
 use crate::report::Report;
 use crate::report::figures;
@@ -9,17 +11,35 @@ use crate::report::state::{
     QuantityList, radius_digits, strained_range, strained_words, texture_line, with_derivatives,
 };
 use crate::session::Session;
-use fakir::problem::Load;
+use fakir::problem::{Load, Question};
 use fakir::state::{CriticalState, Regime, Solution};
-use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_case::{AnyCase, Case};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::record::GradientObject;
 use fakir_study::result::{self, json, pillars, warnings};
 use std::time::Instant;
 
+/// The critical state of a case of any kind that has one.
 pub(crate) fn run(
+    case: &AnyCase,
+    options: &Transition,
+    session: &Session,
+) -> Result<Report, Failure> {
+    let maps = options.maps();
+    match case {
+        AnyCase::Pillars(case) => {
+            let range = options.adhesion.of(case)?;
+            let with_gradient = options.gradient.question().is_some();
+            of_pillars(case, range, with_gradient, maps, session)
+        }
+        AnyCase::HeightMap(file) => surface::transition(file, maps, session),
+        AnyCase::Asperities(_) => Err(not_answered(Question::Transition)),
+    }
+}
+
+fn of_pillars(
     case: &Case,
     range: Option<f64>,
     with_gradient: bool,

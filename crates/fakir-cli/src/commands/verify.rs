@@ -1,30 +1,37 @@
 //! `fakir verify`: the spectral method and Love elements on the same question.
 
-use crate::failure::Failure;
+use super::surface;
+use crate::failure::{Failure, not_answered};
 use crate::numbers::{DIGITS, seconds, significant};
 use crate::report::Report;
 use crate::report::state::{difference, radius_digits, texture_line};
 use crate::report::table::{Column, table};
 use crate::session::Session;
-use fakir::problem::{Accuracy, ElementMesh, Load, Method};
+use fakir::problem::{Accuracy, ElementMesh, Load, Method, Question};
 use fakir::state::ContactState;
 use fakir::{Verdict, Verification};
-use fakir_case::Case;
 use fakir_case::unit::Dimension;
+use fakir_case::{AnyCase, Case};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{AnswerRow, VerifySummary, control_words, csv, json, warnings};
 use std::time::Instant;
 
-/// Why pillar tops that stick are not verified.
-pub(crate) const NO_SECOND_OPINION: &str =
-    "there is no second opinion on adhesion: only the method spectral has it, elements have none";
-
-/// What can be verified of them.
-pub(crate) const WITHOUT_ADHESION: &str = "--set adhesion.work=0 verifies the contact without adhesion, if adhesion.work_receding is not given either; \
-     of a whole cycle, fakir cycle sets the loop area against what all events dissipate";
-
+/// A second opinion on a case of any kind that has one.
 pub(crate) fn run(
+    case: &AnyCase,
+    load: Load,
+    cells_per_diameter: usize,
+    session: &Session,
+) -> Result<Report, Failure> {
+    match case {
+        AnyCase::Pillars(case) => of_pillars(case, load, cells_per_diameter, session),
+        AnyCase::HeightMap(file) => surface::verify(file, load, cells_per_diameter, session),
+        AnyCase::Asperities(_) => Err(not_answered(Question::Verify)),
+    }
+}
+
+fn of_pillars(
     case: &Case,
     control: Load,
     cells_per_diameter: usize,

@@ -14,6 +14,7 @@ use fakir_study::approach::{Approach, Loadable};
 pub(crate) use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
+use fakir_study::record::Record;
 
 /// The figures that the state has; none unless maps are wanted. `floor_contact` is in m.
 pub(crate) fn files(
@@ -81,7 +82,7 @@ pub(crate) fn of_surface(
 /// The figure of a loading; none of a single state.
 pub(crate) fn of_loading<P: Loadable>(
     found: &Approach<P>,
-    point: impl Fn(&P::Row) -> LoadingPoint,
+    point: fn(&Record) -> LoadingPoint,
     provenance: &Provenance,
 ) -> Vec<File> {
     let points: Vec<LoadingPoint> = found.rows.iter().map(point).collect();

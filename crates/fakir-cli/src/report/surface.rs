@@ -1,28 +1,24 @@
 //! Reports of contacts with general surfaces.
 
 use super::maps::Maps;
-use super::state::{
-    QuantityList, difference, further_on, loading_remark, radius_digits, strained_words,
-};
+use super::state::{QuantityList, difference, strained_words};
 use super::table::{Column, table};
 use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::problem::pattern::{CrossSection, Pattern};
-use fakir::problem::{Arrangement, Boundary, Indenter, Load, Point, SurfaceSystem};
+use fakir::problem::{Arrangement, Boundary, Indenter, Load, Point};
 use fakir::state::{Regime, Shares, Solution, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
-use fakir_figure::LoadingPoint;
-use fakir_study::approach::{Approach, LoadingPath};
 use fakir_study::citations::Topic;
 use fakir_study::fields::{FieldMap, MOST_POINTS};
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::record::{SurfaceAnswer, indenter_name};
 use fakir_study::result::{
-    MeshRow, SurfaceApproachSummary, SurfaceLoadingRow, SurfaceVerifySummary, control_words, csv,
-    json, surface_press, surface_transition, warnings,
+    MeshRow, SurfaceVerifySummary, control_words, csv, json, surface_press, surface_transition,
+    warnings,
 };
 use fakir_study::surfaces::SurfaceVerification;
 
@@ -51,7 +47,7 @@ pub(crate) fn pressed(
     add_solution(&mut list, contact, wall_time);
     let text = format!(
         "Contact under load\n{}\n\n{}",
-        description(case),
+        description(case).join("\n"),
         list.text()
     );
     Report {
@@ -100,7 +96,7 @@ pub(crate) fn reached(
     };
     let text = format!(
         "Critical state: {first}\n{}\n\n{}",
-        description(case),
+        description(case).join("\n"),
         list.text()
     );
     Report {
@@ -108,89 +104,6 @@ pub(crate) fn reached(
         text,
         ..report(case, "critical state", contact, Some([x, y]), maps)
     }
-}
-
-/// A loading.
-pub(crate) fn loaded(
-    case: &SurfaceCase,
-    path: &LoadingPath,
-    found: Approach<SurfaceSystem>,
-    saves: bool,
-) -> Report {
-    let rows = &found.rows;
-    let provenance = provenance(case, &path.words());
-    let mut tables = vec![csv("approach.csv", rows)];
-    if saves {
-        let point = |row: &SurfaceLoadingRow| LoadingPoint {
-            indentation: row.indentation_m,
-            force: row.force_N,
-            floor_force: row.floor_force_N,
-            contact_radius: row.contact_radius_m,
-            pillars: None,
-            without_floor: false,
-        };
-        tables.extend(figures::of_loading(&found, point, &provenance));
-    }
-    let further = match &found.critical {
-        Some(critical) if !rows.iter().any(|row| row.critical) => {
-            further_on(critical.contact.indentation, critical.contact.force)
-        }
-        _ => String::new(),
-    };
-    Report {
-        json: json(&SurfaceApproachSummary::new(&case.system, &found)),
-        text: format!(
-            "Approach of the {}\n{}\n\n{}{further}",
-            indenter_name(case.system.indenter()),
-            description(case),
-            table(rows, &columns(rows, case.system.indenter()))
-        ),
-        provenance,
-        tables,
-        converged: found.converged,
-        strained: Vec::new(),
-        warnings: found.warnings,
-    }
-}
-
-fn columns(rows: &[SurfaceLoadingRow], indenter: &Indenter) -> Vec<Column<SurfaceLoadingRow>> {
-    let mut columns = vec![
-        Column::quantity("indentation", Dimension::Length, rows, |row| {
-            Some(row.indentation_m)
-        }),
-        Column::force(
-            "force",
-            rows,
-            |row| Some(row.force_N),
-            |row| row.force_error_estimate.map_or(AREA_DIGITS, digits),
-        ),
-        Column::force(
-            "on the floor",
-            rows,
-            |row| row.floor_force_N,
-            |_| AREA_DIGITS,
-        ),
-        Column::number("contact area (um^2)", AREA_DIGITS, |row| {
-            Some(row.contact_area_m2 * 1e12)
-        }),
-    ];
-    if let Indenter::Lens(_) = indenter {
-        columns.push(Column::radius(
-            "contact radius",
-            rows,
-            |row| row.contact_radius_m,
-            |row| radius_digits(row.contact_radius_error_estimate.unwrap_or(f64::NAN)),
-        ));
-    }
-    columns.push(Column::text("", |row| {
-        loading_remark(
-            row.converged,
-            row.critical,
-            row.beyond_transition == Some(true),
-        )
-        .to_owned()
-    }));
-    columns
 }
 
 /// A second opinion.
@@ -222,7 +135,7 @@ pub(crate) fn verified(control: Load, found: &SurfaceVerification, wall_time: f6
         json: json(&summary),
         text: format!(
             "Verification on two meshes\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
-            description(case),
+            description(case).join("\n"),
             table(rows, &columns),
             difference("force", found.force),
             difference("indentation", found.indentation),
@@ -304,7 +217,7 @@ pub(crate) fn topic(case: &SurfaceCase) -> Topic {
     }
 }
 
-fn provenance(case: &SurfaceCase, question: &str) -> Provenance {
+pub(crate) fn provenance(case: &SurfaceCase, question: &str) -> Provenance {
     let grid = case.system.surface().grid();
     Provenance::new(
         question,
@@ -404,8 +317,8 @@ fn add_solution(list: &mut QuantityList, contact: &SurfaceContact, wall_time: f6
     );
 }
 
-/// The surface and how it is solved, in two lines.
-fn description(case: &SurfaceCase) -> String {
+/// The surface and how it is solved, a line each.
+pub(crate) fn description(case: &SurfaceCase) -> [String; 2] {
     let surface = match &case.origin {
         SurfaceOrigin::HeightMap(path) => format!("height map {}", path.display()),
         SurfaceOrigin::Pattern(pattern) => pattern_line(pattern),
@@ -424,11 +337,12 @@ fn description(case: &SurfaceCase) -> String {
         Boundary::FreeSpace => "free around it",
         Boundary::Periodic => "periodic",
     };
-    format!(
-        "{surface}\nelements, {} by {} cells of {width} by {height}; {across} by {along}, {around}",
+    let cells = format!(
+        "elements, {} by {} cells of {width} by {height}; {across} by {along}, {around}",
         grid.columns(),
         grid.rows()
-    )
+    );
+    [surface, cells]
 }
 
 /// A pattern in a line: `square pillars on a square lattice, surface fraction 0.2`.

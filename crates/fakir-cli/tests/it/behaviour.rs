@@ -665,7 +665,7 @@ fn strained_models_fail_where_that_is_asked_for() {
     let rounded = example("asperities.toml");
     let refused = bench.run(&["press", &rounded, "--force=1uN", "--strict"]);
     assert_eq!(refused.status, Some(2));
-    assert!(refused.stderr.contains("--strict is for flat pillars"));
+    assert!(refused.stderr.contains("have no validity limits"));
 }
 
 #[test]

@@ -22,20 +22,20 @@ fn commands_without_an_answer_for_a_surface_say_what_to_use() {
     let fit = ["fit", data, "--case", case, "--free", free];
     let gradient = ["transition", case, "--gradient"];
     let asked: [(&[&str], &str, &str); 7] = [
-        (&["compare", case], "only one: elements", "fakir verify"),
-        (&["theory", case], "closed forms", "fakir transition"),
-        (&design, "by whole cells", "fakir sweep"),
+        (&["compare", case], "only one: elements", "`verify`"),
+        (&["theory", case], "closed forms", "`transition`"),
+        (&design, "by whole cells", "`sweep`"),
         (
             &["design", case, "--samples", "10"],
             "by whole cells",
-            "fakir sweep",
+            "`sweep`",
         ),
-        (&fit, "derivatives", "fakir approach"),
-        (&gradient, "by whole cells", "fakir sweep"),
+        (&fit, "derivatives", "`approach`"),
+        (&gradient, "by whole cells", "`sweep`"),
         (
             &["explore", case, "--no-browser"],
             "milliseconds",
-            "fakir press",
+            "`press`",
         ),
     ];
     for (arguments, reason, instead) in asked {

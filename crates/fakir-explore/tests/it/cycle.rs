@@ -181,7 +181,7 @@ fn works_that_cannot_be_are_refused_at_their_key() {
         told["message"]
             .as_str()
             .unwrap()
-            .contains("the method \"punch\" has no adhesion"),
+            .contains("the method \"punch\": only the spectral method has adhesion"),
         "{told}"
     );
     let mut none = question(server.next(), &case(0.01));

@@ -73,9 +73,9 @@ pub use report::FitSummary;
 
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::Load;
+use fakir::problem::{Load, Question};
 use fakir::state::{Branch, Cycle, Limit, Run, SolveError, Termination};
-use fakir_case::{Capability, CaseFile, Key};
+use fakir_case::{CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
@@ -354,7 +354,7 @@ pub fn fit(
     options: &FitOptions,
     run: &Run<'_>,
 ) -> Result<Fit, FitError> {
-    file.check_supported(Capability::Fit)?;
+    file.check_surface(&[Question::Fit])?;
     check(data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
     let begin = model.start()?;

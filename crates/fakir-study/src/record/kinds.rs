@@ -1,5 +1,6 @@
 //! The tables of all kinds of answers.
 
+use super::loading::LoadingState;
 use super::named::{Entry, Kind, Recorded};
 use super::rounded::RoundedAnswer;
 use super::surface::SurfaceAnswer;
@@ -7,13 +8,16 @@ use std::sync::LazyLock;
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 9] = [
         Self::Press,
         Self::Transition,
         Self::SurfacePress,
         Self::SurfaceTransition,
         Self::RoundedPress,
         Self::Cycle,
+        Self::Loading,
+        Self::SurfaceLoading,
+        Self::RoundedLoading,
     ];
 
     /// Its name in journals and in the schema.
@@ -26,6 +30,9 @@ impl Kind {
             Self::SurfaceTransition => "surface_transition",
             Self::RoundedPress => "rounded_press",
             Self::Cycle => "cycle",
+            Self::Loading => "loading",
+            Self::SurfaceLoading => "surface_loading",
+            Self::RoundedLoading => "rounded_loading",
         }
     }
 
@@ -38,7 +45,18 @@ impl Kind {
             Self::SurfaceTransition => "A critical state with a height map",
             Self::RoundedPress => "A contact with rounded tops",
             Self::Cycle => "A cycle",
+            Self::Loading => "A state of a loading",
+            Self::SurfaceLoading => "A state of a loading of a height map",
+            Self::RoundedLoading => "A state of a loading of rounded tops",
         }
+    }
+
+    /// Whether it is a part of another answer, of which there are many.
+    pub(super) fn is_a_row(self) -> bool {
+        matches!(
+            self,
+            Self::Loading | Self::SurfaceLoading | Self::RoundedLoading
+        )
     }
 
     /// Its numbers, in the order of the JSON object.
@@ -46,7 +64,7 @@ impl Kind {
         fn of<T: Recorded>() -> Vec<Entry> {
             T::rows().iter().map(|row| row.entry).collect()
         }
-        static ALL: LazyLock<[Vec<Entry>; 6]> = LazyLock::new(|| {
+        static ALL: LazyLock<[Vec<Entry>; 9]> = LazyLock::new(|| {
             Kind::ALL.map(|kind| match kind {
                 Kind::Press => of::<fakir::state::ContactState>(),
                 Kind::Transition => of::<fakir::state::CriticalState>(),
@@ -56,6 +74,11 @@ impl Kind {
                 }
                 Kind::RoundedPress => of::<RoundedAnswer<'_>>(),
                 Kind::Cycle => of::<fakir::state::Cycle>(),
+                Kind::Loading => of::<LoadingState<&fakir::state::ContactState>>(),
+                Kind::SurfaceLoading => {
+                    of::<LoadingState<SurfaceAnswer<'_, fakir::state::SurfaceContact>>>()
+                }
+                Kind::RoundedLoading => of::<LoadingState<RoundedAnswer<'_>>>(),
             })
         });
         &ALL[self as usize]

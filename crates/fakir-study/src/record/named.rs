@@ -132,6 +132,16 @@ impl<T> Named<T> {
         Self::new(path, Type::Flag, meaning, move |it| Value::Flag(value(it)))
     }
 
+    pub(super) fn flag_if_any(
+        path: &'static str,
+        meaning: &'static str,
+        value: impl Fn(&T) -> Option<bool> + 'static,
+    ) -> Self {
+        Self::new(path, Type::Flag, meaning, move |it| {
+            value(it).map_or(Value::None, Value::Flag)
+        })
+    }
+
     pub(super) fn word(
         path: &'static str,
         meaning: &'static str,
@@ -243,6 +253,12 @@ pub enum Kind {
     RoundedPress,
     /// A cycle of loading and unloading.
     Cycle,
+    /// A state of a loading of pillars.
+    Loading,
+    /// A state of a loading of a height map.
+    SurfaceLoading,
+    /// A state of a loading of rounded tops.
+    RoundedLoading,
 }
 
 impl Type {
@@ -266,6 +282,21 @@ impl Type {
 }
 
 impl Value {
+    /// As tables in text have it, of a point one of its coordinates; numbers with all their digits.
+    pub(super) fn cell(&self, coordinate: Option<usize>) -> String {
+        match self {
+            Self::None => String::new(),
+            Self::Number(number) => format!("{number:?}"),
+            Self::Count(count) => count.to_string(),
+            Self::Flag(flag) => flag.to_string(),
+            Self::Word(word) => word.clone(),
+            Self::Words(words) => words.join(" "),
+            Self::Point(point) => {
+                coordinate.map_or(String::new(), |axis| format!("{:?}", point[axis]))
+            }
+        }
+    }
+
     /// As JSON objects have it: what is no number is `null`.
     pub(super) fn json(&self) -> Json {
         match self {

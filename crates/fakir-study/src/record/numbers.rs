@@ -1,6 +1,6 @@
 //! The numbers of one answer, as journals keep them.
 
-use super::named::{Kind, Recorded, Value};
+use super::named::{Entry, Kind, Recorded, Value};
 use super::object::Object;
 use crate::exact;
 use fakir::problem::Point;
@@ -86,6 +86,34 @@ impl Record {
     #[must_use]
     pub fn is(&self, path: &str) -> bool {
         self.get(path) == Some(&Value::Flag(true))
+    }
+
+    /// Records of one kind as CSV, with their columns as heading; what is none is empty.
+    ///
+    /// # Panics
+    /// Never: memory takes every byte.
+    #[must_use]
+    pub fn csv(records: &[Self]) -> Vec<u8> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let kind = records.first().map(|record| record.kind);
+        let entries = kind.map_or(&[][..], Kind::entries);
+        let names = entries
+            .iter()
+            .flat_map(Entry::columns)
+            .map(|(name, _)| name);
+        let mut lines = vec![names.collect::<Vec<String>>()];
+        lines.extend(records.iter().map(|record| {
+            let values = std::iter::zip(entries, &record.values);
+            let cells = values.flat_map(|(entry, value)| {
+                let columns = entry.columns().into_iter();
+                columns.map(|(_, coordinate)| value.cell(coordinate))
+            });
+            cells.collect()
+        }));
+        for line in lines {
+            writer.write_record(line).expect("memory takes every byte");
+        }
+        writer.into_inner().expect("memory takes every byte")
     }
 
     /// The JSON object of the numbers alone.

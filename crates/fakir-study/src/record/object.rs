@@ -64,6 +64,11 @@ impl Object {
         Self(groups.map(|(name, group)| (name, node(group))).collect())
     }
 
+    /// An object of one word.
+    pub(crate) fn word(name: &str, word: &str) -> Self {
+        Self::default().with(name, Node::Leaf(word.into()))
+    }
+
     fn with(mut self, name: &str, node: Node) -> Self {
         self.0.push((name.to_owned(), node));
         self

@@ -2,6 +2,7 @@
 
 use super::contact::{ending, load};
 use super::named::{Kind, Named, Recorded};
+use super::object::Object;
 use super::surface::indenter_name;
 use fakir::problem::CapField;
 use fakir::state::{CapContact, CapErrors, CapState, PillarStatus};
@@ -27,7 +28,7 @@ impl RoundedAnswer<'_> {
     }
 }
 
-fn largest(contact: &CapContact, of: impl Fn(&CapState) -> f64) -> f64 {
+pub(super) fn largest(contact: &CapContact, of: impl Fn(&CapState) -> f64) -> f64 {
     contact.caps.iter().map(of).fold(0.0, f64::max)
 }
 
@@ -112,6 +113,21 @@ fn solution() -> Vec<Named<CapContact>> {
     rows
 }
 
+/// Method and indenter of rounded tops, for a summary of many contacts.
+pub(crate) fn rounded_head(field: &CapField) -> Object {
+    Object::of_rows(&head(), field)
+}
+
+fn head() -> [Named<CapField>; 3] {
+    [
+        Named::word("method", "`spectral`", |_: &CapField| Some("spectral")),
+        Named::word("tops", "`rounded`", |_: &CapField| Some("rounded")),
+        Named::word("indenter", "`lens` or `plate`", |it: &CapField| {
+            Some(indenter_name(it.indenter()))
+        }),
+    ]
+}
+
 impl<'a> Recorded for RoundedAnswer<'a> {
     const KIND: Kind = Kind::RoundedPress;
 
@@ -120,16 +136,7 @@ impl<'a> Recorded for RoundedAnswer<'a> {
             rows.into_iter()
                 .map(|row| row.of_part(|it: &RoundedAnswer<'a>| it.contact))
         };
-        let indenter = Named::word("indenter", "`lens` or `plate`", |it: &CapField| {
-            Some(indenter_name(it.indenter()))
-        });
-        let mut rows = vec![
-            Named::word("method", "`spectral`", |_: &CapContact| Some("spectral"))
-                .of_part(|it: &Self| it.contact),
-            Named::word("tops", "`rounded`", |_: &CapContact| Some("rounded"))
-                .of_part(|it: &Self| it.contact),
-            indenter.of_part(|it: &Self| it.field),
-        ];
+        let mut rows: Vec<Named<Self>> = head().map(|row| row.of_part(|it: &Self| it.field)).into();
         rows.extend(of_contact(contact()));
         rows.push(Named::flag(
             "floor_out_of_reach",

@@ -37,23 +37,51 @@ fn table(kind: Kind) -> String {
     lines.join("\n")
 }
 
-/// The JSON Schema (draft 7) of `--json` and `summary.json` of `press` and `transition`, for every kind of surface, and of `cycle`: one definition a kind.
+/// The JSON Schema (draft 7) of `--json` and `summary.json` of `press`, `transition` and `approach`, for every kind of surface, and of `cycle`: one definition a kind.
 #[must_use]
 pub fn schema() -> Value {
     let definitions: Map<String, Value> = Kind::ALL
         .iter()
         .map(|kind| (kind.name().to_owned(), of_kind(*kind)))
         .collect();
-    let kinds: Vec<Value> = definitions
-        .keys()
-        .map(|name| json!({"$ref": format!("#/definitions/{name}")}))
-        .collect();
+    let mut definitions = definitions;
+    definitions.insert("approach".to_owned(), approach());
+    let reference = |name: &str| json!({"$ref": format!("#/definitions/{name}")});
+    let answers = Kind::ALL.into_iter().filter(|kind| !kind.is_a_row());
+    let answers = answers.map(Kind::name).chain(["approach"]);
+    let kinds: Vec<Value> = answers.map(reference).collect();
     json!({
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "Results of fakir",
         "description": "Numbers are in SI units; names end in the unit.",
         "anyOf": kinds,
         "definitions": definitions,
+    })
+}
+
+/// A loading: its states, and the critical state if there is one.
+fn approach() -> Value {
+    let one_of = |kinds: &[Kind]| -> Vec<Value> {
+        let names = kinds.iter().map(|kind| kind.name());
+        names
+            .map(|name| json!({"$ref": format!("#/definitions/{name}")}))
+            .collect()
+    };
+    let states = Kind::ALL.into_iter().filter(|kind| kind.is_a_row());
+    let states = one_of(&states.collect::<Vec<Kind>>());
+    let mut critical = one_of(&[Kind::Transition, Kind::SurfaceTransition]);
+    critical.push(json!({"type": "null"}));
+    json!({
+        "type": "object",
+        "required": ["method", "critical", "states", "converged", "wall_time_s", "fakir_version"],
+        "properties": {
+            "method": {"type": "string"},
+            "critical": {"anyOf": critical},
+            "states": {"type": "array", "items": {"anyOf": states}},
+            "converged": {"type": "boolean"},
+            "wall_time_s": {"type": "number"},
+            "fakir_version": {"type": "string"},
+        },
     })
 }
 
@@ -65,6 +93,9 @@ fn of_kind(kind: Kind) -> Value {
         .map(|entry| (entry.path, entry))
         .collect();
     let mut object = of_group(&entries);
+    if kind.is_a_row() {
+        return object;
+    }
     let number_or_none = json!({"type": ["number", "null"]});
     let limit = json!({
         "type": "object",
@@ -148,7 +179,7 @@ fn of_entry(entry: &Entry) -> Value {
     let of = match entry.of {
         Type::Number => json!({"type": ["number", "null"]}),
         Type::Count => json!({"type": ["integer", "null"], "minimum": 0}),
-        Type::Flag => json!({"type": "boolean"}),
+        Type::Flag => json!({"type": ["boolean", "null"]}),
         Type::Word => json!({"type": ["string", "null"]}),
         Type::Words => json!({"type": "array", "items": {"type": "string"}}),
         Type::Point => json!({

@@ -31,6 +31,32 @@ pub(crate) fn boundary_name(boundary: Boundary) -> &'static str {
     }
 }
 
+/// Method, indenter and grid of a height map, for a summary of many contacts.
+pub(crate) fn surface_head(system: &SurfaceSystem) -> Object {
+    let method = Named::word("method", "`love`: elements", |_: &SurfaceSystem| {
+        Some(METHOD)
+    });
+    let mut rows = vec![method];
+    rows.extend(surface());
+    let grid = grid().into_iter();
+    rows.extend(grid.map(|row| row.of_part(|it: &SurfaceSystem| it.surface().grid())));
+    Object::of_rows(&rows, system)
+}
+
+/// What is pressed, and what is around the grid.
+fn surface() -> [Named<SurfaceSystem>; 2] {
+    [
+        Named::word("indenter", "`lens` or `plate`", |it: &SurfaceSystem| {
+            Some(indenter_name(it.indenter()))
+        })
+        .in_objects(),
+        Named::word("boundary", "`free` or `periodic`", |it: &SurfaceSystem| {
+            Some(boundary_name(it.boundary()))
+        })
+        .in_objects(),
+    ]
+}
+
 /// What was asked about, and on which cells.
 fn question<'a, T: 'static>(grid: fn(&T) -> &Grid) -> Vec<Named<SurfaceAnswer<'a, T>>> {
     let of_grid = |rows: Vec<Named<Grid>>| {
@@ -38,20 +64,7 @@ fn question<'a, T: 'static>(grid: fn(&T) -> &Grid) -> Vec<Named<SurfaceAnswer<'a
             .map(move |row| row.of_part(move |it: &SurfaceAnswer<'a, T>| grid(it.answer)))
     };
     let of_system = |row: Named<SurfaceSystem>| row.of_part(|it: &SurfaceAnswer<'a, T>| it.system);
-    let mut rows = vec![
-        of_system(
-            Named::word("indenter", "`lens` or `plate`", |it: &SurfaceSystem| {
-                Some(indenter_name(it.indenter()))
-            })
-            .in_objects(),
-        ),
-        of_system(
-            Named::word("boundary", "`free` or `periodic`", |it: &SurfaceSystem| {
-                Some(boundary_name(it.boundary()))
-            })
-            .in_objects(),
-        ),
-    ];
+    let mut rows: Vec<_> = surface().map(of_system).into();
     rows.extend(of_grid(self::grid()));
     rows
 }
@@ -71,11 +84,6 @@ fn grid() -> Vec<Named<Grid>> {
         )
         .in_objects(),
     ]
-}
-
-/// The object `grid`, by itself.
-pub(crate) fn grid_object(grid: &Grid) -> Object {
-    Object::of_rows(&self::grid(), grid)
 }
 
 /// How well it was answered.

@@ -152,7 +152,7 @@ impl TheorySummary {
     /// What is known of a system. `range` is that of the attraction of tops that stick (m), if it is known.
     ///
     /// # Errors
-    /// A range that is no positive number, and [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice.
+    /// A range that is no positive number, and [`Unsupported`](fakir::problem::Unsupported) of any but equal pillars on the endless hexagonal lattice.
     pub fn new(system: &System, range: Option<f64>) -> Result<Self, SolveError> {
         let adhesion = AdhesionObject::new(system, range)?;
         // The other formulas know no adhesion.

@@ -242,7 +242,12 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
         let moment: f64 = pillars.map(|(cap, state)| cap.apex[0] * state.force).sum();
         return Ok([numbers(&Record::of(&answer)), vec![moment]].concat());
     }
-    let Case { system, method, .. } = file.case().map_err(|e| e.one_line())?;
+    let asked = match question {
+        Question::Transition | Question::PastTransition => fakir::problem::Question::Transition,
+        Question::Press => fakir::problem::Question::Press,
+        Question::Cycle => fakir::problem::Question::Cycle,
+    };
+    let Case { system, method, .. } = file.case_for(&[asked]).map_err(|e| e.one_line())?;
     let press = |load| fakir::press(&system, load, method, &run).map_err(refused);
     match question {
         Question::Press => Ok(numbers(&Record::of(&press(load)?))),

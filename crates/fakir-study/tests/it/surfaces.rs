@@ -39,7 +39,7 @@ fn numbers(table: &Table, name: &str) -> Vec<Option<f64>> {
 fn file(study: &Study, index: usize) -> CaseFile {
     match study.case(index).case {
         StudiedCase::Surface(file) => *file,
-        StudiedCase::Texture(_) => panic!("a surface"),
+        StudiedCase::Texture(_) | StudiedCase::Rounded(_) => panic!("a surface"),
     }
 }
 

@@ -20,6 +20,7 @@ pub(crate) mod arrangement;
 pub(crate) mod cap_field;
 pub(crate) mod column;
 pub(crate) mod cycle_plan;
+pub(crate) mod dispatch;
 pub(crate) mod grid;
 pub(crate) mod height_map;
 pub(crate) mod lattice;
@@ -47,6 +48,7 @@ pub use arrangement::{
 pub use cap_field::{Cap, CapField, InvalidCaps};
 pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS, Pillar, PillarCompliance};
 pub use cycle_plan::{CyclePlan, Drive, Turn};
+pub use dispatch::{Feature, Question, Solver, Unsupported};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
 pub use height_map::{HeightMap, InvalidHeightMap, PillarColumns};
 pub use lattice::{HexagonalLattice, LatticeSymmetry, MAXIMUM_SURFACE_FRACTION};

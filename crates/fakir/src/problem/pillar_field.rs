@@ -540,26 +540,22 @@ impl PillarField {
         }
     }
 
-    /// Whether all tops have the common radius, and whether all columns give way as the first one.
-    pub(crate) fn are_common(&self) -> [bool; 2] {
+    /// Whether all columns give way as the first one.
+    pub(crate) fn has_common_columns(&self) -> bool {
         match self {
-            Self::Hexagonal { .. } => [true; 2],
+            Self::Hexagonal { .. } => true,
             Self::Lattice(lattice) => {
                 let rigid = lattice.body.column == Column::default();
                 let level = lattice
                     .scatter
                     .as_ref()
                     .is_none_or(|scatter| scatter.disorder.heights.is_none());
-                [true, rigid || level]
+                rigid || level
             }
             Self::Listed(list) => {
-                const ROUNDING: f64 = 1e-12;
                 let first = list.pillars[0].body.column;
-                let bodies = || list.pillars.iter().map(|pillar| &pillar.body);
-                [
-                    bodies().all(|body| (body.radius - 1.0).abs() < ROUNDING),
-                    bodies().all(|body| body.column.is_near(first)),
-                ]
+                let mut bodies = list.pillars.iter().map(|pillar| &pillar.body);
+                bodies.all(|body| body.column.is_near(first))
             }
         }
     }

@@ -376,11 +376,12 @@ impl System {
 
     /// Whether all pillars have the common diameter.
     pub(crate) fn has_common_diameter(&self) -> bool {
-        let common = self.pillar().diameter.to_bits();
+        const ROUNDING: f64 = 1e-12;
+        let common = self.pillar().diameter;
         match self.arrangement() {
             Arrangement::Listed(list) => {
                 let mut pillars = list.pillars().iter();
-                pillars.all(|pillar| pillar.diameter.to_bits() == common)
+                pillars.all(|pillar| (pillar.diameter / common - 1.0).abs() < ROUNDING)
             }
             _ => true,
         }

@@ -20,9 +20,9 @@ use crate::state::fields::{Disc, HeldPart};
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
-    CycleEventKind, CycleStation, ErrorEstimate, Fields, FloorContact, FloorDifference,
-    FloorErrors, FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState,
-    PillarStatus, PullOff, Run, SolveError, StuckFloorErrors, Termination, TopDifference, Warning,
+    CycleEventKind, CycleStation, ErrorEstimate, Fields, FloorContact, FloorErrors,
+    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
+    PullOff, Run, SolveError, StuckFloorErrors, Termination, Warning,
 };
 use crate::theory::stuck_floor::StuckPillar;
 use std::f64::consts::PI;
@@ -68,7 +68,7 @@ pub(crate) fn press(
     accuracy: Accuracy,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let scene = sticking_scene(system)?;
+    let scene = Scene::new(system);
     let end = match control {
         Load::Indentation(indentation) => End::Indentation(indentation / scene.length),
         Load::Force(force) => End::Force(force / scene.force()),
@@ -103,7 +103,7 @@ pub(crate) fn cycle(
     run: &Run<'_>,
     follower: &dyn Fn(&Passage<'_>),
 ) -> Result<Cycle, SolveError> {
-    let scene = sticking_scene(system)?;
+    let scene = Scene::new(system);
     let told = |path: &Path<'_>| {
         if let Some(station) = path.stations.last() {
             follower(&Passage {
@@ -181,36 +181,6 @@ impl Route {
         }
         Ok(loaded)
     }
-}
-
-/// The scene, if its tops can stick: these are of one size and on columns that are alike, whatever their heights.
-fn sticking_scene(system: &System) -> Result<Scene, SolveError> {
-    if system.lens().sphere().is_none() {
-        return Err(SolveError::not_made_for("adhesion", system));
-    }
-    let scene = Scene::new(system);
-    let [sizes, columns] = scene.field.are_common();
-    if !sizes {
-        let what = TopDifference::Diameters;
-        return Err(SolveError::TopsDiffer { what });
-    }
-    if !columns {
-        let what = TopDifference::Columns;
-        return Err(SolveError::TopsDiffer { what });
-    }
-    if floor_sticks(system) {
-        let refuse = |what| Err(SolveError::FloorDoesNotStick { what });
-        if scene.hexagonal_lattice().is_none() {
-            return refuse(FloorDifference::Arrangement);
-        }
-        if !scene.layers.is_empty() {
-            return refuse(FloorDifference::Layer);
-        }
-        if system.pillar().compliance == PillarCompliance::Elastic {
-            return refuse(FloorDifference::ElasticPillars);
-        }
-    }
-    Ok(scene)
 }
 
 /// Whether the lens goes on sticking to the floor where it reaches that.

@@ -57,16 +57,6 @@ pub(crate) fn press(
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let scene = Scene::new(system);
-    let what = match method {
-        PillarMethod::Punch(_) if scene.hexagonal_lattice().is_none() => Some("the punch lattice"),
-        PillarMethod::Love(_) if system.lens().sphere().is_none() => {
-            Some("the method of elements on pillars")
-        }
-        _ => None,
-    };
-    if let Some(what) = what {
-        return Err(SolveError::not_made_for(what, system));
-    }
     let target = scene.scaled(control);
     let first_touch = scene.first_touch();
     let floor_first = first_touch >= scene.height;

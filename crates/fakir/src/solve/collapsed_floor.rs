@@ -21,7 +21,7 @@
 
 use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
 use crate::problem::quantity::Requirement;
-use crate::problem::{Point, Quantity, System};
+use crate::problem::{Point, Quantity, System, Unsupported};
 use crate::state::{Run, SolveError};
 use crate::theory::stuck_floor::{AnnulusCoefficients, FreeAnnulus, StuckPillar};
 use std::f64::consts::PI;
@@ -299,12 +299,13 @@ impl CollapsedFloor {
     /// For a system whose floor sticks as its tops do, with the work of adhesion where contact is made on loading and on unloading, up to an indentation (m).
     ///
     /// # Errors
-    /// [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice, [`SolveError::NotUnderShape`] of a lens that is no sphere, and
+    /// [`Unsupported`] of any but equal pillars on the endless hexagonal lattice, and of a lens that is no sphere;
     /// a work of adhesion or an indentation that is no positive number, or one of more than a tenth of the lens radius.
     pub fn new(system: &System, largest_indentation: f64) -> Result<Self, SolveError> {
-        let refused = || SolveError::not_made_for("the collapsed floor", system);
-        let lattice = system.hexagonal_lattice().ok_or_else(refused)?;
-        let lens = system.lens().sphere().ok_or_else(refused)?;
+        let lattice = system.hexagonal_lattice();
+        let lattice = lattice.ok_or(Unsupported::BUT_FOR_THE_LATTICE)?;
+        let lens = system.lens().sphere();
+        let lens = lens.ok_or(Unsupported::BUT_FOR_A_SPHERE)?;
         let work = Requirement::Positive.check(Quantity::WorkOfAdhesion, system.adhesion().work)?;
         Requirement::Between(0.0, 0.1 * lens.radius)
             .check(Quantity::Indentation, largest_indentation)?;

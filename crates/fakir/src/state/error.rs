@@ -1,7 +1,6 @@
 //! Why a question has no answer.
 
-use crate::problem::{InvalidQuantity, System};
-use std::fmt;
+use crate::problem::{InvalidQuantity, Unsupported};
 
 /// So many bytes for a person: `1.2 GB`.
 pub(crate) fn memory(bytes: usize) -> String {
@@ -21,6 +20,9 @@ pub enum SolveError {
     /// A prescribed load that cannot be.
     #[error(transparent)]
     InvalidQuantity(#[from] InvalidQuantity),
+    /// What no solver of this problem answers.
+    #[error(transparent)]
+    Unsupported(#[from] Unsupported),
     /// The contact would reach past half the lens radius.
     #[error(
         "the contact would reach {:.3e} m from the lens axis, more than half the lens radius \
@@ -119,45 +121,6 @@ pub enum SolveError {
         /// Width of a grid around the lens axis that would do, m.
         needed: f64,
     },
-    /// What is made for the paper's lattice, asked of another arrangement.
-    #[error(
-        "{what} is made for equal pillars on an endless hexagonal lattice that is not turned, not \
-         for this arrangement ({arrangement}): use the spectral method"
-    )]
-    NotOnArrangement {
-        /// `"the punch lattice"` and others.
-        what: &'static str,
-        /// Name of the arrangement.
-        arrangement: &'static str,
-    },
-    /// Adhesion on tops whose fronts are not alike.
-    #[error(
-        "adhesion is known on tops of the common diameter whose columns give way alike, and here {what}"
-    )]
-    TopsDiffer {
-        /// What is different, and what can be done.
-        what: TopDifference,
-    },
-    /// A floor that sticks where that is not known.
-    #[error(
-        "a floor that sticks is known between pillars on an endless hexagonal lattice that is not turned, whose bodies are half-spaces, and here {what}; or \
-         let the tops stick alone"
-    )]
-    FloorDoesNotStick {
-        /// What is different, and what can be done.
-        what: FloorDifference,
-    },
-    /// What is made for a spherical lens, asked of another shape.
-    #[error(
-        "{what} is made for a spherical lens, not for this shape ({shape}): use the spectral method, without adhesion, \
-         or a sphere"
-    )]
-    NotUnderShape {
-        /// `"adhesion"`, `"the punch lattice"` and others.
-        what: &'static str,
-        /// Name of the shape.
-        shape: &'static str,
-    },
     /// A table of heights that ends within reach of the contact.
     #[error(
         "the lens is needed up to {reach:.3e} m from its axis, and its table of heights ends at {end:.3e} m: give a longer \
@@ -168,33 +131,6 @@ pub enum SolveError {
         reach: f64,
         /// Where the table ends, m.
         end: f64,
-    },
-    /// What is made for half-spaces, asked where a body is a layer.
-    #[error(
-        "{what} is not there yet where the substrate or the lens is a layer: leave out the thicknesses, {instead}"
-    )]
-    NotWithLayers {
-        /// `"adhesion"` and others.
-        what: &'static str,
-        /// What can be asked for instead.
-        instead: &'static str,
-    },
-    /// The critical state under a cylinder or a plate.
-    #[error(
-        "a {shape} has no transition: it comes nearest to the floor beyond the pillars; prescribe an indentation or a force"
-    )]
-    NoTransition {
-        /// Name of the shape.
-        shape: &'static str,
-    },
-    /// A method that knows no adhesion.
-    #[error(
-        "the {method} method has no adhesion: use the spectral method, which has, or a work of \
-         adhesion of 0"
-    )]
-    NoAdhesion {
-        /// Its name.
-        method: &'static str,
     },
     /// A cycle without adhesion.
     #[error(
@@ -294,66 +230,4 @@ pub enum SolveError {
         /// Indentation, m.
         indentation: f64,
     },
-}
-
-/// How tops differ on which adhesion is not known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TopDifference {
-    /// Their diameters differ from the common one.
-    Diameters,
-    /// Their heights differ, and so the compliance of their columns.
-    Columns,
-}
-
-impl fmt::Display for TopDifference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Diameters => "diameters differ from the common one: give all pillars that one",
-            Self::Columns => {
-                "heights differ, and so columns: give all pillars one height, or let pillars be rigid"
-            }
-        })
-    }
-}
-
-/// Why adhesion of the floor is not known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FloorDifference {
-    /// The pillars are on another arrangement.
-    Arrangement,
-    /// A body is a layer.
-    Layer,
-    /// The pillars are elastic bodies.
-    ElasticPillars,
-}
-
-impl fmt::Display for FloorDifference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Arrangement => {
-                "they stand otherwise: use the hexagonal lattice without rotation, columns and scatter"
-            }
-            Self::Layer => "one is a layer: leave the thicknesses out",
-            Self::ElasticPillars => {
-                "pillars are elastic bodies: let them be columns, or rigid"
-            }
-        })
-    }
-}
-
-impl SolveError {
-    /// Of what is made for a sphere over equal pillars on the endless hexagonal lattice, asked of this system.
-    #[must_use]
-    pub fn not_made_for(what: &'static str, system: &System) -> Self {
-        match system.lens().sphere() {
-            None => Self::NotUnderShape {
-                what,
-                shape: system.lens().shape_name(),
-            },
-            Some(_) => Self::NotOnArrangement {
-                what,
-                arrangement: system.arrangement().name(),
-            },
-        }
-    }
 }

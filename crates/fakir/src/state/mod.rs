@@ -33,7 +33,7 @@ pub use cycle::{
     Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation,
     FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PullOff, StuckFloorErrors,
 };
-pub use error::{FloorDifference, SolveError, TopDifference};
+pub use error::SolveError;
 pub use fields::Fields;
 pub use floor_contact::{FloorContact, FloorErrors};
 pub use gradient::{Derivatives, Gradient};

@@ -1,6 +1,7 @@
 //! How near a contact comes to where its model ends, and what of the model would change it: estimates from the contact alone, in closed form.
 
 use super::layer::Layers;
+use crate::numerics::convergence::smaller;
 use crate::problem::{
     HeightMap, Indenter, Layer, LensShape, Material, Method, PillarCompliance, SurfaceSystem,
     System,
@@ -79,7 +80,17 @@ impl ContactState {
             limits.push(Limit::at_most("buckling", buckling, LARGEST_BUCKLING));
         }
         limits.extend(self.of_pillars());
-        limits.extend(self.of_layers());
+        let sphere = match system.lens().shape {
+            LensShape::Sphere { radius } => Some(radius),
+            _ => None,
+        };
+        let layers = [system.substrate_layer(), system.lens_layer()];
+        limits.extend(of_layers(layers, sphere, Some(farthest), self.indentation));
+        if let Some(thinnest) = system.thinnest_layer() {
+            let ratio = thinnest / system.largest_diameter();
+            let name = "thickness_over_diameter";
+            limits.push(Limit::at_least(name, ratio, THINNEST_LAYER));
+        }
         if self.force > 0.0 && self.indentation > 0.0 {
             limits.extend(self.thicknesses());
             limits.extend(self.sticking());
@@ -102,39 +113,6 @@ impl ContactState {
         let own = law.of_common().shortening;
         let difference = ((1.0 + own) / (1.0 + elastic) - 1.0).abs();
         Some(Limit::at_most("pillar_compliance", difference, SMALL))
-    }
-
-    /// Where bodies that are layers are beyond what flat layers stand for.
-    fn of_layers(&self) -> Vec<Limit> {
-        let system = &self.system;
-        let [film, lens] = [system.substrate_layer(), system.lens_layer()];
-        let mut limits = Vec::new();
-        if let Some(film) = film {
-            let name = "contact_radius_over_substrate_thickness";
-            limits.push(Limit::told(
-                name,
-                self.whole_contact_radius() / film.thickness,
-            ));
-        }
-        if let Some(lens) = lens {
-            let name = "contact_radius_over_lens_thickness";
-            let ratio = self.whole_contact_radius() / lens.thickness;
-            limits.push(Limit::at_most(name, ratio, WIDEST_ON_LENS));
-            if let LensShape::Sphere { radius } = system.lens().shape {
-                let ratio = lens.thickness / radius;
-                let name = "lens_thickness_over_radius";
-                limits.push(Limit::at_most(name, ratio, THICKEST_CAP));
-            }
-        }
-        if let Some(thinnest) = system.thinnest_layer() {
-            let deep = self.indentation / thinnest;
-            let name = "indentation_over_thickness";
-            limits.push(Limit::at_most(name, deep, DEEPEST_IN_LAYER));
-            let name = "thickness_over_diameter";
-            let ratio = thinnest / system.largest_diameter();
-            limits.push(Limit::at_least(name, ratio, THINNEST_LAYER));
-        }
-        limits
     }
 
     /// At which thickness a body that is a half-space would matter.
@@ -201,6 +179,48 @@ impl ContactState {
     }
 }
 
+/// Where bodies that are layers, the substrate and the lens, are beyond what flat layers stand for. The radius of a spherical lens, that of the contact and the
+/// indentation are in m.
+fn of_layers(
+    [film, lens]: [Option<&Layer>; 2],
+    sphere: Option<f64>,
+    contact_radius: Option<f64>,
+    indentation: f64,
+) -> Vec<Limit> {
+    let mut limits = Vec::new();
+    if let (Some(film), Some(radius)) = (film, contact_radius) {
+        let name = "contact_radius_over_substrate_thickness";
+        limits.push(Limit::told(name, radius / film.thickness));
+    }
+    if let Some(lens) = lens {
+        if let Some(radius) = contact_radius {
+            let name = "contact_radius_over_lens_thickness";
+            limits.push(Limit::at_most(
+                name,
+                radius / lens.thickness,
+                WIDEST_ON_LENS,
+            ));
+        }
+        if let Some(sphere) = sphere {
+            let name = "lens_thickness_over_radius";
+            limits.push(Limit::at_most(name, lens.thickness / sphere, THICKEST_CAP));
+        }
+    }
+    let thicknesses = [film, lens].into_iter().flatten();
+    let thinnest = thicknesses
+        .map(|layer| layer.thickness)
+        .fold(f64::INFINITY, smaller);
+    if thinnest.is_finite() {
+        let name = "indentation_over_thickness";
+        limits.push(Limit::at_most(
+            name,
+            indentation / thinnest,
+            DEEPEST_IN_LAYER,
+        ));
+    }
+    limits
+}
+
 impl SurfaceContact {
     /// The conditions of the model, and how near this contact with a system's surface comes to where they end.
     ///
@@ -208,6 +228,7 @@ impl SurfaceContact {
     /// * `surface_slope`: the largest between neighbouring cells in contact, of one pillar or beside all pillars.
     /// * `pillar_stress`: mean stress on the top of the hardest pillar over Young's modulus of the substrate; without pillars
     ///   `contact_stress`, that on all cells in contact.
+    /// * Of bodies of finite thickness those that contacts with pillars have, but for the diameter of pillars.
     /// * `cells_in_contact`: how many there are, doubtful below 12.
     #[must_use]
     pub fn limits(&self, system: &SurfaceSystem) -> Vec<Limit> {
@@ -219,6 +240,12 @@ impl SurfaceContact {
                 limits.push(Limit::at_most(name, slope, DOUBTFUL_CONTACT));
             }
         }
+        let sphere = match system.indenter() {
+            Indenter::Lens(lens) => Some(lens.radius),
+            Indenter::Flat(_) => None,
+        };
+        let (radius, depth) = (self.contact_radius, self.indentation);
+        limits.extend(of_layers(system.layers(), sphere, radius, depth));
         let surface = system.surface();
         let slope = self.steepest(surface);
         limits.push(Limit::at_most("surface_slope", slope, DOUBTFUL_CONTACT));

@@ -15,7 +15,7 @@ use crate::numerics::cholesky::{factorise, solve_lower};
 use crate::numerics::elliptic::{dilogarithm, elliptic_ratio, legendre_q};
 use crate::numerics::roots::{Point, find, least};
 use crate::problem::quantity::Requirement;
-use crate::problem::{InvalidQuantity, Quantity, System};
+use crate::problem::{InvalidQuantity, Quantity, System, Unsupported};
 use crate::state::SolveError;
 use std::convert::Infallible;
 use std::f64::consts::PI;
@@ -438,11 +438,10 @@ impl StuckFloor {
     /// The floor of a system.
     ///
     /// # Errors
-    /// [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice, and pillars that cover the whole surface.
+    /// [`Unsupported`] of any but equal pillars on the endless hexagonal lattice, and pillars that cover the whole surface.
     pub fn of(system: &System) -> Result<Self, SolveError> {
-        let lattice = system
-            .hexagonal_lattice()
-            .ok_or_else(|| SolveError::not_made_for("the stuck floor", system))?;
+        let lattice = system.hexagonal_lattice();
+        let lattice = lattice.ok_or(Unsupported::BUT_FOR_THE_LATTICE)?;
         Ok(Self::new(StuckPillar::of(system), lattice.cell_area())?)
     }
 

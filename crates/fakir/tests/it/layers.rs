@@ -627,7 +627,7 @@ fn what_is_not_made_for_layers_is_refused() {
         .with_adhesion(fakir::problem::Adhesion::new(50e-3))
         .unwrap();
     let error = fakir::press(&sticky, Load::FloorContact, Method::default(), &run).unwrap_err();
-    assert!(matches!(error, SolveError::NotWithLayers { .. }), "{error}");
+    assert!(matches!(error, SolveError::Unsupported(_)), "{error}");
     for thickness in [0.0, -1.0, f64::NAN, 2.1e-6] {
         assert!(
             system

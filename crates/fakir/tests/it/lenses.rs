@@ -4,7 +4,7 @@ use fakir::problem::{
     Accuracy, Adhesion, Arrangement, Boundary, Grid, HeightMap, HexagonalLattice, Indenter,
     InvalidQuantity, LatticeForm, Lens, LensProfile, LensShape, ListedPillar, Load, Material,
     Method, Pillar, PillarCompliance, PillarList, PlaneLattice, Point, PunchForm, Quantity,
-    Requirement, ShapedLens, SurfaceSystem, System, Texture,
+    Requirement, ShapedLens, SurfaceSystem, System, Texture, Unsupported,
 };
 use fakir::state::{ContactState, Run, SolveError, Warning};
 use std::f64::consts::PI;
@@ -735,16 +735,8 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
         Method::Homogenised,
     ] {
         let error = fakir::press(&paraboloid, control, method, &run).unwrap_err();
-        assert!(
-            matches!(
-                error,
-                SolveError::NotUnderShape {
-                    shape: "paraboloid",
-                    ..
-                }
-            ),
-            "{error}"
-        );
+        let expected = SolveError::Unsupported(Unsupported::BUT_FOR_A_SPHERE);
+        assert_eq!(error, expected, "{error}");
     }
     let sticky = paraboloid.with_adhesion(Adhesion::new(50e-3)).unwrap();
     let error = fakir::press(&sticky, control, Method::default(), &run).unwrap_err();
@@ -761,7 +753,7 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
         let error = fakir::transition(&few, Method::default(), &run).unwrap_err();
         assert!(error.to_string().contains("has no transition"), "{error}");
         let error = fakir::gradient(&few, Load::FloorContact, Method::default(), &run).unwrap_err();
-        assert!(matches!(error, SolveError::NoTransition { .. }));
+        assert!(error.to_string().contains("has no transition"), "{error}");
         let deep = pressed(&few, Load::Indentation(2.5e-6));
         let beside = |warning: &Warning| matches!(warning, Warning::FloorBeside { .. });
         assert!(deep.warnings.iter().any(beside) && deep.smallest_floor_gap < 0.0);

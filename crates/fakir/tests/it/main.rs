@@ -7,6 +7,7 @@ mod arrangements;
 mod caps;
 mod common;
 mod contact_edge;
+mod dispatch;
 mod elastic_pillars;
 mod estimates;
 mod inside_tops;

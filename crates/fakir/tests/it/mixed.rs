@@ -636,6 +636,7 @@ fn floor_shares_that_cannot_be_are_refused_with_the_reason() {
         let refused = fakir::press_to_floor_shares(&critical, shares, &Run::default());
         match refused {
             Err(SolveError::NoFloorShare { why }) => why,
+            Err(SolveError::Unsupported(unsupported)) => unsupported.why,
             other => panic!("{other:?}"),
         }
     };
@@ -644,9 +645,9 @@ fn floor_shares_that_cannot_be_are_refused_with_the_reason() {
     for share in [0.0, 1.0, -0.1, f64::NAN, f64::INFINITY] {
         assert!(why(&usual, spectral, &[0.5, share]).contains("between"));
     }
-    assert!(why(&without_floor(&usual), spectral, &[0.5]).contains("ignores"));
+    assert!(why(&without_floor(&usual), spectral, &[0.5]).contains("ignored"));
     let punch = Method::Punch(PunchForm::Corrected);
-    assert!(why(&usual, punch, &[0.5]).contains("spectral"));
+    assert!(why(&usual, punch, &[0.5]).contains("leaves the floor out"));
     // Pillars so far apart that the lens reaches the floor before any of them.
     let wide = system(0.0001, 2e6, 1.0 / 3f64.sqrt());
     assert!(why(&wide, spectral, &[0.5]).contains("pillars are touched"));

@@ -5,8 +5,9 @@
 use super::surface_level::check_fields;
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::{
-    Boundary, Cells, ElementMesh, Floor, Grid, HeightMap, Indenter, InvalidGrid, InvalidHeightMap,
-    Layer, Lens, Load, MeshLayout, Method, PillarColumns, PlacedPillar, SurfaceSystem, System,
+    Boundary, Cells, ElementMesh, Feature, Floor, Grid, HeightMap, Indenter, InvalidGrid,
+    InvalidHeightMap, Layer, Lens, Load, MeshLayout, Method, PillarColumns, PlacedPillar, Question,
+    Solver, SurfaceSystem, System, Unsupported,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -26,15 +27,10 @@ pub(crate) fn press_with_floor(
     reach: f64,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let not_made_for = || SolveError::not_made_for("the method of elements with a floor", system);
-    let sphere = system.lens().sphere().ok_or_else(not_made_for)?;
+    Question::VerifyFloor.check(Solver::Elements, &Feature::of(system))?;
+    let sphere = system.lens().sphere();
+    let sphere = sphere.ok_or(Unsupported::BUT_FOR_A_SPHERE)?;
     let pillars = system.pillars_within(2.0 * reach);
-    // The discs are matched to flat punches of one diameter.
-    let has_common_diameter =
-        |pillar: &PlacedPillar| (pillar.diameter / system.pillar().diameter - 1.0).abs() < 1e-12;
-    if !pillars.iter().all(has_common_diameter) {
-        return Err(not_made_for());
-    }
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
     };

@@ -8,7 +8,7 @@ use crate::halfspace::layer::LayerResponse;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::roots;
 use crate::problem::layer::WeightedLayer;
-use crate::problem::{Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System};
+use crate::problem::{Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System, Unsupported};
 use crate::state::contact::contact_warnings;
 use crate::state::{ContactState, ErrorEstimate, Run, SolveError, Termination};
 use crate::theory::closed_forms::TransitionEstimate;
@@ -45,11 +45,14 @@ impl HomogenisedLattice {
     ///
     /// # Errors
     /// [`SolveError::TextureTooDense`] where `beta` is not positive: at and above the
-    /// [`largest_surface_fraction`]. [`SolveError::NotOnArrangement`] of any but equal pillars on the endless hexagonal lattice, and [`SolveError::NotUnderShape`] of a lens that is
+    /// [`largest_surface_fraction`]. [`Unsupported`] of any but equal pillars on the endless hexagonal lattice, and of a lens that is
     /// no sphere.
     pub fn new(system: &System) -> Result<Self, SolveError> {
-        if system.hexagonal_lattice().is_none() || system.lens().sphere().is_none() {
-            return Err(SolveError::not_made_for("the homogenised lattice", system));
+        if system.lens().sphere().is_none() {
+            return Err(Unsupported::BUT_FOR_A_SPHERE.into());
+        }
+        if system.hexagonal_lattice().is_none() {
+            return Err(Unsupported::BUT_FOR_THE_LATTICE.into());
         }
         let neighbours = neighbour_compliance(system);
         let own = system.internal_compliance() / system.pillar().diameter;

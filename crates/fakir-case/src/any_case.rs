@@ -1,0 +1,48 @@
+//! A case of any kind of surface.
+
+use crate::case::Case;
+use crate::error::CaseError;
+use crate::file::CaseFile;
+use crate::rounded::RoundedCase;
+use crate::support::SurfaceKind;
+use fakir::problem::{Question, Solver};
+
+/// A case of any kind of surface: where the three part.
+#[derive(Debug, Clone)]
+pub enum AnyCase {
+    /// Pillars with flat tops.
+    Pillars(Box<Case>),
+    /// Pillars with rounded tops.
+    Asperities(Box<RoundedCase>),
+    /// A height map, as the case file that describes it: it is drawn when it is solved, on a grid that is wide enough.
+    HeightMap(Box<CaseFile>),
+}
+
+impl CaseFile {
+    /// The case, if all of these questions have an answer for it.
+    ///
+    /// # Errors
+    /// [`CaseError`] that says why one has none, and what to do in its place; or what is wrong with the case.
+    pub fn any_case(&self, questions: &[Question]) -> Result<AnyCase, CaseError> {
+        self.check_surface(questions)?;
+        match self.surface_kind() {
+            SurfaceKind::Pillars => Ok(AnyCase::Pillars(Box::new(self.case_for(questions)?))),
+            SurfaceKind::Asperities => Ok(AnyCase::Asperities(Box::new(self.rounded_case()?))),
+            SurfaceKind::HeightMap => Ok(AnyCase::HeightMap(Box::new(self.clone()))),
+        }
+    }
+
+    /// Refuses questions that have no answer for the kind of surface, whatever else the case is.
+    ///
+    /// # Errors
+    /// [`CaseError`] that says why one has none, and what to do in its place.
+    pub fn check_surface(&self, questions: &[Question]) -> Result<(), CaseError> {
+        let solver = match self.surface_kind() {
+            SurfaceKind::Pillars => return Ok(()),
+            SurfaceKind::Asperities => Solver::Asperities,
+            SurfaceKind::HeightMap => Solver::HeightMap,
+        };
+        let mut questions = questions.iter();
+        questions.try_for_each(|question| self.answers(*question, solver, &[]))
+    }
+}

@@ -1,0 +1,268 @@
+//! The states of a loading: the rows of its table.
+
+use super::contact::of_floor;
+use super::named::{Kind, Named, Recorded};
+use super::rounded::{RoundedAnswer, largest};
+use super::surface::SurfaceAnswer;
+use fakir::state::{CapContact, CapErrors, ContactState, FloorContact, Solution, SurfaceContact};
+
+/// A state of a loading.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadingState<A> {
+    /// The contact.
+    pub answer: A,
+    /// Where in the loading it is.
+    pub place: Place,
+}
+
+/// A place in the order of a loading.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// Whether it is the critical state.
+    pub critical: bool,
+    /// Whether it is past that; none where it is not known what the floor is.
+    pub beyond: Option<bool>,
+}
+
+impl<A> LoadingState<A> {
+    /// The same state with what was asked about.
+    pub(crate) fn of<B>(&self, answer: B) -> LoadingState<B> {
+        let place = self.place;
+        LoadingState { answer, place }
+    }
+}
+
+fn force<C: 'static>(of: fn(&C) -> f64) -> Named<C> {
+    Named::number("force_N", "normal force on the lens", of).symbol("F")
+}
+
+fn indentation<C: 'static>(of: fn(&C) -> f64) -> Named<C> {
+    Named::number("indentation_m", "indentation", of).symbol("ζ")
+}
+
+fn converged<C: Solution + 'static>() -> Named<C> {
+    Named::flag(
+        "converged",
+        "whether the solver converged and all numbers are resolved",
+        C::is_answer,
+    )
+}
+
+fn place() -> [Named<Place>; 2] {
+    [
+        Named::flag(
+            "critical",
+            "whether it is the critical state",
+            |it: &Place| it.critical,
+        ),
+        Named::flag_if_any(
+            "beyond_transition",
+            "whether the floor is in contact, or would be if it were not ignored; `null` where it is not known what the floor is",
+            |it: &Place| it.beyond,
+        ),
+    ]
+}
+
+impl<'a> Recorded for LoadingState<&'a ContactState> {
+    const KIND: Kind = Kind::Loading;
+
+    fn rows() -> Vec<Named<Self>> {
+        let floor = |name, meaning, of: fn(&FloorContact) -> f64| {
+            Named::number_if_any(name, meaning, move |it: &ContactState| of_floor(it, of))
+        };
+        let floor_error = |name, meaning, of: fn(&FloorContact) -> f64| {
+            let error = move |it: &ContactState| it.floor.as_ref().map(of);
+            Named::number_if_any(name, meaning, error)
+        };
+        let contact = |rows: Vec<Named<ContactState>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &Self| it.answer))
+        };
+        let mut rows: Vec<Named<Self>> = contact(
+            vec![
+                indentation(|it: &ContactState| it.indentation),
+                force(|it: &ContactState| it.force),
+                Named::number(
+                    "contact_radius_m",
+                    "contact radius",
+                    ContactState::whole_contact_radius,
+                )
+                .symbol("a"),
+                Named::count(
+                    "pillars_in_contact",
+                    "number of pillars in contact",
+                    |it: &ContactState| it.pillars_in_contact,
+                ),
+                Named::count(
+                    "pillars_partially_in_contact",
+                    "number of pillars that the edge of the contact crosses",
+                    |it: &ContactState| it.pillars_partially_in_contact,
+                ),
+                Named::number(
+                    "smallest_floor_gap_m",
+                    "smallest gap between lens and floor; past the transition negative if the floor is ignored",
+                    |it: &ContactState| it.smallest_floor_gap,
+                ),
+                floor("floor_force_N", "force on the floor; `null` past the transition if it is ignored", |it| it.force),
+                floor("floor_share", "floor force over total force", |it| it.share),
+                floor("floor_contact_area_m2", "contact area on the floor", |it| it.area),
+                floor(
+                    "floor_radius_m",
+                    "distance between the lens axis and the farthest floor contact",
+                    |it| it.radius,
+                ),
+                Named::number(
+                    "force_error_estimate",
+                    "estimated relative error of the force",
+                    |it: &ContactState| it.error.force,
+                ),
+                Named::number(
+                    "contact_radius_error_estimate",
+                    "estimated relative error of the contact radius",
+                    ContactState::relative_whole_contact_radius_error,
+                ),
+                floor_error(
+                    "floor_share_error_estimate",
+                    "estimated relative error of the share of the floor",
+                    |it| it.error.share,
+                ),
+                floor_error(
+                    "floor_contact_area_error_estimate",
+                    "estimated relative error of the contact area on the floor",
+                    |it| it.error.area,
+                ),
+            ],
+        )
+        .collect();
+        rows.extend(place().map(|row| row.of_part(|it: &Self| &it.place)));
+        rows.extend(contact(vec![converged()]));
+        rows
+    }
+}
+
+impl<'a> Recorded for LoadingState<SurfaceAnswer<'a, SurfaceContact>> {
+    const KIND: Kind = Kind::SurfaceLoading;
+
+    fn rows() -> Vec<Named<Self>> {
+        let contact = |rows: Vec<Named<SurfaceContact>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &Self| it.answer.answer))
+        };
+        let mut rows: Vec<Named<Self>> = contact(vec![
+            indentation(|it: &SurfaceContact| it.indentation),
+            force(|it: &SurfaceContact| it.force),
+            Named::number(
+                "contact_area_m2",
+                "area of the cells in contact",
+                |it: &SurfaceContact| it.contact_area,
+            )
+            .symbol("A"),
+            Named::number_if_any(
+                "contact_radius_m",
+                "contact radius; `null` under a plate",
+                |it: &SurfaceContact| it.contact_radius,
+            )
+            .symbol("a"),
+            Named::number_if_any(
+                "tops_force_N",
+                "force on the tops; `null` where it is not known what the floor is",
+                |it: &SurfaceContact| Some(it.shares?.tops.force),
+            ),
+            Named::number_if_any(
+                "tops_contact_area_m2",
+                "contact area of the tops",
+                |it: &SurfaceContact| Some(it.shares?.tops.area),
+            ),
+            Named::number_if_any(
+                "floor_force_N",
+                "force on the floor",
+                |it: &SurfaceContact| Some(it.shares?.floor.force),
+            ),
+            Named::number_if_any(
+                "floor_contact_area_m2",
+                "contact area on the floor",
+                |it: &SurfaceContact| Some(it.shares?.floor.area),
+            ),
+            Named::number_if_any(
+                "force_error_estimate",
+                "estimated relative error of the force; `null` on too few cells",
+                |it: &SurfaceContact| Some(it.error?.force),
+            ),
+            Named::number_if_any(
+                "contact_radius_error_estimate",
+                "estimated relative error of the contact radius",
+                SurfaceContact::relative_contact_radius_error,
+            ),
+            Named::number_if_any(
+                "contact_area_error_estimate",
+                "estimated relative error of the contact area; `null` on too few cells",
+                |it: &SurfaceContact| it.area_error,
+            ),
+        ])
+        .collect();
+        rows.extend(place().map(|row| row.of_part(|it: &Self| &it.place)));
+        rows.extend(contact(vec![converged()]));
+        rows
+    }
+}
+
+impl<'a> Recorded for LoadingState<RoundedAnswer<'a>> {
+    const KIND: Kind = Kind::RoundedLoading;
+
+    fn rows() -> Vec<Named<Self>> {
+        let contact = |rows: Vec<Named<CapContact>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &Self| it.answer.contact))
+        };
+        let error = |of: fn(&CapErrors) -> f64| move |it: &CapContact| it.error.as_ref().map(of);
+        let mut rows: Vec<Named<Self>> = contact(vec![
+            indentation(|it: &CapContact| it.indentation),
+            force(|it: &CapContact| it.force),
+            Named::number(
+                "contact_area_m2",
+                "area of all contacts",
+                |it: &CapContact| it.area,
+            )
+            .symbol("A"),
+            Named::number_if_any(
+                "contact_radius_m",
+                "contact radius; `null` under a plate",
+                |it: &CapContact| it.contact_radius,
+            )
+            .symbol("a"),
+            Named::count(
+                "pillars_in_contact",
+                "number of pillars in contact",
+                CapContact::touched,
+            ),
+            Named::number(
+                "largest_pillar_force_N",
+                "largest force on a pillar",
+                |it: &CapContact| largest(it, |cap| cap.force),
+            ),
+            Named::number(
+                "stiffness_N_per_m",
+                "change of the force with the indentation",
+                |it: &CapContact| it.slopes.force_with_indentation,
+            ),
+            Named::number_if_any(
+                "force_error_estimate",
+                "estimated relative error of the force",
+                error(|it| it.force),
+            ),
+            Named::number_if_any(
+                "contact_area_error_estimate",
+                "estimated relative error of the contact area",
+                error(|it| it.area),
+            ),
+        ])
+        .collect();
+        rows.push(Named::flag(
+            "floor_out_of_reach",
+            "whether the floor is certainly not reached",
+            |it: &Self| it.answer.floor_is_out_of_reach(),
+        ));
+        rows.extend(contact(vec![converged()]));
+        rows
+    }
+}
