@@ -69,6 +69,7 @@ pub(super) fn ending<T: Solution + 'static>() -> [Named<T>; 2] {
             "a quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1",
             |it: &T| it.unresolved().map(|found| found.quantity),
         )
+        .optional()
         .in_objects(),
     ]
 }
@@ -148,17 +149,20 @@ fn floor() -> Vec<Named<ContactState>> {
             "floor.force_N",
             "force on the floor",
             |it: &ContactState| of_floor(it, |floor| floor.force),
-        ),
+        )
+        .always(),
         Named::number_if_any(
             "floor.share",
             "floor force over total force",
             |it: &ContactState| of_floor(it, |floor| floor.share),
-        ),
+        )
+        .always(),
         Named::number_if_any(
             "floor.contact_area_m2",
             "contact area on the floor",
             |it: &ContactState| of_floor(it, |floor| floor.area),
-        ),
+        )
+        .always(),
         Named::number_if_any(
             "floor.radius_m",
             "distance between the lens axis and the farthest floor contact",
@@ -175,6 +179,7 @@ fn floor() -> Vec<Named<ContactState>> {
                     .map(|floor| floor.smallest_distance_to_rim)
             },
         )
+        .always()
         .in_objects(),
         Named::count_if_any(
             "floor.patches",
@@ -208,6 +213,7 @@ fn floor_errors() -> [Named<ContactState>; 2] {
             |it: &ContactState| of_floor(it, |floor| floor.error.area),
         ),
     ]
+    .map(Named::always)
 }
 
 impl Recorded for ContactState {
@@ -215,7 +221,7 @@ impl Recorded for ContactState {
 
     fn rows() -> Vec<Named<Self>> {
         let mut rows = Vec::from(solution());
-        rows.extend(load());
+        rows.extend(load().map(Named::always));
         rows.extend(pillars().map(|row| match row.entry.path {
             "top_contact_radius_m" => row.in_objects(),
             _ => row,

@@ -13,11 +13,7 @@ macro_rules! errors {
         [
             Named::number_if_any(
                 concat!("relative_error_estimate.", $figure, ".numerical"),
-                concat!(
-                    "estimated relative error of the numerical solution of `",
-                    $figure,
-                    "`: the sum of the next three; the whole object is `null` where the cycle has no such figure"
-                ),
+                "estimated relative error of the numerical solution: the sum of the next three; the whole object is `null` where the cycle has no such figure",
                 move |it: &Cycle| Some(of(it)?.numerical()),
             )
             .column(concat!("relative_error_estimate_", $figure))
@@ -59,6 +55,7 @@ macro_rules! errors {
             )
             .in_objects(),
         ]
+        .map(Named::always)
     }};
 }
 

@@ -60,7 +60,8 @@ impl Kind {
     }
 
     /// Its numbers, in the order of the JSON object.
-    pub(crate) fn entries(self) -> &'static [Entry] {
+    #[must_use]
+    pub fn entries(self) -> &'static [Entry] {
         fn of<T: Recorded>() -> Vec<Entry> {
             T::rows().iter().map(|row| row.entry).collect()
         }

@@ -11,44 +11,73 @@ pub const SCHEMA_VERSION: u32 = 2;
 
 /// What kind of value a row has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Type {
+pub enum Type {
+    /// In the unit of the row.
     Number,
+    /// A whole number.
     Count,
+    /// Whether something is so.
     Flag,
+    /// One of a few words.
     Word,
+    /// Several words.
     Words,
+    /// Two coordinates in the unit of the row.
     Point,
 }
 
 /// A value of an answer. All numbers are in SI units.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Value {
+pub enum Value {
     /// The answer has none.
     None,
+    /// Of [`Type::Number`].
     Number(f64),
+    /// Of [`Type::Count`].
     Count(usize),
+    /// Of [`Type::Flag`].
     Flag(bool),
+    /// Of [`Type::Word`].
     Word(String),
+    /// Of [`Type::Words`].
     Words(Vec<String>),
+    /// Of [`Type::Point`].
     Point(Point),
 }
 
 /// A row without the way to read it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Entry {
+pub struct Entry {
     /// Its place in the JSON object.
-    pub(crate) path: &'static str,
-    pub(super) symbol: &'static str,
-    pub(super) meaning: &'static str,
-    pub(crate) of: Type,
-    /// Whether JSON objects have it, and whether tables have it.
-    pub(super) in_objects: bool,
+    pub path: &'static str,
+    /// The symbol of the theory, if it has one.
+    pub symbol: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// What kind of value it has.
+    pub of: Type,
+    /// Whether JSON objects have it.
+    pub in_objects: bool,
+    /// Whether tables have it.
     pub(super) in_tables: bool,
     /// A column that is not named by the path.
     pub(super) column: Option<&'static str>,
+    /// Whether it can be none in an object that is there.
+    pub optional: bool,
     /// Whether the object that it is in is `null` where this number is none.
-    pub(super) decides: bool,
+    pub decides: bool,
 }
+
+/// How units are written at the end of a path, and the units. The longer ones come first.
+const UNITS: [(&str, &str); 7] = [
+    ("_J_per_m2", "J/m^2"),
+    ("_N_per_m", "N/m"),
+    ("_Pa", "Pa"),
+    ("_m2", "m^2"),
+    ("_m", "m"),
+    ("_N", "N"),
+    ("_J", "J"),
+];
 
 /// A number of answers of one type.
 pub struct Named<T> {
@@ -82,6 +111,7 @@ impl<T> Named<T> {
             in_objects: true,
             in_tables: true,
             column: None,
+            optional: false,
             decides: false,
         };
         let value = Box::new(value);
@@ -93,7 +123,7 @@ impl<T> Named<T> {
         meaning: &'static str,
         value: impl Fn(&T) -> f64 + 'static,
     ) -> Self {
-        Self::number_if_any(path, meaning, move |it| Some(value(it)))
+        Self::number_if_any(path, meaning, move |it| Some(value(it))).always()
     }
 
     pub(super) fn number_if_any(
@@ -104,6 +134,7 @@ impl<T> Named<T> {
         Self::new(path, Type::Number, meaning, move |it| {
             value(it).map_or(Value::None, Value::Number)
         })
+        .optional()
     }
 
     pub(super) fn count(
@@ -111,7 +142,7 @@ impl<T> Named<T> {
         meaning: &'static str,
         value: impl Fn(&T) -> usize + 'static,
     ) -> Self {
-        Self::count_if_any(path, meaning, move |it| Some(value(it)))
+        Self::count_if_any(path, meaning, move |it| Some(value(it))).always()
     }
 
     pub(super) fn count_if_any(
@@ -122,6 +153,7 @@ impl<T> Named<T> {
         Self::new(path, Type::Count, meaning, move |it| {
             value(it).map_or(Value::None, Value::Count)
         })
+        .optional()
     }
 
     pub(super) fn flag(
@@ -211,11 +243,30 @@ impl<T> Named<T> {
     /// Without this number the object that it is in is `null`.
     pub(super) fn decides(mut self) -> Self {
         self.entry.decides = true;
+        self.always()
+    }
+
+    /// Some answers have none.
+    pub(super) fn optional(mut self) -> Self {
+        self.entry.optional = true;
+        self
+    }
+
+    /// It is never none where the object that it is in is there.
+    pub(super) fn always(mut self) -> Self {
+        self.entry.optional = false;
         self
     }
 }
 
 impl Entry {
+    /// The unit that its path ends in; empty if it has none.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        let found = UNITS.iter().find(|(end, _)| self.path.ends_with(end));
+        found.map_or("", |(_, unit)| unit)
+    }
+
     /// The columns of tables, and which coordinate each has of a point.
     pub(crate) fn columns(&self) -> Vec<(String, Option<usize>)> {
         if !self.in_tables {

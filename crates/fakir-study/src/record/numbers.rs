@@ -37,13 +37,14 @@ impl Record {
         &self.values[place]
     }
 
+    /// All rows with their values.
+    pub fn values(&self) -> impl Iterator<Item = (&Entry, &Value)> {
+        std::iter::zip(self.kind.entries(), &self.values)
+    }
+
     fn get(&self, path: &str) -> Option<&Value> {
-        let place = self
-            .kind
-            .entries()
-            .iter()
-            .position(|entry| entry.path == path)?;
-        Some(&self.values[place])
+        let mut values = self.values();
+        Some(values.find(|(entry, _)| entry.path == path)?.1)
     }
 
     /// A number by its path in the JSON object, in its SI unit; none if this answer has none.
@@ -119,8 +120,7 @@ impl Record {
     /// The JSON object of the numbers alone.
     #[must_use]
     pub fn object(&self) -> Object {
-        let pairs = std::iter::zip(self.kind.entries(), &self.values);
-        Object::of_values(pairs)
+        Object::of_values(self.values())
     }
 }
 
@@ -131,8 +131,8 @@ impl Serialize for Record {
             Value::Number(number) => exact::serialize(number, serde_json::value::Serializer),
             _ => Ok(value.json()),
         };
-        let pairs = std::iter::zip(self.kind.entries(), &self.values);
-        let numbers: Result<Map<String, Json>, _> = pairs
+        let numbers: Result<Map<String, Json>, _> = self
+            .values()
             .filter(|(_, value)| **value != Value::None)
             .map(|(entry, value)| Ok((entry.path.to_owned(), json(value)?)))
             .collect();

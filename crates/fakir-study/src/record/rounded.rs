@@ -97,12 +97,14 @@ fn solution() -> Vec<Named<CapContact>> {
             "relative_error_estimate.contact_area",
             "estimated relative error of the contact area",
             error(|it| it.area),
-        ),
+        )
+        .always(),
         Named::number_if_any(
             "relative_error_estimate.indentation_m",
             "estimated error of the indentation, not relative: it counts from a level that may be anywhere",
             error(|it| it.indentation),
-        ),
+        )
+        .always(),
     ];
     rows.extend(ending());
     rows.push(Named::count(

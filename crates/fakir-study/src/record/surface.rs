@@ -101,7 +101,8 @@ fn solution() -> Vec<Named<SurfaceContact>> {
             "relative_error_estimate.indentation",
             "estimated relative error of the indentation",
             error(|it| it.indentation),
-        ),
+        )
+        .always(),
         Named::number_if_any(
             "relative_error_estimate.contact_radius",
             "estimated relative error of the contact radius: a cell from corner to corner",
@@ -179,7 +180,8 @@ impl Recorded for SurfaceAnswer<'_, SurfaceContact> {
                 "tops.contact_area_m2",
                 "contact area of the tops",
                 |it: &SurfaceContact| Some(it.shares?.tops.area),
-            ),
+            )
+            .always(),
             Named::number_if_any("floor.force_N", "force on the floor", |it: &SurfaceContact| {
                 Some(it.shares?.floor.force)
             })
@@ -188,7 +190,8 @@ impl Recorded for SurfaceAnswer<'_, SurfaceContact> {
                 "floor.contact_area_m2",
                 "contact area on the floor",
                 |it: &SurfaceContact| Some(it.shares?.floor.area),
-            ),
+            )
+            .always(),
         ]));
         rows.extend(contact(vec![area(), radius]));
         rows.extend(question(|it: &SurfaceContact| &it.grid));
