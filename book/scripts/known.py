@@ -54,7 +54,7 @@ for depth in [1e-9, 1e-8, 2e-8]:
     compare(name, "Hertz (1882)", force, known, 1e-3)
 
 # Elements on a flat surface: Hertz again, by another method.
-flat = fakir.love.Surface(
+flat = fakir.bem.Surface(
     np.zeros((256, 256)),
     fakir.Lens("2.2 mm", MODULUS, RATIO),
     fakir.Substrate(MODULUS, RATIO),

@@ -12,10 +12,10 @@
 
 Numbers are in SI units; quantities are given as numbers in SI units, as texts with a unit, or as
 pint quantities. Names are those of case files and of the command line. `fakir.theory` has what is
-known in closed form, `fakir.love` contacts on height maps, `fakir.plot` figures.
+known in closed form, `fakir.bem` contacts on height maps, `fakir.plot` figures.
 """
 
-from . import errors, love, plot, theory
+from . import bem, errors, love, plot, theory
 from ._bodies import (
     CylinderLens,
     ElasticBase,
@@ -33,16 +33,18 @@ from ._bodies import (
     Substrate,
 )
 from ._comparison import Comparison
-from ._cycle import Adhesion, Cycle, CycleError, PullOff, StuckFloor
+from ._cycle import Adhesion, Cycle, PullOff, StuckFloor
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
-from ._floor import FloorContact, FloorErrors
+from ._floor import FloorContact
 from ._gradient import Gradient
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
+from ._numbers import Contact, Critical, CycleError, ErrorEstimate, FloorErrors, Normalized
+from ._result import Answer, Limit, Result
 from ._rounded import HeightDesign, RoundedContact, RoundedTops, design_heights
-from ._state import ContactState, CriticalState, ErrorEstimate, Limit, Normalized
+from ._state import ContactState, CriticalState
 from ._sweep import Sweep, sweep
 from ._system import System
 from ._verification import Difference, Verification
@@ -60,12 +62,15 @@ from .errors import (
 
 __all__ = [
     "Adhesion",
+    "Answer",
     "Approach",
     "Candidate",
     "CaseError",
     "Citation",
     "Comparison",
+    "Contact",
     "ContactState",
+    "Critical",
     "CriticalState",
     "Cycle",
     "CycleError",
@@ -99,6 +104,7 @@ __all__ = [
     "PlateLens",
     "ProfileLens",
     "PullOff",
+    "Result",
     "RoundedContact",
     "RoundedTops",
     "RectangularTexture",
@@ -113,13 +119,13 @@ __all__ = [
     "Verification",
     "WorkersLost",
     "__version__",
+    "bem",
     "cite",
     "design",
     "design_heights",
     "errors",
     "fit",
     "homogenised",
-    "love",
     "plot",
     "spread",
     "sweep",

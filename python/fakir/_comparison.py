@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-import copy
 import json
 from typing import TYPE_CHECKING, Any
 
 from . import _fakir
-from ._format import Row, engineering, html_table, text_table
+from ._format import Row, engineering
+from ._result import Result
 from ._state import CriticalState
 
 if TYPE_CHECKING:
     import pandas
 
+    from ._system import System
 
-class Comparison:
+
+class Comparison(Result):
     """Critical states by method; what does not apply says why in its ``remark``."""
+
+    _titles = ("fakir.Comparison: critical force (difference)", "Critical force by every method (difference)")
 
     rows: list[dict[str, Any]]
     """A row for every method, with the names of ``fakir compare --json``."""
@@ -29,10 +33,6 @@ class Comparison:
     def reference(self) -> str | None:
         """The method that differences are from: the most accurate one with an answer."""
         return self._summary["reference"]  # type: ignore[no-any-return]
-
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir compare --json`` prints."""
-        return copy.deepcopy(self._summary)
 
     def to_pandas(self) -> pandas.DataFrame:
         """The comparison as a table, one row for every method."""
@@ -52,14 +52,9 @@ class Comparison:
             rows.append((row["method"], f"{force}  ({apart})"))
         return rows
 
-    def __repr__(self) -> str:
-        return text_table("fakir.Comparison: critical force (difference)", self._rows())
 
-    def _repr_html_(self) -> str:
-        return html_table("Critical force by every method (difference)", self._rows())
-
-
-def compare(case: _fakir.Case, options: _fakir.Options) -> Comparison:
+def compare(system: System, options: _fakir.Options) -> Comparison:
     """Asks every method for the critical state."""
-    summary, states = _fakir.compare(case, options)
-    return Comparison(json.loads(summary), {name: CriticalState(state) for name, state in states})
+    summary, found = _fakir.compare(system._case, options)
+    states = {name: CriticalState(state, system) for name, state in found}
+    return Comparison(json.loads(summary), states)

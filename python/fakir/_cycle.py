@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import copy
-import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from . import _fakir
-from ._format import Row, engineering, html_table, text_table
+from ._format import Row, engineering
+from ._numbers import CycleError, CycleNumbers
 from ._quantity import FloatArray, Quantity, si
 from ._run import warn
 from ._state import CriticalState, critical_state
@@ -18,6 +18,8 @@ from .errors import NotConverged
 
 if TYPE_CHECKING:
     import pandas
+
+    from ._system import System
 
 Drive = Literal["displacement", "force", "machine"]
 
@@ -49,15 +51,6 @@ class Adhesion:
             receding = si(receding, "energy per area", "adhesion.work_receding")
         object.__setattr__(self, "work_receding", receding)
         object.__setattr__(self, "floor", bool(floor))
-
-
-class CycleError(NamedTuple):
-    """Estimated relative errors of a figure of a cycle."""
-
-    numerical: float
-    """Of the numerical solution."""
-    model: float
-    """Of the model: from the shapes that the fronts of partial contacts can take, and from columns that do not lean."""
 
 
 @dataclass(frozen=True)
@@ -97,35 +90,30 @@ class PullOff:
     """The pillars in contact, as arrays: the columns of ``pull-off-pillars.csv``."""
 
 
-class Cycle:
+class Cycle(CycleNumbers):
     """A lens lowered onto pillars that stick, and pulled off again. Numbers are in SI units.
 
     Between one station and the next the force is linear in the indentation, so that the stations are the whole
     curve; two are at (nearly) one indentation where contacts snap.
     """
 
-    __slots__ = ("_summary", "critical", "pull_off")
+    _titles = ("fakir.Cycle", "Loading and unloading with adhesion")
+
+    __slots__ = ("critical", "pull_off")
 
     critical: CriticalState | None
     """The critical state, if the lens went down so far."""
     pull_off: PullOff | None
     """The largest pull; none without unloading, or if nothing pulls."""
 
-    def __init__(
-        self,
-        summary: dict[str, Any],
-        critical: CriticalState | None,
-        pillars: dict[str, Any] | None,
-    ) -> None:
-        self._summary, self.critical = summary, critical
+    def __init__(self, cycle: _fakir.Cycle, system: System) -> None:
+        super().__init__(cycle)
+        self.critical = None if cycle.critical is None else critical_state(cycle.critical, system)
         self.pull_off = None
-        if pillars is not None:
-            self.pull_off = PullOff(
-                float(summary["pull_off_force_N"]),
-                float(summary["pull_off_indentation_m"]),
-                _error(summary["relative_error_estimate"]["pull_off_force"]),
-                pillars,
-            )
+        pillars, force, at = cycle.pull_off_pillars, self.pull_off_force, self.pull_off_indentation
+        error = self.error.pull_off_force
+        if pillars is not None and force is not None and at is not None and error is not None:
+            self.pull_off = PullOff(force, at, error, pillars)
 
     def _stations(self, name: str) -> FloatArray:
         return np.array([station[name] for station in self._summary["stations"]], dtype=float)
@@ -166,21 +154,6 @@ class Cycle:
         return copy.deepcopy(self._summary["events"])
 
     @property
-    def turn_force(self) -> float:
-        """Force where the loading ended, N."""
-        return float(self._summary["turn_force_N"])
-
-    @property
-    def turn_indentation(self) -> float:
-        """Indentation where the loading ended, m."""
-        return float(self._summary["turn_indentation_m"])
-
-    @property
-    def stopped_by_floor(self) -> bool:
-        """Whether the floor ended the loading before what was asked for."""
-        return bool(self._summary["stopped_by_floor"])
-
-    @property
     def floor(self) -> StuckFloor | None:
         """What a floor that sticks did; none if it does not, or was not touched."""
         found = self._summary.get("floor")
@@ -199,44 +172,9 @@ class Cycle:
         )
 
     @property
-    def last_release_indentation(self) -> float | None:
-        """Indentation at which the last pillar was released, m; none if something is still in contact."""
-        return _number(self._summary["last_release_indentation_m"])
-
-    @property
-    def work_of_separation(self) -> float:
-        """Work done against the pull of the pillars while the lens was withdrawn, J."""
-        return float(self._summary["work_of_separation_J"])
-
-    @property
-    def hysteresis(self) -> float | None:
-        """Area of the loop of force over indentation, J; none if it is not closed."""
-        return _number(self._summary["hysteresis_J"])
-
-    @property
     def hysteresis_error(self) -> CycleError | None:
         """Estimated relative errors of the hysteresis."""
-        error = self._summary["relative_error_estimate"]["hysteresis"]
-        return None if error is None else _error(error)
-
-    @property
-    def certificate(self) -> float | None:
-        """Relative difference of the loop area from what all events dissipate; none if it is not closed."""
-        return _number(self._summary["certificate"])
-
-    @property
-    def converged(self) -> bool:
-        """Whether the numbers are the solution."""
-        return bool(self._summary["converged"])
-
-    @property
-    def warnings(self) -> list[str]:
-        """What to be careful about."""
-        return list(self._summary["warnings"])
-
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir cycle --json`` prints."""
-        return copy.deepcopy(self._summary)
+        return self.error.hysteresis
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table: the columns of ``cycle.csv``."""
@@ -262,31 +200,9 @@ class Cycle:
             rows.append(("hysteresis", engineering(self.hysteresis, "J", 3)))
         return rows
 
-    def __repr__(self) -> str:
-        return text_table("fakir.Cycle", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Loading and unloading with adhesion", self._rows())
-
-
-def _number(value: float | None) -> float | None:
-    return None if value is None else float(value)
-
-
-def _error(found: dict[str, float]) -> CycleError:
-    model = float(found["model_fronts"]) + float(found["model_columns"])
-    return CycleError(float(found["numerical"]), model)
-
-
-def cycle_of(found: tuple[Any, ...]) -> Cycle:
-    """The cycle that was computed."""
-    summary, reached, pillars, _ = found
-    critical = None if reached is None else critical_state(reached)
-    return Cycle(json.loads(summary), critical, pillars)
-
 
 def cycle(
-    case: _fakir.Case,
+    system: System,
     to: Quantity | None,
     to_force: Quantity | None,
     drive: Drive,
@@ -310,9 +226,8 @@ def cycle(
         else si(machine_stiffness, "stiffness", "machine_stiffness"),
         retract,
     )
-    found = _fakir.cycle(case, *plan, options)
-    result, termination = cycle_of(found), found[-1]
+    result = Cycle(_fakir.cycle(system._case, *plan, options), system)
     if not result.converged:
-        raise NotConverged(f"the solution {termination}", result)
+        raise NotConverged(f"the solution {result.termination}", result)
     warn(result.warnings)
     return result

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import warnings
 from collections.abc import Mapping, Sequence
@@ -11,9 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _fakir
-from ._cycle import Cycle, cycle_of
-from ._format import Row, engineering, html_table, text_table
+from ._cycle import Cycle
+from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, si
+from ._result import Result
 from ._run import Progress, options
 from ._state import ContactState, CriticalState, radius
 from ._system import System
@@ -50,8 +50,10 @@ class Candidate(NamedTuple):
         return self.reached if isinstance(self.reached, ContactState) else self.critical.state
 
 
-class Design:
+class Design(Result):
     """The value that gives what is wanted."""
+
+    _titles = ("fakir.Design", "Design")
 
     free: str
     """The key that was sought."""
@@ -85,10 +87,6 @@ class Design:
         """Its contact: critical, or under the load where a floor share was wanted."""
         return self._found.state
 
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir design --json`` prints."""
-        return copy.deepcopy(self._summary)
-
     def _rows(self) -> list[Row]:
         length = not self.free.endswith(("fraction", "modulus"))
         unit = "m" if length else "Pa" if self.free.endswith("modulus") else ""
@@ -112,12 +110,6 @@ class Design:
             *contact,
             ("sensitivity", f"{self.sensitivity:.3g} % of the answer for 1 % of the value"),
         ]
-
-    def __repr__(self) -> str:
-        return text_table("fakir.Design", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Design", self._rows())
 
 
 class OutOfReach(DesignError):
@@ -212,17 +204,22 @@ def design(
     summary, found = _fakir.design(system._case, free, wanted, run)
     answer = json.loads(summary)
     candidates = [
-        Candidate(value, System._of(case), _reached(reached)) for value, case, reached in found
+        Candidate(value, System._of(case), _reached(reached, system))
+        for value, case, reached in found
     ]
     if answer["design"]["status"] == "found":
         return Design(answer, candidates[0])
     raise OutOfReach(answer["design"]["statement"], candidates)
 
 
-def _reached(found: Any) -> CriticalState | ContactState | Cycle:
-    if isinstance(found, tuple):
-        return cycle_of(found)
-    return ContactState(found) if isinstance(found, _fakir.State) else CriticalState(found)
+def _reached(
+    found: _fakir.Critical | _fakir.State | _fakir.Cycle, system: System
+) -> CriticalState | ContactState | Cycle:
+    if isinstance(found, _fakir.Cycle):
+        return Cycle(found, system)
+    if isinstance(found, _fakir.State):
+        return ContactState(found, system)
+    return CriticalState(found, system)
 
 
 def _renamed(
@@ -237,15 +234,13 @@ def _renamed(
     return given
 
 
-class Spread:
+class Spread(Result):
     """Critical states of samples about a system, and how the lens comes off tops that stick. Arrays have one value for every sample."""
+
+    _titles = ("fakir.Spread", "Spread of the critical state")
 
     def __init__(self, summary: dict[str, Any], columns: dict[str, Any]) -> None:
         self._summary, self._columns = summary, columns
-
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir design --json`` prints of samples."""
-        return copy.deepcopy(self._summary)
 
     @property
     def force(self) -> FloatArray:
@@ -326,12 +321,6 @@ class Spread:
         failed = sum(bool(problem) for problem in self.problems)
         return [*rows, ("samples", f"{len(self)}, {failed} without a critical state")]
 
-    def __repr__(self) -> str:
-        return text_table("fakir.Spread", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Spread of the critical state", self._rows())
-
 
 _SAMPLES, SEED = _fakir.sampling_defaults()
 
@@ -402,9 +391,7 @@ def cite(*what: object, theory: bool = False) -> list[Citation]:
     for item in what:
         system = getattr(item, "system", item)
         if isinstance(system, System):
-            state = getattr(item, "state", item)
-            inner = getattr(state, "_state", None)
-            cases.append(system._case if inner is None else inner.case)
+            cases.append(system._case)
         elif hasattr(item, "periodic"):
             surface = bool(item.periodic)
         elif hasattr(item, "top_radius") or hasattr(item, "tops"):

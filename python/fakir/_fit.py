@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Union
 import numpy as np
 
 from . import _fakir
-from ._format import Row, engineering, html_table, text_table
+from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, WithUnit, finite
+from ._result import Limit, Result
 from ._run import Progress, options, warn
-from ._state import Limit
 from ._system import System
 from .errors import FitError, NotConverged
 
@@ -98,13 +98,15 @@ class LeftOut(NamedTuple):
     """Whether the fit does not describe the data without it."""
 
 
-class Fit:
+class Fit(Result):
     """What came of a fit."""
+
+    _titles = ("fakir.Fit", "Fit")
 
     def __init__(self, fitted: _fakir.Fitted, understood: Sequence[str] = ()) -> None:
         self._fitted = fitted
         self._understood = list(understood)
-        self._summary: dict[str, Any] = json.loads(fitted.json())
+        self._summary = json.loads(fitted.json())
 
     @property
     def parameters(self) -> dict[str, Estimate]:
@@ -260,10 +262,6 @@ class Fit:
 
         return pandas.DataFrame(self.columns())
 
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir fit --json`` prints."""
-        return dict(json.loads(self._fitted.json()))
-
     def _rows(self) -> list[Row]:
         rows = []
         for name, estimate in self.parameters.items():
@@ -289,12 +287,6 @@ class Fit:
             text = f"it would take {wanted[0]}" if wanted else "the residuals are not random"
             rows.append(("does not describe the data", text))
         return rows
-
-    def __repr__(self) -> str:
-        return text_table("fakir.Fit", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Fit", self._rows())
 
 
 def fit(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from html import escape
+from typing import ClassVar
 
 PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n"}
 
@@ -50,3 +51,20 @@ def html_table(title: str, rows: Iterable[Row]) -> str:
         for name, value in rows
     )
     return f"<table><caption><b>{escape(title)}</b></caption><tbody>{cells}</tbody></table>"
+
+
+class Shown:
+    """A table of names and values in a terminal and in a notebook."""
+
+    __slots__ = ()
+    _titles: ClassVar[tuple[str, str]]
+    """What is above the table, in a terminal and in a notebook."""
+
+    def _rows(self) -> list[Row]:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return text_table(self._titles[0], self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table(self._titles[1], self._rows())

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import copy
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fakir
+from ._format import Row, engineering
+from ._result import Result
 from ._state import ContactState, contact_state
+
+if TYPE_CHECKING:
+    from ._system import System
 
 PILLAR_GRADIENT = np.dtype(
     [
@@ -23,14 +28,16 @@ PILLAR_GRADIENT = np.dtype(
 """Derivatives by the height of a pillar; what is prescribed does not change."""
 
 
-class Gradient:
+class Gradient(Result):
     """A contact with its exact derivatives, each while all other numbers stay as they are.
 
     They are those of the numerical solution itself, up to the next load at which a pillar is touched or let go, and
     are in SI units: N and m over the SI unit of the key.
     """
 
-    __slots__ = ("_state", "_summary")
+    _titles = ("fakir.Gradient of a contact", "Contact with its derivatives")
+
+    __slots__ = ("_state",)
 
     def __init__(self, state: ContactState, summary: dict[str, Any]) -> None:
         self._state = state
@@ -76,17 +83,13 @@ class Gradient:
         rows = [tuple(row[name] or 0 for name in names) for row in self._summary["pillars"]]
         return np.array(rows, dtype=PILLAR_GRADIENT)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir press --gradient --json`` has as ``gradient``."""
-        return copy.deepcopy(self._summary)
-
-    def __repr__(self) -> str:
-        return f"<fakir.Gradient of {self._state!r}>"
+    def _rows(self) -> list[Row]:
+        return [*self._state._rows(), ("stiffness", engineering(self.stiffness, "N/m"))]
 
 
 def gradient(
-    case: _fakir.Case, load: tuple[float | None, float | None], options: _fakir.Options
+    system: System, load: tuple[float | None, float | None], options: _fakir.Options
 ) -> Gradient:
     """The gradient at a load, or at the critical state."""
-    state, summary = _fakir.gradient(case, *load, options)
-    return Gradient(contact_state(state), json.loads(summary))
+    state, summary = _fakir.gradient(system._case, *load, options)
+    return Gradient(contact_state(state, system), json.loads(summary))

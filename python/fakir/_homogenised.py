@@ -32,5 +32,5 @@ def homogenised(system: System) -> HomogenisedLattice:
         If the texture is too dense for the model.
     """
     case = system._case.with_settings(["method.name=homogenised"])
-    critical = critical_state(_fakir.transition(case, options()))
+    critical = critical_state(_fakir.transition(case, options()), system)
     return HomogenisedLattice(*_fakir.homogenised(case), critical)

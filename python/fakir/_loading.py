@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from . import _fakir
-from ._format import Row, engineering, html_table, text_table
+from ._format import Row, engineering
 from ._quantity import UNITS, Dimension, Quantity, si
+from ._result import Result
 from ._state import ContactState, CriticalState, contact_state, critical_state
 
 if TYPE_CHECKING:
     import pandas
 
+    from ._system import System
+
 
 State = TypeVar("State")
 
 
-class Loading(Generic[State]):
+class Loading(Result, Generic[State]):
     """The states of a loading, whatever is loaded."""
 
     states: list[State]
@@ -38,10 +40,6 @@ class Loading(Generic[State]):
     def __getitem__(self, number: int) -> State:
         return self.states[number]
 
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir approach --json`` prints."""
-        return copy.deepcopy(self._summary)
-
     def to_pandas(self) -> pandas.DataFrame:
         """A table: the columns of ``approach.csv``."""
         import pandas
@@ -49,8 +47,20 @@ class Loading(Generic[State]):
         return pandas.DataFrame(self._summary["states"])
 
 
+def in_order(
+    summary: dict[str, Any], critical: State | None, others: Iterator[State]
+) -> list[State]:
+    """The states of a loading, with the critical one where the loading gets there."""
+    return [
+        critical if row["critical"] and critical is not None else next(others)
+        for row in summary["states"]
+    ]
+
+
 class Approach(Loading[ContactState]):
     """The states of a loading, by rising indentation; iterates over them."""
+
+    _titles = ("fakir.Approach: indentation, force", "Approach of the lens: indentation, force")
 
     critical: CriticalState
     """The critical state, also if the loading ends before it."""
@@ -70,12 +80,6 @@ class Approach(Loading[ContactState]):
             text = f"{engineering(state.force, 'N')}, {state.pillars_in_contact} pillars{mark}"
             rows.append((engineering(state.indentation, "m"), text))
         return rows
-
-    def __repr__(self) -> str:
-        return text_table("fakir.Approach: indentation, force", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Approach of the lens: indentation, force", self._rows())
 
 
 Path = tuple[float, float | None, float | None, float | None]
@@ -120,19 +124,16 @@ def _positive(value: Quantity, dimension: Dimension, name: str) -> float:
     return number
 
 
-def approach(case: _fakir.Case, path: Path, options: _fakir.Options) -> Approach:
+def approach(system: System, path: Path, options: _fakir.Options) -> Approach:
     """Computes all states of a loading."""
-    found, reached, others = _fakir.approach(case, *path, options)
+    found, reached, others = _fakir.approach(system._case, *path, options)
     summary = json.loads(found)
-    critical = critical_state(reached)
-    rest = iter(others)
-    states = [
-        critical.state if row["critical"] else _state(next(rest)) for row in summary["states"]
-    ]
-    return Approach(summary, states, critical)
+    critical = critical_state(reached, system)
+    rest = (_state(state, system) for state in others)
+    return Approach(summary, in_order(summary, critical.state, rest), critical)
 
 
-def _state(state: _fakir.State) -> ContactState:
+def _state(state: _fakir.State, system: System) -> ContactState:
     """Through the floor is where the loading was told to go: no warning."""
-    contact = ContactState(state)
-    return contact if contact._goes_through_floor else contact_state(state)
+    contact = ContactState(state, system)
+    return contact if contact._goes_through_floor else contact_state(state, system)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 from os import PathLike, fspath
 from pathlib import Path
@@ -12,14 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _fakir
-from ._bodies import Lens, Substrate, refuse_layers
+from ._bodies import Lens, Substrate
 from ._design import SEED
-from ._format import Row, engineering, html_table, text_table
+from ._format import Row, engineering
+from ._numbers import RoundedPressNumbers
 from ._quantity import FloatArray, Quantity, array, si
+from ._result import Result
 from ._run import Progress, options, warn
 from ._settings import Overrides, load, settings
 from .errors import NotConverged
-from .love import Plate
+from .bem import Plate, bodies, bodies_of
 
 if TYPE_CHECKING:
     import pandas
@@ -37,7 +38,7 @@ class RoundedTops:
     top_radius
         Radius of curvature of all tops (m).
     indenter
-        A `Lens`, or a plate: `fakir.love.Plate`.
+        A `Lens`, or a plate: `fakir.bem.Plate`.
     substrate
         The elastic half-space under the tops, and what they are made of.
     diameter
@@ -88,9 +89,7 @@ class RoundedTops:
         compliance: Literal["column", "none"] = "column",
         accuracy: Literal["default", "accurate"] = "default",
     ) -> None:
-        if not isinstance(indenter, (Lens, Plate)):
-            raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
-        refuse_layers(indenter, substrate)
+        lens, plate, of_substrate = bodies(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')
         if accuracy not in {"default", "accurate"}:
@@ -113,11 +112,6 @@ class RoundedTops:
             if reference_height is None
             else si(reference_height, "length", "reference_height")
         )
-        lens = plate = None
-        if isinstance(indenter, Lens):
-            lens = [indenter.radius, indenter.young_modulus, indenter.poisson_ratio]
-        elif indenter.young_modulus is not None and indenter.poisson_ratio is not None:
-            plate = [indenter.young_modulus, indenter.poisson_ratio]
         self._hold(
             _fakir.Rounded(
                 np.stack(columns, axis=1).tolist(),
@@ -125,7 +119,7 @@ class RoundedTops:
                 reference,
                 lens,
                 plate,
-                [substrate.young_modulus, substrate.poisson_ratio],
+                of_substrate,
                 compliance == "column",
                 accuracy == "accurate",
             )
@@ -149,9 +143,7 @@ class RoundedTops:
 
     def _hold(self, rounded: _fakir.Rounded) -> None:
         self._rounded = rounded
-        lens, plate = rounded.lens, rounded.plate
-        self.indenter = Lens(*lens) if lens is not None else Plate(*(plate or []))
-        self.substrate = Substrate(*rounded.substrate)
+        self.indenter, self.substrate = bodies_of(rounded)
         self.top_radius, self.reference_height = rounded.top_radius, rounded.height
         columns = np.asarray(rounded.pillars(), dtype=np.float64).T
         self.x, self.y, self.height, self.diameter = (np.ascontiguousarray(c) for c in columns)
@@ -198,8 +190,10 @@ class RoundedTops:
         return f"fakir.RoundedTops: {len(self)} tops of radius of curvature {radius}, under {under}"
 
 
-class RoundedContact:
+class RoundedContact(RoundedPressNumbers):
     """The contact with rounded tops. Numbers are in SI units; arrays have one value for every top."""
+
+    _titles = ("fakir.RoundedContact", "Contact with rounded tops")
 
     tops: RoundedTops
     """What was pressed."""
@@ -214,67 +208,12 @@ class RoundedContact:
     """Gap over every top that is not touched, m; 0 of the others."""
 
     def __init__(self, tops: RoundedTops, contact: _fakir.RoundedContact) -> None:
-        self.tops, self._contact = tops, contact
-        self._summary: dict[str, Any] = json.loads(contact.json())
-        self._columns = dict(contact.pillars())
+        super().__init__(contact)
+        self.tops, self._columns = tops, dict(contact.pillars())
         self.x, self.y, self.radius, self.forces, self.gap = (
             np.asarray(self._columns[name], dtype=np.float64)
             for name in ["centre_x_m", "centre_y_m", "contact_radius_m", "force_N", "gap_m"]
         )
-
-    @property
-    def force(self) -> float:
-        """Normal force, N."""
-        return float(self._summary["force_N"])
-
-    @property
-    def indentation(self) -> float:
-        """Indentation, m."""
-        return float(self._summary["indentation_m"])
-
-    @property
-    def contact_area(self) -> float:
-        """Contact area, m^2."""
-        return float(self._summary["contact_area_m2"])
-
-    @property
-    def contact_radius(self) -> float | None:
-        """Distance from the lens axis of the farthest point in contact, m; none under a plate."""
-        return self._summary["contact_radius_m"]  # type: ignore[no-any-return]
-
-    @property
-    def pillars_in_contact(self) -> int:
-        """How many tops are touched."""
-        return int(self._summary["pillars_in_contact"])
-
-    @property
-    def stiffness(self) -> float:
-        """Change of the force with the indentation, N/m."""
-        return float(self._summary["stiffness_N_per_m"])
-
-    @property
-    def error(self) -> dict[str, float] | None:
-        """Estimated errors, if they could be estimated: relative ones as ``force`` and ``contact_area``, and ``indentation_m``."""
-        return copy.deepcopy(self._summary["relative_error_estimate"])  # type: ignore[no-any-return]
-
-    @property
-    def converged(self) -> bool:
-        """Whether the numbers are the solution."""
-        return bool(self._summary["converged"])
-
-    @property
-    def termination(self) -> str:
-        """Why the solver stopped."""
-        return self._contact.termination
-
-    @property
-    def warnings(self) -> list[str]:
-        """What to be careful about."""
-        return self._contact.warnings
-
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir press --json`` prints: same names, same numbers."""
-        return copy.deepcopy(self._summary)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table, one row for every top: the columns of ``pillars.csv``."""
@@ -284,26 +223,22 @@ class RoundedContact:
 
     def _rows(self) -> list[Row]:
         error = self.error
-        known = [] if error is None else [("estimated error of the area", f"{error['contact_area']:.0e}")]
+        known = [] if error is None else [("estimated error of the area", f"{error.contact_area:.0e}")]
         return [
             ("force", engineering(self.force, "N")),
             ("indentation", engineering(self.indentation, "m")),
             ("contact area", f"{self.contact_area * 1e12:.5g} µm²"),
             ("tops in contact", f"{self.pillars_in_contact} of {len(self.tops)}"),
             *known,
-            ("left out", ", ".join(self._summary["left_out"])),
+            ("left out", ", ".join(self.left_out)),
             ("solution", self.termination),
         ]
 
-    def __repr__(self) -> str:
-        return text_table("fakir.RoundedContact", self._rows())
 
-    def _repr_html_(self) -> str:
-        return html_table("Contact with rounded tops", self._rows())
-
-
-class HeightDesign:
+class HeightDesign(Result):
     """Heights of rounded tops for a wanted curve. Arrays have one value for every point of the curve."""
+
+    _titles = ("fakir.HeightDesign", "Designed heights")
 
     tops: RoundedTops
     """The tops with the heights that were found."""
@@ -342,10 +277,6 @@ class HeightDesign:
         """Relative differences from what was wanted."""
         return self.reached / self.wanted - 1.0
 
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir design --free heights --json`` prints."""
-        return copy.deepcopy(self._summary)
-
     def to_pandas(self) -> pandas.DataFrame:
         """A table, one row for every point: the columns of ``curve.csv``."""
         import pandas
@@ -363,12 +294,6 @@ class HeightDesign:
             ("in contact", f"{design['pillars_in_contact']} of {design['pillars']}"),
             ("interactions ignored", f"off by {100.0 * ignored:.2g} % at most"),
         ]
-
-    def __repr__(self) -> str:
-        return text_table("fakir.HeightDesign", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Designed heights", self._rows())
 
 
 def design_heights(

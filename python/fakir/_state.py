@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fakir
 from ._floor import FloorContact
-from ._format import Row, engineering, html_table, known_digits, remark, text_table
+from ._format import Row, engineering, known_digits, remark
+from ._numbers import PressNumbers, TransitionNumbers
 from ._quantity import FloatArray, array
 from ._run import options, warn
 from .errors import FakirError, NotConverged
@@ -43,109 +42,29 @@ FIELDS = {
 }
 
 
-class ErrorEstimate(NamedTuple):
-    """Estimated relative errors of the numerical solution (not of the model)."""
-
-    force: float
-    indentation: float
-    contact_radius: float | None = None
-    """Relative error of the contact radius, of a critical state the larger one; None under a plate."""
-    top_contact_radius: float | None = None
-    """Relative error of the radius of the contact on the pillar tops; only critical states have it."""
-    contact_area: float | None = None
-    """Relative error of the contact area; only contacts with general surfaces have it."""
-
-
-class Limit(NamedTuple):
-    """A condition of the model, and how near a contact comes to where it ends."""
-
-    name: str
-    """As in `limits` of the results."""
-    value: float
-    """Its value; where the name ends in a unit, in that."""
-    threshold: float | None
-    """From where on the model is doubtful; None of what only would change the answer."""
-    strained: bool
-    """Whether it is doubtful here."""
-
-
-class Normalized(NamedTuple):
-    """The paper's reduced variables: F gamma_int/(h d), a/e and zeta/h."""
-
-    force: float
-    contact_radius: float
-    indentation: float
-
-
-class ContactState:
+class ContactState(PressNumbers):
     """The contact under a load. Numbers are in SI units."""
 
-    __slots__ = ("_floor", "_pillars", "_state", "_summary")
+    _titles = ("fakir.ContactState", "Contact under load")
 
-    _system_of: ClassVar[Callable[[_fakir.Case], System]]
-    """The system of a case. `System`, which uses states, sets it."""
+    __slots__ = ("_floor", "_pillars", "_state", "_system")
 
-    def __init__(self, state: _fakir.State) -> None:
-        self._state = state
-        self._summary: dict[str, Any] = json.loads(state.json())
+    def __init__(self, state: _fakir.State, system: System) -> None:
+        super().__init__(state)
+        self._state, self._system = state, system
         self._floor: FloorContact | None = None
         self._pillars: npt.NDArray[np.void] | None = None
 
     @property
     def system(self) -> System:
-        """The system that was solved."""
-        return ContactState._system_of(self._state.case)
-
-    @property
-    def method(self) -> str:
-        """The method that solved it."""
-        return str(self._summary["method"])
-
-    @property
-    def force(self) -> float:
-        """Normal force, N."""
-        return float(self._summary["force_N"])
-
-    @property
-    def indentation(self) -> float:
-        """How far the lens has come down since it was level with the pillar tops, m."""
-        return float(self._summary["indentation_m"])
-
-    @property
-    def contact_radius(self) -> float:
-        """Distance from the lens axis of the farthest point in contact, on a pillar top or on the floor, m."""
-        return float(self._summary["contact_radius_m"])
-
-    @property
-    def top_contact_radius(self) -> float:
-        """Distance from the lens axis of the farthest point of a pillar top in contact, m."""
-        return float(self._summary.get("top_contact_radius_m", self.contact_radius))
-
-    @property
-    def pillars_in_contact(self) -> int:
-        """Number of pillars touched, fully or partially."""
-        return int(self._summary["pillars_in_contact"])
-
-    @property
-    def pillars_partially_in_contact(self) -> int:
-        """Number of pillars crossed by the edge of the contact."""
-        return int(self._summary["pillars_partially_in_contact"])
-
-    @property
-    def smallest_floor_gap(self) -> float:
-        """Smallest gap between lens and floor, m: past the transition 0, or less where the floor is ignored."""
-        return float(self._summary["smallest_floor_gap_m"])
+        """The system that was solved, with the method that solved it."""
+        return self._system._of(self._state.case)
 
     @property
     def smallest_gap_position(self) -> tuple[float, float]:
         """Where the floor gap is smallest, m from the lens axis."""
         x, y = self._state.smallest_gap_position
         return x, y
-
-    @property
-    def beyond_transition(self) -> bool:
-        """Whether the floor is touched, or would be if it was not to be ignored."""
-        return bool(self._summary["beyond_transition"])
 
     @property
     def floor(self) -> FloorContact | None:
@@ -156,51 +75,13 @@ class ContactState:
         if self._floor is None:
             cells = self._state.floor_cells()
             if cells is not None:
-                self._floor = FloorContact(self._summary["floor"], cells)
+                self._floor = FloorContact(self, cells)
         return self._floor
 
     @property
     def _goes_through_floor(self) -> bool:
         """Whether the lens is in the floor, which is ignored."""
-        return self.beyond_transition and self._summary["floor"] is None
-
-    @property
-    def error(self) -> ErrorEstimate:
-        """Estimated relative errors of force, indentation and contact radius."""
-        return ErrorEstimate(**self._summary["relative_error_estimate"])
-
-    @property
-    def converged(self) -> bool:
-        """Whether the numbers are the solution."""
-        return bool(self._summary["converged"])
-
-    @property
-    def termination(self) -> str:
-        """Why the solver stopped."""
-        return self._state.termination
-
-    @property
-    def iterations(self) -> int:
-        """Steps of the solver."""
-        return int(self._summary["iterations"])
-
-    @property
-    def wall_time(self) -> float:
-        """How long it took, s."""
-        return float(self._summary["wall_time_s"])
-
-    @property
-    def warnings(self) -> list[str]:
-        """What to be careful about."""
-        return self._state.warnings
-
-    @property
-    def limits(self) -> list[Limit]:
-        """The conditions of the model, and how near the contact comes to where they end.
-
-        ``any(limit.strained for limit in state.limits)`` tells of an answer beyond its model.
-        """
-        return [Limit(**limit) for limit in self._summary["limits"]]
+        return self.beyond_transition and self.floor is None
 
     @property
     def pillars(self) -> npt.NDArray[np.void]:
@@ -280,10 +161,6 @@ class ContactState:
         reach = max(self.contact_radius, 0.5 * self.system.pitch) + self.system.pitch
         axis = np.linspace(-reach, reach, points)
         return self.on_grid(axis, axis, threads=threads, memory_limit=memory_limit)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir press --json`` prints: same names, same numbers."""
-        return json.loads(self._state.json())  # type: ignore[no-any-return]
 
     def _field(
         self, number: int, x: object, y: object, threads: int, memory_limit: int | None
@@ -368,123 +245,30 @@ class ContactState:
         rows.append(("solution", f"{self.method}, {self.termination}"))
         return rows
 
-    def __repr__(self) -> str:
-        return text_table("fakir.ContactState", self._rows())
 
-    def _repr_html_(self) -> str:
-        return html_table("Contact under load", self._rows())
-
-
-class CriticalState:
+class CriticalState(TransitionNumbers):
     """The state in which the lens just reaches the floor. Numbers are in SI units."""
 
-    __slots__ = ("_critical", "_summary", "state")
+    _titles = ("fakir.CriticalState", "Critical state")
+
+    __slots__ = ("state",)
 
     state: ContactState
     """The contact at the transition, with its pillars and fields."""
 
-    def __init__(self, critical: _fakir.Critical) -> None:
-        self._critical = critical
-        self._summary: dict[str, Any] = json.loads(critical.json())
-        self.state = ContactState(critical.state)
+    def __init__(self, critical: _fakir.Critical, system: System) -> None:
+        super().__init__(critical)
+        self.state = ContactState(critical.state, system)
 
     @property
     def system(self) -> System:
-        """The system that was solved."""
+        """The system that was solved, with the method that solved it."""
         return self.state.system
-
-    @property
-    def method(self) -> str:
-        """The method that solved it."""
-        return str(self._summary["method"])
-
-    @property
-    def regime(self) -> str:
-        """What the lens meets first: ``"top_first"`` or ``"bottom_first"``."""
-        return str(self._summary["regime"])
-
-    @property
-    def force(self) -> float:
-        """Critical force, N."""
-        return float(self._summary["critical_force_N"])
-
-    @property
-    def indentation(self) -> float:
-        """Critical indentation, m."""
-        return float(self._summary["critical_indentation_m"])
-
-    @property
-    def contact_radius(self) -> float:
-        """The larger of top contact radius and distance of the floor contact, m."""
-        return float(self._summary["critical_contact_radius_m"])
-
-    @property
-    def top_contact_radius(self) -> float:
-        """Distance from the lens axis of the farthest point of a pillar top in contact, m."""
-        return float(self._summary["top_contact_radius_m"])
-
-    @property
-    def floor_contact(self) -> tuple[float, float]:
-        """Where the floor is touched, m from the lens axis (one of its symmetric copies)."""
-        x, y = self._summary["floor_contact_m"]
-        return float(x), float(y)
-
-    @property
-    def pillars_in_contact(self) -> int:
-        """Number of pillars touched, fully or partially."""
-        return self.state.pillars_in_contact
-
-    @property
-    def pillars_partially_in_contact(self) -> int:
-        """Number of pillars crossed by the edge of the contact."""
-        return self.state.pillars_partially_in_contact
-
-    @property
-    def limits(self) -> list[Limit]:
-        """The conditions of the model, and how near the contact comes to where they end.
-
-        ``any(limit.strained for limit in state.limits)`` tells of an answer beyond its model.
-        """
-        return [Limit(**limit) for limit in self._summary["limits"]]
 
     @property
     def pillars(self) -> npt.NDArray[np.void]:
         """The touched pillars: see `ContactState.pillars`."""
         return self.state.pillars
-
-    @property
-    def normalized(self) -> Normalized:
-        """Force, contact radius and indentation in the paper's reduced variables."""
-        return Normalized(**self._summary["normalized"])
-
-    @property
-    def error(self) -> ErrorEstimate:
-        """Estimated relative errors of force, indentation and contact radii."""
-        return ErrorEstimate(**self._summary["relative_error_estimate"])
-
-    @property
-    def converged(self) -> bool:
-        """Whether the numbers are the solution."""
-        return self.state.converged
-
-    @property
-    def iterations(self) -> int:
-        """Steps of the solver."""
-        return self.state.iterations
-
-    @property
-    def wall_time(self) -> float:
-        """How long it took, s."""
-        return float(self._summary["wall_time_s"])
-
-    @property
-    def warnings(self) -> list[str]:
-        """What to be careful about."""
-        return self.state.warnings
-
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir transition --json`` prints: same names, same numbers."""
-        return json.loads(self._critical.json())  # type: ignore[no-any-return]
 
     def _rows(self) -> list[Row]:
         x, y = self.floor_contact
@@ -493,29 +277,23 @@ class CriticalState:
         partial = self.pillars_partially_in_contact
         force = f"{engineering(self.force, 'N')}, F gamma_int/(h d) = {reduced.force:.6g}"
         depth = f"{engineering(self.indentation, 'm')}, zeta/h = {reduced.indentation:.6g}"
-        error = self.error.contact_radius
+        error = self.error.contact_radius or 0.0
         digits = radius_digits(error)
         across = f"{engineering(self.contact_radius, 'm', digits)}, a/e = {reduced.contact_radius:.{digits}g}"
         return [
             ("the lens meets first", first),
             ("force", force + remark(self.error.force)),
             ("indentation", depth + remark(self.error.indentation)),
-            ("contact radius", across + remark(error or 0.0)),
+            ("contact radius", across + remark(error)),
             ("floor contact at", f"({engineering(x, 'm', 4)}, {engineering(y, 'm', 4)})"),
             ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
-            ("solution", f"{self.method}, {self.state.termination}"),
+            ("solution", f"{self.method}, {self.termination}"),
         ]
 
-    def __repr__(self) -> str:
-        return text_table("fakir.CriticalState", self._rows())
 
-    def _repr_html_(self) -> str:
-        return html_table("Critical state", self._rows())
-
-
-def contact_state(state: _fakir.State) -> ContactState:
+def contact_state(state: _fakir.State, system: System) -> ContactState:
     """The state for the user: with its warnings, and only if it is a solution."""
-    contact = ContactState(state)
+    contact = ContactState(state, system)
     warn(contact.warnings)
     if contact._goes_through_floor:
         method = contact.method
@@ -531,15 +309,13 @@ def contact_state(state: _fakir.State) -> ContactState:
     return contact
 
 
-def critical_state(critical: _fakir.Critical) -> CriticalState:
+def critical_state(critical: _fakir.Critical, system: System) -> CriticalState:
     """The critical state for the user."""
-    result = CriticalState(critical)
+    result = CriticalState(critical, system)
     warn(result.warnings)
     if not result.converged:
-        raise NotConverged(f"the solution {result.state.termination}", result)
+        raise NotConverged(f"the solution {result.termination}", result)
     return result
-
-
 
 
 def _axis(values: object, name: str) -> FloatArray:

@@ -12,7 +12,7 @@ from . import _fakir
 from ._quantity import WithUnit
 from ._settings import Overrides, settings
 from ._system import System
-from .love import Surface
+from .bem import Surface
 
 StudyLike: TypeAlias = str | PathLike[str] | Mapping[str, Any]
 """A study file, the text of one, or a dictionary."""

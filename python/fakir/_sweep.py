@@ -151,7 +151,7 @@ def sweep(
     ----------
     study
         A study file, its text, or a dictionary of its tables, in which a `System`, or a
-        `fakir.love.Surface` of a case file, can be the case:
+        `fakir.bem.Surface` of a case file, can be the case:
         ``{"system": system, "axes": {"surface_fraction": [0.01, 0.1]}}``. Critical states are asked for unless
         ``"study": {"question": "press"}``, ``"cycle"`` or ``"collapse"`` says otherwise.
     executor

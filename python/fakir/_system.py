@@ -30,7 +30,7 @@ from ._bodies import (
 )
 from ._comparison import Comparison, compare
 from ._cycle import Adhesion, Cycle, Drive, cycle
-from ._format import Row, engineering, html_table, text_table
+from ._format import Row, Shown, engineering
 from ._gradient import Gradient, gradient
 from ._loading import Approach, approach, checked_path
 from ._quantity import Quantity
@@ -38,12 +38,12 @@ from ._run import Progress, options
 from ._settings import Overrides, load, load_or_critical, settings
 from ._state import ContactState, CriticalState, contact_state, critical_state
 from ._verification import Verification, verify
-from .love import Surface
+from .bem import Surface
 
 Method = Literal["spectral", "love", "punch", "homogenised"]
 
 
-class System:
+class System(Shown):
     """A lens above a texture: the complete problem, checked.
 
     Parameters
@@ -80,6 +80,8 @@ class System:
     >>> round(1e6 * sticky.cycle().pull_off.force)
     -57
     """
+
+    _titles = ("fakir.System", "System")
 
     __slots__ = ("_case",)
     _case: _fakir.Case
@@ -158,7 +160,7 @@ class System:
         """Reads a case file; ``set`` overrides keys, as ``--set`` of the command line.
 
         The method of the file is the one that is used where none is asked for. A case with a general
-        ``[surface]`` gives a `fakir.love.Surface`, which answers the same questions: `press`,
+        ``[surface]`` gives a `fakir.bem.Surface`, which answers the same questions: `press`,
         `transition`, `approach` and `verify`.
         """
         return cls._described(_fakir.read_case(fspath(path), settings(set)))
@@ -341,9 +343,9 @@ class System:
         KeyboardInterrupt
             Within a fraction of a second of Ctrl-C.
         """
-        case = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
+        system = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
         run = options(threads, progress, memory_limit)
-        return critical_state(_fakir.transition(case, run))
+        return critical_state(_fakir.transition(system._case, run), system)
 
     def press(
         self,
@@ -366,9 +368,9 @@ class System:
         knows how much. By the other methods, and with ``floor_contact=False`` of the system, such a load is
         answered as if the floor were not there, with a warning. Everything else is as in `transition`.
         """
-        case = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
+        system = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
         run = options(threads, progress, memory_limit)
-        return contact_state(_fakir.press(case, *load(indentation, force), run))
+        return contact_state(_fakir.press(system._case, *load(indentation, force), run), system)
 
     def gradient(
         self,
@@ -390,9 +392,9 @@ class System:
         SolveError
             If there is no such contact, or it has no gradient; it says why.
         """
-        case = self._with_method("spectral", accuracy, None, None, None, None)
+        system = self._with_method("spectral", accuracy)
         question = load_or_critical(indentation, force)
-        return gradient(case, question, options(threads, progress, memory_limit))
+        return gradient(system, question, options(threads, progress, memory_limit))
 
     def approach(
         self,
@@ -426,8 +428,8 @@ class System:
             Makes ``until`` mean the same as ``to``, which is to be given in its place.
         """
         path = checked_path(step, until, past_transition, to, to_force)
-        case = self._with_method(method, accuracy, None, None, None, None)
-        return approach(case, path, options(threads, progress, memory_limit))
+        system = self._with_method(method, accuracy)
+        return approach(system, path, options(threads, progress, memory_limit))
 
     def cycle(
         self,
@@ -459,9 +461,9 @@ class System:
         retract
             Whether the lens is pulled off again.
         """
-        case = self._with_method(None, accuracy, None, None, None, None)
+        system = self._with_method(None, accuracy)
         run = options(threads, progress, memory_limit)
-        return cycle(case, to, to_force, drive, machine_stiffness, retract, run)
+        return cycle(system, to, to_force, drive, machine_stiffness, retract, run)
 
     def compare(
         self,
@@ -471,7 +473,7 @@ class System:
         memory_limit: int | None = None,
     ) -> Comparison:
         """The critical state by every method, coarse to exact."""
-        return compare(self._case, options(threads, progress, memory_limit))
+        return compare(self, options(threads, progress, memory_limit))
 
     def verify(
         self,
@@ -490,17 +492,17 @@ class System:
         """
         question = load_or_critical(indentation, force)
         run = options(threads, progress, memory_limit)
-        return verify(self._case, question, cells_per_diameter, run)
+        return verify(self, question, cells_per_diameter, run)
 
     def _with_method(
         self,
         method: str | None,
         accuracy: str | None,
-        form: str | None,
-        cells_per_diameter: int | None,
-        mesh: str | None,
-        cells: str | None,
-    ) -> _fakir.Case:
+        form: str | None = None,
+        cells_per_diameter: int | None = None,
+        mesh: str | None = None,
+        cells: str | None = None,
+    ) -> System:
         asked = {
             "method.name": method,
             "method.accuracy": accuracy,
@@ -510,7 +512,7 @@ class System:
             "method.cells": cells,
         }
         settings = [f"{key}={value}" for key, value in asked.items() if value is not None]
-        return self._case.with_settings(settings) if settings else self._case
+        return self._of(self._case.with_settings(settings)) if settings else self
 
     def _rows(self) -> list[Row]:
         values = self._case.values()
@@ -566,12 +568,6 @@ class System:
             rows.append(("adhesion", work + more + floor))
         return rows
 
-    def __repr__(self) -> str:
-        return text_table("fakir.System", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("System", self._rows())
-
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, System) or self.to_toml() != other.to_toml():
             return False
@@ -591,5 +587,3 @@ class System:
 def _with_listed(text: str, rows: list[list[float]]) -> System:
     return System._of(_fakir.Case.with_listed(text, rows))
 
-
-ContactState._system_of = System._of

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import copy
 import json
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _fakir
-from ._format import Row, engineering, html_table, text_table
+from ._format import Row, engineering
+from ._numbers import Contact
+from ._result import Result
 from ._state import ContactState
+
+if TYPE_CHECKING:
+    from ._system import System
 
 
 class Difference(NamedTuple):
@@ -19,24 +23,12 @@ class Difference(NamedTuple):
     allowed: float
 
 
-class Answer(Protocol):
-    """A contact, whatever is touched."""
-
-    @property
-    def force(self) -> float:
-        """Normal force, N."""
-
-    @property
-    def indentation(self) -> float:
-        """Indentation, m."""
-
-
 def _number(value: float | None) -> float:
     """A number of a JSON object; what is not known there is NaN here."""
     return float("nan") if value is None else value
 
 
-class Opinion:
+class Opinion(Result):
     """What two answers to one question say of each other."""
 
     verdict: str
@@ -60,16 +52,12 @@ class Opinion:
             for name in ("force", "indentation")
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir verify --json`` prints."""
-        return copy.deepcopy(self._summary)
-
     @property
     def agrees(self) -> bool:
         """Whether both converged and agree within their error estimates."""
         return self.verdict == "agree"
 
-    def _told(self, answers: Sequence[tuple[str, Answer]]) -> list[Row]:
+    def _told(self, answers: Sequence[tuple[str, Contact]]) -> list[Row]:
         rows = [
             (name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}")
             for name, s in answers
@@ -87,6 +75,8 @@ class Opinion:
 class Verification(Opinion):
     """The answers of both methods, and what they differ by."""
 
+    _titles = ("fakir.Verification", "Verification by an independent method")
+
     spectral: ContactState
     """By the accurate spectral method."""
     elements: tuple[ContactState, ContactState]
@@ -103,12 +93,6 @@ class Verification(Opinion):
             [("spectral", self.spectral), ("elements, coarse", coarse), ("elements", fine)]
         )
 
-    def __repr__(self) -> str:
-        return text_table("fakir.Verification", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Verification by an independent method", self._rows())
-
 
 def checked_cells(cells_per_diameter: int) -> None:
     """Refuses numbers of cells of which half are too few, or that nobody can compute."""
@@ -117,12 +101,12 @@ def checked_cells(cells_per_diameter: int) -> None:
 
 
 def verify(
-    case: _fakir.Case,
+    system: System,
     load: tuple[float | None, float | None],
     cells_per_diameter: int,
     options: _fakir.Options,
 ) -> Verification:
     """Asks both methods."""
     checked_cells(cells_per_diameter)
-    summary, states = _fakir.verify(case, *load, cells_per_diameter, options)
-    return Verification(json.loads(summary), [ContactState(state) for state in states])
+    summary, states = _fakir.verify(system._case, *load, cells_per_diameter, options)
+    return Verification(json.loads(summary), [ContactState(state, system) for state in states])

@@ -7,20 +7,21 @@ is a part of the surface, so that the contact goes on past the transition.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _fakir
 from ._bodies import Lens, Substrate, refuse_layers
-from ._format import Row, engineering, html_table, remark, text_table
+from ._format import Row, engineering, remark
+from ._loading import Loading, checked_path, in_order
+from ._numbers import SurfacePressNumbers, SurfaceTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
 from ._settings import Overrides, load, load_or_critical, settings
-from ._state import FIELDS, ErrorEstimate, Limit
-from ._loading import Loading, checked_path
+from ._state import FIELDS
 from ._verification import Opinion, checked_cells
 from .errors import NotConverged
 
@@ -53,6 +54,29 @@ class Plate:
         ratio = None if poisson_ratio is None else si(poisson_ratio, "number", "poisson_ratio")
         object.__setattr__(self, "young_modulus", modulus)
         object.__setattr__(self, "poisson_ratio", ratio)
+
+
+def bodies(
+    indenter: Lens | Plate, substrate: Substrate
+) -> tuple[list[float] | None, list[float] | None, list[float]]:
+    """The numbers of a lens or a plate, one of which is none, and of a half-space."""
+    if not isinstance(indenter, (Lens, Plate)):
+        raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
+    refuse_layers(indenter, substrate)
+    of_substrate = [substrate.young_modulus, substrate.poisson_ratio]
+    if indenter.young_modulus is None or indenter.poisson_ratio is None:
+        return None, None, of_substrate
+    material = [indenter.young_modulus, indenter.poisson_ratio]
+    if isinstance(indenter, Lens):
+        return [indenter.radius, *material], None, of_substrate
+    return None, material, of_substrate
+
+
+def bodies_of(system: _fakir.Surface | _fakir.Rounded) -> tuple[Lens | Plate, Substrate]:
+    """The indenter and the half-space of such numbers."""
+    lens, plate = system.lens, system.plate
+    indenter = Plate(*(plate or [])) if lens is None else Lens(*lens)
+    return indenter, Substrate(*system.substrate)
 
 
 class Surface:
@@ -112,22 +136,12 @@ class Surface:
         rows, columns = values.shape
         centre = [finite(place, "length", "axis") for place in axis]
         origin = [-0.5 * columns * cell[0] - centre[0], -0.5 * rows * cell[1] - centre[1]]
-        if not isinstance(indenter, (Lens, Plate)):
-            raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
-        refuse_layers(indenter, substrate)
-        lens = plate = None
-        if isinstance(indenter, Lens):
-            lens = [indenter.radius, indenter.young_modulus, indenter.poisson_ratio]
-        elif indenter.young_modulus is not None and indenter.poisson_ratio is not None:
-            plate = [indenter.young_modulus, indenter.poisson_ratio]
         self._hold(
             _fakir.Surface(
                 values,
                 cell,
                 origin,
-                lens,
-                plate,
-                [substrate.young_modulus, substrate.poisson_ratio],
+                *bodies(indenter, substrate),
                 bool(periodic),
                 None if floor is None else finite(floor, "length", "floor"),
             )
@@ -172,10 +186,8 @@ class Surface:
         return text
 
     def _hold(self, surface: _fakir.Surface) -> None:
-        self._surface = surface
-        lens, plate = surface.lens, surface.plate
-        self.indenter = Lens(*lens) if lens is not None else Plate(*(plate or []))
-        self.substrate, self.periodic = Substrate(*surface.substrate), surface.periodic
+        self._surface, self.periodic = surface, surface.periodic
+        self.indenter, self.substrate = bodies_of(surface)
         self.heights = surface.heights()
         rows, columns = self.heights.shape
         self.x = surface.origin[0] + surface.cell[0] * (np.arange(columns, dtype=np.float64) + 0.5)
@@ -245,14 +257,9 @@ class Surface:
         found, reached, others = _fakir.approach_surface(self._surface, *path, run)
         summary = json.loads(found)
         critical = None if reached is None else self._reached(reached)
-        rest = iter(others)
-        states = [
-            critical.contact
-            if row["critical"] and critical is not None
-            else _checked(SurfaceContact(self, next(rest)))
-            for row in summary["states"]
-        ]
-        return SurfaceApproach(summary, states, critical)
+        rest = (_checked(SurfaceContact(self, contact)) for contact in others)
+        first = None if critical is None else critical.contact
+        return SurfaceApproach(summary, in_order(summary, first, rest), critical)
 
     def verify(
         self,
@@ -279,27 +286,21 @@ class Surface:
         return SurfaceVerification(json.loads(summary), contacts)
 
     def _reached(self, found: _fakir.SurfaceTransition) -> SurfaceTransition:
-        contact = _checked(SurfaceContact(self, found.contact))
-        x, y = found.floor_contact
-        return SurfaceTransition(contact, found.regime, (x, y), found.json())
+        return SurfaceTransition(_checked(SurfaceContact(self, found.contact)), found)
 
     def __repr__(self) -> str:
         rows, columns = self.heights.shape
         around = "periodic" if self.periodic else "free"
-        return f"fakir.love.Surface: {columns} by {rows} cells, {around}, under a {self.indenter}"
+        return f"fakir.bem.Surface: {columns} by {rows} cells, {around}, under a {self.indenter}"
 
 
-class SurfaceContact:
+class SurfaceContact(SurfacePressNumbers):
     """The contact of an indenter with a height map. Numbers are in SI units."""
+
+    _titles = ("fakir.bem.SurfaceContact", "Contact on a height map")
 
     surface: Surface
     """What was solved."""
-
-    def __init__(self, surface: Surface, contact: _fakir.SurfaceContact) -> None:
-        self.surface, self._contact = surface, contact
-        self._summary: dict[str, Any] = json.loads(contact.json())
-        self.pressure_map, self.gap_map, self.displacement_map = contact.fields()
-
     pressure_map: FloatArray
     """Pressure of every cell, Pa, a row for every y."""
     gap_map: FloatArray
@@ -307,65 +308,20 @@ class SurfaceContact:
     displacement_map: FloatArray
     """How far the pressure has moved the two surfaces apart, m."""
 
+    def __init__(self, surface: Surface, contact: _fakir.SurfaceContact) -> None:
+        super().__init__(contact)
+        self.surface, self._contact = surface, contact
+        self.pressure_map, self.gap_map, self.displacement_map = contact.fields()
+
     @property
     def periodic(self) -> bool:
         """Whether the surface repeats itself."""
         return self.surface.periodic
 
     @property
-    def force(self) -> float:
-        """Normal force, N; on a periodic surface that on one period."""
-        return float(self._summary["force_N"])
-
-    @property
-    def indentation(self) -> float:
-        """Indentation, m."""
-        return float(self._summary["indentation_m"])
-
-    @property
-    def contact_area(self) -> float:
-        """Area of the cells in contact, m^2."""
-        return float(self._summary["contact_area_m2"])
-
-    @property
-    def contact_radius(self) -> float | None:
-        """Distance from the lens axis of the farthest cell in contact, m; none under a plate."""
-        return self._summary["contact_radius_m"]  # type: ignore[no-any-return]
-
-    @property
     def mean_pressure(self) -> float:
         """Force over the area of the map, Pa."""
         return self._contact.mean_pressure
-
-    @property
-    def error(self) -> ErrorEstimate | None:
-        """Estimated relative errors from the size of the cells, if there are enough of them."""
-        estimate = self._summary["relative_error_estimate"]
-        return None if estimate is None else ErrorEstimate(**estimate)
-
-    @property
-    def converged(self) -> bool:
-        """Whether the numbers are the solution."""
-        return bool(self._summary["converged"])
-
-    @property
-    def termination(self) -> str:
-        """Why the solver stopped."""
-        return self._contact.termination
-
-    @property
-    def warnings(self) -> list[str]:
-        """What to be careful about."""
-        return self._contact.warnings
-
-    @property
-    def limits(self) -> list[Limit]:
-        """The conditions of the model, and how near the contact comes to where they end."""
-        return [Limit(**limit) for limit in self._summary["limits"]]
-
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir press --json`` prints: same names, same numbers."""
-        return json.loads(self._contact.json())  # type: ignore[no-any-return]
 
     def to_xarray(self) -> xarray.Dataset:
         """Pressure, gap, displacement and heights on the cells, with units."""
@@ -403,52 +359,38 @@ class SurfaceContact:
             ("contact area", f"{self.contact_area * 1e12:.5g} µm²{of_area}"),
             ("mean pressure", engineering(self.mean_pressure, "Pa", 5)),
         ]
-        for name in ["tops", "floor"]:
-            share = self._summary[name]
+        for name, share in [("tops", self.tops), ("floor", self.floor)]:
             if share is not None:
-                force, area = engineering(share["force_N"], "N"), share["contact_area_m2"] * 1e12
+                force, area = engineering(share.force, "N"), share.contact_area * 1e12
                 rows.append((f"  on the {name}", f"{force} on {area:.5g} µm²"))
         if error is not None:
             rows.append(("estimated error", f"{max(error.force, error.indentation):.0e}"))
         return [*rows, ("solution", f"Love elements, {self.termination}")]
 
-    def __repr__(self) -> str:
-        return text_table("fakir.love.SurfaceContact", self._rows())
 
-    def _repr_html_(self) -> str:
-        return html_table("Contact on a height map", self._rows())
+class SurfaceTransition(SurfaceTransitionNumbers):
+    """The state in which the indenter just reaches the floor. Numbers are in SI units."""
 
-
-@dataclass(frozen=True)
-class SurfaceTransition:
-    """The state in which the indenter just reaches the floor."""
+    _titles = ("fakir.bem.SurfaceTransition", "Critical state on a height map")
 
     contact: SurfaceContact
     """The contact."""
-    regime: str
-    """What is met first: ``"top_first"`` or ``"bottom_first"``."""
-    floor_contact: tuple[float, float]
-    """Where the floor is touched, m: from the lens axis, or under a plate from where ``x`` and ``y`` of the
-    surface begin."""
-    _json: str = field(repr=False)
 
-    @property
-    def force(self) -> float:
-        """Critical force, N."""
-        return self.contact.force
+    def __init__(self, contact: SurfaceContact, found: _fakir.SurfaceTransition) -> None:
+        super().__init__(found)
+        self.contact = contact
 
-    @property
-    def indentation(self) -> float:
-        """Critical indentation, m."""
-        return self.contact.indentation
-
-    def to_dict(self) -> dict[str, Any]:
-        """The object that ``fakir transition --json`` prints: same names, same numbers."""
-        return json.loads(self._json)  # type: ignore[no-any-return]
+    def _rows(self) -> list[Row]:
+        x, y = self.floor_contact
+        first = "tops" if self.regime == "top_first" else "the floor, without force"
+        at = f"({engineering(x, 'm', 4)}, {engineering(y, 'm', 4)})"
+        return [("meets first", first), ("floor contact at", at), *self.contact._rows()]
 
 
 class SurfaceApproach(Loading[SurfaceContact]):
     """The states of a loading on a height map, by rising indentation; iterates over them."""
+
+    _titles = ("fakir.bem.SurfaceApproach: indentation, force", "Approach on a height map: indentation, force")
 
     critical: SurfaceTransition | None
     """The critical state, also if the loading ends before it; None where the floor is not known."""
@@ -471,15 +413,11 @@ class SurfaceApproach(Loading[SurfaceContact]):
             rows.append((engineering(state.indentation, "m"), text))
         return rows
 
-    def __repr__(self) -> str:
-        return text_table("fakir.love.SurfaceApproach: indentation, force", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Approach on a height map: indentation, force", self._rows())
-
 
 class SurfaceVerification(Opinion):
     """The answers on both meshes, and what they differ by."""
+
+    _titles = ("fakir.bem.SurfaceVerification", "Verification on two meshes")
 
     elements: tuple[SurfaceContact, SurfaceContact]
     """On half as many cells across a pillar, and on all of them."""
@@ -491,12 +429,6 @@ class SurfaceVerification(Opinion):
 
     def _rows(self) -> list[Row]:
         return self._told([("coarse", self.elements[0]), ("fine", self.elements[1])])
-
-    def __repr__(self) -> str:
-        return text_table("fakir.love.SurfaceVerification", self._rows())
-
-    def _repr_html_(self) -> str:
-        return html_table("Verification on two meshes", self._rows())
 
 
 def _checked(contact: SurfaceContact) -> SurfaceContact:

@@ -19,7 +19,7 @@ from ._loading import Approach
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep
 from ._system import System
-from .love import SurfaceApproach, SurfaceContact, SurfaceTransition
+from .bem import SurfaceApproach, SurfaceContact, SurfaceTransition
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -147,7 +147,7 @@ def height_map(folder, *, floor=True):
         f'surface = {{ height_map = "heights.npy", cell_size = "1 um"{given} }}\n'
     )
     lens, substrate = fakir.Lens("1 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
-    surface = fakir.love.Surface(
+    surface = fakir.bem.Surface(
         heights, lens, substrate, cell_size="1 um", floor=0.0 if floor else None
     )
     return case, surface
@@ -173,8 +173,8 @@ def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
     case = EXAMPLES / "square-pillars.toml"
     overrides = {"surface.grid.cells_per_diameter": 8}
     setting = "--set=surface.grid.cells_per_diameter=8"
-    surface = fakir.love.Surface.from_file(case, set=overrides)
-    again = fakir.love.Surface.from_toml(case.read_text(), set=overrides)
+    surface = fakir.bem.Surface.from_file(case, set=overrides)
+    again = fakir.bem.Surface.from_toml(case.read_text(), set=overrides)
     assert np.array_equal(surface.heights, again.heights)
     assert surface.heights.shape == (len(surface.y), len(surface.x))
     assert surface.indenter == fakir.Lens("1 mm", "2 MPa", 0.5) and not surface.periodic
@@ -265,7 +265,7 @@ def test_every_example_of_a_case_is_read(path):
     if "top_radius = " in text:
         assert len(fakir.RoundedTops.from_file(path)) > 1
         return
-    kind = fakir.love.Surface if "[surface]" in text else fakir.System
+    kind = fakir.bem.Surface if "[surface]" in text else fakir.System
     systems = [fakir.System.from_file(path)]
     # A text has no folder in which a table of pillars, or of heights of a lens, could be.
     if "pillars = " not in text and "profile = " not in text:
@@ -281,7 +281,7 @@ def test_a_surface_of_an_array_has_no_case_file(tmp_path):
     with pytest.raises(ValueError, match="save the array"):
         surface.to_toml()
     read = fakir.System.from_file(case, set={"surface.floor": "10 nm"})
-    assert isinstance(read, fakir.love.Surface)
+    assert isinstance(read, fakir.bem.Surface)
     assert str(tmp_path / "heights.npy") in read.to_toml()
 
 

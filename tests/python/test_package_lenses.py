@@ -54,7 +54,7 @@ def test_what_cannot_be_is_refused():
         system.transition()
     # A height map is touched by a sphere or a plate of its own.
     with pytest.raises(TypeError, match="give a Lens or a Plate"):
-        fakir.love.Surface(np.zeros((4, 4)), LENSES[1], fakir.Substrate(*RUBBER), cell_size=1e-6)
+        fakir.bem.Surface(np.zeros((4, 4)), LENSES[1], fakir.Substrate(*RUBBER), cell_size=1e-6)
     # What is made for a sphere gives no number.
     paper = fakir.HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1)
     other = fakir.System(LENSES[1], fakir.Substrate(*RUBBER), paper)

@@ -3,6 +3,7 @@
 import json
 import os
 import pickle
+import pydoc
 import subprocess
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from conftest import EXAMPLES
 
 import fakir
+from fakir._record import Record
 
 OVERRIDES = [
     ("paper-intermediate.toml", {}),
@@ -135,6 +137,27 @@ def test_results_show_themselves(system):
     assert "92.306 µN" in repr(critical)
 
 
+def test_numbers_are_those_of_the_record(system):
+    """Values by path from the JSON object, attributes by the rule: without units and ``critical_``."""
+    critical = system.transition()
+    state, printed = critical.state, critical.to_dict()
+    assert isinstance(critical, fakir.Critical) and isinstance(state, fakir.Contact)
+    assert critical.force == printed["critical_force_N"] == state.force
+    assert critical.floor_contact == tuple(printed["floor_contact_m"])
+    assert critical.normalized._asdict() == printed["normalized"]
+    assert critical.error._asdict() == {**printed["relative_error_estimate"], "contact_area": None}
+    assert critical.unresolved is None and critical.wall_time == printed["wall_time_s"]
+    assert not hasattr(critical, "bottom_contact")
+    assert fakir.ContactState.force.__doc__ == "Normal force on the lens, F (N)."
+    assert "Data descriptors" in pydoc.render_doc(fakir.ContactState)
+    with pytest.raises(AttributeError, match="cannot be set"):
+        state.force = 1.0
+    record = Record().answers
+    for answer, name in [(state, "PressNumbers"), (critical, "TransitionNumbers")]:
+        for attribute in [*record[name][1], *record[record[name][0]][1]]:
+            assert getattr(answer, attribute) is not None or attribute == "unresolved"
+
+
 def test_methods_side_by_side(system):
     comparison = system.compare()
     assert comparison.reference == "spectral_accurate"
@@ -244,7 +267,7 @@ class Topography:
 @pytest.mark.filterwarnings("ignore:the contact reaches the border")
 def test_height_maps():
     lens, substrate = fakir.Lens("1 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
-    surface = fakir.love.Surface(np.zeros((64, 64), np.float32), lens, substrate, cell_size="1 um")
+    surface = fakir.bem.Surface(np.zeros((64, 64), np.float32), lens, substrate, cell_size="1 um")
     contact = surface.press(indentation="0.5 um")
     # Hertz: F = 4/3 E* sqrt(R) zeta^(3/2), 1/E* = 2 (1 - 1/4)/E.
     modulus = 2e6 / 1.5
@@ -258,7 +281,7 @@ def test_height_maps():
     heights = np.zeros((96, 112))
     heights[46:50] = 0.1
     topography = Topography(heights, (96.0, 112.0), "um")
-    ridge = fakir.love.Surface(topography, lens, substrate, floor=0.0)
+    ridge = fakir.bem.Surface(topography, lens, substrate, floor=0.0)
     assert ridge.heights.shape == (112, 96)
     assert ridge.heights.max() == pytest.approx(0.1e-6)
     found = ridge.press(force="1 uN").to_xarray()
@@ -266,6 +289,16 @@ def test_height_maps():
     assert float(found.pressure.sel(x=0, y=0, method="nearest")) > 0.0
     assert ridge.transition().force > 0.0
     with pytest.raises(ValueError, match="heights has the shape"):
-        fakir.love.Surface(np.zeros(3), lens, substrate, cell_size=1e-6)
+        fakir.bem.Surface(np.zeros(3), lens, substrate, cell_size=1e-6)
     with pytest.raises(TypeError, match="exactly one of cell_size and width"):
-        fakir.love.Surface(np.zeros((8, 8)), lens, substrate)
+        fakir.bem.Surface(np.zeros((8, 8)), lens, substrate)
+
+
+def test_the_module_of_height_maps_has_an_older_name():
+    with pytest.warns(FutureWarning, match="fakir.love is now called fakir.bem"):
+        assert fakir.love.Surface is fakir.bem.Surface
+    with pytest.warns(FutureWarning, match="fakir.bem"):
+        from fakir.love import Plate
+    assert Plate is fakir.bem.Plate
+    with pytest.raises(AttributeError):
+        fakir.love.Lens_

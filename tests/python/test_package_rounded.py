@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fakir
-from fakir.love import Plate
+from fakir.bem import Plate
 
 RUBBER, GLASS = fakir.Substrate("1.5 MPa", 0.5), Plate("70 GPa", 0.22)
 PITCH = 1.5e-3

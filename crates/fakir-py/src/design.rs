@@ -3,7 +3,7 @@
 use crate::case::{Case, key};
 use crate::error::{design_error, spread_error, value_error};
 use crate::load::load;
-use crate::state::{Critical, Cycled, State, cycled};
+use crate::state::{Critical, Cycle, State};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir_inverse::DesignSummary;
@@ -15,16 +15,8 @@ use pyo3::prelude::*;
 use std::time::Instant;
 
 /// The object that `fakir design --json` prints, and value, case and contact of what was found
-/// or comes nearest.
-type Designed<'py> = (String, Vec<(f64, Case, Contact<'py>)>);
-
-/// What was designed for: a critical state, a contact under a load, or a cycle.
-#[derive(IntoPyObject)]
-pub(crate) enum Contact<'py> {
-    Critical(Critical),
-    Pressed(State),
-    PulledOff(Cycled<'py>),
-}
+/// or comes nearest: a critical state, a contact under a load, or a cycle.
+type Designed = (String, Vec<(f64, Case, Py<PyAny>)>);
 
 /// What is wanted: a critical force (N), a critical contact radius (m), a floor share with a force (N)
 /// or an indentation (m), or a pull-off force (N).
@@ -37,13 +29,13 @@ type WantedNumbers = (
 
 /// The value of a key that gives what is wanted.
 #[pyfunction]
-pub(crate) fn design<'py>(
-    py: Python<'py>,
+pub(crate) fn design(
+    py: Python<'_>,
     case: &Case,
     free: &str,
     wanted: WantedNumbers,
     options: Options,
-) -> PyResult<Designed<'py>> {
+) -> PyResult<Designed> {
     let wanted = match wanted {
         (Some(force), None, None, None) => Wanted::Force(force),
         (None, Some(radius), None, None) => Wanted::ContactRadius(radius),
@@ -77,9 +69,9 @@ pub(crate) fn design<'py>(
     };
     let candidate = |candidate: Candidate| {
         let contact = match candidate.reached {
-            Reached::Critical(critical) => Contact::Critical(Critical::new(critical, wall_time)),
-            Reached::Pressed(state) => Contact::Pressed(State::new(state, wall_time)),
-            Reached::PulledOff(cycle) => Contact::PulledOff(cycled(py, *cycle, wall_time)?),
+            Reached::Critical(critical) => Critical::new(py, critical, wall_time)?.into_any(),
+            Reached::Pressed(state) => State::new(py, state, wall_time)?.into_any(),
+            Reached::PulledOff(cycle) => Cycle::new(py, *cycle, wall_time)?.into_any(),
         };
         Ok((candidate.value, candidate.case.into(), contact))
     };

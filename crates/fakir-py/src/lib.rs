@@ -7,6 +7,7 @@
 // Python hands values over, and calls by name.
 #![allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]
 
+mod answer;
 mod case;
 mod command;
 mod design;
@@ -25,6 +26,8 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _fakir {
     #[pymodule_export]
+    use super::answer::{Answer, record};
+    #[pymodule_export]
     use super::case::{Case, dimension, parse_case, parse_quantity, read_case};
     #[pymodule_export]
     use super::command::command;
@@ -36,8 +39,8 @@ mod _fakir {
     use super::rounded::{Rounded, RoundedContact, design_heights, press_rounded};
     #[pymodule_export]
     use super::state::{
-        Critical, State, approach, check_points, compare, cycle, gradient, press, transition,
-        verify,
+        Critical, Cycle, State, approach, check_points, compare, cycle, gradient, press,
+        transition, verify,
     };
     #[pymodule_export]
     use super::study::{Ledger, Study, solve_cases};

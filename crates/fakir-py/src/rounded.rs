@@ -1,5 +1,6 @@
 //! Pillars with rounded tops.
 
+use crate::answer::Answer;
 use crate::error::{
     case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
@@ -167,33 +168,17 @@ impl Rounded {
 }
 
 /// A contact with rounded tops.
-#[pyclass(frozen, module = "fakir._fakir")]
+#[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
 pub(crate) struct RoundedContact {
     case: RoundedCase,
     contact: CapContact,
-    wall_time: f64,
 }
 
 #[pymethods]
 impl RoundedContact {
-    /// The object that `fakir press --json` prints.
-    fn json(&self) -> String {
-        json(&rounded_press(self.answer(), self.wall_time))
-    }
-
     /// The columns of `pillars.csv`.
     fn pillars<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
         columns(py, &rounded_pillars(self.answer()))
-    }
-
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        rounded_warnings(self.answer())
-    }
-
-    #[getter]
-    fn termination(&self) -> &'static str {
-        self.contact.termination.description()
     }
 }
 
@@ -215,18 +200,20 @@ pub(crate) fn press_rounded(
     indentation: Option<f64>,
     force: Option<f64>,
     options: Options,
-) -> PyResult<RoundedContact> {
+) -> PyResult<Py<RoundedContact>> {
     let load = load(indentation, force)?;
     let case = tops.case.clone();
     let start = Instant::now();
     let contact = watched(py, &options, |run| {
         case.field.press(load, case.accuracy, run)
     })?;
-    Ok(RoundedContact {
-        contact: contact.map_err(|error| solve_error(&error))?,
-        wall_time: start.elapsed().as_secs_f64(),
-        case,
-    })
+    let contact = contact.map_err(|error| solve_error(&error))?;
+    let contact = RoundedContact { case, contact };
+    let answer = contact.answer();
+    let summary = json(&rounded_press(answer, start.elapsed().as_secs_f64()));
+    let (ended, warnings) = (answer.contact.termination, rounded_warnings(answer));
+    let answer = Answer::new(&answer, summary, ended, warnings);
+    Py::new(py, (contact, answer))
 }
 
 /// The object that `fakir design --free heights --json` prints, the pillars that were found, and the columns of `curve.csv`.

@@ -1,5 +1,6 @@
 //! Contact states, and the computations that give them.
 
+use crate::answer::{Answer, warnings};
 use crate::case::Case;
 use crate::error::{approach_error, solve_error};
 use crate::load::{load, load_or_critical, path};
@@ -9,7 +10,7 @@ use fakir::problem::{CyclePlan, Drive, ElementMesh, Method, Point};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::record::GradientObject;
 use fakir_study::result::{
-    self, ApproachSummary, CycleSummary, VerifySummary, json, pillars, pillars_of,
+    self, ApproachSummary, CycleSummary, VerifySummary, cycle_warnings, json, pillars, pillars_of,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -17,10 +18,9 @@ use pyo3::types::{IntoPyDict, PyDict};
 use std::time::Instant;
 
 /// A contact under a load.
-#[pyclass(frozen, module = "fakir._fakir")]
+#[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
 pub(crate) struct State {
     state: ContactState,
-    wall_time: f64,
 }
 
 type Field<'py> = Bound<'py, PyArray1<f64>>;
@@ -39,11 +39,6 @@ impl State {
         ])
     }
 
-    /// The object that `fakir press --json` prints.
-    fn json(&self) -> String {
-        json(&result::press(&self.state, None, None, self.wall_time))
-    }
-
     #[getter]
     fn case(&self) -> Case {
         fakir_case::Case::new(self.state.system.clone(), self.state.method).into()
@@ -52,19 +47,6 @@ impl State {
     #[getter]
     fn smallest_gap_position(&self) -> Point {
         self.state.smallest_gap_position
-    }
-
-    #[getter]
-    fn termination(&self) -> &'static str {
-        self.state.termination.description()
-    }
-
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        let words = self.state.warnings.iter().map(ToString::to_string);
-        words
-            .chain(self.state.unresolved().map(|it| it.to_string()))
-            .collect()
     }
 
     /// The touched pillars: the names of `pillars.csv`, each with a column.
@@ -144,59 +126,43 @@ pub(crate) fn check_points(points: usize, memory_limit: Option<usize>) -> PyResu
 }
 
 /// A critical state.
-#[pyclass(frozen, module = "fakir._fakir")]
+#[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
 pub(crate) struct Critical {
-    critical: CriticalState,
-    wall_time: f64,
-}
-
-#[pymethods]
-impl Critical {
-    /// The object that `fakir transition --json` prints.
-    fn json(&self) -> String {
-        json(&result::transition(
-            &self.critical,
-            None,
-            None,
-            self.wall_time,
-        ))
-    }
-
     /// The contact at the transition.
-    #[getter]
-    fn state(&self) -> State {
-        State {
-            state: self.critical.contact.clone(),
-            wall_time: self.wall_time,
-        }
-    }
+    #[pyo3(get)]
+    state: Py<State>,
 }
 
 impl State {
-    pub(crate) fn new(state: ContactState, wall_time: f64) -> Self {
-        Self { state, wall_time }
+    pub(crate) fn new(py: Python<'_>, state: ContactState, wall_time: f64) -> PyResult<Py<Self>> {
+        let summary = json(&result::press(&state, None, None, wall_time));
+        let answer = Answer::new(&state, summary, state.termination, warnings(&state));
+        Py::new(py, (Self { state }, answer))
     }
 }
 
 impl Critical {
-    pub(crate) fn new(critical: CriticalState, wall_time: f64) -> Self {
-        Self {
-            critical,
-            wall_time,
-        }
+    pub(crate) fn new(
+        py: Python<'_>,
+        critical: CriticalState,
+        wall_time: f64,
+    ) -> PyResult<Py<Self>> {
+        let summary = json(&result::transition(&critical, None, None, wall_time));
+        let contact = &critical.contact;
+        let answer = Answer::new(&critical, summary, contact.termination, warnings(contact));
+        let state = State::new(py, critical.contact, wall_time)?;
+        Py::new(py, (Self { state }, answer))
     }
 }
 
 /// The critical state.
 #[pyfunction]
-pub(crate) fn transition(py: Python<'_>, case: &Case, options: Options) -> PyResult<Critical> {
+pub(crate) fn transition(py: Python<'_>, case: &Case, options: Options) -> PyResult<Py<Critical>> {
     let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
     let critical = watched(py, &options, |run| fakir::transition(&system, method, run))?;
-    Ok(Critical {
-        critical: critical.map_err(|error| solve_error(&error))?,
-        wall_time: start.elapsed().as_secs_f64(),
-    })
+    let critical = critical.map_err(|error| solve_error(&error))?;
+    Critical::new(py, critical, start.elapsed().as_secs_f64())
 }
 
 /// The contact at an indentation (m) or under a force (N).
@@ -207,15 +173,13 @@ pub(crate) fn press(
     indentation: Option<f64>,
     force: Option<f64>,
     options: Options,
-) -> PyResult<State> {
+) -> PyResult<Py<State>> {
     let load = load(indentation, force)?;
     let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
     let state = watched(py, &options, |run| fakir::press(&system, load, method, run))?;
-    Ok(State {
-        state: state.map_err(|error| solve_error(&error))?,
-        wall_time: start.elapsed().as_secs_f64(),
-    })
+    let state = state.map_err(|error| solve_error(&error))?;
+    State::new(py, state, start.elapsed().as_secs_f64())
 }
 
 /// The contact at an indentation (m) or under a force (N), or the critical state if neither is given; and the object that `--gradient` adds to
@@ -227,7 +191,7 @@ pub(crate) fn gradient(
     indentation: Option<f64>,
     force: Option<f64>,
     options: Options,
-) -> PyResult<(State, String)> {
+) -> PyResult<(Py<State>, String)> {
     let load = load_or_critical(indentation, force);
     let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
@@ -236,12 +200,12 @@ pub(crate) fn gradient(
     })?;
     let found = found.map_err(|error| solve_error(&error))?;
     let summary = json(&GradientObject::from(&found));
-    let state = State::new(found.contact, start.elapsed().as_secs_f64());
+    let state = State::new(py, found.contact, start.elapsed().as_secs_f64())?;
     Ok((state, summary))
 }
 
 /// The object that `fakir approach --json` prints, the critical state, and the other states.
-type Loading = (String, Option<Critical>, Vec<State>);
+type Loading = (String, Option<Py<Critical>>, Vec<Py<State>>);
 
 /// The states of a loading by steps of the indentation (m).
 #[pyfunction]
@@ -258,31 +222,60 @@ pub(crate) fn approach(
     let problem = (case.case.system.clone(), case.case.method);
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
-        let mut keep = |state, wall_time| states.push(State { state, wall_time });
+        let mut keep = |state, wall_time| states.push((state, wall_time));
         let found = fakir_study::approach::approach(&problem, &path, run, &|_| {}, &mut keep);
         (found, states)
     })?;
     let found = found.map_err(|error| approach_error(&error))?;
     let summary = json(&ApproachSummary::new(&problem, &found));
     let time = found.critical_time;
-    let critical = found.critical.map(|critical| Critical::new(critical, time));
-    Ok((summary, critical, states))
+    let critical = found.critical.map(|it| Critical::new(py, it, time));
+    let states = states
+        .into_iter()
+        .map(|(it, time)| State::new(py, it, time));
+    Ok((
+        summary,
+        critical.transpose()?,
+        states.collect::<PyResult<_>>()?,
+    ))
 }
 
-/// The object that `fakir cycle --json` prints, the critical state, the columns of the pillars that hold at pull-off, and
-/// how the computation ended.
-pub(crate) type Cycled<'py> = (
-    String,
-    Option<Critical>,
-    Option<Bound<'py, PyDict>>,
-    &'static str,
-);
+/// Loading and unloading.
+#[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
+pub(crate) struct Cycle {
+    #[pyo3(get)]
+    critical: Option<Py<Critical>>,
+    /// The columns of the pillars that hold at pull-off.
+    #[pyo3(get)]
+    pull_off_pillars: Option<Py<PyDict>>,
+}
+
+impl Cycle {
+    pub(crate) fn new(
+        py: Python<'_>,
+        cycle: fakir::state::Cycle,
+        wall_time: f64,
+    ) -> PyResult<Py<Self>> {
+        let summary = json(&CycleSummary::new(&cycle, wall_time));
+        let answer = Answer::new(&cycle, summary, cycle.termination, cycle_warnings(&cycle));
+        let pulling = cycle.pull_off.as_ref();
+        let pulling = pulling.map(|it| columns(py, &pillars_of(&it.pillars))?.into_py_dict(py));
+        let critical = cycle
+            .critical
+            .map(|critical| Critical::new(py, critical, wall_time));
+        let cycle = Self {
+            critical: critical.transpose()?,
+            pull_off_pillars: pulling.transpose()?.map(Bound::unbind),
+        };
+        Py::new(py, (cycle, answer))
+    }
+}
 
 /// Loading up to an indentation (m), a force (N) or the critical state, and unloading if it is to be; a stiffness (N/m) is that of the
 /// machine that drives the lens.
 #[pyfunction]
-pub(crate) fn cycle<'py>(
-    py: Python<'py>,
+pub(crate) fn cycle(
+    py: Python<'_>,
     case: &Case,
     to: Option<f64>,
     to_force: Option<f64>,
@@ -290,7 +283,7 @@ pub(crate) fn cycle<'py>(
     machine_stiffness: Option<f64>,
     retract: bool,
     options: Options,
-) -> PyResult<Cycled<'py>> {
+) -> PyResult<Py<Cycle>> {
     let drive = match (drive, machine_stiffness) {
         (_, Some(stiffness)) => Drive::Machine(stiffness),
         ("force", None) => Drive::Force,
@@ -305,25 +298,11 @@ pub(crate) fn cycle<'py>(
     let start = Instant::now();
     let found = watched(py, &options, |run| fakir::cycle(&system, plan, method, run))?;
     let cycle = found.map_err(|error| solve_error(&error))?;
-    cycled(py, cycle, start.elapsed().as_secs_f64())
-}
-
-/// What Python has of a cycle that was found in some time, s.
-pub(crate) fn cycled(
-    py: Python<'_>,
-    cycle: fakir::state::Cycle,
-    time: f64,
-) -> PyResult<Cycled<'_>> {
-    let summary = json(&CycleSummary::new(&cycle, time));
-    let pulling = cycle.pull_off.as_ref();
-    let pulling = pulling.map(|it| columns(py, &pillars_of(&it.pillars))?.into_py_dict(py));
-    let critical = cycle.critical.map(|critical| Critical::new(critical, time));
-    let ended = cycle.termination.description();
-    Ok((summary, critical, pulling.transpose()?, ended))
+    Cycle::new(py, cycle, start.elapsed().as_secs_f64())
 }
 
 /// The object that `fakir compare --json` prints, and the critical states by method.
-type Compared = (String, Vec<(&'static str, Critical)>);
+type Compared = (String, Vec<(&'static str, Py<Critical>)>);
 
 /// The critical state by every method.
 #[pyfunction]
@@ -332,17 +311,20 @@ pub(crate) fn compare(py: Python<'_>, case: &Case, options: Options) -> PyResult
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |method, critical, wall_time| {
-            states.push((method, Critical::new(critical, wall_time)));
+            states.push((method, critical, wall_time));
         };
         let found = fakir_study::compare::compare(&system, run, &|_| {}, &mut keep);
         (found, states)
     })?;
     let found = found.map_err(|error| solve_error(&error))?;
-    Ok((json(&found.summary), states))
+    let states = states
+        .into_iter()
+        .map(|(method, critical, time)| Ok((method, Critical::new(py, critical, time)?)));
+    Ok((json(&found.summary), states.collect::<PyResult<_>>()?))
 }
 
 /// The object that `fakir verify --json` prints, and the states, the spectral one first.
-type Verified = (String, Vec<State>);
+type Verified = (String, Vec<Py<State>>);
 
 /// A second opinion on the critical state, or on a contact under a load.
 #[pyfunction]
@@ -370,6 +352,7 @@ pub(crate) fn verify(
     let wall_time = start.elapsed().as_secs_f64();
     let summary = VerifySummary::new(load, &answer, wall_time);
     let [coarse, fine] = answer.elements;
-    let states = [answer.spectral, coarse, fine].map(|state| State { state, wall_time });
-    Ok((json(&summary), states.into()))
+    let states = [answer.spectral, coarse, fine].into_iter();
+    let states = states.map(|state| State::new(py, state, wall_time));
+    Ok((json(&summary), states.collect::<PyResult<_>>()?))
 }

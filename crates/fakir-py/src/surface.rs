@@ -1,5 +1,6 @@
 //! A lens or a plate on a height map.
 
+use crate::answer::{Answer, warnings};
 use crate::error::{
     approach_error, case_error, solve_error, surface_verify_error, value_error,
     warn_of_deprecations,
@@ -179,35 +180,16 @@ impl Surface {
 type Pillars<'py> = (Bound<'py, PyArray2<i64>>, Bound<'py, PyArray1<f64>>);
 
 /// A contact on a height map.
-#[pyclass(frozen, module = "fakir._fakir")]
+#[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
 pub(crate) struct SurfaceContact {
     contact: fakir::state::SurfaceContact,
-    summary: String,
 }
 
 #[pymethods]
 impl SurfaceContact {
-    /// The object that `fakir press --json` prints for it.
-    fn json(&self) -> &str {
-        &self.summary
-    }
-
-    #[getter]
-    fn termination(&self) -> &'static str {
-        self.contact.termination.description()
-    }
-
     #[getter]
     fn mean_pressure(&self) -> f64 {
         self.contact.mean_pressure()
-    }
-
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        let words = self.contact.warnings.iter().map(ToString::to_string);
-        words
-            .chain(self.contact.unresolved().map(|it| it.to_string()))
-            .collect()
     }
 
     /// Pressure, gap and displacement, a row for every y.
@@ -226,23 +208,10 @@ impl SurfaceContact {
 }
 
 /// The state in which the floor of a height map is just reached.
-#[pyclass(frozen, module = "fakir._fakir")]
+#[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
 pub(crate) struct SurfaceTransition {
     #[pyo3(get)]
     contact: Py<SurfaceContact>,
-    #[pyo3(get)]
-    regime: &'static str,
-    #[pyo3(get)]
-    floor_contact: Point,
-    summary: String,
-}
-
-#[pymethods]
-impl SurfaceTransition {
-    /// The object that `fakir transition --json` prints for it.
-    fn json(&self) -> &str {
-        &self.summary
-    }
 }
 
 /// The contact at an indentation (m) or under a force (N).
@@ -253,12 +222,12 @@ pub(crate) fn press_surface(
     indentation: Option<f64>,
     force: Option<f64>,
     options: Options,
-) -> PyResult<SurfaceContact> {
+) -> PyResult<Py<SurfaceContact>> {
     let load = load(indentation, force)?;
     let start = Instant::now();
     let contact = watched(py, &options, |run| surface.system.press(load, run))?;
     let contact = contact.map_err(|error| solve_error(&error))?;
-    Ok(surface.contact(contact, start.elapsed().as_secs_f64()))
+    surface.contact(py, contact, start.elapsed().as_secs_f64())
 }
 
 /// The state in which the floor is just reached.
@@ -267,7 +236,7 @@ pub(crate) fn surface_transition(
     py: Python<'_>,
     surface: &Surface,
     options: Options,
-) -> PyResult<SurfaceTransition> {
+) -> PyResult<Py<SurfaceTransition>> {
     if surface.system.floor().is_none() {
         return Err(value_error(
             "which cells are floor is not known: give floor, a height",
@@ -281,7 +250,11 @@ pub(crate) fn surface_transition(
 
 /// The object that `fakir approach --json` prints for a surface, the critical state if there is one, and
 /// the other states.
-type Loading = (String, Option<SurfaceTransition>, Vec<SurfaceContact>);
+type Loading = (
+    String,
+    Option<Py<SurfaceTransition>>,
+    Vec<Py<SurfaceContact>>,
+);
 
 /// The states of a loading by steps of the indentation (m).
 #[pyfunction]
@@ -297,7 +270,7 @@ pub(crate) fn approach_surface(
     let path = path(step, until, to, to_force)?;
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
-        let mut keep = |contact, wall_time| states.push(surface.contact(contact, wall_time));
+        let mut keep = |contact, wall_time| states.push((contact, wall_time));
         let system = &surface.system;
         let found = fakir_study::approach::approach(system, &path, run, &|_| {}, &mut keep);
         (found, states)
@@ -307,12 +280,19 @@ pub(crate) fn approach_surface(
     let critical = found
         .critical
         .map(|critical| surface.reached(py, critical, found.critical_time));
-    Ok((summary, critical.transpose()?, states))
+    let states = states
+        .into_iter()
+        .map(|(contact, time)| surface.contact(py, contact, time));
+    Ok((
+        summary,
+        critical.transpose()?,
+        states.collect::<PyResult<_>>()?,
+    ))
 }
 
 /// The object that `fakir verify --json` prints for a surface, and the surfaces of both meshes with their
 /// contacts.
-type Verified = (String, Vec<(Surface, SurfaceContact)>);
+type Verified = (String, Vec<(Surface, Py<SurfaceContact>)>);
 
 /// The same question on two meshes.
 #[pyfunction]
@@ -342,10 +322,10 @@ pub(crate) fn verify_surface(
             system: answered.case.system,
             file: Some(file.clone()),
         };
-        let contact = surface.contact(answered.answer, wall_time);
-        (surface, contact)
+        let contact = surface.contact(py, answered.answer, wall_time)?;
+        Ok((surface, contact))
     });
-    Ok((summary, answers.collect()))
+    Ok((summary, answers.collect::<PyResult<_>>()?))
 }
 
 impl Surface {
@@ -378,27 +358,30 @@ impl Surface {
         py: Python<'_>,
         found: fakir::state::SurfaceTransition,
         wall_time: f64,
-    ) -> PyResult<SurfaceTransition> {
+    ) -> PyResult<Py<SurfaceTransition>> {
         let answer = SurfaceAnswer {
             system: &self.system,
             answer: &found,
         };
-        Ok(SurfaceTransition {
-            summary: json(&result::surface_transition(&answer, wall_time)),
-            regime: found.regime.name(),
-            floor_contact: found.floor_contact,
-            contact: Py::new(py, self.contact(found.contact, wall_time))?,
-        })
+        let summary = json(&result::surface_transition(&answer, wall_time));
+        let contact = &found.contact;
+        let answer = Answer::new(&answer, summary, contact.termination, warnings(contact));
+        let contact = self.contact(py, found.contact, wall_time)?;
+        Py::new(py, (SurfaceTransition { contact }, answer))
     }
 
-    fn contact(&self, contact: fakir::state::SurfaceContact, wall_time: f64) -> SurfaceContact {
+    fn contact(
+        &self,
+        py: Python<'_>,
+        contact: fakir::state::SurfaceContact,
+        wall_time: f64,
+    ) -> PyResult<Py<SurfaceContact>> {
         let answer = SurfaceAnswer {
             system: &self.system,
             answer: &contact,
         };
-        SurfaceContact {
-            summary: json(&result::surface_press(&answer, wall_time)),
-            contact,
-        }
+        let summary = json(&result::surface_press(&answer, wall_time));
+        let answer = Answer::new(&answer, summary, contact.termination, warnings(&contact));
+        Py::new(py, (SurfaceContact { contact }, answer))
     }
 }

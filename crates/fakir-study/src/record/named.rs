@@ -172,6 +172,7 @@ impl<T> Named<T> {
         Self::new(path, Type::Flag, meaning, move |it| {
             value(it).map_or(Value::None, Value::Flag)
         })
+        .optional()
     }
 
     pub(super) fn word(

@@ -1,0 +1,331 @@
+"""The classes of the record, written by tests/python/stubs.py."""
+
+from typing import NamedTuple
+
+from ._result import Answer, Number, Numbered
+
+class FloorErrors(NamedTuple):
+    share: float
+    'Estimated relative error of the share.'
+    contact_area: float
+    'Estimated relative error of the area.'
+
+class ErrorEstimate(NamedTuple):
+    force: float
+    'Estimated relative error of the force.'
+    indentation: float
+    'Estimated relative error of the indentation.'
+    contact_radius: float | None = None
+    'Estimated relative error of the contact radius.'
+    top_contact_radius: float | None = None
+    'Estimated relative error of the top contact radius.'
+    contact_area: float | None = None
+    'Estimated relative error of the contact area, at least a part of the cells along its edge.'
+
+class Normalized(NamedTuple):
+    force: float
+    'Critical force over hd/γ_int.'
+    contact_radius: float
+    'Critical contact radius over the pitch.'
+    indentation: float
+    'Critical indentation over the height of the pillars.'
+
+class SurfacePressTops(NamedTuple):
+    force: float
+    'Force on the tops, all that is not floor (N); `tops` and `floor` are None if it is not known which part is the floor.'
+    contact_area: float
+    'Contact area of the tops (m^2).'
+
+class SurfacePressFloor(NamedTuple):
+    force: float
+    'Force on the floor (N).'
+    contact_area: float
+    'Contact area on the floor (m^2).'
+
+class Grid(NamedTuple):
+    columns: int
+    'Cells along x.'
+    rows: int
+    'Cells along y.'
+    cell: tuple[float, float]
+    'Sides of a cell (m).'
+    origin: tuple[float, float]
+    'Lower left corner of the grid, relative to the lens axis (m).'
+
+class Certificate(NamedTuple):
+    energy_bound: float
+    'Upper bound of the energy error of the solution on its cells, over the elastic energy.'
+    interpenetration: float
+    'Deepest interpenetration anywhere (m).'
+    gap_under_pressure: float
+    'Largest gap of a cell that bears pressure (m).'
+
+class RoundedErrors(NamedTuple):
+    force: float
+    'Estimated relative error of the force, from a pressure of higher degree and from ovals that are treated as discs; the whole object is None if there is no estimate.'
+    contact_area: float
+    'Estimated relative error of the contact area.'
+    indentation_m: float
+    'Estimated error of the indentation, not relative: it counts from a level that may be anywhere (m).'
+
+class CycleError(NamedTuple):
+    numerical: float
+    'Estimated relative error of the numerical solution: the sum of the next three; the whole object is None where the cycle has no such figure.'
+    levels: float
+    'Part of it from the discrete positions of the fronts on pillar tops.'
+    rim_angles: float
+    'Part of it from the angular resolution along the rims.'
+    degree: float
+    'Part of it from the degree of the pressure on pillar tops.'
+    model: float
+    'Estimated relative error of the model: the sum of the next two.'
+    model_fronts: float
+    'Part of it from the possible shapes of the fronts.'
+    model_columns: float
+    'Part of it because columns do not tilt under eccentric tension as real pillars do.'
+
+class CycleErrors(NamedTuple):
+    critical_force: CycleError | None = None
+    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
+    critical_indentation: CycleError | None = None
+    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
+    pull_off_force: CycleError | None = None
+    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
+    hysteresis: CycleError | None = None
+    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
+
+class FloorNumbers(Numbered):
+    force: Number[float]
+    'Force on the floor (N).'
+    share: Number[float]
+    'Floor force over total force.'
+    contact_area: Number[float]
+    'Contact area on the floor (m^2).'
+    radius: Number[float]
+    'Distance between the lens axis and the farthest floor contact (m).'
+    smallest_distance_to_rim: Number[float]
+    'Smallest distance between the floor contact and the rim of a pillar (m).'
+    patches: Number[int | None]
+    'Number of separate floor contacts; None if two grids differ.'
+    cell: Number[tuple[float, float]]
+    'Cell sides of the floor pressure (m); the cells rotate with the lattice.'
+    error: Number[FloorErrors]
+    '`FloorErrors` with share, contact_area.'
+
+class Critical(Answer):
+    regime: Number[str]
+    '`top_first`, or `bottom_first` if the lens reaches the floor before any pillar.'
+    force: Number[float]
+    'Force at which the lens just reaches the floor, F_c (N).'
+    indentation: Number[float]
+    'Indentation at which the lens just reaches the floor, ζ_c (m).'
+    floor_contact: Number[tuple[float, float]]
+    'Position of the floor contact relative to the lens axis (m); under a plate, which has no axis, in the coordinates of the grid.'
+    converged: Number[bool]
+    'Whether the solver converged.'
+    unresolved: Number[str | None]
+    'A quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1.'
+
+class Contact(Answer):
+    force: Number[float]
+    'Normal force on the lens, F (N).'
+    indentation: Number[float]
+    'Displacement of the lens from the position in which its lowest point is level with the pillar tops, ζ (m).'
+    converged: Number[bool]
+    'Whether the solver converged.'
+    unresolved: Number[str | None]
+    'A quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1.'
+
+class PressNumbers(Contact):
+    method: Number[str]
+    '`spectral`, `love`, `punch` or `homogenised`.'
+    lens_shape: Number[str]
+    '`sphere`, `paraboloid`, `cylinder`, `plate` or `profile`.'
+    contact_radius: Number[float]
+    'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
+    top_contact_radius: Number[float]
+    'Distance between the lens axis and the farthest point in contact on a pillar top (m).'
+    pillars_in_contact: Number[int]
+    'Number of pillars in contact.'
+    pillars_partially_in_contact: Number[int]
+    'Number of pillars that the edge of the contact crosses.'
+    smallest_floor_gap: Number[float]
+    'Smallest gap between lens and floor (m); beyond the transition 0, or negative if the floor is ignored; under a cylinder or a plate, the gap to the undeformed lens between the outermost pillars.'
+    beyond_transition: Number[bool]
+    'Whether the lens has reached the floor, or would have if the floor were not ignored.'
+    error: Number[ErrorEstimate]
+    '`ErrorEstimate` with force, indentation, contact_radius.'
+    iterations: Number[int]
+    'Solver iterations.'
+
+class TransitionNumbers(Critical):
+    method: Number[str]
+    '`spectral`, `love`, `punch` or `homogenised`.'
+    lens_shape: Number[str]
+    '`sphere`, `paraboloid`, `cylinder`, `plate` or `profile`.'
+    surface_fraction: Number[float]
+    'Surface fraction of the pillar tops, φ.'
+    pitch: Number[float]
+    'Distance between neighbouring pillars, e (m).'
+    contact_radius: Number[float]
+    'The larger of `top_contact_radius_m` and the distance between the lens axis and the floor contact, a_c (m).'
+    top_contact_radius: Number[float]
+    'Distance between the lens axis and the farthest point in contact on a pillar top (m).'
+    pillars_in_contact: Number[int]
+    'Number of pillars in contact.'
+    pillars_partially_in_contact: Number[int]
+    'Number of pillars that the edge of the contact crosses.'
+    normalized: Number[Normalized]
+    '`Normalized` with force, contact_radius, indentation.'
+    error: Number[ErrorEstimate]
+    '`ErrorEstimate` with force, indentation, contact_radius, top_contact_radius.'
+    iterations: Number[int]
+    'Solver iterations.'
+
+class SurfacePressNumbers(Contact):
+    method: Number[str]
+    '`love`: elements.'
+    tops: Number[SurfacePressTops | None]
+    '`SurfacePressTops` with force, contact_area.'
+    floor: Number[SurfacePressFloor | None]
+    '`SurfacePressFloor` with force, contact_area.'
+    contact_area: Number[float]
+    'Area of the cells in contact, A (m^2).'
+    contact_radius: Number[float | None]
+    'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
+    indenter: Number[str]
+    '`lens` or `plate`.'
+    boundary: Number[str]
+    '`free` or `periodic`.'
+    grid: Number[Grid]
+    '`Grid` with columns, rows, cell, origin.'
+    error: Number[ErrorEstimate | None]
+    '`ErrorEstimate` with force, indentation, contact_radius, contact_area.'
+    certificate: Number[Certificate]
+    '`Certificate` with energy_bound, interpenetration, gap_under_pressure.'
+    iterations: Number[int]
+    'Solver iterations on the last grid.'
+
+class SurfaceTransitionNumbers(Critical):
+    method: Number[str]
+    '`love`: elements.'
+    contact_area: Number[float]
+    'Area of the cells in contact, A (m^2).'
+    contact_radius: Number[float | None]
+    'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
+    indenter: Number[str]
+    '`lens` or `plate`.'
+    boundary: Number[str]
+    '`free` or `periodic`.'
+    grid: Number[Grid]
+    '`Grid` with columns, rows, cell, origin.'
+    error: Number[ErrorEstimate | None]
+    '`ErrorEstimate` with force, indentation, contact_radius, contact_area.'
+    certificate: Number[Certificate]
+    '`Certificate` with energy_bound, interpenetration, gap_under_pressure.'
+    iterations: Number[int]
+    'Solver iterations on the last grid.'
+
+class RoundedPressNumbers(Contact):
+    method: Number[str]
+    '`spectral`.'
+    indenter: Number[str]
+    '`lens` or `plate`.'
+    contact_area: Number[float]
+    'Area of all contacts, A (m^2).'
+    contact_radius: Number[float | None]
+    'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
+    pillars: Number[int]
+    'Number of pillars.'
+    pillars_in_contact: Number[int]
+    'Number of pillars in contact.'
+    pillars_fully_in_contact: Number[int]
+    'Number of pillars whose top is in contact up to the rim.'
+    largest_top_contact_radius: Number[float]
+    'Radius of the largest contact on a top (m).'
+    largest_pillar_force: Number[float]
+    'Largest force on a pillar (N).'
+    stiffness: Number[float]
+    'Change of the force with the indentation (N/m).'
+    left_out: Number[list[str]]
+    'Effects that are not computed.'
+    floor_out_of_reach: Number[bool]
+    'Whether the floor is certainly not reached.'
+    error: Number[RoundedErrors | None]
+    '`RoundedErrors` with force, contact_area, indentation_m.'
+    iterations: Number[int]
+    'Solver iterations.'
+
+class CycleNumbers(Answer):
+    method: Number[str]
+    '`spectral`.'
+    surface_fraction: Number[float]
+    'Surface fraction of the pillar tops, φ.'
+    pitch: Number[float]
+    'Distance between neighbouring pillars, e (m).'
+    work_of_adhesion: Number[float]
+    'Energy per area released when contact forms, w (J/m^2).'
+    receding_work_of_adhesion: Number[float]
+    'Energy per area required to separate the contact (J/m^2).'
+    drive: Number[str]
+    'Loading mode, the quantity that is constant during a jump: `displacement`, `force` or `machine`.'
+    machine_stiffness: Number[float | None]
+    'Stiffness of the machine, if the loading mode is `machine` (N/m).'
+    first_contact_indentation: Number[float | None]
+    'Indentation at first contact (m).'
+    first_contact_force: Number[float | None]
+    'Force after first contact (N).'
+    zero_load_indentation: Number[float | None]
+    'Equilibrium indentation of a lens without load (m).'
+    critical_force: Number[float | None]
+    'Critical force, F_c (N); None, as the whole critical state, if the loading does not reach it.'
+    critical_indentation: Number[float | None]
+    'Critical indentation, ζ_c (m).'
+    critical_contact_radius: Number[float | None]
+    'Critical contact radius, a_c (m).'
+    critical_pillars_in_contact: Number[int | None]
+    'Pillars in contact in the critical state.'
+    critical_pillars_partially_in_contact: Number[int | None]
+    'Those of them that are in contact in part.'
+    turn_force: Number[float]
+    'Force at the end of loading (N).'
+    turn_indentation: Number[float]
+    'Indentation at the end of loading (m).'
+    turn_contact_radius: Number[float]
+    'Contact radius at the end of loading (m).'
+    turn_pillars_in_contact: Number[int]
+    'Pillars in contact at the end of loading.'
+    turn_pillars_partially_in_contact: Number[int]
+    'Those of them that are in contact in part.'
+    stopped_by_floor: Number[bool]
+    'Whether the floor ended the loading before the requested load.'
+    pull_off_force: Number[float | None]
+    'Largest tensile force on unloading, negative (N); None if there is none.'
+    pull_off_indentation: Number[float | None]
+    'Indentation at pull-off (m).'
+    pull_off_pillars_in_contact: Number[int | None]
+    'Pillars in contact at pull-off.'
+    kendall_pull_off_force: Number[float]
+    'Pull-off force of a single pillar with a flat top (Kendall) (N).'
+    normalized_pull_off_force: Number[float | None]
+    'Pull-off force over that of a single pillar: the equivalent number of independent pillars.'
+    last_release_indentation: Number[float | None]
+    'Indentation at which the last pillar detaches (m); None if something is still in contact.'
+    work_of_separation: Number[float]
+    'Work against tensile forces during unloading (J).'
+    hysteresis: Number[float | None]
+    'Area of the loop of force over indentation (J); None for a path that is not closed.'
+    normalized_hysteresis: Number[float | None]
+    'Hysteresis over the receding work of adhesion times the largest top area that was in contact; 2 (1 + κ) for flat pillars that detach one by one.'
+    dissipation: Number[float]
+    'Energy dissipated by all events, summed independently (J).'
+    certificate: Number[float | None]
+    'Relative difference of `dissipation_J` from `hysteresis_J`.'
+    kendall_strain: Number[float]
+    'Tensile stress on a pillar at its detachment over the modulus of the substrate.'
+    error: Number[CycleErrors]
+    '`CycleErrors` with critical_force, critical_indentation, pull_off_force, hysteresis.'
+    converged: Number[bool]
+    'Whether the solver converged.'
+    unresolved: Number[str | None]
+    'A quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1.'
