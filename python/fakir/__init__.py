@@ -43,6 +43,7 @@ from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
 from ._numbers import Contact, Critical, CycleError, ErrorEstimate, FloorErrors, Normalized
 from ._result import Answer, Limit, Result
+from ._problem import problem, read_case
 from ._rounded import HeightDesign, RoundedContact, RoundedTops, design_heights
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep, sweep
@@ -127,6 +128,8 @@ __all__ = [
     "fit",
     "homogenised",
     "plot",
+    "problem",
+    "read_case",
     "spread",
     "sweep",
     "theory",

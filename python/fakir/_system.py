@@ -163,7 +163,7 @@ class System(Shown):
         ``[surface]`` gives a `fakir.bem.Surface`, which answers the same questions: `press`,
         `transition`, `approach` and `verify`.
         """
-        return cls._described(_fakir.read_case(fspath(path), settings(set)))
+        return cls._described(_fakir.read_case(fspath(path), settings(set), False))
 
     @classmethod
     def from_toml(cls, text: str, set: Overrides | None = None) -> System | Surface:
@@ -171,10 +171,13 @@ class System(Shown):
         return cls._described(_fakir.parse_case("case.toml", text, settings(set)))
 
     @classmethod
-    def _described(cls, found: _fakir.Case | _fakir.Surface) -> System | Surface:
-        if isinstance(found, _fakir.Case):
-            return cls._of(found)
-        return Surface._of(found)
+    def _described(
+        cls, found: _fakir.Case | _fakir.Surface | _fakir.Rounded
+    ) -> System | Surface:
+        if isinstance(found, _fakir.Surface):
+            return Surface._of(found)
+        assert isinstance(found, _fakir.Case), "rounded tops are refused"
+        return cls._of(found)
 
     def to_toml(self) -> str:
         """The case as a commented file, which gives the same system to the bit."""

@@ -74,3 +74,21 @@ def test_what_cannot_be_is_refused():
 def test_what_to_cite_for_rounded_tops():
     keys = [entry.bibtex.split("{")[1].split(",")[0] for entry in fakir.cite(tops())]
     assert "Hertz1882" in keys and "Aymard2024" not in keys
+
+
+def test_every_kind_of_surface_has_one_entry(tmp_path):
+    pillars = fakir.Pillars(X, Y, 200e-6, 1e-3, axis=(PITCH, PITCH))
+    made = fakir.problem(GLASS, RUBBER, pillars, top_radius="526 um")
+    by_hand = fakir.RoundedTops(X - PITCH, Y - PITCH, 200e-6, "526 um", GLASS, RUBBER, diameter="1 mm")
+    assert made.press(force="10 mN").indentation == by_hand.press(force="10 mN").indentation
+    lens = fakir.Lens("2.2 mm", "2 MPa", 0.5)
+    assert isinstance(fakir.problem(lens, RUBBER, pillars), fakir.System)
+    flat = fakir.problem(GLASS, RUBBER, np.zeros((8, 8)), cell_size="1 um", periodic=True)
+    assert isinstance(flat, fakir.bem.Surface) and flat.periodic
+    with pytest.raises(TypeError, match="top_radius is that of Pillars"):
+        fakir.problem(GLASS, RUBBER, np.zeros((8, 8)), top_radius="1 um")
+    (tmp_path / "case.toml").write_text(made.to_toml())
+    made.to_csv(tmp_path / "pillars.csv")
+    assert len(fakir.read_case(tmp_path / "case.toml")) == 9
+    with pytest.raises(fakir.CaseError, match="flat pillar tops only"):
+        fakir.System.from_file(tmp_path / "case.toml")

@@ -1,6 +1,7 @@
 //! A system and a method: what a case file describes.
 
 use crate::error::{PYTHON, case_error, value_error, warn_of_deprecations};
+use crate::rounded::Rounded;
 use crate::surface::Surface;
 use fakir::problem::{Arrangement, ListedPillar, PillarList};
 use fakir_case::unit::{Dimension, parse_argument};
@@ -145,30 +146,37 @@ impl From<fakir_case::Case> for Case {
 pub(crate) enum Described {
     Texture(Case),
     Surface(Surface),
+    Rounded(Rounded),
 }
 
 impl Described {
-    fn of(file: CaseFile, overrides: &[String]) -> PyResult<Self> {
-        if file.surface_kind() == SurfaceKind::HeightMap {
-            Surface::of(file, overrides, None).map(Self::Surface)
-        } else {
-            Case::of(file, overrides).map(Self::Texture)
+    fn of(file: CaseFile, overrides: &[String], rounded: bool) -> PyResult<Self> {
+        match file.surface_kind() {
+            SurfaceKind::HeightMap => Surface::of(file, overrides, None).map(Self::Surface),
+            SurfaceKind::Asperities if rounded => Rounded::of(file, overrides).map(Self::Rounded),
+            SurfaceKind::Asperities | SurfaceKind::Pillars => {
+                Case::of(file, overrides).map(Self::Texture)
+            }
         }
     }
 }
 
-/// Reads a case file of either kind.
+/// Reads a case file; one of rounded tops is refused unless it is allowed.
 #[pyfunction]
-pub(crate) fn read_case(path: PathBuf, overrides: Vec<String>) -> PyResult<Described> {
+pub(crate) fn read_case(
+    path: PathBuf,
+    overrides: Vec<String>,
+    rounded: bool,
+) -> PyResult<Described> {
     let file = CaseFile::read(&path).map_err(|error| case_error(&error))?;
-    Described::of(file, &overrides)
+    Described::of(file, &overrides, rounded)
 }
 
-/// Reads the text of a case file of either kind; `name` is what errors call it.
+/// Reads the text of a case file with flat tops or a height map; `name` is what errors call it.
 #[pyfunction]
 pub(crate) fn parse_case(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Described> {
     let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
-    Described::of(file, &overrides)
+    Described::of(file, &overrides, false)
 }
 
 /// The key of that path.

@@ -157,7 +157,7 @@ impl Rounded {
 }
 
 impl Rounded {
-    fn of(mut file: CaseFile, overrides: &[String]) -> PyResult<Self> {
+    pub(crate) fn of(mut file: CaseFile, overrides: &[String]) -> PyResult<Self> {
         for setting in overrides {
             file.set(setting).map_err(|error| case_error(&error))?;
         }

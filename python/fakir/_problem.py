@@ -1,0 +1,84 @@
+"""One entry for every kind of surface."""
+
+from __future__ import annotations
+
+from os import PathLike, fspath
+from typing import Any, overload
+
+import numpy as np
+
+from . import _fakir
+from ._bodies import AnyLens, Lens, Pillars, Substrate, Texture
+from ._quantity import Quantity
+from ._rounded import RoundedTops
+from ._settings import Overrides, settings
+from ._system import System
+from .bem import Plate, Surface
+
+
+@overload
+def problem(
+    indenter: Lens | Plate,
+    substrate: Substrate,
+    surface: Pillars,
+    *,
+    top_radius: Quantity,
+    **options: Any,
+) -> RoundedTops: ...
+@overload
+def problem(
+    indenter: AnyLens, substrate: Substrate, surface: Texture, **options: Any
+) -> System: ...
+@overload
+def problem(
+    indenter: Lens | Plate, substrate: Substrate, surface: object, **options: Any
+) -> Surface: ...
+def problem(
+    indenter: Any,
+    substrate: Substrate,
+    surface: Any,
+    *,
+    top_radius: Quantity | None = None,
+    **options: Any,
+) -> System | Surface | RoundedTops:
+    """What is pressed onto what, for every kind of surface.
+
+    Parameters
+    ----------
+    indenter, substrate
+        A lens or a plate, and the half-space under the surface.
+    surface
+        Pillars, such as a `HexagonalTexture` or `Pillars`, or a height map: an array (m) or an object as of SurfaceTopography.
+    top_radius
+        Radius of curvature (m) of `Pillars` with rounded tops.
+    options
+        Those of `System`, `fakir.bem.Surface` or `RoundedTops`, of which one is returned. All of them have `press`.
+
+    Examples
+    --------
+    >>> rubber = {"young_modulus": "2 MPa", "poisson_ratio": 0.5}
+    >>> lens, substrate = Lens("2.2 mm", **rubber), Substrate(**rubber)
+    >>> flat = problem(lens, substrate, np.zeros((64, 64)), cell_size="1 um")
+    >>> round(1e6 * flat.press(indentation="0.1 um").force, 1)
+    2.6
+    """
+    if top_radius is not None:
+        if not isinstance(surface, Pillars):
+            raise TypeError(f"top_radius is that of Pillars, not of {type(surface).__name__}")
+        x, y = (at - axis for at, axis in zip((surface.x, surface.y), surface.axis))
+        diameter = None if np.isnan(surface.diameter).all() else surface.diameter
+        options.setdefault("diameter", diameter)
+        return RoundedTops(x, y, surface.height, top_radius, indenter, substrate, **options)
+    if isinstance(surface, Texture):
+        return System(indenter, substrate, surface, **options)
+    return Surface(surface, indenter, substrate, **options)
+
+
+def read_case(
+    path: str | PathLike[str], overrides: Overrides | None = None
+) -> System | Surface | RoundedTops:
+    """Reads a case file with any kind of surface; ``overrides`` are values of keys, as ``--set`` of the command line."""
+    found = _fakir.read_case(fspath(path), settings(overrides), True)
+    if isinstance(found, _fakir.Case):
+        return System._of(found)
+    return Surface._of(found) if isinstance(found, _fakir.Surface) else RoundedTops._of(found)
