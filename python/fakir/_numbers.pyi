@@ -168,7 +168,7 @@ class TransitionNumbers(Critical):
     pitch: Number[float]
     'Distance between neighbouring pillars, e (m).'
     contact_radius: Number[float]
-    'The larger of `top_contact_radius_m` and the distance between the lens axis and the floor contact, a_c (m).'
+    'The larger of `top_contact_radius` and the distance between the lens axis and the floor contact, a_c (m).'
     top_contact_radius: Number[float]
     'Distance between the lens axis and the farthest point in contact on a pillar top (m).'
     pillars_in_contact: Number[int]
@@ -320,7 +320,7 @@ class CycleNumbers(Answer):
     dissipation: Number[float]
     'Energy dissipated by all events, summed independently (J).'
     certificate: Number[float | None]
-    'Relative difference of `dissipation_J` from `hysteresis_J`.'
+    'Relative difference of `dissipation` from `hysteresis`.'
     kendall_strain: Number[float]
     'Tensile stress on a pillar at its detachment over the modulus of the substrate.'
     error: Number[CycleErrors]

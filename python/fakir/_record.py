@@ -7,6 +7,7 @@ named tuple. The exceptions are `NAMES` and `OMITTED`.
 
 from __future__ import annotations
 
+import re
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -167,7 +168,9 @@ class Record:
 
 
 def _field(row: Row) -> Field:
-    path, (what, *remarks) = row.path, row.meaning.replace("`null`", "None").split("; ")
+    # Names of numbers in it are without units too.
+    meaning = re.sub(r"`(\w+?)_(m|N|J)`", r"`\1`", row.meaning.replace("`null`", "None"))
+    path, (what, *remarks) = row.path, meaning.split("; ")
     symbol, unit = row.symbol and f", {row.symbol}", row.unit and f" ({row.unit})"
     doc = "; ".join([f"{what[0].upper()}{what[1:]}{symbol}{unit}", *remarks])
     return Field(row.type, row.optional, f"{doc}.", lambda numbers: numbers[path])
