@@ -55,7 +55,7 @@ def test_the_wheel_holds_the_package_and_nothing_else():
         assert "fakir=fakir._command:main" in wheel.read(entry).decode().replace(" ", "")
     assert {Path(file).parts[0] for file in files} == {"fakir", Path(entry).parts[0]}
     assert LICENCES <= {Path(file).name for file in files if ".dist-info/licenses/" in file}
-    assert {"py.typed", "_fakir.pyi", "__init__.py"} <= {Path(file).name for file in files}
+    assert {"py.typed", "_fakir.pyi", "_numbers.pyi", "__init__.py"} <= {Path(file).name for file in files}
 
 
 @pytest.mark.slow
