@@ -2,8 +2,10 @@
 
     python book/pages.py PAGES OUTPUT [--update] [--only NAME]
 
-Runs every page below the folder PAGES, each in a working folder of its own that holds the examples, and writes
-what the book is laid out from to OUTPUT. Blocks that are run:
+Runs every page below the folder PAGES, each in a separate working folder, and writes the pages of the book to OUTPUT.
+A working folder contains the files that pages use, at the paths that they have in the repository: a reader can run every
+line from the root of a clone. No two pages may create the same file or folder there, so that a reader can also run all
+pages one after another, in any order. Blocks that are run:
 
 ```console          commands after "$ " (a line that ends with \\ goes on), each followed by what it prints;
                     "console,status=2" says with what status the last of them ends, otherwise 0
@@ -41,10 +43,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 
-# What commands and scripts of the pages find in their working folder.
-THERE = ["examples", "bench", "book/scripts", "crates/fakir/tests/reference", "CHANGELOG.md"]
+# Files and folders of the repository that commands and scripts of the pages use.
+USED = ["examples", "bench", "book/scripts", "crates/fakir/tests/reference", "CHANGELOG.md"]
 
-# Pages that are kept elsewhere: they are run as well, and those of theory are a part of the book.
+# Pages outside the folder of pages: they are run as well, and those of theory are a part of the book.
 THEORY = ROOT / "crates" / "fakir" / "doc"
 README = ROOT / "README.md"
 
@@ -245,50 +247,70 @@ class Page:
 
 
 def prepare(folder):
-    """An empty working folder with what pages find there."""
+    """Creates a working folder that contains only the files that pages use, and returns their paths."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    for name in THERE:
+    for name in USED:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, folder / Path(name).name)
+            shutil.copytree(ROOT / name, folder / name)
         else:
-            shutil.copy(ROOT / name, folder)
+            shutil.copy(ROOT / name, folder / name)
+    return set(folder.rglob("*"))
 
 
-def pictures(text, page, folder, output):
-    """The text with the pictures that it shows taken from the working folder into the book."""
+def created(folder, before):
+    """The files and folders that a page has created in its working folder: the outermost ones, none from `before`."""
+    new = {path for path in folder.rglob("*") if path not in before and path.name != "__pycache__"}
+    return {path.relative_to(folder) for path in new if new.isdisjoint(path.parents)}
+
+
+def created_twice(made):
+    """The problems of pages that create the same file or folder, from what each page creates."""
+    first = {}
+    problems = []
+    for page, names in made.items():
+        for name in sorted(names):
+            if name in first:
+                problems.append(f"{page}: creates {name} as {first[name]} does: use another name")
+            first.setdefault(name, page)
+    return problems
+
+
+def pictures(text, source, page, folder, output):
+    """The text, with the pictures that the page has created copied into the book."""
 
     def taken(match):
-        if (ROOT / match["path"]).is_file():
+        if (ROOT / match["path"]).is_file() or (source.parent / match["path"]).is_file():
             return match[0]
-        source = folder / match["path"]
-        if not source.is_file():
+        made = folder / match["path"]
+        if not made.is_file():
             raise Different(f"{page}: there is no picture {match['path']}")
         name = match["path"].replace("/", "-")
         target = output / page.parent / f"{page.stem}-{name}"
-        shutil.copyfile(source, target)
+        shutil.copyfile(made, target)
         return f"![{match['caption']}]({target.name})"
 
     return PICTURE.sub(taken, text)
 
 
 def run_page(path, page, output, update):
-    """Runs a page, lays it out and writes it; gives what is wrong with it."""
+    """Runs a page and writes it to the output; returns its problems and what it has created."""
     folder = output.parent / f"{output.name}-run" / page.with_suffix("")
-    prepare(folder)
+    before = prepare(folder)
     run = Page(path, folder.resolve(), update)
-    before = run.text
+    text = run.text
     shown = run.run()
     (output / page).parent.mkdir(parents=True, exist_ok=True)
-    if update and run.text != before:
+    if update and run.text != text:
         path.write_text(run.text, encoding="utf-8")
         print(f"{path}: rewritten", flush=True)
     try:
-        shown = pictures(shown, page, folder, output)
+        shown = pictures(shown, path, page, folder, output)
     except Different as problem:
         run.problems.append(str(problem))
     (output / page).write_text(shown, encoding="utf-8")
-    return run.problems
+    return run.problems, created(folder, before)
 
 
 def main(arguments):
@@ -299,14 +321,16 @@ def main(arguments):
     sources += [(path, Path("theory") / path.name) for path in sorted(THEORY.glob("*.md"))]
     sources.append((README, Path("README.md")))
     wanted = [source for source in sources if only in str(source[1])]
-    problems = []
+    problems, made = [], {}
     # As many at a time as there are processors.
     with concurrent.futures.ProcessPoolExecutor() as processes:
         running = [processes.submit(run_page, *source, output, update) for source in wanted]
-        for run in running:
-            problems += run.result()
-    # What pages point at as it is.
-    for path in pages.rglob("*.json"):
+        for (_, page), run in zip(wanted, running):
+            found, made[page] = run.result()
+            problems += found
+    problems += created_twice(made)
+    # Files that pages refer to and that are not created by a page.
+    for path in [*pages.rglob("*.json"), *pages.rglob("*.svg")]:
         target = output / path.relative_to(pages)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, target)

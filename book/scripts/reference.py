@@ -9,7 +9,7 @@ import fakir
 
 differences = {"default": [], "accurate": []}
 fractions, allowed = [], []
-with open("reference/critical_states.csv", encoding="utf-8") as table:
+with open("crates/fakir/tests/reference/critical_states.csv", encoding="utf-8") as table:
     for row in csv.DictReader(table):
         known = float(row["critical_force_N"])
         if known == 0:

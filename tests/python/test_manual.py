@@ -151,6 +151,18 @@ def test_a_command_that_fails_is_told(tmp_path):
     assert "the status of" in done.stderr
 
 
+def test_pages_that_create_the_same_folder_are_reported(tmp_path):
+    pages = pages_module()
+    used = pages.prepare(tmp_path / "run")
+    (tmp_path / "run" / "results" / "figures").mkdir(parents=True)
+    (tmp_path / "run" / "examples" / "mine.toml").touch()
+    made = pages.created(tmp_path / "run", used)
+    assert made == {Path("results"), Path("examples/mine.toml")}
+    assert pages.created_twice({"one.md": made, "other.md": {Path("heights.npy")}}) == []
+    problems = pages.created_twice({"one.md": made, "other.md": {Path("results")}})
+    assert problems == ["other.md: creates results as one.md does: use another name"]
+
+
 CASE = "examples/paper-intermediate.toml"
 WIDE = ["--set", "texture.surface_fraction=0.01"]
 FREE = ["--free", "substrate.young_modulus,contact_point", "--set", "method.name=punch"]

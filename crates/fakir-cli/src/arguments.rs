@@ -182,7 +182,7 @@ pub(crate) enum Command {
     Design(Design),
     /// Moduli, work of adhesion and instrument parameters from a measured curve, by least squares
     ///
-    /// DATA.csv has a heading and a row for every state, in SI units, with two or more of the columns
+    /// DATA has a heading with units and a row for every state, with two or more of the columns
     /// displacement_m (reading of the instrument, larger is deeper) or indentation_m, force_N and
     /// contact_radius_m. Standard errors are in columns of the same names with _error before the
     /// unit, as in force_error_N; a force or contact radius without errors has its scatter
@@ -559,8 +559,9 @@ pub(crate) enum CitedMethod {
 pub(crate) struct Design {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// What is sought: pitch, surface_fraction, texture.pillar.height, texture.pillar.diameter,
-    /// lens.radius, lens.young_modulus or substrate.young_modulus; or heights, those of all pillars with rounded tops
+    /// The parameter to be determined: pitch, pitch_y, surface_fraction, texture.pillar.height, texture.pillar.diameter,
+    /// lens.radius, lens.young_modulus, substrate.young_modulus, lens.thickness, substrate.thickness,
+    /// lens.base_young_modulus or substrate.base_young_modulus; or heights: the heights of all pillars with rounded tops
     #[arg(long, value_name = "KEY", value_parser = free, requires = "wanted")]
     free: Option<Free>,
     /// The critical force that is wanted (N, mN, uN, nN)
