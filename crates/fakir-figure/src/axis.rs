@@ -2,12 +2,12 @@
 
 use crate::text::Text;
 
-/// How values are spread along an axis.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal differences take equal lengths.
+    /// Equal differences have equal lengths.
     Linear,
-    /// Equal ratios take equal lengths; values that are not positive are not shown.
+    /// Equal ratios have equal lengths; values that are not positive are not shown.
     Logarithmic,
 }
 
@@ -18,14 +18,14 @@ impl Scale {
     }
 }
 
-/// What is along one side of a chart.
+/// An axis of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Name of the quantity and its unit.
     pub label: Text,
-    /// How values are spread.
+    /// Scale.
     pub scale: Scale,
-    /// First and last value; `None` to show all data.
+    /// First and last value; `None`: the range of the data.
     pub range: Option<[f64; 2]>,
 }
 
@@ -58,13 +58,13 @@ impl Axis {
         }
     }
 
-    /// The same axis over these values, with some room around.
+    /// The same axis for the range of these values, with a margin.
     pub(crate) fn around(self, values: impl Iterator<Item = f64>) -> Self {
         let [first, last] = self.span(values).range;
         self.over(first, last)
     }
 
-    /// The values shown on it: those asked for, or those of the data with some room around.
+    /// Range of the axis: the given one, or that of the data with a margin.
     pub(crate) fn span(&self, data: impl Iterator<Item = f64>) -> Span {
         let shown = |value: &f64| self.scale.shows(*value);
         let range = self
@@ -85,7 +85,7 @@ impl Axis {
     }
 }
 
-/// Room between the data and the ends of an axis, relative to their extent.
+/// Margin between the data and the ends of an axis, relative to the range of the data.
 const ROOM: f64 = 0.05;
 
 fn with_room(scale: Scale, low: f64, high: f64) -> [f64; 2] {
@@ -106,7 +106,7 @@ fn with_room(scale: Scale, low: f64, high: f64) -> [f64; 2] {
             } else {
                 0.1 * high.abs()
             };
-            // Zero is a good place to start from if it is near.
+            // If zero is near the range, the axis starts at zero.
             let bottom = if low >= 0.0 && low < 0.3 * high {
                 0.0
             } else {
@@ -138,7 +138,7 @@ pub(crate) struct Tick {
     pub(crate) major: bool,
 }
 
-/// Which way an axis goes: decides how much room labels take along it.
+/// Direction of an axis, which determines the size of labels along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Direction {
     Across,
@@ -153,8 +153,8 @@ impl Span {
         }
     }
 
-    /// Where a value is, from 0 at the first to 1 at the last. Far below for what a logarithmic
-    /// axis cannot show.
+    /// Position of a value, from 0 at the first value to 1 at the last; far below 0 for values that
+    /// a logarithmic axis cannot show.
     pub(crate) fn fraction(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         match self.scale {
@@ -164,7 +164,7 @@ impl Span {
         }
     }
 
-    /// The value at a fraction of the way.
+    /// Value at a relative position.
     pub(crate) fn value(&self, fraction: f64) -> f64 {
         let [low, high] = self.range;
         match self.scale {
@@ -191,7 +191,7 @@ impl Span {
                 Scale::Logarithmic => self.logarithmic_ticks(count),
             })
             .collect();
-        // Two labels are needed to read the scale. If there is no room for two, one is better than none.
+        // Two labels are needed to read the scale. If only one fits, it is shown.
         let with_labels = |fewest: usize| {
             candidates.iter().find(|ticks| {
                 let labels = ticks.iter().filter(|tick| tick.label.is_some()).count();
@@ -230,7 +230,7 @@ impl Span {
         extents.windows(2).all(|pair| pair[0].1 <= pair[1].0)
     }
 
-    /// `most` labels at most.
+    /// Ticks with at most `most` labels.
     fn logarithmic_ticks(&self, most: usize) -> Vec<Tick> {
         let [low, high] = self.range;
         let first = (low.log10() + 1e-9).floor() as i32;
@@ -269,7 +269,7 @@ impl Span {
         ticks
     }
 
-    /// Labels at plain numbers, where powers of ten would be too few.
+    /// Labels at numbers that are not powers of ten, for ranges with too few powers of ten.
     fn ticks_within_a_decade(&self, powers: [i32; 2], most: usize) -> Vec<Tick> {
         const CHOICES: [&[i32]; 4] = [
             &[1, 2, 3, 4, 5, 6, 7, 8, 9],
@@ -305,7 +305,7 @@ impl Span {
     }
 }
 
-/// A number of few digits, with a power of ten if it is very large or small.
+/// Formats a number with few digits, with a power of ten if it is very large or small.
 fn plain(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
@@ -349,8 +349,8 @@ fn linear_ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// How to write multiples of `step` up to `largest`: all with the same number of decimals, and with
-/// the same power of ten if they are very large or small.
+/// Returns the format of multiples of `step` up to `largest`: the same number of decimals for all,
+/// and the same power of ten if they are very large or small.
 fn number_format(largest: f64, step: f64) -> impl Fn(f64) -> Text {
     let power_of_step = (step.log10() + 1e-9).floor() as i32;
     let plain = (1e-3..1e5).contains(&largest) && power_of_step >= -5;
@@ -449,12 +449,12 @@ mod tests {
         assert!(data().all(|value| span.holds(value)));
         let span = Axis::logarithmic("x").span(data());
         assert!(span.holds(0.5) && span.holds(3.0) && !span.holds(-1.0));
-        // Without data, and with a single value, there still is a range.
+        // Without data and with a single value there is a valid range.
         let bare = Axis::linear("x").span(std::iter::empty()).range;
         assert!(bare[0] < bare[1]);
         let single = Axis::linear("x").span(std::iter::once(5.0)).range;
         assert!(single[0] < 5.0 && single[1] > 5.0);
-        // An impossible range asked for is as none.
+        // An invalid range is ignored.
         let span = Axis::logarithmic("x").over(0.0, 1.0).span(data());
         assert!(span.holds(0.5) && span.holds(3.0));
     }

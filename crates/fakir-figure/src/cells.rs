@@ -1,5 +1,5 @@
-//! Contacts with general surfaces, as figures need them: their cells around the lens axis, and the
-//! deformed bodies in section.
+//! Contacts with general surfaces for figures: the cells around the lens axis, and sections of the
+//! deformed bodies.
 
 use crate::error::FigureError;
 use crate::map::Window;
@@ -9,23 +9,23 @@ use fakir::problem::{Boundary, Grid, HeightMap, Indenter, Point, SurfaceSystem};
 use fakir::state::SurfaceContact;
 use std::ops::Range;
 
-/// A contact with a general surface, and its name in a figure.
+/// A contact with a general surface, and its label in a figure.
 #[derive(Debug, Clone)]
 pub struct SurfaceState<'a> {
-    /// What stands in a panel, such as `mid load`.
+    /// Label of a panel, such as `mid load`.
     pub label: Text,
-    /// What is pressed.
+    /// The system.
     pub system: &'a SurfaceSystem,
     /// The contact.
     pub contact: &'a SurfaceContact,
-    /// Where the floor is just reached, m, of a critical state.
+    /// Point of first floor contact of a critical state, m.
     pub floor_contact: Option<Point>,
 }
 
-/// Room around the contact, in contact radii.
+/// Margin around the contact, in contact radii.
 const ROOM: f64 = 1.25;
 
-/// Least part of a grid that is shown of a small contact.
+/// Smallest fraction of a grid that is shown for a small contact.
 const LEAST: f64 = 0.2;
 
 impl SurfaceState<'_> {
@@ -37,8 +37,8 @@ impl SurfaceState<'_> {
         self.system.boundary() == Boundary::Periodic
     }
 
-    /// Centre of what is shown and half its width, m: the contact of a lens with some room around
-    /// it, and all of the grid under a plate or where it is a period.
+    /// Centre and half-width of the window, m: the contact of a lens with a margin, or the whole
+    /// grid if the indenter is a plate or the grid is periodic.
     pub(crate) fn view(&self) -> (Point, f64) {
         let (start, sides) = (self.grid().origin(), sides(self.grid()));
         let centre = [0, 1].map(|axis| start[axis] + 0.5 * sides[axis]);
@@ -54,8 +54,8 @@ impl SurfaceState<'_> {
         }
     }
 
-    /// The cells that every pixel of a window shows, along x and along y. A period is repeated; off
-    /// the grid of a free surface there are none.
+    /// Cells shown by every pixel of a window, along x and along y. A periodic grid is repeated;
+    /// outside the grid of a free surface there are no cells.
     pub(crate) fn cells(&self, window: &Window, pixels: usize) -> [Vec<Option<Range<usize>>>; 2] {
         let middles = window.pixel_coordinates(pixels);
         let half = window.half_width / pixels as f64;
@@ -71,7 +71,7 @@ impl SurfaceState<'_> {
                     0.0
                 };
                 let at = at - turns;
-                // Centres of cells are half a cell from where they begin.
+                // The centre of a cell is half a cell from its start.
                 let reach = half / cell[axis];
                 let first = (at - reach - 0.5).ceil().max(0.0);
                 let last = (at + reach - 0.5).ceil().min(count);
@@ -88,7 +88,7 @@ impl SurfaceState<'_> {
         })
     }
 
-    /// The part of the displacement that is that of the indenter.
+    /// Fraction of the displacement that belongs to the indenter.
     fn indenter_share(&self) -> f64 {
         let material = match self.system.indenter() {
             Indenter::Lens(lens) => Some(lens.material),
@@ -98,8 +98,8 @@ impl SurfaceState<'_> {
         compliance / self.system.contact_compliance()
     }
 
-    /// Section along x, through the lens axis or what of the grid is nearest to it, as far as it is
-    /// shown.
+    /// Section along x through the lens axis, or through the row of the grid nearest to it, within
+    /// the window.
     ///
     /// # Errors
     /// [`FigureError::TooFewData`] if fewer than two cells are shown.
@@ -151,7 +151,7 @@ impl SurfaceState<'_> {
             if let Some((last_label, [last_x, last_lens, last_ground])) = before
                 && last_label != label
             {
-                // The side of a pillar is upright.
+                // The side of a pillar is vertical.
                 let (x, lens) = (0.5 * (x + last_x), 0.5 * (lens + last_lens));
                 push(x, lens, last_ground);
                 push(x, lens, ground);
@@ -178,7 +178,7 @@ impl SurfaceState<'_> {
         pillars.map_or(HeightMap::NO_PILLAR, |pillars| pillars.labels[cell])
     }
 
-    /// By how much every pillar is shorter, m.
+    /// Shortening of every pillar, m.
     fn shortening(&self) -> Vec<f64> {
         let Some(pillars) = self.system.surface().pillars() else {
             return Vec::new();
@@ -216,7 +216,7 @@ mod tests {
         poisson_ratio: 0.5,
     };
 
-    /// Square pillars of rubber, which shorten, on four periods, under a plate.
+    /// Square rubber pillars with columns, on four periods, under a plate.
     fn system(plate: Option<Material>, substrate: Material) -> SurfaceSystem {
         let pillar = PillarShape {
             cross_section: CrossSection::Square { side: 6e-6 },
@@ -245,23 +245,23 @@ mod tests {
         (state.section().unwrap(), contact)
     }
 
-    /// A rigid plate stays flat, at the height of the tops less the indentation, whatever the
-    /// half-space and the pillars do: their parts of the displacement are told apart.
+    /// A rigid plate remains flat, at the height of the tops minus the indentation, for any
+    /// displacement of half-space and pillars: the displacement is divided correctly.
     #[test]
     fn a_rigid_plate_is_flat_in_section() {
         let system = system(None, RUBBER);
         let (section, contact) = section(&system, Load::Force(1e-4));
         let level = HEIGHT - contact.indentation;
         for lens in &section.lens {
-            // The gap is solved to a part in 1e6 of the indentation or better.
+            // The relative error of the gap is at most 1e-6 of the indentation.
             assert!((lens - level).abs() < 1e-6 * contact.indentation, "{lens}");
         }
         let lowest = section.surface.iter().copied().fold(0.0, f64::min);
         assert!(lowest < 0.0, "the floor is pulled down beside the pillars");
     }
 
-    /// What is hardly compliant keeps its shape under an elastic plate: floor at 0, tops at their
-    /// height, sides upright.
+    /// An almost rigid surface keeps its shape under an elastic plate: the floor is at 0, the tops
+    /// are at their height, and the sides are vertical.
     #[test]
     fn a_rigid_substrate_keeps_its_outline() {
         let rigid = Material::new(2e15, 0.5);
@@ -280,8 +280,8 @@ mod tests {
         assert_eq!(sides, 8, "both sides of each of four pillars");
     }
 
-    /// Pixels larger than cells show every cell once, smaller ones the cell that they are in; beyond
-    /// a period it begins again, beyond a free surface there is nothing.
+    /// Pixels larger than cells show every cell once, smaller pixels the cell around them. A
+    /// periodic surface is repeated; there is nothing outside a free surface.
     #[test]
     fn pixels_show_the_cells_that_they_cover() {
         let periodic = system(None, RUBBER);

@@ -1,4 +1,4 @@
-//! Charts of series, alone or in a grid with common axes.
+//! Charts of series, single or in a grid with common axes.
 
 use crate::axis::{Axis, Span};
 use crate::figure::Figure;
@@ -12,13 +12,13 @@ use crate::text::Text;
 /// Margin around the page and between frames with common axes, points.
 pub(crate) const MARGIN: f64 = 4.0;
 const BETWEEN: f64 = 7.0;
-/// Room at the right of the frame, for the half of the last number that is outside it, points.
+/// Width at the right of the frame, points, for the half of the last number that extends beyond it.
 const RIGHT: f64 = 8.0;
 
 /// A region behind the data.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Shade {
-    /// Corners, in the values of the axes.
+    /// Corners, in values of the axes.
     pub(crate) corners: Vec<[f64; 2]>,
     pub(crate) colour: Colour,
 }
@@ -27,9 +27,9 @@ pub(crate) struct Shade {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Note {
     pub(crate) text: Text,
-    /// Its place, in the values of the axes.
+    /// Position, in values of the axes.
     pub(crate) at: [f64; 2],
-    /// The shift of the text from its place, points to the right and down.
+    /// Shift of the text from this position, points to the right and down.
     pub(crate) shift: [f64; 2],
     pub(crate) anchor: Anchor,
     pub(crate) rim: bool,
@@ -66,7 +66,7 @@ impl Chart {
         series.chain(self.shade_values(direction))
     }
 
-    /// What lies inside the frame: shades, then data and notes.
+    /// Items inside the frame: shaded regions, then data and notes.
     pub(crate) fn contents(&self, frame: &Frame) -> (Vec<Item>, Vec<Item>) {
         let shades = self.shades.iter().map(|shade| {
             let corners = shade.corners.iter().map(|corner| frame.place(*corner));
@@ -88,7 +88,7 @@ impl Chart {
     }
 }
 
-/// Charts row by row.
+/// A grid of charts, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Grid {
     pub(crate) name: &'static str,
@@ -98,18 +98,18 @@ pub(crate) struct Grid {
     pub(crate) charts: Vec<Chart>,
     /// Heights of the frames, by row.
     pub(crate) heights: Vec<f64>,
-    /// Whether the charts of a column have one x axis.
+    /// Whether the charts of a column have a common x axis.
     pub(crate) common_x: bool,
-    /// Whether the charts of a row have one y axis.
+    /// Whether the charts of a row have a common y axis.
     pub(crate) common_y: bool,
     /// Titles above the columns.
     pub(crate) titles: Vec<Text>,
-    /// Whether charts are marked (a), (b), ...
+    /// Whether charts are labelled (a), (b), ...
     pub(crate) tagged: bool,
 }
 
 impl Grid {
-    /// A chart by itself.
+    /// A single chart.
     pub(crate) fn of_one(name: &'static str, width: f64, height: f64, chart: Chart) -> Self {
         Self {
             name,
@@ -132,7 +132,7 @@ impl Grid {
         self.charts.get(row * self.columns + column)
     }
 
-    /// Values along x of a chart: of all in its column if they have one axis.
+    /// Values along x of a chart, or of all charts in its column if they have a common axis.
     fn x_span(&self, row: usize, column: usize) -> Option<Span> {
         let chart = self.chart(row, column)?;
         let rows = if self.common_x {
@@ -170,7 +170,7 @@ impl Grid {
         }
     }
 
-    /// Room at the left of every column.
+    /// Width at the left of every column.
     fn left_rooms(&self) -> Vec<f64> {
         (0..self.columns)
             .map(|column| {
@@ -185,7 +185,7 @@ impl Grid {
             .collect()
     }
 
-    /// The frames of all charts, and where the last of them ends with its lettering.
+    /// Frames of all charts, and the lower end of the last one with its labels.
     fn frames(&self) -> (Vec<Frame>, f64) {
         let rooms = self.left_rooms();
         let between = if self.common_y { BETWEEN } else { RIGHT + 2.0 };
@@ -246,8 +246,8 @@ impl Grid {
         Figure::new(self.name, [self.width, end + MARGIN], items)
     }
 
-    /// Draws what each chart has to tell for the first time into that chart, or into another one with the
-    /// same series; answers with what no chart has room for.
+    /// Draws the legend entries that appear for the first time in each chart, in that chart or in another
+    /// one with the same series; returns the entries that fit in no chart.
     fn legends(
         &self,
         frames: &[Frame],
@@ -294,8 +294,8 @@ impl Grid {
         }
     }
 
-    /// Letters at the left of the frames, above the names of the y axes, where no data are: for
-    /// every frame, or for every row with a common y axis.
+    /// Draws panel letters at the left of the frames, above the names of the y axes: for every
+    /// frame, or for every row with a common y axis.
     fn tag(&self, frames: &[Frame], items: &mut Vec<Item>) {
         if !self.tagged {
             return;

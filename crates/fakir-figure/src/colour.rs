@@ -1,4 +1,4 @@
-//! Colours that stay apart for colour-blind eyes and in print.
+//! Colours that remain distinguishable with colour blindness and in print.
 //!
 //! Lines: M. Okabe, K. Ito, Color Universal Design (2008). Maps: viridis, perceptually uniform and
 //! monotonic in luminance (S. van der Walt, N. Smith, A Better Default Colormap for Matplotlib,
@@ -21,7 +21,7 @@ pub enum Tint {
 }
 
 impl Tint {
-    /// The colours that are told apart most easily, first the best.
+    /// Colours in order of distinguishability, the best first.
     pub(crate) const ORDER: [Self; 7] = [
         Self::Blue,
         Self::Vermillion,
@@ -46,7 +46,7 @@ impl Tint {
     }
 }
 
-/// Colours of a map of values, dark for the smallest.
+/// Colour map, dark for the smallest values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ColourMap {
     Viridis,
@@ -55,7 +55,7 @@ pub(crate) enum ColourMap {
 }
 
 impl ColourMap {
-    /// The colour of a value from 0 to 1; beyond, that of the nearer end.
+    /// Colour of a value from 0 to 1; outside this range, the colour of the nearer end.
     pub(crate) fn at(self, value: f64) -> Colour {
         let value = if value.is_finite() { value } else { 0.0 }.clamp(0.0, 1.0);
         match self {
@@ -67,7 +67,7 @@ impl ColourMap {
         }
     }
 
-    /// From the smallest value at the bottom to the largest at the top.
+    /// Fill from the smallest value at the bottom to the largest at the top.
     pub(crate) fn fill(self) -> Fill {
         const STEPS: u32 = 48;
         Fill::Gradient(
@@ -98,8 +98,8 @@ mod tests {
 
     #[test]
     fn lines_stand_out_from_paper() {
-        // Contrast ratio of graphical objects, W3C Web Content Accessibility Guidelines 2.1,
-        // 1.4.11, is 3; the two lightest tints come last and never alone carry a meaning.
+        // W3C Web Content Accessibility Guidelines 2.1, 1.4.11, require a contrast ratio of 3 for
+        // graphical objects. The two lightest tints come last and are never the only distinction.
         for tint in &Tint::ORDER[..3] {
             let contrast = 1.05 / (tint.colour().luminance() + 0.05);
             assert!(contrast > 3.0, "{tint:?}: {contrast}");

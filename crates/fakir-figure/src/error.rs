@@ -6,7 +6,7 @@ use fakir::state::SolveError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FigureError {
-    /// The state has no fields: nothing is touched, or the method does not resolve pillars.
+    /// The state has no fields: nothing is in contact, or the method does not resolve pillars.
     #[error(
         "this figure shows single pillars, but in this state none is touched, or the {method} \
          method does not resolve them"
@@ -15,15 +15,15 @@ pub enum FigureError {
         /// Name of the method.
         method: &'static str,
     },
-    /// The floor is not touched, or is to be ignored.
+    /// The floor is not in contact, or floor contact is ignored.
     #[error("this figure shows what the floor bears, but in this state it bears nothing")]
     NoFloorContact,
-    /// Fewer data than the figure needs.
+    /// Too few data for the figure.
     #[error("this figure needs at least {fewest} values, but there are {given}")]
     TooFewData {
-        /// Fewest that will do.
+        /// Smallest number required.
         fewest: usize,
-        /// How many there are.
+        /// Number given.
         given: usize,
     },
     /// The caller asked to stop while fields were computed.

@@ -1,4 +1,4 @@
-//! A figure: what is drawn, and what is said about it.
+//! A figure: the drawing with its title, description and provenance.
 
 use crate::font::{Bounds, Face};
 use crate::png;
@@ -30,7 +30,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// `name` is one of a file, in letters, digits and hyphens.
+    /// `name` is a file name of letters, digits and hyphens, without an extension.
     pub(crate) fn new(name: &str, size: [f64; 2], items: Vec<Item>) -> Self {
         Self {
             name: name.to_owned(),
@@ -42,8 +42,8 @@ impl Figure {
         }
     }
 
-    /// The same figure with another title and description: what a reader who cannot see it, or
-    /// who finds the file by itself, should know.
+    /// The same figure with another title and description, for readers who cannot see it or who
+    /// have only the file.
     #[must_use]
     pub fn with_description(self, title: &str, description: &str) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl Figure {
         }
     }
 
-    /// The same figure with a note of where it comes from: program and version, case, reference.
+    /// The same figure with its provenance: program, version, case, reference.
     #[must_use]
     pub fn with_provenance(self, provenance: &str) -> Self {
         Self {
@@ -62,8 +62,8 @@ impl Figure {
         }
     }
 
-    /// The same figure under another name. Letters, digits, hyphens and underscores are kept,
-    /// anything else becomes a hyphen.
+    /// The same figure under another name. Letters, digits, hyphens and underscores are kept; other
+    /// characters are replaced by hyphens.
     #[must_use]
     pub fn named(self, name: &str) -> Self {
         let kept = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
@@ -76,7 +76,7 @@ impl Figure {
         }
     }
 
-    /// Its name, fit for a file without its extension and unique on a page of different figures.
+    /// Name, usable as a file name without extension; unique among the figures of a page.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -88,13 +88,13 @@ impl Figure {
         &self.title
     }
 
-    /// What it shows.
+    /// Description of its content.
     #[must_use]
     pub fn description(&self) -> &str {
         &self.description
     }
 
-    /// Where it comes from.
+    /// Provenance.
     #[must_use]
     pub fn provenance(&self) -> &str {
         &self.provenance
@@ -128,7 +128,7 @@ impl Figure {
         png::picture(&pixels, RESOLUTION, &remarks)
     }
 
-    /// The faces that its text needs.
+    /// Font faces used by its text.
     pub(crate) fn faces(&self) -> Vec<Face> {
         let labels = self.labels();
         [Face::Upright, Face::Italic]
@@ -146,9 +146,8 @@ impl Figure {
         labels
     }
 
-    /// What is wrong with it: text that is off the page, over other text or over data, too small to
-    /// read, or in characters that the font does not have, and lines that are not clipped and leave the page. An empty list for a
-    /// figure that is in order.
+    /// Checks the layout and returns the faults found: text that is off the page, overlaps other text or data, is too small, or
+    /// has characters missing from the font; and unclipped lines that leave the page. The list is empty if there is none.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let page = Bounds::new(0.0, 0.0, self.size[0], self.size[1]);

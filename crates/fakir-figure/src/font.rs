@@ -1,5 +1,5 @@
-//! The typeface of all figures: a part of Roboto (Apache License 2.0, see `fonts/`), upright and
-//! italic, without kerning, so that widths are sums of advances wherever a figure is drawn.
+//! The typeface of all figures: a subset of Roboto (Apache License 2.0, see `fonts/`), upright and
+//! italic. There is no kerning, so that text widths are sums of advances in every renderer.
 
 use std::sync::OnceLock;
 use tiny_skia::PathBuilder;
@@ -18,7 +18,7 @@ pub(crate) enum Face {
     Italic,
 }
 
-/// A box around something, with y downwards.
+/// A bounding box, with y downwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bounds {
     pub(crate) left: f64,
@@ -70,7 +70,7 @@ impl Bounds {
         }
     }
 
-    /// Whether the insides have points in common.
+    /// Whether the interiors overlap.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.left < other.right
             && other.left < self.right
@@ -121,7 +121,7 @@ impl Face {
         })
     }
 
-    /// The glyph of a character; that for an unknown one if there is none.
+    /// Glyph of a character, or the glyph for unknown characters.
     fn glyph(self, character: char) -> GlyphId {
         self.font().glyph_index(character).unwrap_or_default()
     }
@@ -135,7 +135,7 @@ impl Face {
         1.0 / f64::from(self.font().units_per_em())
     }
 
-    /// How far a text goes on, in font sizes.
+    /// Advance width of a text, in font sizes.
     pub(crate) fn advance(self, text: &str) -> f64 {
         let units = |character| {
             let glyph = self.glyph(character);
@@ -144,7 +144,8 @@ impl Face {
         text.chars().map(|c| f64::from(units(c))).sum::<f64>() * self.scale()
     }
 
-    /// The box around the ink of a text that starts at the origin, in font sizes; none for blanks.
+    /// Bounding box of the glyphs of a text that starts at the origin, in font sizes; `None` for
+    /// blanks.
     pub(crate) fn ink(self, text: &str) -> Option<Bounds> {
         let mut start = 0.0;
         let mut ink: Option<Bounds> = None;
@@ -180,7 +181,7 @@ impl Face {
     }
 }
 
-/// Draws outlines of the font, whose y goes upwards, on a page.
+/// Draws outlines of the font, whose y axis points upwards, on a page.
 struct Pen<'a> {
     path: &'a mut PathBuilder,
     x: f64,

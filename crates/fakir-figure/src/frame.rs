@@ -1,4 +1,4 @@
-//! The frame of a chart: where values are on the page, ticks and labels around it.
+//! The frame of a chart: positions of values on the page, ticks and labels.
 
 use crate::axis::{Direction, Span, Tick};
 use crate::font::{Bounds, CAP_HEIGHT};
@@ -33,7 +33,7 @@ const NAME_END: f64 = 24.0;
 pub(crate) const ASCENT: f64 = 0.88;
 pub(crate) const DESCENT: f64 = 0.36;
 
-/// A rectangle of the page with the values along its sides.
+/// A rectangle of the page with the axes along its sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frame {
     pub(crate) bounds: Bounds,
@@ -41,7 +41,7 @@ pub(crate) struct Frame {
     pub(crate) y: Span,
 }
 
-/// What is written along an axis.
+/// Labels of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Lettering<'a> {
     None,
@@ -57,7 +57,7 @@ impl Frame {
         ]
     }
 
-    /// The values at a place.
+    /// Values at a position on the page.
     pub(crate) fn value(&self, [x, y]: Place) -> [f64; 2] {
         [
             self.x.value((x - self.bounds.left) / self.bounds.width()),
@@ -76,7 +76,7 @@ impl Frame {
             .ticks(self.bounds.height(), TICK_SIZE, Direction::Upwards)
     }
 
-    /// Room needed at the left of a frame of this height.
+    /// Width required at the left of a frame of this height.
     pub(crate) fn left_room(y: Span, height: f64, lettering: Lettering<'_>) -> f64 {
         let numbers = || {
             let ticks = y.ticks(height, TICK_SIZE, Direction::Upwards);
@@ -90,7 +90,7 @@ impl Frame {
         }
     }
 
-    /// Room needed below a frame.
+    /// Height required below a frame.
     pub(crate) fn bottom_room(lettering: Lettering<'_>) -> f64 {
         match lettering {
             Lettering::None => 0.0,
@@ -99,7 +99,7 @@ impl Frame {
         }
     }
 
-    /// Border, ticks inwards on all sides, numbers and names at the left and below.
+    /// Draws the border, inward ticks on all sides, and numbers and names at the left and below.
     pub(crate) fn draw(&self, items: &mut Vec<Item>, x: Lettering<'_>, y: Lettering<'_>) {
         let ink = Stroke::solid(Colour::BLACK, TICK_WIDTH);
         items.push(Item::stroked(self.tick_marks(), ink));

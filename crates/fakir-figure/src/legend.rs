@@ -1,4 +1,4 @@
-//! Legends: in the emptiest corner of a chart, or below all of it.
+//! Legends: in the emptiest corner of a chart, or below the whole chart.
 
 use crate::font::{Bounds, CAP_HEIGHT};
 use crate::frame::NOTE_SIZE;
@@ -21,8 +21,7 @@ pub(crate) struct Legend {
 }
 
 impl Legend {
-    /// The legend of the series that have a label: every label once, in the order of their first
-    /// appearance.
+    /// Legend of the labelled series: every label once, in order of first appearance.
     pub(crate) fn of<'a>(series: impl IntoIterator<Item = &'a Series>) -> Self {
         let mut legend = Self::default();
         for series in series {
@@ -40,20 +39,20 @@ impl Legend {
         }
     }
 
-    /// It without what another legend tells.
+    /// Removes the entries that another legend contains.
     pub(crate) fn without(mut self, told: &Self) -> Self {
         self.entries.retain(|entry| !told.entries.contains(entry));
         self
     }
 
-    /// Takes the entries of another legend too.
+    /// Adds the entries of another legend.
     pub(crate) fn extend(&mut self, other: &Self) {
         for (label, style) in &other.entries {
             self.push(label, *style);
         }
     }
 
-    /// Whether it tells all that another one does.
+    /// Whether it contains all entries of another legend.
     pub(crate) fn holds(&self, other: &Self) -> bool {
         other
             .entries
@@ -65,7 +64,7 @@ impl Legend {
         self.entries.is_empty()
     }
 
-    /// The entries of every column, filled one after the other, and its width.
+    /// Entries of every column, filled one after another, and the width of the column.
     fn columns(&self, columns: usize) -> impl Iterator<Item = (&[(Text, Style)], f64)> {
         let rows = self.entries.len().div_ceil(columns).max(1);
         self.entries.chunks(rows).map(|entries| {
@@ -98,7 +97,7 @@ impl Legend {
         }
     }
 
-    /// It inside a frame where it covers none of the data; `None` if there is no such place.
+    /// Places the legend inside a frame without covering data; `None` if that is impossible.
     pub(crate) fn inside(&self, frame: &Bounds, data: &[Item]) -> Option<Vec<Item>> {
         (1..=2).find_map(|columns| {
             let place = free_place(frame, self.size(columns), data)?;
@@ -108,7 +107,7 @@ impl Legend {
         })
     }
 
-    /// Draws it below a chart, centred on `centre` and at most `width` wide; answers with its
+    /// Draws the legend below a chart, centred on `centre` and at most `width` wide; returns its
     /// height.
     pub(crate) fn draw_below(
         &self,
@@ -126,8 +125,8 @@ impl Legend {
     }
 }
 
-/// Top left of a box of a size, inside the frame, that no line, marker or text comes into:
-/// preferably in a corner.
+/// Top left corner of a box of the given size inside the frame that no line, marker or text
+/// overlaps; preferably in a corner of the frame.
 pub(crate) fn free_place(frame: &Bounds, size: [f64; 2], data: &[Item]) -> Option<Place> {
     let corner = |[x, y]: [f64; 2]| x.min(1.0 - x) + y.min(1.0 - y) + 1e-3 * y + 1e-4 * (1.0 - x);
     place_where(frame, size, corner, |bounds| {
@@ -135,8 +134,8 @@ pub(crate) fn free_place(frame: &Bounds, size: [f64; 2], data: &[Item]) -> Optio
     })
 }
 
-/// As [`free_place`], wherever `accepted` says, with the least `cost` of the share of the way
-/// across and down.
+/// As [`free_place`], restricted to the places that `accepted` allows, with the smallest `cost` of
+/// the relative position across and down.
 pub(crate) fn place_where(
     frame: &Bounds,
     size: [f64; 2],

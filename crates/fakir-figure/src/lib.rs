@@ -1,8 +1,8 @@
 //! Figures of contacts between a lens and a surface patterned with pillars, as SVG and PNG.
 //!
 //! Every figure is a function from typed data to a [`Figure`], which renders to SVG text and PNG
-//! bytes; the crate opens no files. Sizes are those of Phys. Rev. E, 86 mm for a column and 178 mm
-//! for a page; quantities come in SI units and are shown with the prefix that suits them.
+//! bytes; the crate opens no files. Widths are those of Phys. Rev. E, 86 mm for a column and 178 mm
+//! for a page. Quantities are given in SI units and shown with a suitable prefix.
 //!
 //! ```
 //! use fakir_figure::{Axis, LineChart, Series, Style, lines};
@@ -18,9 +18,9 @@
 //! ```
 //!
 //! # Base
-//! A figure is a list of paths, discs, text and images. It is written as SVG here, and drawn as
-//! pixels by `tiny-skia`, with the glyphs of the one font that every SVG carries: SVG and PNG agree,
-//! and no font need be installed.
+//! A figure is a list of paths, discs, text and images. This crate writes it as SVG, and `tiny-skia`
+//! renders it as pixels. Both use the font that is embedded in every SVG: SVG and PNG agree, and no
+//! font needs to be installed.
 
 mod axis;
 mod cells;

@@ -1,4 +1,4 @@
-//! What maps have in common: frames with equal scales, pixels, pillars, colour bars, scale bars.
+//! Common parts of maps: frames with equal scales, pixels, pillars, colour bars, scale bars.
 
 use crate::axis::{Direction, Span};
 use crate::chart::MARGIN;
@@ -44,17 +44,18 @@ impl Window {
         }
     }
 
-    /// Where a point of the surface (m) is on the page.
+    /// Position on the page of a point of the surface (m).
     pub(crate) fn place(&self, point: Point) -> Place {
         self.frame.place(point.map(|v| self.unit.of(v)))
     }
 
-    /// A length (m) on the page.
+    /// Length on the page of a length on the surface (m).
     pub(crate) fn length(&self, length: f64) -> f64 {
         length / (2.0 * self.half_width) * self.frame.bounds.width()
     }
 
-    /// Coordinates (m) of the middles of `count` pixels across, and up from the bottom.
+    /// Coordinates (m) of the centres of `count` pixels from left to right, and of as many from
+    /// bottom to top.
     pub(crate) fn pixel_coordinates(&self, count: usize) -> [Vec<f64>; 2] {
         self.centre.map(|centre| {
             (0..count)
@@ -66,7 +67,7 @@ impl Window {
         })
     }
 
-    /// An image of colours given row by row from the bottom, `count` to a row.
+    /// Image of colours given row by row from the bottom, with `count` colours in each row.
     pub(crate) fn image(&self, count: usize, colours: &[Colour]) -> Item {
         let from_top = colours.chunks(count).rev().flatten().copied().collect();
         Item::Image {
@@ -79,7 +80,7 @@ impl Window {
         }
     }
 
-    /// The pillars of which something is seen.
+    /// Pillars that are at least partly visible.
     pub(crate) fn pillars(&self, system: &System) -> Vec<PlacedPillar> {
         let [x, y] = self.centre;
         let widest = system.largest_diameter();
@@ -92,7 +93,7 @@ impl Window {
         pillars
     }
 
-    /// The pillars of a state as discs of two colours: that of the touched ones, and that of the others.
+    /// Pillars of a state as discs of two colours: in contact, and not in contact.
     pub(crate) fn pillar_discs(
         &self,
         state: &ContactState,
@@ -114,12 +115,12 @@ impl Window {
         pillars.into_iter().map(disc).collect()
     }
 
-    /// The name of an axis with its unit.
+    /// Name of an axis with its unit.
     fn axis_name(&self, axis: &str) -> Text {
         Text::from(format!("*{axis}* ({})", self.unit.name))
     }
 
-    /// The same items, of which only what is inside the window is seen.
+    /// Clips items to the window.
     pub(crate) fn clipped(&self, items: Vec<Item>) -> Item {
         Item::clipped(self.frame.bounds, items)
     }
@@ -132,7 +133,7 @@ impl Window {
         ));
     }
 
-    /// Below the window, a bar with its length.
+    /// Scale bar below the window, with its length.
     pub(crate) fn draw_scale_bar(&self, items: &mut Vec<Item>) {
         let bounds = &self.frame.bounds;
         let length = round_down(0.2 * 2.0 * self.half_width);
@@ -150,22 +151,23 @@ impl Window {
     }
 }
 
-/// A page of one column: a window with its axes, and a colour bar at the right.
+/// A figure of one column: a window with its axes, and a colour bar at the right.
 #[derive(Debug, Clone)]
 pub(crate) struct Sheet {
     pub(crate) window: Window,
 }
 
 impl Sheet {
-    /// A window of this half width (m) around a point (m), as wide as the bar beside it leaves.
+    /// Window of the given half-width (m) around a point (m); its size on the page is limited by
+    /// the colour bar.
     pub(crate) fn new(centre: Point, half_width: f64, bar: &ColourBar) -> Self {
-        // What is beside the window hardly depends on its width.
+        // The width of the labels hardly depends on the width of the window.
         let guess = Window::new([0.0, 0.0], 0.6 * COLUMN, centre, half_width);
         let name = guess.axis_name("y");
         let lettering = Lettering::All(&name);
         let left = MARGIN + Frame::left_room(guess.frame.y, 0.6 * COLUMN, lettering);
         let beside = |height: f64| COLUMN - left - 6.0 - bar.width(height) - MARGIN;
-        // The numbers on the bar do depend on its height, which is that of the window.
+        // The numbers on the bar depend on its height, which is the height of the window.
         let side = beside(0.6 * COLUMN);
         let side = side.min(beside(side - ARROW));
         Self {
@@ -173,7 +175,7 @@ impl Sheet {
         }
     }
 
-    /// The figure of what is inside the window, with a key below the bar.
+    /// Returns the figure of the items inside the window, with a key below the bar.
     pub(crate) fn figure(
         &self,
         name: &str,
@@ -197,10 +199,10 @@ impl Sheet {
 
 const SCALE_BAR_DROP: f64 = 8.0;
 
-/// Room below a window for its scale bar.
+/// Height below a window for its scale bar.
 pub(crate) const SCALE_BAR_ROOM: f64 = 12.5;
 
-/// 1, 2 or 5 times a power of ten, at most `value`.
+/// Largest number of the form 1, 2 or 5 times a power of ten that is at most `value`.
 fn round_down(value: f64) -> f64 {
     let unit = 10f64.powf(value.log10().floor());
     [5.0, 2.0, 1.0]
@@ -219,14 +221,14 @@ fn significant_without_zeros(value: f64) -> String {
     }
 }
 
-/// A scale of colours.
+/// A colour scale.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ColourBar {
     pub(crate) map: ColourMap,
-    /// Values of the first and last colour.
+    /// Values of the first and the last colour.
     pub(crate) span: Span,
     pub(crate) label: Text,
-    /// Whether larger values than the last have the last colour: shown as an arrow.
+    /// Whether larger values exist and have the last colour; shown as an arrow.
     pub(crate) open: bool,
 }
 
@@ -238,7 +240,7 @@ const NAME_GAP: f64 = 4.0;
 pub(crate) const ARROW: f64 = 7.0;
 
 impl ColourBar {
-    /// Colours from one value to another.
+    /// Colour scale from one value to another.
     pub(crate) fn over(map: ColourMap, low: f64, high: f64, label: impl Into<Text>) -> Self {
         let high = if high > low { high } else { low + 1.0 };
         Self {
@@ -259,7 +261,7 @@ impl ColourBar {
         TICK_SIZE * widths.map(Text::width).fold(0.0, f64::max)
     }
 
-    /// Width of the bar with its lettering, points.
+    /// Width of the bar with its labels, points.
     pub(crate) fn width(&self, height: f64) -> f64 {
         BAR_WIDTH
             + NUMBER_GAP
@@ -305,10 +307,10 @@ impl ColourBar {
     }
 }
 
-/// Half width of a cross.
+/// Half-width of a cross.
 const ARM: f64 = 2.2;
 
-/// Crosses at places, smaller where they would touch.
+/// Crosses at points; they are smaller if they would overlap.
 pub(crate) fn crosses(places: &[Place], items: &mut Vec<Item>) {
     let distances = places.iter().enumerate().flat_map(|(k, a)| {
         let others = places[k + 1..].iter();
@@ -320,7 +322,7 @@ pub(crate) fn crosses(places: &[Place], items: &mut Vec<Item>) {
     }
 }
 
-/// A mark that is seen on any ground: a red cross with a white rim.
+/// A mark that is visible on any background: a red cross with a white outline.
 fn cross([x, y]: Place, arm: f64, items: &mut Vec<Item>) {
     let mut path = Path::line([[x - arm, y - arm], [x + arm, y + arm]]);
     path.push_line([[x - arm, y + arm], [x + arm, y - arm]]);
@@ -331,7 +333,7 @@ fn cross([x, y]: Place, arm: f64, items: &mut Vec<Item>) {
     items.push(Item::stroked(path, Stroke::solid(RED, 0.45 * arm)));
 }
 
-/// A sign in the key of a map.
+/// A symbol in the key of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum KeySign {
     Cross,
@@ -345,7 +347,7 @@ pub(crate) enum KeySign {
     Patch(Colour),
 }
 
-/// Signs and what they mean, in a line that ends at a place.
+/// Symbols and their meanings, in a line that ends at a position.
 pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &mut Vec<Item>) {
     const SIGN: f64 = 12.0;
     let mut x = right;
@@ -376,7 +378,7 @@ pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &m
     }
 }
 
-/// A disc with a ring around it, which is seen on discs of any colour.
+/// A disc with a ring around it, which is visible on discs of any colour.
 pub(crate) fn ringed(centre: Place, radius: f64, colour: Colour) -> [Item; 2] {
     let disc = |radius, fill, stroke| Item::Disc {
         centre,
@@ -393,7 +395,7 @@ pub(crate) fn ringed(centre: Place, radius: f64, colour: Colour) -> [Item; 2] {
 
 const RING_WIDTH: f64 = 0.7;
 
-/// The stroke of the circle around the contact.
+/// Stroke of the circle around the contact.
 pub(crate) fn edge_stroke() -> Stroke {
     Stroke {
         colour: RED,
@@ -402,7 +404,7 @@ pub(crate) fn edge_stroke() -> Stroke {
     }
 }
 
-/// The colour of marks on maps. No colour map of this crate has it, and it is dark enough on white.
+/// Colour of marks on maps. It is in no colour map of this crate, and dark enough on white.
 pub(crate) const RED: Colour = Colour([200, 30, 30]);
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
-//! Contact with the floor between the pillars: which cells of it, on a map and in a section.
+//! Floor cells in contact, on a map and in a section.
 
 use crate::map::Window;
 use crate::scene::{Colour, Path};
 use fakir::state::FloorContact;
 
-/// What is in contact on the floor, where no pressure is shown.
+/// Colour of the floor in contact if no pressure is shown.
 pub(crate) const ON_FLOOR: Colour = Colour::grey(120);
 
-/// The cells in contact with the floor; neighbours along x are one piece.
+/// Floor cells in contact; neighbouring cells along x are merged.
 pub(crate) fn patches(window: &Window, floor: &FloorContact) -> Path {
     let [across, up] = floor.cell();
     let mut path = Path::default();
@@ -27,20 +27,20 @@ pub(crate) fn patches(window: &Window, floor: &FloorContact) -> Path {
     path
 }
 
-/// First column, row and number of neighbouring cells along x.
+/// First column, row, and number of merged cells along x.
 fn runs(floor: &FloorContact) -> impl Iterator<Item = [f64; 3]> + '_ {
     let segments = floor.cells.segments().iter();
     segments.map(|segment| [segment.column, segment.row, segment.count].map(|n| n as f64))
 }
 
-/// From where to where the floor is in contact on the line y = 0, m.
+/// Intervals of x in which the floor is in contact on the line y = 0, m.
 pub(crate) fn on_axis(floor: &FloorContact) -> Vec<[f64; 2]> {
     if floor.rotation != 0.0 {
         return across_cells(floor);
     }
     let [across, up] = floor.cell();
     let [left, bottom] = floor.cells.grid().origin();
-    // A border of cells may lie on that line: the cells above count.
+    // If the border between two rows is on that line, the upper cells are used.
     let row_of_axis = (-bottom / up).floor();
     runs(floor)
         .filter(|[_, row, _]| (row - row_of_axis).abs() < 0.5)
@@ -51,9 +51,9 @@ pub(crate) fn on_axis(floor: &FloorContact) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The same on a grid that is turned, where the line goes across its cells.
+/// The same on a rotated grid, where the line crosses cells obliquely.
 fn across_cells(floor: &FloorContact) -> Vec<[f64; 2]> {
-    /// Of a side of a cell: gaps that are rounding.
+    /// Relative to the side of a cell: smaller gaps are due to rounding.
     const TOUCHING: f64 = 1e-6;
     let (sides, origin) = (floor.cell(), floor.cells.grid().origin());
     let along = floor.on_grid([1.0, 0.0]);
@@ -62,7 +62,7 @@ fn across_cells(floor: &FloorContact) -> Vec<[f64; 2]> {
             let low = [origin[0] + column * sides[0], origin[1] + row * sides[1]];
             let high = [low[0] + count * sides[0], low[1] + sides[1]];
             let inside = (0..2).fold([f64::NEG_INFINITY, f64::INFINITY], |[start, end], k| {
-                // Parallel to a side: from minus to plus infinity, or nothing.
+                // Parallel to a side: the interval is infinite or empty.
                 let ends = [low[k] / along[k], high[k] / along[k]];
                 [
                     start.max(ends[0].min(ends[1])),

@@ -1,26 +1,27 @@
-//! Pixels as PNG.
+//! Writes pixels as PNG.
 
 use crate::scene::{Colour, Pixels};
 use png::{BitDepth, ColorType, Compression, Encoder, PixelDimensions, Unit};
 
-/// A remark in a picture: its keyword and its text.
+/// A text chunk: keyword and text.
 pub(crate) type Remark<'a> = (&'static str, &'a str);
 
-/// Pixels as a PNG file, without a resolution or remarks.
+/// Encodes pixels as PNG, without resolution and text chunks.
 pub(crate) fn pixels(pixels: &Pixels) -> Vec<u8> {
     encode(pixels, None, &[])
 }
 
-/// A picture of a resolution in dots per inch, with remarks: as Latin-1 (`tEXt`) where that has
-/// all their characters, otherwise as UTF-8 (`iTXt`).
+/// Encodes an image with a resolution in dots per inch and text chunks: Latin-1 (`tEXt`) if it has
+/// all characters, otherwise UTF-8 (`iTXt`).
 pub(crate) fn picture(pixels: &Pixels, dots_per_inch: f64, remarks: &[Remark<'_>]) -> Vec<u8> {
     encode(pixels, Some(dots_per_inch), remarks)
 }
 
-/// Grey pixels of 16 bits, row by row from the top, as a PNG file that knows how large (m) a pixel is, as far as whole pixels per metre say it.
+/// Encodes 16-bit grey pixels, row by row from the top, as PNG. The file contains the pixel size (given in m), rounded to whole pixels per
+/// metre.
 ///
 /// # Panics
-/// If there is not one value for every pixel.
+/// If the number of values differs from the number of pixels.
 #[must_use]
 pub fn grey_map([columns, rows]: [usize; 2], values: &[u16], pixel: f64) -> Vec<u8> {
     assert_eq!(values.len(), columns * rows, "one value for every pixel");

@@ -1,4 +1,4 @@
-//! Figures as pixels.
+//! Renders figures as pixels.
 
 use crate::font::Bounds;
 use crate::scene::{Colour, Fill, Item, Label, Path, Pixels, Stroke};
@@ -7,7 +7,7 @@ use tiny_skia::{
     Pattern, Pixmap, PixmapPaint, Point, Rect, Shader, SpreadMode, StrokeDash, Transform,
 };
 
-/// The pixels of a page of a size in points, `scale` pixels to a point, on white.
+/// Pixels of a page of the given size in points, with `scale` pixels per point, on white.
 pub(crate) fn draw(items: &[Item], [width, height]: [u32; 2], scale: f64) -> Pixels {
     let mut pixmap = Pixmap::new(width.max(1), height.max(1)).expect("pages have a size");
     pixmap.fill(Color::WHITE);
@@ -38,7 +38,7 @@ fn solid(Colour([r, g, b]): Colour) -> Paint<'static> {
 struct Painter<'a> {
     pixmap: &'a mut Pixmap,
     transform: Transform,
-    /// The part of the page that may be painted on; `None` for all of it.
+    /// Clip mask; `None` for the whole page.
     mask: Option<Mask>,
 }
 
@@ -173,7 +173,7 @@ impl Painter<'_> {
     }
 }
 
-/// A path for `tiny-skia`; `None` if it has no extent.
+/// Converts a path for `tiny-skia`; `None` if it has no extent.
 fn outline(path: &Path) -> Option<tiny_skia::Path> {
     let mut builder = PathBuilder::new();
     for piece in &path.pieces {

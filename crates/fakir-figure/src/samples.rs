@@ -1,11 +1,11 @@
-//! What figures are drawn of in tests.
+//! Systems whose figures are drawn in tests.
 
 use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 
 /// The diameter of the pillars, m.
 pub(crate) const DIAMETER: f64 = 6e-6;
 
-/// The paper's pillars on a lattice, lens and substrate of one soft material.
+/// The paper's pillars on a lattice; lens and substrate are of the same soft material.
 #[allow(clippy::unwrap_used)]
 pub(crate) fn system(lattice: HexagonalLattice) -> System {
     let pillar = Pillar {

@@ -1,10 +1,10 @@
-//! What a page holds: paths, discs, text and images, in points (1/72 inch) from its top left.
+//! Items of a page: paths, discs, text and images, in points (1/72 inch) from the top left corner.
 
 use crate::font::Bounds;
 use crate::text::Text;
 use std::sync::Arc;
 
-/// A place on the page, points from the top left.
+/// A position on the page, in points from the top left corner.
 pub(crate) type Place = [f64; 2];
 
 /// An opaque colour.
@@ -19,7 +19,7 @@ impl Colour {
         Self([level; 3])
     }
 
-    /// The colour mixed with white: a share of 0 leaves it as it is, 1 makes it white.
+    /// Mixes the colour with white: 0 leaves it unchanged, 1 makes it white.
     pub(crate) fn lighter(self, share: f64) -> Self {
         Self(self.0.map(|v| {
             let v = f64::from(v);
@@ -42,20 +42,20 @@ impl Colour {
     }
 }
 
-/// What fills a shape.
+/// Fill of a shape.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Fill {
     Colour(Colour),
-    /// From the bottom of the shape to its top, at equal steps.
+    /// Gradient from the bottom of the shape to its top, in equal steps.
     Gradient(Vec<Colour>),
 }
 
-/// What draws a line.
+/// Stroke of a line.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Stroke {
     pub(crate) colour: Colour,
     pub(crate) width: f64,
-    /// Lengths of dashes and gaps in turn; none for a continuous line.
+    /// Alternating lengths of dashes and gaps; empty for a continuous line.
     pub(crate) dashes: &'static [f64],
 }
 
@@ -69,7 +69,7 @@ impl Stroke {
     }
 }
 
-/// Lines from place to place, in one or several pieces.
+/// Polylines, in one or several pieces.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Path {
     pub(crate) pieces: Vec<Piece>,
@@ -109,7 +109,7 @@ impl Path {
         }
     }
 
-    /// The path without what is outside of a box: lines end on its sides, polygons go along them.
+    /// Clips the path to a box: lines end on its sides, polygons follow them.
     fn within(&self, bounds: &Bounds) -> Self {
         let mut path = Self::default();
         for piece in &self.pieces {
@@ -135,7 +135,7 @@ impl Path {
     }
 }
 
-/// Which part of a text is at the given place.
+/// Part of a text that is at the given position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -143,18 +143,18 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// A line of text at a place.
+/// A line of text at a position.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Label {
     pub(crate) text: Text,
-    /// Where the anchor of its baseline is.
+    /// Position of the anchor of its baseline.
     pub(crate) at: Place,
     pub(crate) size: f64,
     pub(crate) anchor: Anchor,
-    /// Whether it runs upwards.
+    /// Whether it is rotated to run upwards.
     pub(crate) upwards: bool,
     pub(crate) colour: Colour,
-    /// Whether it has a white rim, to be read on a map.
+    /// Whether it has a white outline, to be legible on a map.
     pub(crate) rim: bool,
 }
 
@@ -181,12 +181,12 @@ impl Label {
         }
     }
 
-    /// Width of the line that makes the rim; half of it is inside the glyphs.
+    /// Width of the outline stroke; half of it is inside the glyphs.
     pub(crate) fn rim_width(&self) -> f64 {
         0.28 * self.size
     }
 
-    /// The box around its ink.
+    /// Bounding box of the glyphs.
     pub(crate) fn ink(&self) -> Option<Bounds> {
         let ink = self.text.ink()?;
         let (size, lead) = (self.size, self.lead());
@@ -219,7 +219,7 @@ pub(crate) struct Pixels {
     pub(crate) colours: Vec<Colour>,
 }
 
-/// Something on the page; later ones are drawn over earlier ones.
+/// An item on the page; later items are drawn over earlier ones.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Item {
     Path {
@@ -238,7 +238,7 @@ pub(crate) enum Item {
         bounds: Bounds,
         pixels: Arc<Pixels>,
     },
-    /// Items of which only what is inside the box is seen; made by [`Item::clipped`].
+    /// Items clipped to a box; created by [`Item::clipped`].
     Clipped {
         bounds: Bounds,
         items: Vec<Item>,
@@ -262,8 +262,8 @@ impl Item {
         }
     }
 
-    /// Items of which only what is inside the box is seen. Paths are cut a little outside of it:
-    /// renderers have single precision, and would bend a line that goes far beyond the page.
+    /// Clips items to a box. Paths are cut slightly outside of it, because renderers work in single
+    /// precision and would distort lines that extend far beyond the page.
     pub(crate) fn clipped(bounds: Bounds, items: Vec<Self>) -> Self {
         let window = bounds.grown(BEYOND_CLIP);
         let cut = |item| match item {
@@ -278,8 +278,8 @@ impl Item {
         Self::Clipped { bounds, items }
     }
 
-    /// Whether some of its lines, discs or text come into a box. What is only filled is ground
-    /// to write on.
+    /// Whether some of its lines, discs or text overlap a box. Filled areas without a line do not
+    /// count: text may be written on them.
     pub(crate) fn comes_into(&self, bounds: &Bounds) -> bool {
         match self {
             Self::Path {
@@ -310,13 +310,13 @@ fn piece_enters(piece: &Piece, bounds: &Bounds) -> bool {
         || matches!(places.as_slice(), [only] if bounds.contains(*only))
 }
 
-/// Whether a straight line comes into a box.
+/// Whether a straight line intersects a box.
 fn line_enters(a: Place, b: Place, bounds: &Bounds) -> bool {
     part_within(a, b, bounds).is_some()
 }
 
-/// The fractions of a straight line at which it enters and leaves a box; `None` if it is outside
-/// (Y.-D. Liang, B. A. Barsky, ACM Trans. Graph. 3, 1, 1984).
+/// Fractions of a straight line at which it enters and leaves a box; `None` if it is outside (Y.-D.
+/// Liang, B. A. Barsky, ACM Trans. Graph. 3, 1, 1984).
 fn part_within(a: Place, b: Place, bounds: &Bounds) -> Option<[f64; 2]> {
     let (mut enter, mut leave) = (0.0f64, 1.0f64);
     let sides = [
@@ -339,14 +339,15 @@ fn part_within(a: Place, b: Place, bounds: &Bounds) -> Option<[f64; 2]> {
     (enter <= leave).then_some([enter, leave])
 }
 
-/// How far beyond the box paths of clipped items go, points: more than the width of any line.
+/// Distance by which paths of clipped items extend beyond the box, points: more than the width of
+/// any line.
 const BEYOND_CLIP: f64 = 5.0;
 
 fn between(a: Place, b: Place, fraction: f64) -> Place {
     [0, 1].map(|k| a[k] + fraction * (b[k] - a[k]))
 }
 
-/// The parts of a line from place to place that are inside a box.
+/// Parts of a polyline that are inside a box.
 fn line_within(places: &[Place], bounds: &Bounds) -> Vec<Vec<Place>> {
     let mut parts: Vec<Vec<Place>> = Vec::new();
     let mut goes_on = false;
@@ -367,7 +368,7 @@ fn line_within(places: &[Place], bounds: &Bounds) -> Vec<Vec<Place>> {
     parts
 }
 
-/// A polygon cut along the sides of a box, one after the other (I. E. Sutherland, G. W. Hodgman,
+/// Cuts a polygon along the sides of a box, one after the other (I. E. Sutherland, G. W. Hodgman,
 /// Commun. ACM 17, 32, 1974).
 fn polygon_within(places: &[Place], bounds: &Bounds) -> Vec<Place> {
     let sides = [
@@ -410,7 +411,7 @@ mod tests {
         assert!(!line_enters([-1.0, 0.4], [0.4, -1.0], &bounds));
     }
 
-    /// Distance of a place from a line from place to place.
+    /// Distance of a point from a polyline.
     fn distance(place: Place, line: &[Place]) -> f64 {
         let from = |pair: &[Place]| {
             let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
@@ -423,7 +424,7 @@ mod tests {
         line.windows(2).map(from).fold(f64::INFINITY, f64::min)
     }
 
-    /// A line that goes in and out of a box, also far beyond what renderers can count to.
+    /// A line that enters and leaves a box and also extends far beyond the range of renderers.
     fn wild_line() -> Vec<Place> {
         (0..200)
             .map(|k| {
@@ -455,7 +456,7 @@ mod tests {
             assert!(window.grown(1e-6).contains(*place), "{place:?}");
             assert!(distance(*place, &line) < 1e-6, "{place:?}");
         }
-        // Every place of the line inside the box is drawn.
+        // Every point of the line inside the box is drawn.
         for place in line.iter().filter(|place| window.contains(**place)) {
             let same = |other: &Place| (other[0] - place[0]).hypot(other[1] - place[1]) < 1e-12;
             assert!(drawn().any(same), "{place:?}");
@@ -473,7 +474,7 @@ mod tests {
         0.5 * twice.sum::<f64>().abs()
     }
 
-    /// Areas by hand: a square half outside, a triangle that a corner of the box cuts, and a
+    /// Areas computed by hand: a square half outside, a triangle cut by a corner of the box, and a
     /// polygon around the box.
     #[test]
     fn clipped_polygons_go_along_the_sides_of_the_box() {

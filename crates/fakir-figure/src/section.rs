@@ -1,5 +1,4 @@
-//! The deformed bodies in the plane through the lens axis along x: the one place where their outlines
-//! are computed.
+//! Computes the outlines of the deformed bodies in the plane through the lens axis along x.
 
 use crate::error::FigureError;
 use crate::patches::on_axis;
@@ -7,20 +6,21 @@ use fakir::problem::{PlacedPillar, Point};
 use fakir::state::{ContactState, Run};
 use std::collections::HashMap;
 
-/// A symmetric copy of the floor contact this close to the section, in pitches, counts as in it.
+/// Tolerance, in pitches, within which a symmetric copy of the floor contact counts as lying in the
+/// section.
 const NEAR: f64 = 0.02;
 
-/// How finely a section is sampled.
+/// Sampling density of a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SectionDetail {
-    /// Coarse, for a picture that follows a slider.
+    /// Coarse, for interactive display.
     Screen,
     /// Fine, for print.
     Print,
 }
 
 impl SectionDetail {
-    /// Number of even steps across the section.
+    /// Number of equal steps across the section.
     fn steps(self) -> usize {
         match self {
             Self::Screen => 200,
@@ -28,8 +28,9 @@ impl SectionDetail {
         }
     }
 
-    /// Distances from a pillar edge, in pillar radii, of further places: the surfaces are steep
-    /// there. The first is so close that the pillar's side is drawn upright.
+    /// Distances from a pillar edge, in pillar radii, of additional sampling points, because the
+    /// surfaces are steep there. The first distance is so small that the side of the pillar is
+    /// drawn vertically.
     fn beside(self) -> &'static [f64] {
         match self {
             Self::Screen => &[1e-6, 0.08],
@@ -40,27 +41,29 @@ impl SectionDetail {
 
 /// Section through lens and substrate along x, through the lens axis.
 ///
-/// Heights are over the undeformed floor. The displacement `w` belongs to both bodies, to each in
-/// proportion to its compliance `(1 - nu^2)/E`; pillars also shorten under their force. The gap
-/// between lens and surface is that of the solution, whichever the shares.
+/// Heights are measured from the undeformed floor. The displacement `w` is divided between the two
+/// bodies in proportion to their compliances `(1 - nu^2)/E`; pillars also shorten under their
+/// force. The gap between lens and surface is that of the solution and does not depend on this
+/// division.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// Places along x, m, ascending.
+    /// Positions along x, m, ascending.
     pub x: Vec<f64>,
-    /// Height of the lens at each place, m.
+    /// Height of the lens at each position, m.
     pub lens: Vec<f64>,
-    /// Height of the surface at each place, m: of the pillar top where a pillar is cut, of the floor
-    /// elsewhere.
+    /// Height of the surface at each position, m: of the pillar top inside a pillar, otherwise of
+    /// the floor.
     pub surface: Vec<f64>,
-    /// Where the floor is just touched in this plane: x and height, m.
+    /// First contacts with the floor in this plane: x and height, m.
     pub floor_contacts: Vec<Point>,
-    /// From which x to which the floor bears a part of the load in this plane, m.
+    /// Intervals of x in which the floor carries load in this plane, m.
     pub floor_patches: Vec<[f64; 2]>,
 }
 
 impl Section {
-    /// The section of a state from `-half_width` to `half_width`, m, which is less than the lens
-    /// radius. `floor_contact` is where the state touches the floor, m, if it does.
+    /// Computes the section of a state from `-half_width` to `half_width`, m, which must be less
+    /// than the lens radius. `floor_contact` is the point of first floor contact, m, if there is
+    /// one.
     ///
     /// # Errors
     /// [`FigureError::NoPillars`] if the state carries a force but has no fields; interruption.
@@ -110,7 +113,7 @@ impl Section {
         })
     }
 
-    /// Half the width, m, at which all of the contact and the floor contact of a state are seen.
+    /// Half-width, m, that includes the whole contact and the floor contact of a state.
     #[must_use]
     pub fn half_width(state: &ContactState) -> f64 {
         let [x, y] = state.smallest_gap_position;
@@ -125,7 +128,7 @@ impl Section {
     }
 }
 
-/// Where symmetric copies of a floor contact lie in the section, m.
+/// Positions in the section of the symmetric copies of a floor contact, m.
 fn in_section(state: &ContactState, point: Point) -> impl Iterator<Item = f64> {
     let near = NEAR * state.system.pitch();
     state
@@ -136,13 +139,13 @@ fn in_section(state: &ContactState, point: Point) -> impl Iterator<Item = f64> {
         .map(|[x, _]| x)
 }
 
-/// The place nearest to `at`, of places in ascending order.
+/// Returns the position nearest to `at`; positions are in ascending order.
 fn nearest(places: &[f64], at: f64) -> Option<usize> {
     let distance = |k: &usize| (places[*k] - at).abs();
     (0..places.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// A pillar in the section: where it starts and ends, its height, and by how much it is shortened, m.
+/// A pillar in the section: start, end, height and shortening, m.
 #[derive(Debug)]
 struct CutPillar {
     start: f64,
@@ -179,7 +182,7 @@ fn cut_pillars(state: &ContactState, half_width: f64) -> Vec<CutPillar> {
     cut
 }
 
-/// Where the section is sampled: evenly, at pillar edges and beside them.
+/// Sampling points of the section: equally spaced, and in addition at and next to pillar edges.
 fn places(pillars: &[CutPillar], half_width: f64, radius: f64, detail: SectionDetail) -> Vec<f64> {
     let steps = detail.steps();
     let mut places: Vec<f64> = (0..=steps)
@@ -206,8 +209,8 @@ mod tests {
 
     const PITCH: f64 = 30e-6;
 
-    /// The paper's lens and pillars on a substrate of half the modulus, so that the bodies share the
-    /// displacement unequally.
+    /// The paper's lens and pillars on a substrate of half the modulus, so that the displacement is
+    /// divided unequally between the bodies.
     fn system(offset: f64) -> System {
         let lens = Lens {
             radius: 2.2e-3,
@@ -228,7 +231,8 @@ mod tests {
         Section::new(state, half_width, floor_contact, detail, &Run::default()).unwrap()
     }
 
-    /// Whichever the shares of the bodies, what is between them is the gap of the solution.
+    /// The distance between the outlines equals the gap of the solution, however the displacement
+    /// is divided.
     #[test]
     fn the_bodies_are_apart_by_the_gap_of_the_solution() {
         for offset in [0.0, 0.3] {
@@ -239,7 +243,7 @@ mod tests {
             let section = section(state, None);
             let height = state.system.pillar().height;
             let cut = cut_pillars(state, Section::half_width(state));
-            // At the very edge of a pillar rounding tells whether a point is on it.
+            // Exactly at a pillar edge, rounding decides whether a point is on the pillar.
             let at_edge = |x: f64| {
                 let mut edges = cut.iter().flat_map(|pillar| [pillar.start, pillar.end]);
                 edges.any(|edge| (x - edge).abs() < 1e-15)
@@ -249,7 +253,7 @@ mod tests {
                     continue;
                 }
                 let gap = fields.gap([*x, 0.0]);
-                // The displacement of many pillars is summed up to a part in 1e8 or so.
+                // The displacement by many pillars is summed to a relative error of about 1e-8.
                 assert!(
                     (lens - surface - gap).abs() < 1e-6 * height,
                     "at {x}: {gap}"
@@ -258,7 +262,7 @@ mod tests {
         }
     }
 
-    /// Along x pillars stand sqrt(3) pitches apart; with the axis on a pillar one is in the middle.
+    /// Along x, pillars are sqrt(3) pitches apart; with the axis on a pillar, one is in the middle.
     #[test]
     fn pillars_are_cut_where_they_stand() {
         let state = fakir::press(
@@ -277,8 +281,8 @@ mod tests {
         }
     }
 
-    /// At first touch nothing is deformed: floor at 0, pillar tops at their height, lens on the
-    /// middle one.
+    /// At first contact nothing is deformed: the floor is at 0, pillar tops are at their height,
+    /// and the lens touches the middle one.
     #[test]
     fn bodies_without_load_have_their_own_shape() {
         let state = fakir::press(
@@ -301,8 +305,8 @@ mod tests {
         }
     }
 
-    /// By symmetry the floor is touched between three pillars, at a distance of a pitch over sqrt(3)
-    /// or a multiple, along x; there lens and floor are at the same height.
+    /// By symmetry the lens touches the floor between three pillars, along x at multiples of the
+    /// pitch over sqrt(3); there lens and floor have the same height.
     #[test]
     fn the_floor_contact_is_on_both_bodies() {
         let critical = fakir::transition(&system(0.0), Method::default(), &Run::default()).unwrap();

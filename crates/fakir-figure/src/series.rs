@@ -1,4 +1,4 @@
-//! Data of a chart and how they are drawn.
+//! Series of a chart: data and style.
 
 use crate::colour::Tint;
 use crate::frame::Frame;
@@ -62,20 +62,20 @@ impl Marker {
     ];
 }
 
-/// How a series is drawn. Colours alone do not tell series apart in a grey print: different
-/// dashes or markers should go with them.
+/// Style of a series. Colours alone do not distinguish series in a grey print; combine them with
+/// different dashes or markers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Style {
     /// Colour of line and markers.
     pub tint: Tint,
-    /// The line through the points, if any.
+    /// Line through the points, if any.
     pub line: Option<Dash>,
-    /// The mark at every point, if any.
+    /// Marker at every point, if any.
     pub marker: Option<Marker>,
 }
 
 impl Style {
-    /// The `k`-th line that differs from the others in colour and pattern.
+    /// Line number `k`; each number has a different colour and pattern.
     #[must_use]
     pub fn line(k: usize) -> Self {
         Self {
@@ -85,7 +85,7 @@ impl Style {
         }
     }
 
-    /// The `k`-th marker that differs from the others in colour and shape.
+    /// Marker number `k`; each number has a different colour and shape.
     #[must_use]
     pub fn marks(k: usize) -> Self {
         Self {
@@ -114,14 +114,13 @@ impl Style {
 /// Points of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What stands in the legend; `None` keeps it out.
+    /// Label in the legend; `None`: no legend entry.
     pub label: Option<Text>,
-    /// The points, in the values of the axes. A line is interrupted at points that an axis cannot
-    /// show.
+    /// Points, in values of the axes. The line is interrupted at points that an axis cannot show.
     pub points: Vec<[f64; 2]>,
-    /// Half lengths of error bars along x and y, for every point or none.
+    /// Half-lengths of the error bars along x and y, for every point or for none.
     pub errors: Vec<[f64; 2]>,
-    /// How it is drawn.
+    /// Style.
     pub style: Style,
 }
 
@@ -146,13 +145,13 @@ impl Series {
         }
     }
 
-    /// The same points with error bars: half lengths along x and y.
+    /// Adds error bars: half-lengths along x and y.
     #[must_use]
     pub fn with_errors(self, errors: Vec<[f64; 2]>) -> Self {
         Self { errors, ..self }
     }
 
-    /// Values along one direction, ends of error bars included.
+    /// Values along one direction, including the ends of error bars.
     pub(crate) fn values(&self, direction: usize) -> impl Iterator<Item = f64> + '_ {
         self.points.iter().enumerate().flat_map(move |(k, point)| {
             let error = self.errors.get(k).map_or(0.0, |error| error[direction]);
@@ -226,7 +225,7 @@ impl Style {
         }
     }
 
-    /// A sample for the legend, from `start` over a length.
+    /// Sample for the legend, starting at `start`, of the given length.
     pub(crate) fn sample(self, [x, y]: Place, length: f64, items: &mut Vec<Item>) {
         if let Some(dash) = self.line {
             let path = Path::line([[x, y], [x + length, y]]);
@@ -239,7 +238,7 @@ impl Style {
 }
 
 impl Marker {
-    /// The mark around a place.
+    /// Marker centred on a point.
     pub(crate) fn item(self, [x, y]: Place, colour: Colour) -> Item {
         let polygon = |corners: &[[f64; 2]]| Item::Path {
             path: Path::polygon(corners.iter().map(|[dx, dy]| [x + dx, y + dy])),
@@ -277,8 +276,8 @@ mod tests {
     use crate::axis::Axis;
     use crate::font::Bounds;
 
-    /// On axes that show a part of the data every drawn place is on the line between two neighbours, whichever the scales; and a point
-    /// that an axis cannot show interrupts the line.
+    /// On axes that show a part of the data, every drawn point is on the line between two neighbouring data points, for all scales; a
+    /// point that an axis cannot show interrupts the line.
     #[test]
     fn no_point_of_a_line_is_moved() {
         let points: Vec<[f64; 2]> = (1..400)
@@ -321,7 +320,7 @@ mod tests {
                     let part = (place[0] - a[0]) / (b[0] - a[0]);
                     let height = a[1] + part * (b[1] - a[1]);
                     let beyond = (-part).max(part - 1.0).max(0.0);
-                    // Steep lines are known to rounding of their ends.
+                    // Steep lines are accurate to the rounding of their ends.
                     (height - place[1]).abs() / (1.0 + (b[1] - a[1]).abs()) + beyond
                 });
                 assert!(off.fold(f64::INFINITY, f64::min) < 1e-8, "{place:?}");

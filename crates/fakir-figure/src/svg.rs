@@ -1,4 +1,4 @@
-//! Figures as SVG 1.1.
+//! Writes figures as SVG 1.1.
 
 use crate::figure::{Figure, POINTS_PER_INCH};
 use crate::font::{Bounds, FAMILY, Face};
@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 const MILLIMETRES_PER_INCH: f64 = 25.4;
 
-/// Whether the font goes with the drawing.
+/// Whether the font is embedded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Font {
     Embedded,
@@ -18,22 +18,23 @@ enum Font {
 }
 
 impl Figure {
-    /// The figure as SVG, with the font in it.
+    /// The figure as SVG with the embedded font.
     #[must_use]
     pub fn svg(&self) -> String {
         write(self, Font::Embedded)
     }
 
-    /// The figure as SVG for a page that has the font already, from [`font_css`](crate::font_css).
+    /// The figure as SVG without the font, for a page that includes [`font_css`](crate::font_css).
     #[must_use]
     pub fn svg_for_page(&self) -> String {
         write(self, Font::OfThePage)
     }
 }
 
-/// The rules that make the font of all figures known to a page (CSS `@font-face`).
+/// CSS rules (`@font-face`) that define the font of all figures for a page.
 ///
-/// A page with several figures needs them once: [`Figure::svg_for_page`] leaves them out.
+/// A page with several figures includes them once and uses [`Figure::svg_for_page`], which leaves
+/// the font out.
 #[must_use]
 pub fn font_css() -> String {
     rules([Face::Upright, Face::Italic])
@@ -70,7 +71,7 @@ fn put(out: &mut String, arguments: std::fmt::Arguments<'_>) {
     out.write_fmt(arguments).expect("memory takes every byte");
 }
 
-/// A coordinate: hundredths of a point are 3.5 micrometres on paper.
+/// Formats a coordinate to hundredths of a point, which are 3.5 micrometres on paper.
 fn number(value: f64) -> String {
     let rounded = (value * 100.0).round() / 100.0;
     if rounded == 0.0 {
@@ -84,8 +85,7 @@ fn colour(Colour([r, g, b]): Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Text with the signs that mean something in XML written as entities; control characters, which
-/// XML cannot have, are left out.
+/// Escapes text for XML; control characters, which XML does not allow, are left out.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
@@ -105,9 +105,9 @@ fn escaped(text: &str) -> String {
 
 struct Writer<'a> {
     out: String,
-    /// Start of all ids, so that figures on one page do not share any.
+    /// Prefix of all ids, so that ids of different figures on a page differ.
     name: &'a str,
-    /// Number of ids given out.
+    /// Number of ids used so far.
     definitions: usize,
 }
 
@@ -335,8 +335,8 @@ fn strokes(stroke: Option<&Stroke>) -> String {
     text
 }
 
-/// Absolute first places, then steps: shorter. Steps are between rounded places, so that
-/// rounding does not add up.
+/// Writes an absolute first position, then relative steps, which are shorter. Steps are between
+/// rounded positions, so that rounding errors do not accumulate.
 fn path_data(path: &Path) -> String {
     let mut data = String::new();
     for piece in &path.pieces {

@@ -5,15 +5,14 @@ use crate::font::{Bounds, Face};
 /// Size of subscripts and superscripts, relative to the text.
 const SCRIPT_SIZE: f64 = 0.72;
 
-/// How far subscripts go down and superscripts up, in font sizes of the text.
+/// Shift of subscripts down and superscripts up, in font sizes of the text.
 const SUBSCRIPT_DROP: f64 = 0.19;
 const SUPERSCRIPT_RISE: f64 = 0.36;
 
 /// A line of text with italics, subscripts and superscripts.
 ///
-/// Written with a little markup: `*F*_{c}` is an italic F with an upright subscript c,
-/// `10^{-3}` ten to the minus three. A backslash takes the meaning off the next character.
-/// A hyphen before a digit becomes a minus sign.
+/// Markup: `*F*_{c}` is an italic F with an upright subscript c, `10^{-3}` is ten to the minus
+/// three. A backslash escapes the next character. A hyphen before a digit becomes a minus sign.
 ///
 /// ```
 /// use fakir_figure::Text;
@@ -42,7 +41,7 @@ enum Level {
 }
 
 impl Run {
-    /// Its size, relative to that of the text.
+    /// Size relative to the text.
     pub(crate) fn size(&self) -> f64 {
         match self.level {
             Level::Base => 1.0,
@@ -50,7 +49,7 @@ impl Run {
         }
     }
 
-    /// How far its baseline is below that of the text, in font sizes of the text.
+    /// Shift of the baseline downwards, in font sizes of the text.
     pub(crate) fn drop(&self) -> f64 {
         match self.level {
             Level::Base => 0.0,
@@ -135,7 +134,7 @@ impl Parser {
         }
     }
 
-    /// Whether a letter or digit of the same level is right before.
+    /// Whether a letter or digit of the same level directly precedes.
     fn after_word(&self) -> bool {
         self.runs.last().is_some_and(|run| {
             run.level == self.level && run.text.ends_with(|c: char| c.is_alphanumeric())
@@ -150,7 +149,7 @@ impl std::fmt::Display for Text {
 }
 
 impl Text {
-    /// Text in which no character has a meaning of its own.
+    /// Text without markup: all characters are literal.
     #[must_use]
     pub fn plain(text: &str) -> Self {
         let mut parser = Parser::default();
@@ -158,7 +157,7 @@ impl Text {
         Self { runs: parser.runs }
     }
 
-    /// The text with another right after it.
+    /// Appends another text.
     #[must_use]
     pub fn followed_by(mut self, other: impl Into<Self>) -> Self {
         self.runs.extend(other.into().runs);
@@ -169,12 +168,12 @@ impl Text {
         &self.runs
     }
 
-    /// How far it goes on, in font sizes.
+    /// Advance width, in font sizes.
     pub(crate) fn width(&self) -> f64 {
         self.runs.iter().map(Run::advance).sum()
     }
 
-    /// Every run with the distance of its start from that of the text, in font sizes.
+    /// Every run with the distance of its start from the start of the text, in font sizes.
     pub(crate) fn placed(&self) -> impl Iterator<Item = (f64, &Run)> {
         self.runs.iter().scan(0.0, |start, run| {
             let at = *start;
@@ -183,7 +182,7 @@ impl Text {
         })
     }
 
-    /// The box around its ink if the baseline starts at the origin, in font sizes.
+    /// Bounding box of the glyphs, in font sizes, with the start of the baseline as the origin.
     pub(crate) fn ink(&self) -> Option<Bounds> {
         self.placed()
             .filter_map(|(start, run)| {

@@ -1,4 +1,4 @@
-//! Units with the prefix that makes numbers easy to read.
+//! Units with a suitable SI prefix.
 
 /// A unit and its size in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,13 +52,14 @@ impl Unit {
         value / self.size
     }
 
-    /// A value (SI) in so many significant digits, with the unit.
+    /// Formats a value (SI) with the given number of significant digits and the unit.
     pub(crate) fn text(self, value: f64, digits: usize) -> String {
         format!("{} {}", significant(self.of(value), digits), self.name)
     }
 }
 
-/// A number in so many significant digits, without a power of ten unless it must have one.
+/// Formats a number with the given number of significant digits, with a power of ten only if
+/// necessary.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");

@@ -1,4 +1,4 @@
-//! A loading: force and contact radius over the indentation.
+//! A loading curve: force and contact radius over the indentation.
 
 use crate::axis::Axis;
 use crate::chart::{Chart, Grid};
@@ -15,22 +15,22 @@ pub struct LoadingPoint {
     pub indentation: f64,
     /// Normal force, N.
     pub force: f64,
-    /// The part of it that the floor bears, N, where that is known.
+    /// Force on the floor, N, if known.
     pub floor_force: Option<f64>,
-    /// Contact radius, m; none under a plate.
+    /// Contact radius, m; `None` under a plate.
     pub contact_radius: Option<f64>,
-    /// Pillars touched, and how many of them partially, where that is known.
+    /// Number of pillars in contact, and of those in partial contact, if known.
     pub pillars: Option<[usize; 2]>,
-    /// Whether the floor is left out beyond where it is touched, and this state is there.
+    /// Whether this state is past the transition and floor contact is ignored.
     pub without_floor: bool,
 }
 
-/// Force over indentation, and below it the contact radius, the share of the floor and how many pillars are touched, as far as there
-/// are such. The critical state is marked, also if the loading ends before it; what the floor bears has a curve of its own. States
-/// without the floor that they would touch are joined by a grey dashed line.
+/// Force over indentation; below it, if available, the contact radius, the fraction of the load carried by the floor, and the number
+/// of pillars in contact. The critical state is marked even if the loading ends before it; the floor force has a separate curve.
+/// States past the transition for which floor contact is ignored are joined by a grey dashed line.
 ///
 /// # Errors
-/// [`FigureError::TooFewData`] of fewer than two states.
+/// [`FigureError::TooFewData`] for fewer than two states.
 pub fn approach(
     points: &[LoadingPoint],
     critical: Option<LoadingPoint>,
@@ -63,7 +63,7 @@ pub fn approach(
     }
     let mut charts = vec![upper];
     let mut heights = vec![122.0];
-    // The legend above explains all curves of the one colour.
+    // The legend of the first panel explains this colour.
     let unnamed = |mut chart: Chart| {
         for series in &mut chart.series {
             series.label = None;
@@ -124,7 +124,7 @@ pub fn approach(
     ))
 }
 
-/// What the floor bears over the whole force.
+/// Floor force over total force.
 fn share(point: &LoadingPoint) -> Option<f64> {
     let on_floor = point.floor_force?;
     Some(if point.force > 0.0 {
@@ -136,7 +136,7 @@ fn share(point: &LoadingPoint) -> Option<f64> {
 
 type Value = fn(&LoadingPoint) -> Option<f64>;
 
-/// The curve, what of it is without the floor, and the critical state.
+/// The curve, its part without the floor, and the critical state.
 fn series(
     points: &[LoadingPoint],
     critical: Option<&LoadingPoint>,
@@ -155,7 +155,7 @@ fn series(
     let mut series = vec![Series::new(name, with_floor.filter_map(at).collect(), dots)];
     let beyond: Vec<_> = points.iter().filter(|point| point.without_floor).collect();
     if !beyond.is_empty() {
-        // The line goes on from the critical state.
+        // The line continues from the critical state.
         let beyond = critical.into_iter().chain(beyond).filter_map(at).collect();
         let style = Style::line(1).in_tint(Tint::Grey);
         series.push(Series::new("as if without floor", beyond, style));

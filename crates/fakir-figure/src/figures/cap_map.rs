@@ -1,4 +1,4 @@
-//! The contact with rounded pillar tops as seen from above.
+//! The contact with rounded pillar tops from above.
 
 use crate::chart::MARGIN;
 use crate::figure::{COLUMN, Figure};
@@ -11,10 +11,11 @@ const FLOOR: Colour = Colour::grey(205);
 const PILLAR: Colour = Colour::grey(235);
 const TOUCHED: Colour = Colour::grey(25);
 
-/// Radius of the ring around an untouched top without an edge, points.
+/// Radius of the ring that represents a top without an edge that is not in contact, points.
 const RING: f64 = 2.2;
 
-/// The contact with rounded tops from above: contacts dark, pillars with an edge light, tops without one that are not touched as rings.
+/// The contact with rounded tops from above: contacts are dark, pillars with an edge light; tops without an edge that are not in
+/// contact are rings.
 #[must_use]
 pub fn cap_map(field: &CapField, contact: &CapContact) -> Figure {
     let caps = || field.caps().iter().zip(&contact.caps);

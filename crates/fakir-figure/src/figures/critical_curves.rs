@@ -44,18 +44,18 @@ impl CriticalPoint {
     }
 }
 
-/// Critical states by rising surface fraction.
+/// Critical states by increasing surface fraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CriticalCurve {
-    /// What stands in the legend.
+    /// Label in the legend.
     pub label: Text,
     /// The states.
     pub points: Vec<CriticalPoint>,
-    /// How it is drawn.
+    /// Style.
     pub style: Style,
 }
 
-/// A measured critical state: every quantity with its standard error, as far as it was measured.
+/// A measured critical state: each measured quantity with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// Surface fraction and its error.
@@ -68,24 +68,24 @@ pub struct Measured {
     pub indentation: Option<[f64; 2]>,
 }
 
-/// Curves that belong together, such as those of one substrate.
+/// A group of curves, such as those of one substrate.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CriticalColumn {
-    /// Above the column; may be empty.
+    /// Title of the column; may be empty.
     pub title: Text,
     /// The curves.
     pub curves: Vec<CriticalCurve>,
-    /// Measured points, one legend entry for all.
+    /// Measured points, with one legend entry.
     pub measured: Vec<Measured>,
 }
 
-/// Three panels one above the other, of critical force, contact radius and indentation in the
-/// paper's reduced variables, over the surface fraction; a column of them for every group of
-/// curves.
+/// Three panels, one above the other, with critical force, contact radius and indentation in the
+/// reduced variables of the paper over the surface fraction; one column of panels for every group
+/// of curves.
 ///
-/// One group makes a figure of one column of the page, several a figure of the whole width. A
-/// critical force or radius of zero, where the floor is reached before any pillar, is not on the
-/// logarithmic axes.
+/// A single group gives a figure of one column width, several groups a figure of page width. A
+/// critical force or radius of zero, where the lens touches the floor before any pillar, is not
+/// shown on the logarithmic axes.
 #[must_use]
 pub fn critical_curves(columns: &[CriticalColumn]) -> Figure {
     let quantities: [(&str, Quantity, Quality); 3] = [

@@ -1,4 +1,4 @@
-//! A cycle of loading and unloading of pillars that stick.
+//! Loading and unloading of adhesive pillars.
 
 use crate::axis::Axis;
 use crate::chart::{Chart, Grid};
@@ -16,12 +16,12 @@ use std::collections::{BTreeMap, HashSet};
 /// A point in SI units: indentation (m), and force (N) or a number.
 type Point = [f64; 2];
 
-/// Force over indentation of both branches, the same near the pull-off, and how many pillars are in contact. Where pillars come into
-/// contact and are released, the critical state and the pull-off are marked. Of a floor that sticks there is its area in contact too, and the jump onto it and
-/// its loss are marked.
+/// Force over indentation on both branches, an enlarged view near the pull-off, and the number of pillars in contact. Marks show where pillars come into
+/// contact and detach, the critical state, and the pull-off. With an adhesive floor there is a panel for its contact area, and marks for the jump onto the
+/// floor and its detachment.
 ///
 /// # Errors
-/// [`FigureError::TooFewData`] of a curve of fewer than two stations.
+/// [`FigureError::TooFewData`] if the curve has fewer than two load steps.
 pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
     let stations = &cycle.stations;
     if stations.len() < 2 {
@@ -93,7 +93,7 @@ fn force_chart(cycle: &Cycle, x: Axis, [across, up]: [Unit; 2]) -> Chart {
     Chart::new(x, y, force_series(cycle, [across, up]))
 }
 
-/// The same chart over the part of the cycle where forces are at most the size of the pull-off force.
+/// The same chart restricted to forces no larger in magnitude than the pull-off force.
 fn pull_off_chart(cycle: &Cycle, pull_off: &PullOff, x: Axis, across: Unit) -> Chart {
     let up = Unit::of_force(pull_off.force);
     let seen = BRANCHES.map(|(branch, ..)| up_to(&curve(cycle, branch), -pull_off.force));
@@ -143,7 +143,7 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2]) -> Vec<Series> {
         let mut places: Vec<Point> = events
             .map(|event| at([event.indentation, event.force]))
             .collect();
-        // Events of one cascade share their place.
+        // Events of one cascade have the same position.
         places.dedup();
         if !places.is_empty() {
             series.push(Series::new(name, places, style));
@@ -175,7 +175,7 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2]) -> Vec<Series> {
     series
 }
 
-/// The points of a curve where forces are at most `largest` (N), and where it crosses that force.
+/// Points of a curve with forces of at most `largest` (N), and its crossings of that force.
 fn up_to(points: &[Point], largest: f64) -> Vec<Point> {
     let mut seen = Vec::new();
     for (k, point) in points.iter().enumerate() {
@@ -191,11 +191,11 @@ fn up_to(points: &[Point], largest: f64) -> Vec<Point> {
     seen
 }
 
-/// Map of the pillars that were in contact at all: at which indentation each was released for the last time, and which of them held at
-/// the pull-off.
+/// Map of all pillars that were in contact: the indentation of the last detachment of each, and which of them were attached at the
+/// pull-off.
 ///
 /// # Errors
-/// [`FigureError::NoPillars`] if no pillar was released.
+/// [`FigureError::NoPillars`] if no pillar detached.
 pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
     let released: BTreeMap<(i64, i64), ([f64; 2], f64)> = cycle
         .release_order()
@@ -270,8 +270,8 @@ mod tests {
     use fakir::problem::{Adhesion, CyclePlan, HexagonalLattice};
     use fakir::state::Run;
 
-    /// A force that rises out of the close-up, comes back and rises again is drawn as it is, and the
-    /// frame cuts it.
+    /// A force that leaves the enlarged view, returns and leaves it again is drawn completely and
+    /// clipped by the frame.
     #[test]
     fn the_close_up_shows_the_same_curve() {
         let lattice = HexagonalLattice::with_surface_fraction(0.001, samples::DIAMETER);

@@ -1,4 +1,4 @@
-//! A wanted curve, what designed heights come to, and what a design without interactions does.
+//! A target curve, the curve of the designed heights, and that of a design without interactions.
 
 use crate::axis::Axis;
 use crate::chart::{Chart, Grid};
@@ -24,13 +24,13 @@ pub enum DesignedQuantity {
 pub struct DesignedValues {
     /// What is prescribed.
     pub load: f64,
-    /// What is wanted there.
+    /// Target value.
     pub wanted: f64,
-    /// What the designed heights come to.
+    /// Value of the designed heights.
     pub designed: f64,
-    /// Its standard deviation with the errors of the heights, if these are known.
+    /// Standard deviation of this value due to the height errors, if these are known.
     pub scatter: Option<f64>,
-    /// What heights come to that are designed as if asperities did not act on each other.
+    /// Value of heights that are designed without interactions between asperities.
     pub ignored: f64,
 }
 
@@ -39,13 +39,13 @@ pub struct DesignedValues {
 pub struct DesignedCurve {
     /// What is prescribed.
     pub load: DesignedQuantity,
-    /// What is wanted.
+    /// Target quantity.
     pub value: DesignedQuantity,
-    /// Its points by rising load.
+    /// Points, by increasing load.
     pub points: Vec<DesignedValues>,
 }
 
-/// A unit, the size of one in SI, and its name.
+/// A unit: its value in SI, and its name.
 fn scale(quantity: DesignedQuantity, largest: f64) -> (f64, String) {
     match quantity {
         DesignedQuantity::Force => {
@@ -71,8 +71,8 @@ fn name(quantity: DesignedQuantity) -> &'static str {
     }
 }
 
-/// The wanted curve as marks, that of the designed heights and that of heights designed without interactions as lines; below, how far both are off, in per
-/// cent.
+/// The target curve as markers, the curves of the designed heights and of heights designed without interactions as lines; below, the deviations of both,
+/// in per cent.
 #[must_use]
 pub fn designed_curve(curve: &DesignedCurve) -> Figure {
     let points = &curve.points;

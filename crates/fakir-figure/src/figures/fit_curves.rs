@@ -1,4 +1,4 @@
-//! Measured data, the curve fitted to them, and what is left.
+//! Measured data, the fitted curve, and the residuals.
 
 use crate::axis::Axis;
 use crate::chart::{Chart, Grid};
@@ -8,20 +8,20 @@ use crate::series::{Dash, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
 
-/// A measured point beside a fitted curve, in SI units.
+/// A measured point with its fitted value, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedPoint {
-    /// What was prescribed: a length, or a force.
+    /// Prescribed load: a length or a force.
     pub load: f64,
-    /// What was measured under it.
+    /// Measured value.
     pub measured: f64,
-    /// The fitted value in its place.
+    /// Fitted value.
     pub computed: f64,
     /// Standard error of the measured value.
     pub error: f64,
-    /// Whether the curve was fitted to it.
+    /// Whether the point was used in the fit.
     pub used: bool,
-    /// Whether it was measured on the unloading of tops that stick.
+    /// Whether it was measured during unloading of adhesive tops.
     pub unloading: bool,
 }
 
@@ -48,19 +48,19 @@ pub enum FittedLoad {
 /// A fitted curve and its data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedCurve {
-    /// What is measured.
+    /// Measured quantity.
     pub quantity: FittedQuantity,
     /// The data.
     pub points: Vec<FittedPoint>,
     /// Load and value along the fitted curve, in SI units.
     pub curve: Vec<[f64; 2]>,
-    /// The same along the unloading of tops that stick; otherwise empty.
+    /// The same on the unloading branch with adhesive tops; otherwise empty.
     pub unloading: Vec<[f64; 2]>,
 }
 
-/// Measured points with error bars on fitted curves, each above a panel of measured less fitted
-/// values; side by side for several quantities under the same load. There must be one at least. A fit that does not
-/// describe the data says so above.
+/// Measured points with error bars on fitted curves, each above a panel of residuals (measured minus fitted); side
+/// by side for several quantities under the same load. At least one is required. If the fit does not describe the
+/// data, the title states this.
 #[must_use]
 pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve], describes_data: bool) -> Figure {
     let warning = || Text::from("does not describe the data");

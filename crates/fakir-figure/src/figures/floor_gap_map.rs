@@ -12,19 +12,18 @@ use fakir::state::{ContactState, Run};
 /// Pixels of the map, along a side.
 const PIXELS: usize = 220;
 
-/// The colours reach so large a share of the floor; larger gaps have the last colour.
+/// Fraction of the floor within the colour scale; larger gaps have its last colour.
 const SHOWN: f64 = 0.85;
 
 const TOUCHED: Colour = Colour::grey(120);
 const UNTOUCHED: Colour = Colour::grey(225);
 
-/// Map of the gap between lens and floor around the lens axis, `h + f + w - zeta`, with the pillars
-/// on it: dark grey if touched, light grey if not. Crosses mark where it is smallest, with the
-/// symmetric copies of that place; past the transition the floor in contact is grey. Gaps larger than on most of the floor, as close to the pillars,
-/// have the last colour.
+/// Map of the gap between lens and floor around the lens axis, `h + f + w - zeta`. Pillars are dark grey if they are in contact, otherwise light
+/// grey. Crosses mark the smallest gap and its symmetric copies; past the transition the floor in contact is grey. The largest gaps, close to the
+/// pillars, exceed the colour scale and have its last colour.
 ///
 /// # Errors
-/// [`FigureError::NoPillars`] from a state without fields; interruption.
+/// [`FigureError::NoPillars`] if the state has no fields; interruption.
 pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, FigureError> {
     let fields = state.fields.as_ref().ok_or(FigureError::NoPillars {
         method: state.method.name(),

@@ -15,11 +15,11 @@ const UNTOUCHED: Colour = Colour::grey(215);
 /// Pixels of the map, along a side.
 const PIXELS: usize = 440;
 
-/// Map of the pressure on the floor past the transition, around the lens axis, with the pillars on it: dark grey if touched, light grey
-/// if not. The dashed circle is the edge of the contact on the pillar tops.
+/// Map of the pressure on the floor past the transition, around the lens axis. Pillars are dark grey if they are in contact, otherwise
+/// light grey. The dashed circle is the edge of the contact on the pillar tops.
 ///
 /// # Errors
-/// [`FigureError::NoFloorContact`] of a state without.
+/// [`FigureError::NoFloorContact`] if the state has no floor contact.
 pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
     let floor = state.floor.as_ref().ok_or(FigureError::NoFloorContact)?;
     let (highest, _) = floor.largest_pressure();
@@ -61,7 +61,7 @@ pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
     ))
 }
 
-/// The pressure at every pixel, row by row from the bottom: that of the cell there.
+/// Pressure of the cell at every pixel, row by row from the bottom.
 fn pixels<'a>(window: &Window, floor: &'a FloorContact) -> impl Iterator<Item = f64> + 'a {
     let grid = *floor.cells.grid();
     let mut pressure = vec![0.0; grid.cell_count()];

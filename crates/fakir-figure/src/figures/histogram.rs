@@ -1,4 +1,4 @@
-//! How a quantity is spread.
+//! Histogram of a quantity.
 
 use crate::axis::Axis;
 use crate::chart::{Chart, Grid, Shade};
@@ -10,14 +10,14 @@ use crate::series::{Dash, Series, Style};
 use crate::text::Text;
 use crate::unit::significant;
 
-/// Values of a quantity and the percentiles to be marked.
+/// Values of a quantity, and percentiles to mark.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     /// Name of the quantity and its unit.
     pub label: Text,
-    /// Its values, in that unit. Those that are not finite are left out.
+    /// Values, in that unit. Values that are not finite are left out.
     pub values: Vec<f64>,
-    /// Percentiles to be marked, 0 to 100, six at most.
+    /// Percentiles to mark, from 0 to 100, at most six.
     pub percentiles: Vec<f64>,
 }
 
@@ -25,12 +25,12 @@ const BAR: Colour = Colour([188, 209, 228]);
 
 /// Histogram of a quantity with its percentiles, one column wide.
 ///
-/// Bins are as wide as D. Freedman and P. Diaconis say (Z. Wahrscheinlichkeitstheorie verw. Geb.
-/// 57, 453, 1981): twice the interquartile range over the cube root of the number of values; at
-/// least 5 and at most 60 of them. Percentiles are interpolated between values.
+/// The width of the bins follows D. Freedman and P. Diaconis (Z. Wahrscheinlichkeitstheorie verw.
+/// Geb. 57, 453, 1981): twice the interquartile range over the cube root of the number of values,
+/// with at least 5 and at most 60 bins. Percentiles are interpolated between values.
 ///
 /// # Errors
-/// [`FigureError::TooFewData`] without two values.
+/// [`FigureError::TooFewData`] for fewer than two values.
 pub fn histogram(histogram: &Histogram) -> Result<Figure, FigureError> {
     let mut values: Vec<f64> = histogram
         .values
@@ -83,7 +83,7 @@ pub fn histogram(histogram: &Histogram) -> Result<Figure, FigureError> {
     ))
 }
 
-/// The value below which `percentage` of sorted values lie, linearly between them.
+/// Percentile of sorted values, by linear interpolation.
 fn percentile(sorted: &[f64], percentage: f64) -> f64 {
     let at = (percentage / 100.0).clamp(0.0, 1.0) * (sorted.len() - 1) as f64;
     let below = at.floor() as usize;
@@ -102,7 +102,7 @@ impl Bins {
         let (low, high) = (sorted[0], sorted[sorted.len() - 1]);
         let extent = high - low;
         if extent <= 1e-12 * low.abs().max(high.abs()) {
-            // All the same: one bin, a hundredth of the value wide.
+            // All values are equal: one bin, with a width of a hundredth of the value.
             let width = if low == 0.0 { 1.0 } else { 0.01 * low.abs() };
             return Self {
                 start: low - 0.5 * width,
@@ -127,7 +127,7 @@ impl Bins {
         }
     }
 
-    /// Corners of the bars' common outline.
+    /// Corners of the outline of all bars.
     fn outline(&self) -> Vec<[f64; 2]> {
         let edge = |k: usize| self.start + k as f64 * self.width;
         let mut corners = vec![[self.start, 0.0]];

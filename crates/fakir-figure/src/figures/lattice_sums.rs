@@ -1,4 +1,4 @@
-//! The sums over the pillars of a lattice, and what approximates them.
+//! Sums over the pillars of a lattice, and their approximations.
 
 use crate::axis::Axis;
 use crate::chart::{Chart, Grid};

@@ -8,9 +8,9 @@ use crate::series::Series;
 /// Axes and series of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LineChart {
-    /// What is along the bottom.
+    /// Horizontal axis.
     pub x: Axis,
-    /// What is along the left.
+    /// Vertical axis.
     pub y: Axis,
     /// The data, in the values of the axes.
     pub series: Vec<Series>,

@@ -1,4 +1,4 @@
-//! The figures, each from its data.
+//! The figures.
 
 pub(crate) mod approach;
 pub(crate) mod cap_map;

@@ -1,4 +1,4 @@
-//! Force against contact radius: where the lens rests on pillar tops only.
+//! Phase diagram: force against contact radius, with the region of top contact.
 
 use crate::axis::Axis;
 use crate::chart::{Chart, MARGIN, Shade};
@@ -14,25 +14,28 @@ use fakir::problem::System;
 use fakir::state::Normalized;
 use fakir::theory::closed_forms::{Region, phase, transition_force};
 
-/// What is drawn on the regions of the phase diagram.
+/// Data drawn in the phase diagram.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhaseDiagram {
     /// Lens, substrate and pillars; the pitch does not matter in reduced variables.
     pub system: System,
-    /// Critical states: points (`a/e`, `F_c gamma_int/(h d)`) by [`phase_point`], such as a series for
-    /// every offset.
+    /// Critical states: points (`a/e`, `F_c gamma_int/(h d)`) from [`phase_point`], for example a
+    /// series for every offset.
     pub critical: Vec<Series>,
-    /// Loading paths: points (`a/e`, `F gamma_int/(h d)`) by rising load, such as a series for
-    /// every surface fraction. A path that ends in its critical state ends on the point of that.
+    /// Loading paths: points (`a/e`, `F gamma_int/(h d)`) by increasing load, for example a series
+    /// for every surface fraction. A path that ends at its critical state ends at the corresponding
+    /// point.
     pub paths: Vec<Series>,
-    /// Lines in the mixed region: points (`a/e`, `F gamma_int/(h d)`) of equal share of the floor.
+    /// Lines in the region of mixed contact: points (`a/e`, `F gamma_int/(h d)`) of equal floor
+    /// share.
     pub shares: Vec<Series>,
 }
 
-/// The point (`a/e`, `F gamma_int/(h d)`) of a state under `force` (N), for the series of a [`PhaseDiagram`].
+/// Returns the point (`a/e`, `F gamma_int/(h d)`) of a state under `force` (N), for the series of a
+/// [`PhaseDiagram`].
 ///
-/// There `a` is the radius of the contact on the pillar tops (m), of critical states too: their critical contact
-/// radius may be the distance of the floor contact, which a loading path does not have.
+/// Here `a` is the radius of the contact on the pillar tops (m), also for critical states: their critical
+/// contact radius may be the distance of the floor contact, which is not defined on a loading path.
 #[must_use]
 pub fn phase_point(system: &System, force: f64, top_contact_radius: f64) -> [f64; 2] {
     let reduced = Normalized::new(system, force, top_contact_radius, 0.0);
@@ -45,10 +48,10 @@ const MIXED: Colour = Colour([250, 228, 208]);
 /// The phase diagram of the paper: reduced force against the radius of the contact on the pillar tops, in
 /// pitches, with the regions of [`phase`].
 ///
-/// Below the transition curve ([`transition_force`]) the lens rests on pillar tops only, above it
-/// also touches the floor. Right of one pitch, force and contact radius decide that; left of it, on
-/// paler ground, the place where the lens lands does too, and the curve is that of a lens
-/// that lands on a pillar.
+/// Below the transition curve ([`transition_force`]) the lens rests on pillar tops only; above it,
+/// it also touches the floor. Beyond a contact radius of one pitch, force and contact radius
+/// determine which; below (paler background) the position of the lens axis matters too, and the
+/// curve applies to an axis on a pillar.
 #[must_use]
 pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let mut series = diagram.paths.clone();
@@ -60,7 +63,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
         x.span(series.iter().flat_map(|s| s.values(0)).chain([0.3, 10.0])),
         y.span(series.iter().flat_map(|s| s.values(1)).chain([0.3, 100.0])),
     ];
-    // A little more room for the names of the regions.
+    // Extra space for the names of the regions.
     spans[1].range[0] *= 0.7;
     spans[1].range[1] *= 2.0;
     let [x_span, y_span] = spans;
@@ -91,7 +94,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let (ground, data) = chart.contents(&frame);
     let mut items = ground;
     items.extend(data.iter().cloned());
-    // Lines and markers each find room among the data more easily than all of them together.
+    // Two legends, one for lines and one for markers, fit between the data more easily than one.
     let (marked, drawn) = chart
         .series
         .iter()
@@ -119,7 +122,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     )
 }
 
-/// The transition force is constant below one pitch and jumps nowhere: both its parts are 1 there.
+/// The transition force is constant below one pitch and continuous: both parts are 1 at one pitch.
 fn transition_curve(system: &System, [first, last]: [f64; 2]) -> Vec<[f64; 2]> {
     let pillar = system.pillar();
     let reduce = system.internal_compliance() / (pillar.height * pillar.diameter);
@@ -159,7 +162,7 @@ fn shades(curve: &[[f64; 2]], x: [f64; 2], y: [f64; 2]) -> Vec<Shade> {
         .collect()
 }
 
-/// The name of every region, in the emptiest place well inside it.
+/// Name of every region, at the emptiest place well inside it.
 fn region_names(system: &System, frame: &Frame, data: &[Item]) -> Vec<Item> {
     let pitch = system.pitch();
     let pillar = system.pillar();

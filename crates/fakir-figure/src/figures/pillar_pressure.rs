@@ -1,4 +1,4 @@
-//! The pressure within pillar tops.
+//! Pressure within pillar tops.
 
 use crate::axis::Axis;
 use crate::chart::MARGIN;
@@ -17,7 +17,7 @@ use fakir::problem::Point;
 use fakir::state::{ContactState, Fields, PillarState, PillarStatus, Run};
 use std::f64::consts::PI;
 
-/// Pressures are shown up to this multiple of the mean on the pillar top: at the edge they are
+/// Pressures are shown up to this multiple of the mean on the pillar top; at the edge they are
 /// infinite.
 const CUT: f64 = 2.0;
 
@@ -28,19 +28,19 @@ const NO_CONTACT: Colour = Colour::grey(215);
 
 const SIDE: f64 = 118.0;
 
-/// Width of the section with its lettering.
+/// Width of the section with its labels.
 const SECTION: f64 = 136.0;
 
-/// Pressure on the top of the pillar nearest to the lens axis and of one at the rim of the contact:
-/// along the line from the lens axis through each, and as maps.
+/// Pressure on the top of the pillar nearest to the lens axis and of one at the edge of the
+/// contact: along the line from the lens axis through each of them, and as maps.
 ///
-/// The rim pillar is, of those touched partially, the one that carries most; the farthest of all if
-/// there is none. Pressures are shown up to twice the mean pressure on the top (along the line, the
-/// larger of the two), because at the edge of a covered pillar top they are infinite. Grey is not
-/// in contact.
+/// The second pillar is the one in partial contact with the largest force, or the farthest pillar
+/// if none is in partial contact. Pressures are shown up to twice the mean pressure on the top
+/// (along the line, the larger of the two), because they are infinite at the edge of a top in full
+/// contact. Grey areas are not in contact.
 ///
 /// # Errors
-/// [`FigureError::NoPillars`] from a state without fields; interruption.
+/// [`FigureError::NoPillars`] if the state has no fields; interruption.
 pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, FigureError> {
     let none = FigureError::NoPillars {
         method: state.method.name(),
@@ -126,8 +126,8 @@ impl Shown<'_> {
         }
     }
 
-    /// Pressures at places in pillar radii from the centre of a pillar, none out of contact; those
-    /// outside the pillar as just inside.
+    /// Pressures at positions in pillar radii from the centre of a pillar; `None` outside the
+    /// contact. Positions outside the pillar are moved just inside.
     fn pressures(
         &self,
         pillar: &PillarState,
@@ -189,7 +189,7 @@ impl Shown<'_> {
     }
 
     /// Distances from the centre along the line from the lens axis, in pillar radii, and pressures,
-    /// Pa, 0 out of contact.
+    /// Pa; 0 outside the contact.
     fn along(&self, pillar: &PillarState) -> Result<Vec<[f64; 2]>, FigureError> {
         let r = distance(pillar);
         let [cos, sin] = if r > 1e-9 * pillar.diameter {
@@ -197,7 +197,7 @@ impl Shown<'_> {
         } else {
             [1.0, 0.0]
         };
-        // Dense towards the edges.
+        // Denser towards the edges.
         let along: Vec<f64> = (-200..=200)
             .map(|k| (0.5 * PI * f64::from(k) / 200.0).sin())
             .collect();
@@ -248,7 +248,7 @@ impl Shown<'_> {
             fill: None,
             stroke: Some(Stroke::solid(colour, width)),
         };
-        // Over the steps of the pixels at the edge.
+        // Covers the pixel steps at the edge.
         items.push(ring(
             1.025 * radius,
             Colour::WHITE,
@@ -277,8 +277,8 @@ mod tests {
     use crate::samples;
     use fakir::problem::{HexagonalLattice, Load, Method};
 
-    /// At the edges the lines leave the frame: no two neighbours along them have the same pressure
-    /// but 0.
+    /// At the edges the lines leave the frame: no two neighbouring points on them have the same
+    /// pressure except 0.
     #[test]
     fn pressures_along_the_line_are_as_computed() {
         let system = samples::system(HexagonalLattice::new(60e-6));

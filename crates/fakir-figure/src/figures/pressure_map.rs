@@ -1,4 +1,4 @@
-//! The pressure on every pillar.
+//! Pressure on every pillar.
 
 use crate::axis::Axis;
 use crate::chart::MARGIN;
@@ -19,23 +19,23 @@ use fakir::state::{ContactState, PillarState, PillarStatus};
 use std::collections::HashSet;
 
 const SIDE: f64 = 208.0;
-/// Fewer pillars than one with its neighbours have no distribution.
+/// Fewest pillars for which a distribution is shown: one with its neighbours.
 const FEWEST_FOR_CURVE: usize = 7;
 
 const GREY: Colour = Colour::grey(226);
-/// The floor where it is in contact, which bears less than pillar tops do.
+/// Colour of the floor in contact, whose pressure is lower than that of pillar tops.
 const FLOOR_CONTACT: Colour = Colour([250, 205, 170]);
 
 /// Mean pressure on every pillar top as a map, and the pressure at the centre of every pillar top
 /// against its distance from the lens axis.
 ///
-/// The map has the contact edge (the circle of [`ContactState::contact_radius`]), partially touched
-/// pillars outlined, and `floor_contact` (m) with its symmetric copies.
+/// The map shows the edge of the contact (a circle of [`ContactState::contact_radius`]), outlines
+/// of the pillars in partial contact, and `floor_contact` (m) with its symmetric copies.
 ///
-/// The curve beside it is Hertz-like, `p_0 sqrt(1 - (r/a)^2)`, as the paper takes the forces on
-/// pillars to be: `F_n = F_0 sqrt(1 - (r_n/a)^2)`, with `F_0` such that the pillars carry the whole
-/// force, and the centre of a pillar top half its mean pressure, as under a flat punch:
-/// `p = F_n/(2 pi (d/2)^2)`.
+/// The curve beside it is Hertzian, `p_0 sqrt(1 - (r/a)^2)`, as assumed in the paper: the force on
+/// a pillar is `F_n = F_0 sqrt(1 - (r_n/a)^2)`, with `F_0` such that the pillars carry the whole
+/// force, and the pressure at the centre of a pillar top is half the mean pressure, as under a flat
+/// punch: `p = F_n/(2 pi (d/2)^2)`.
 ///
 /// # Errors
 /// [`FigureError::NoPillars`] if there is no pillar to show.
@@ -148,7 +148,7 @@ fn draw_map(
 }
 
 fn disc(centre: [f64; 2], radius: f64, fill: Colour, stroke: Option<Stroke>) -> Item {
-    // The outline is inside the disc, so that neighbours do not run together.
+    // The outline is inside the disc, so that neighbours do not overlap.
     let inset = stroke.as_ref().map_or(0.0, |stroke| 0.5 * stroke.width);
     Item::Disc {
         centre,
@@ -158,7 +158,7 @@ fn disc(centre: [f64; 2], radius: f64, fill: Colour, stroke: Option<Stroke>) -> 
     }
 }
 
-/// Draws the pressures at the centres over the distance from the lens axis. Answers with where the drawing ends on the page.
+/// Draws the pressures at the centres over the distance from the lens axis; returns the end of the drawing on the page.
 fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Item>) -> f64 {
     let unit = Unit::of_pressure(largest(state.pillars.iter().map(|p| p.centre_pressure)));
     let series = profile_series(state, unit);

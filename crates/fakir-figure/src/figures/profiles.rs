@@ -1,4 +1,4 @@
-//! The deformed lens and substrate in section.
+//! Section of the deformed lens and substrate.
 
 use crate::axis::Span;
 use crate::cells::SurfaceState;
@@ -21,19 +21,19 @@ const SUBSTRATE: Colour = Colour([226, 214, 196]);
 /// A state and its name in the figure.
 #[derive(Debug, Clone)]
 pub struct ProfileState<'a> {
-    /// What stands in the panel, such as `mid load`.
+    /// Label of the panel, such as `mid load`.
     pub label: Text,
     /// The state.
     pub state: &'a ContactState,
-    /// Where it touches the floor, m, if it does.
+    /// Point of first floor contact, m, if there is one.
     pub floor_contact: Option<Point>,
 }
 
-/// Section through lens and substrate along x, through the lens axis, one panel for every state,
-/// all on the same scales.
+/// Section through lens and substrate along x, through the lens axis: one panel for every state,
+/// all with the same scales.
 ///
-/// The outlines are those of [`Section`]. The vertical exaggeration is stated. An arrow marks where the floor is just touched
-/// if that is in the section or a symmetric copy of it is; past the transition the floor in contact is red.
+/// The outlines are those of [`Section`]. The vertical exaggeration is stated. An arrow marks the first floor contact if it
+/// or a symmetric copy is in the section; past the transition the floor in contact is red.
 ///
 /// # Errors
 /// [`FigureError::TooFewData`] without states, [`FigureError::NoPillars`] if one carries a force but
@@ -72,16 +72,16 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
     panel_figure(&panels?, heights, [-half_width, half_width], UNDER_LENS)
 }
 
-/// What the description of a figure says is shown.
+/// Content of the figure, for its description.
 const UNDER_LENS: [&str; 2] = ["Section along x through the lens axis", "the lens above"];
 const UNDER_PLATE: [&str; 2] = ["Section along x", "the plate above"];
 
-/// Section through the bodies on the cells of a general surface, along x through the lens axis, a
-/// panel for every state, all on the same scales: of the contact of a lens, and of all of the grid
-/// under a plate or where it is a period.
+/// Section along x through the lens axis on the cells of a general surface: one panel for every
+/// state, all with the same scales. It shows the contact of a lens, or the whole grid if the
+/// indenter is a plate or the grid is periodic.
 ///
-/// The displacement belongs to both bodies, to each in proportion to its compliance; pillars also
-/// shorten under their force. Heights are those of the surface before it is touched.
+/// The displacement is divided between the two bodies in proportion to their compliances; pillars
+/// also shorten under their force. Heights are measured as on the undeformed surface.
 ///
 /// # Errors
 /// [`FigureError::TooFewData`] without states, or if one shows fewer than two cells.
@@ -108,7 +108,7 @@ pub fn surface_profiles(states: &[SurfaceState<'_>]) -> Result<Figure, FigureErr
     let x = ends(&mut sections().flat_map(|section| section.x.iter().copied()));
     let mut heights = ends(&mut sections().flat_map(|section| section.surface.iter().copied()));
     if heights[1] <= heights[0] {
-        // A flat that nothing has deformed: the indenter alone has a shape.
+        // An undeformed flat surface: only the indenter has a shape.
         heights = ends(&mut sections().flat_map(|section| section.lens.iter().copied()));
     }
     let under_plate =
@@ -121,20 +121,20 @@ pub fn surface_profiles(states: &[SurfaceState<'_>]) -> Result<Figure, FigureErr
     panel_figure(&panels, heights, x, words)
 }
 
-/// A section and what is said about it.
+/// A section with its labels.
 struct Panel {
     label: Text,
-    /// N
+    /// Force, N.
     force: f64,
     /// m
     indentation: f64,
-    /// Where the state touches the floor, m, if it does.
+    /// Point of first floor contact, m, if there is one.
     floor_contact: Option<Point>,
     section: Section,
 }
 
-/// Sections one above the other, from one x to another (m), of surfaces that before they are touched
-/// are between these heights (m).
+/// Sections one above the other, over a range of x (m), of surfaces whose undeformed heights are in
+/// a given range (m).
 fn panel_figure(
     panels: &[Panel],
     undeformed: [f64; 2],
@@ -213,7 +213,7 @@ impl Page {
         self.frame.place([self.x_unit.of(x), self.y_unit.of(y)])
     }
 
-    /// Heights on the page over heights to the scale of x.
+    /// Vertical exaggeration: the scale of heights over the scale of x.
     fn exaggeration(&self) -> f64 {
         let [a, b] = [self.place([0.0, 0.0]), self.place([1e-6, 1e-6])];
         (a[1] - b[1]) / (b[0] - a[0])
@@ -252,7 +252,7 @@ impl Page {
         items.push(Item::clipped(bounds, inside));
     }
 
-    /// Draws an arrow that points from below to where the floor is touched.
+    /// Draws an arrow from below to the point of first floor contact.
     fn arrow(&self, contact: Point, items: &mut Vec<Item>) {
         let [x, y] = self.place(contact);
         let tip = y + 1.2;
@@ -307,7 +307,7 @@ fn or_zero(unit: Unit, value: f64) -> String {
     }
 }
 
-/// Where the floor is touched, if the section does not show it.
+/// Position of the first floor contact, if it is outside the section.
 fn floor_note(panel: &Panel) -> Option<String> {
     if !panel.section.floor_patches.is_empty() {
         return Some("red: floor in contact; ".to_owned());

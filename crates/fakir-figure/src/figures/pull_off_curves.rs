@@ -7,34 +7,34 @@ use crate::series::{Marker, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
 
-/// How a lens comes off tops that stick, in one case. What a cycle does not have is no number.
+/// Pull-off of a lens from adhesive tops in one case. Values that a cycle does not have are NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PullOffPoint {
-    /// Place along the axis.
+    /// Value along the axis.
     pub x: f64,
     /// Pull-off force, N, negative.
     pub force: f64,
-    /// That over the force of a flat pillar alone (Kendall).
+    /// Pull-off force over that of a single flat pillar (Kendall).
     pub normalized_force: f64,
     /// Area of the loop of force over indentation, J.
     pub hysteresis: f64,
-    /// That over the work of adhesion of the largest area of tops in contact.
+    /// Hysteresis over the work of adhesion of the largest contact area on tops.
     pub normalized_hysteresis: f64,
 }
 
-/// Cycles that belong together, by rising place.
+/// Cycles of one curve, by increasing value along the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PullOffCurve {
-    /// What stands in the legend; may be empty.
+    /// Label in the legend; may be empty.
     pub label: Text,
     /// The cycles.
     pub points: Vec<PullOffPoint>,
 }
 
-/// Four panels over one axis: the pull-off force, and that over the pull-off force of a flat pillar alone (Kendall), which is how many
-/// pillars would pull as much, each alone; the hysteresis, and that over the work of adhesion of all top area that was in contact. The last is
-/// `2 (1 + kappa)` for flat pillars that come off one by one, `kappa` being the compliance of a pillar as a column over that of its top: what each
-/// has stored when it comes off (Kendall).
+/// Four panels over one axis. The first pair shows the pull-off force, and its ratio to the pull-off force of a single flat pillar (Kendall): an
+/// equivalent number of independent pillars. The second pair shows the hysteresis, and its ratio to the work of adhesion of the whole top area
+/// that was in contact. For flat pillars that detach one by one this ratio is `2 (1 + kappa)`, with `kappa` the compliance of a pillar as a column
+/// over that of its top: the energy that each has stored at detachment (Kendall).
 #[must_use]
 pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
     let largest = |value: fn(&PullOffPoint) -> f64| {
@@ -75,7 +75,7 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
                         marker: Some(Marker::ORDER[k % Marker::ORDER.len()]),
                         ..Style::line(k)
                     };
-                    // One legend is enough for all panels.
+                    // The first panel has the legend for all panels.
                     if panel == 0 && curve.label != Text::default() {
                         Series::new(curve.label.clone(), points.collect(), style)
                     } else {
@@ -109,7 +109,7 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
     )
 }
 
-/// Label of the axis, and what is along it.
+/// Label and values of the axis.
 type Panel = (String, Box<dyn Fn(&PullOffPoint) -> f64>);
 
 /// Logarithmic if the values differ by more than a factor of five.

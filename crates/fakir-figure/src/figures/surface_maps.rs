@@ -13,11 +13,11 @@ use std::ops::Range;
 /// Most pixels of a map, along a side.
 const PIXELS: usize = 640;
 
-/// The colours of pressures reach so large a share of the cells in contact: they are highest along
-/// edges.
+/// Fraction of the cells in contact within the colour scale of pressures; the pressures along edges
+/// exceed it.
 const PRESSED: f64 = 0.98;
 
-/// The colours of gaps reach so large a share of the open cells that are shown.
+/// Fraction of the open cells shown within the colour scale of gaps.
 const OPEN: f64 = 0.85;
 
 const TOUCHED: Colour = Colour::grey(120);
@@ -25,13 +25,13 @@ const TOP: Colour = Colour::grey(205);
 const FLOOR: Colour = Colour::grey(240);
 const OUTSIDE: Colour = Colour::WHITE;
 
-/// Map of the pressure on the cells of a surface, around the lens axis, or on all of the grid under a
-/// plate or where it is a period. Cells without pressure are grey: light if they are floor, darker
-/// otherwise. Pressures higher than nearly all have the last colour. A dashed circle is the edge of
-/// the contact, a cross where the floor is just reached.
+/// Map of the pressure on the cells of a surface: around the lens axis, or of the whole grid if the
+/// indenter is a plate or the grid is periodic. Cells without pressure are grey: light for the floor,
+/// darker otherwise. The highest pressures exceed the colour scale and have its last colour. A dashed
+/// circle is the edge of the contact, a cross the point of first floor contact.
 ///
 /// # Errors
-/// [`FigureError::TooFewData`] if nothing is pressed.
+/// [`FigureError::TooFewData`] if no cell is in contact.
 pub fn surface_pressure_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> {
     let pressure = &state.contact.pressure;
     let pressed = pressure.iter().copied().filter(|pressure| *pressure > 0.0);
@@ -43,7 +43,7 @@ pub fn surface_pressure_map(state: &SurfaceState<'_>) -> Result<Figure, FigureEr
         ..ColourBar::over(ColourMap::Viridis, 0.0, unit.of(high), label)
     };
     let surface = state.system.surface();
-    // Where it is not known which part is floor, all of it has one grey.
+    // If the floor is not known, all cells have the same grey.
     let floor = state.system.floor().unwrap_or(Floor::OffPillars);
     let colour = |cells: &[usize]| {
         let pressure = mean(cells, pressure);
@@ -95,12 +95,12 @@ pub fn surface_pressure_map(state: &SurfaceState<'_>) -> Result<Figure, FigureEr
     ))
 }
 
-/// Map of the gap between the deformed bodies, seen as [`surface_pressure_map`]: dark grey where they
-/// touch. A cross marks the smallest gap to the floor, as far as it is known and open. Gaps larger
-/// than most of what is shown have the last colour.
+/// Map of the gap between the deformed bodies, in the window of [`surface_pressure_map`]: dark grey
+/// where they touch. A cross marks the smallest gap to the floor, if it is known and open. The
+/// largest gaps exceed the colour scale and have its last colour.
 ///
 /// # Errors
-/// [`FigureError::TooFewData`] if all of the surface is in contact.
+/// [`FigureError::TooFewData`] if the whole surface is in contact.
 pub fn surface_gap_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> {
     let (gap, pressure) = (&state.contact.gap, &state.contact.pressure);
     let (centre, half_width) = state.view();
@@ -174,7 +174,7 @@ fn has_edge(state: &SurfaceState<'_>) -> bool {
         .is_some_and(|radius| radius > 0.0)
 }
 
-/// The value that so large a share of the others is not above, and whether there are larger ones.
+/// Quantile of the values at the given fraction, and whether there are larger values.
 fn upper_end(mut values: Vec<f64>, share: f64) -> Result<(f64, bool), FigureError> {
     values.sort_by(f64::total_cmp);
     let at = ((share * values.len() as f64) as usize).min(values.len().saturating_sub(1));
@@ -191,7 +191,7 @@ fn mean(cells: &[usize], values: &[f64]) -> f64 {
     cells.iter().map(|cell| values[*cell]).sum::<f64>() / cells.len() as f64
 }
 
-/// The map of what `colour` says of the cells of a pixel.
+/// Map of the colours that `colour` returns for the cells of each pixel.
 fn map(
     state: &SurfaceState<'_>,
     name: &'static str,
@@ -203,7 +203,7 @@ fn map(
     let (centre, half_width) = state.view();
     let sheet = Sheet::new(centre, half_width, bar);
     let shown = 2.0 * half_width / state.grid().cell()[0].min(state.grid().cell()[1]);
-    // A cell is a block of whole pixels, so that it stays sharp where the picture is enlarged.
+    // A cell is a block of whole pixels, so that it remains sharp when the image is enlarged.
     let cells = (shown.round() as usize).clamp(1, PIXELS);
     let pixels = cells * (PIXELS / cells);
     let [across, up] = state.cells(&sheet.window, pixels);

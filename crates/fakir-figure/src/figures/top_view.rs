@@ -1,4 +1,4 @@
-//! The contact as seen from above, through the lens.
+//! The contact from above, seen through the lens.
 
 use crate::chart::MARGIN;
 use crate::colour::ColourMap;
@@ -12,10 +12,10 @@ use fakir::problem::Point;
 use fakir::state::{ContactState, PillarState, PillarStatus, Run};
 use std::f64::consts::PI;
 
-/// What is seen from above.
+/// Content of the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum View {
-    /// What is in contact, dark, on pillar tops and floor in greys.
+    /// Areas in contact, dark, on pillar tops and floor in grey.
     Contact,
     /// Interference of the light reflected by the lens and by the surface below it.
     NewtonRings {
@@ -33,20 +33,21 @@ const FLOOR: Colour = Colour::grey(205);
 const PILLAR: Colour = Colour::grey(235);
 const TOUCHED: Colour = Colour::grey(25);
 
-/// Pixels along a side, of interference.
+/// Pixels along a side of an interference image.
 const PIXELS: usize = 640;
 
-/// Length of the sides of a partially touched part on the page, points, and most of them.
+/// Length of the polygon sides that approximate a partial contact on the page, points, and their
+/// largest number.
 const SIDE_LENGTH: f64 = 0.35;
 const MOST_SIDES: usize = 128;
 
 /// The contact as a reflection microscope shows it: dark where lens and pillar touch.
 ///
 /// [`View::NewtonRings`] is the interference of two beams of equal strength, reflected at the lens
-/// and at the surface below it, one of them with a phase jump of pi: for a gap `g` the intensity
-/// is `(1 - cos(4 pi g/lambda))/2`, dark in contact (M. Born, E. Wolf, Principles of Optics, 7th
-/// ed., sections 7.2 and 7.5.3). Both surfaces are taken to reflect alike, and light to fall in
-/// vertically. Every pixel shows the mean over it.
+/// and at the surface below it, one of them with a phase jump of pi: for a gap `g` the intensity is
+/// `(1 - cos(4 pi g/lambda))/2`, dark in contact (M. Born, E. Wolf, Principles of Optics, 7th ed.,
+/// sections 7.2 and 7.5.3). Both surfaces are assumed to reflect equally, under vertical
+/// illumination. Every pixel shows the mean over its area.
 ///
 /// # Errors
 /// [`FigureError::NoPillars`] from a state without fields; interruption.
@@ -117,7 +118,7 @@ fn contact(state: &ContactState, window: &Window) -> Result<Vec<Item>, FigureErr
     Ok(items)
 }
 
-/// The touched parts of partially touched pillars.
+/// Contact areas of pillars in partial contact.
 fn partial_contacts(state: &ContactState, window: &Window) -> Result<Option<Item>, FigureError> {
     let fields = state.fields.as_deref().ok_or_else(|| no_fields(state))?;
     let around = PI * window.length(state.system.largest_diameter());
@@ -143,7 +144,7 @@ fn rings(
     let fields = state.fields.as_deref().ok_or_else(|| no_fields(state))?;
     let [across, up] = window.pixel_coordinates(PIXELS);
     let samples = fields.on_grid(&across, &up, run)?;
-    // Overlaps are as small as the error of the solution.
+    // Negative gaps are of the size of the solution error.
     let gaps: Vec<f64> = samples.gap.iter().map(|gap| gap.max(0.0)).collect();
     let colours: Vec<Colour> = (0..gaps.len())
         .map(|k| {
@@ -154,8 +155,9 @@ fn rings(
     Ok(window.image(PIXELS, &colours))
 }
 
-/// How much the gap changes across a pixel in one direction, in which neighbours are `stride`
-/// apart: towards the neighbour to which it changes less, so that pillar edges are no slopes.
+/// Change of the gap across a pixel in one direction, in which neighbouring pixels are `stride`
+/// apart. The smaller of the two one-sided differences is used, so that steps at pillar edges are
+/// not taken for slopes.
 fn step(gaps: &[f64], k: usize, stride: usize) -> f64 {
     let along = (k / stride) % PIXELS;
     let back = (along > 0).then(|| gaps[k] - gaps[k - stride]);
@@ -167,8 +169,8 @@ fn step(gaps: &[f64], k: usize, stride: usize) -> f64 {
     }
 }
 
-/// The intensity of two beams, relative to the brightest, averaged over a pixel across which the gap changes
-/// evenly by `steps` in both directions: fringes finer than pixels become grey.
+/// Intensity of two interfering beams, relative to the maximum, averaged over a pixel across which the gap
+/// changes linearly by `steps` in the two directions. Fringes finer than pixels become grey.
 fn intensity(gap: f64, steps: [f64; 2], wavelength: f64) -> f64 {
     let wave = 2.0 * PI / wavelength;
     let contrast = sinc(wave * steps[0]) * sinc(wave * steps[1]);
@@ -193,7 +195,7 @@ mod tests {
 
     #[test]
     fn pixels_average_over_fringes() {
-        // Against the mean of many points across the pixel.
+        // Compared with the mean of many points across the pixel.
         let (gap, step) = (300e-9, 190e-9);
         let mean = (0..1000)
             .map(|k| gap + step * ((f64::from(k) + 0.5) / 1000.0 - 0.5))
