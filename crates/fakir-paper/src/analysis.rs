@@ -1,4 +1,5 @@
-//! What the curves say: power laws, where the offsets merge, where one pillar stops being enough.
+//! Analysis of the curves: power laws, the surface fraction at which the offsets merge, and that at
+//! which one pillar no longer carries the lens.
 
 use crate::grid::Critical;
 use crate::grid::{Curve, Grid, Substrate};
@@ -68,10 +69,10 @@ impl Quantity {
 pub struct PowerLaw {
     /// The exponent.
     pub exponent: f64,
-    /// Half the width of the 95 % interval (Student's t) that the exponent would have if the distances from
-    /// the law were noise, which they are not.
+    /// Half-width of the 95 % interval (Student's t) of the exponent under the assumption that the
+    /// deviations from the law were random. They are systematic.
     pub uncertainty: f64,
-    /// Largest relative distance of a point from the law.
+    /// Largest relative deviation of a point from the law.
     pub largest_deviation: f64,
     /// The prefactor, in SI units.
     pub prefactor: f64,
@@ -82,7 +83,7 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
-    /// The law of a curve between two surface fractions; `None` with fewer than three points.
+    /// Fits the law of a curve between two surface fractions; `None` for fewer than three points.
     #[must_use]
     pub fn of(curve: &Curve, quantity: Quantity, [from, to]: [f64; 2]) -> Option<Self> {
         let inside: Vec<&Critical> = curve
@@ -112,7 +113,7 @@ impl PowerLaw {
         })
     }
 
-    /// The law at a surface fraction.
+    /// Value of the law at a surface fraction.
     #[must_use]
     pub fn at(&self, surface_fraction: f64) -> f64 {
         self.prefactor * surface_fraction.powf(self.exponent)
@@ -142,16 +143,16 @@ fn least_squares(points: &[[f64; 2]]) -> Option<[f64; 3]> {
     Some([slope, mean_y - slope * mean_x, student * deviation])
 }
 
-/// How far apart the curves of different offsets are, at one surface fraction.
+/// Spread of the curves of different offsets at one surface fraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OffsetSpread {
     /// The surface fraction.
     pub surface_fraction: f64,
-    /// Largest value over smallest, less 1; infinite if one of them is zero.
+    /// Largest value over smallest, minus 1; infinite if one of them is zero.
     pub spread: f64,
 }
 
-/// The spread over all offsets of a substrate, along the surface fraction.
+/// Spread over all offsets of a substrate, along the surface fraction.
 #[must_use]
 pub fn offset_spread(grid: &Grid, substrate: Substrate, quantity: Quantity) -> Vec<OffsetSpread> {
     grid.on_pillar(substrate)
@@ -178,7 +179,7 @@ pub fn offset_spread(grid: &Grid, substrate: Substrate, quantity: Quantity) -> V
         .collect()
 }
 
-/// The surface fraction from which on the spread stays below a bound.
+/// Smallest surface fraction beyond which the spread is below a bound.
 #[must_use]
 pub fn merged_from(spreads: &[OffsetSpread], bound: f64) -> Option<f64> {
     let last_apart = spreads.iter().rposition(|at| at.spread >= bound);
@@ -186,7 +187,7 @@ pub fn merged_from(spreads: &[OffsetSpread], bound: f64) -> Option<f64> {
     spreads.get(first).map(|at| at.surface_fraction)
 }
 
-/// The value at the surface fraction that is nearest to the one asked for.
+/// Value at the surface fraction nearest to the given one.
 #[must_use]
 pub fn nearest_to(spreads: &[OffsetSpread], surface_fraction: f64) -> Option<OffsetSpread> {
     spreads.iter().copied().min_by(|a, b| {
@@ -195,8 +196,8 @@ pub fn nearest_to(spreads: &[OffsetSpread], surface_fraction: f64) -> Option<Off
     })
 }
 
-/// The neighbouring surface fractions between which one pillar stops being enough: at the first
-/// only one is touched in the critical state, at the second more.
+/// Neighbouring surface fractions between which the number of pillars increases from one: at the
+/// first, one pillar is in contact in the critical state, at the second more.
 #[must_use]
 pub fn one_pillar_end(curve: &Curve) -> Option<[f64; 2]> {
     let first = curve
@@ -210,7 +211,7 @@ pub fn one_pillar_end(curve: &Curve) -> Option<[f64; 2]> {
     ])
 }
 
-/// The state of a curve whose surface fraction is nearest to the one asked for.
+/// State of a curve whose surface fraction is nearest to the given one.
 #[must_use]
 pub fn state_near(curve: &Curve, surface_fraction: f64) -> Option<&Critical> {
     curve.states.iter().min_by(|a, b| {
@@ -225,8 +226,8 @@ mod tests {
 
     #[test]
     fn a_line_with_known_scatter() {
-        // By hand: x = 0, 1, 2, 3, y = 0, 1, 1, 2 has slope 0.6, intercept 0.1, residual sum
-        // of squares 0.2, so a standard error of sqrt(0.1/5), and t(0.975, 2) = 4.302653.
+        // Computed by hand: x = 0, 1, 2, 3, y = 0, 1, 1, 2 has slope 0.6, intercept 0.1, residual
+        // sum of squares 0.2, so a standard error of sqrt(0.1/5), and t(0.975, 2) = 4.302653.
         let points = [[0.0, 0.0], [1.0, 1.0], [2.0, 1.0], [3.0, 2.0]];
         let [slope, intercept, interval] = least_squares(&points).unwrap();
         assert!((slope - 0.6).abs() < 1e-14);

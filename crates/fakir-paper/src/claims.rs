@@ -1,4 +1,4 @@
-//! The paper's claims, one by one, held against what is computed here.
+//! The claims of the paper, each compared with computed results.
 
 use crate::analysis::{
     PowerLaw, Quantity, merged_from, nearest_to, offset_spread, one_pillar_end, state_near,
@@ -20,7 +20,7 @@ use serde::Serialize;
 pub enum Verdict {
     /// It agrees.
     Agrees,
-    /// It agrees within limits that the paper does not state.
+    /// It agrees, but only within limits that the paper does not state.
     Partly,
     /// It does not agree.
     Differs,
@@ -41,24 +41,24 @@ impl Verdict {
     }
 }
 
-/// A claim, what is found, and why they differ if they do.
+/// A claim, the computed result, and the reason for a difference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// A short name, to refer to it by.
+    /// Short name for references.
     pub name: &'static str,
-    /// What the paper says.
+    /// Statement of the paper.
     pub claim: String,
-    /// What is found here.
+    /// Computed result.
     pub finding: String,
-    /// Whether that agrees.
+    /// Verdict.
     pub verdict: Verdict,
-    /// Why it differs, or what limits the agreement; may be empty.
+    /// Reason for a difference, or limits of the agreement; may be empty.
     pub reason: String,
     /// The numbers in `finding`, with names that end in their unit.
     pub numbers: Vec<(String, f64)>,
 }
 
-/// What claims are held against.
+/// Results with which claims are compared.
 #[derive(Debug, Clone, Copy)]
 pub struct Evidence<'a> {
     /// Critical states of the sweep.
@@ -68,7 +68,7 @@ pub struct Evidence<'a> {
     pub dense: &'a ContactState,
     /// A fit of the lattice sums over the range of the paper.
     pub fit: &'a SumFit,
-    /// The contact under rising loads at a surface fraction of 0.2.
+    /// The contact under increasing loads at a surface fraction of 0.2.
     pub loading: &'a [ContactState],
     /// A mixed contact on the intermediate substrate.
     pub mixed: &'a ContactState,
@@ -89,7 +89,7 @@ fn named(stem: &str, unit: &str, values: [f64; 3]) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// A number in three significant digits.
+/// Formats a number with three significant digits.
 pub(crate) fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -105,7 +105,7 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
-/// A number with its digits and its minus as superscripts.
+/// Formats a number as superscripts.
 fn raised(number: &str) -> String {
     let digits = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     number
@@ -121,11 +121,11 @@ pub(crate) fn percent(value: f64) -> String {
     format!("{} %", short(100.0 * value))
 }
 
-/// All claims, in the order of the paper. Claims whose evidence is missing, because cases failed,
-/// are left out.
+/// Evaluates all claims, in the order of the paper. Claims whose results are missing because cases
+/// failed are left out.
 ///
 /// # Errors
-/// [`CaseError`] if a system of the paper could not be made.
+/// [`CaseError`] if a system of the paper is invalid.
 pub fn claims(evidence: &Evidence<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = vec![
         one_pillar_forces(evidence.grid),
@@ -154,7 +154,7 @@ pub fn claims(evidence: &Evidence<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims.into_iter().flatten().collect())
 }
 
-/// A surface fraction at which one pillar bears everything.
+/// A surface fraction at which one pillar carries the whole load.
 const ALONE: f64 = 1e-3;
 
 fn one_pillar_forces(grid: &Grid) -> Option<Claim> {
@@ -245,7 +245,7 @@ fn one_pillar_range(grid: &Grid) -> Result<Option<Claim>, CaseError> {
     }))
 }
 
-/// Largest relative deviation of an estimate from the states of a curve that it is for.
+/// Largest relative deviation of an estimate from those states of a curve to which it applies.
 fn deviation<'a>(
     states: impl Iterator<Item = &'a Critical>,
     substrate: Substrate,
@@ -311,8 +311,8 @@ fn one_pillar_formulas(grid: &Grid) -> Result<Option<Claim>, CaseError> {
     }))
 }
 
-/// Curves closer than this cannot be told apart on a logarithmic plot: where a decade takes a
-/// centimetre, 5 % are 0.2 mm, the width of a line.
+/// Curves closer than this cannot be distinguished on a logarithmic plot: if a decade is one
+/// centimetre long, 5 % are 0.2 mm, the width of a line.
 const LINE_WIDTH: f64 = 0.05;
 
 fn offsets_merge(grid: &Grid, quantity: Quantity) -> Option<Claim> {
@@ -590,7 +590,7 @@ fn small_contact_radius(grid: &Grid) -> Option<Claim> {
 }
 
 /// Root mean square deviation of pillar forces from `F_0 sqrt(1 - r^2/a^2)`, relative to `F_0`,
-/// over pillars that are fully covered; with `F_0` that of the central pillar.
+/// over pillars in full contact; `F_0` is the force on the central pillar.
 fn force_distribution(state: &ContactState) -> Option<Claim> {
     let central = state.pillars.first()?;
     let deviations: Vec<f64> = state
@@ -662,7 +662,7 @@ fn hertz(loading: &[ContactState]) -> Option<Claim> {
     })
 }
 
-/// How far critical states are from the paper's transition curve, at contact radii of more than
+/// Deviation of critical states from the paper's transition curve, at contact radii of more than
 /// two pitches.
 fn transition_curve(grid: &Grid) -> Result<Option<Claim>, CaseError> {
     let mut ratios: Vec<(f64, &Critical, Substrate)> = Vec::new();
@@ -712,7 +712,7 @@ fn transition_curve(grid: &Grid) -> Result<Option<Claim>, CaseError> {
     }))
 }
 
-/// What the floor bears past the transition, where the paper has a sketch.
+/// Load on the floor past the transition, for which the paper contains a sketch.
 fn mixed_contact(state: &ContactState) -> Option<Claim> {
     let floor = state.floor.as_ref()?;
     let reach = floor.radius / state.contact_radius;
@@ -752,8 +752,8 @@ fn mixed_contact(state: &ContactState) -> Option<Claim> {
     })
 }
 
-/// Surface fractions over which power laws are sought: from where offsets merge to where the
-/// experiments ended, and its denser part.
+/// Ranges of the surface fraction in which power laws are fitted: from the fraction at which
+/// offsets merge to the end of the experiments, and the denser part of this range.
 pub const LAW_RANGES: [[f64; 2]; 2] = [[0.01, 0.05], [0.05, 0.215]];
 
 fn power_law(grid: &Grid, quantity: Quantity) -> Option<Claim> {

@@ -20,10 +20,10 @@ use fakir_figure::{
 use fakir_study::closed_forms::touches_one_pillar;
 use rayon::prelude::*;
 
-/// Why there is no figure.
+/// Errors of a figure.
 #[derive(Debug, thiserror::Error)]
 pub enum DrawingError {
-    /// A system that cannot be.
+    /// An invalid system.
     #[error(transparent)]
     Case(#[from] CaseError),
     /// A contact that could not be computed.
@@ -34,7 +34,7 @@ pub enum DrawingError {
     Figure(#[from] FigureError),
 }
 
-/// What the figures are drawn from.
+/// Data of the figures.
 #[derive(Clone, Copy)]
 pub struct Material<'a> {
     /// The critical states of the sweep.
@@ -47,12 +47,12 @@ pub struct Material<'a> {
     pub measured: &'a [(Substrate, Measured)],
 }
 
-/// A figure and what is written below it.
+/// A figure with its caption.
 #[derive(Debug, Clone)]
 pub struct Plate {
     /// The figure.
     pub figure: Figure,
-    /// What it shows.
+    /// Caption.
     pub caption: String,
 }
 
@@ -72,7 +72,7 @@ type Draw<'a> = Box<dyn Fn() -> Result<Vec<Plate>, DrawingError> + Send + Sync +
 /// # Errors
 /// [`DrawingError`]
 pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, DrawingError> {
-    // Figures are shared between threads, so each is drawn by one.
+    // Threads share the figures; each figure is drawn by one thread.
     let single = Run {
         pool: None,
         ..run.clone()
@@ -318,7 +318,7 @@ fn power_laws(material: Material<'_>) -> Plate {
     )
 }
 
-/// Lines of loading paths, which neither the transition curve nor the markers use.
+/// Line styles of loading paths, different from those of the transition curve and the markers.
 const PATHS: [Style; 2] = [
     Style {
         tint: Tint::Vermillion,
@@ -400,7 +400,7 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
     ))
 }
 
-/// The contact past the transition: from above, in the section, and the pressure on the floor.
+/// The contact past the transition: from above, in section, and the pressure on the floor.
 fn mixed_contact(state: &ContactState, run: &Run<'_>) -> Result<Vec<Plate>, DrawingError> {
     let where_and_when = format!(
         "intermediate substrate, {}, at {PAST} times the critical indentation",

@@ -1,5 +1,5 @@
-//! The critical states of the paper: three substrates, six places to land, surface fractions from
-//! one pillar to many.
+//! The critical states of the paper: three substrates, six positions of the lens axis, and surface
+//! fractions from one pillar in contact to many.
 
 use fakir::problem::System;
 use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
@@ -31,7 +31,7 @@ impl Substrate {
         }
     }
 
-    /// What the paper calls it.
+    /// Name in the paper.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -64,13 +64,13 @@ pub struct Fractions {
 }
 
 impl Fractions {
-    /// Up to where the paper's experiments reached the transition.
+    /// Range in which the paper's experiments reached the transition.
     pub const OBSERVED: Self = Self {
         from: 3e-4,
         to: 0.21,
         points: 60,
     };
-    /// Beyond, up to the densest texture of the paper.
+    /// Range beyond it, up to the densest pattern of the paper.
     pub const DENSE: Self = Self {
         from: 0.23,
         to: 0.29,
@@ -81,7 +81,7 @@ impl Fractions {
 /// A system of the paper.
 ///
 /// # Errors
-/// [`CaseError`] for a surface fraction that cannot be.
+/// [`CaseError`] for an invalid surface fraction.
 pub fn system(
     substrate: Substrate,
     offset: f64,
@@ -97,7 +97,7 @@ pub fn system(
 /// The sweep over substrates, offsets and surface fractions, as a study.
 ///
 /// # Errors
-/// [`CaseError`] for surface fractions that cannot be.
+/// [`CaseError`] for invalid surface fractions.
 pub fn study(fractions: Fractions) -> Result<Study, CaseError> {
     let moduli = Substrate::ALL.map(|substrate| format!("{:e}", substrate.young_modulus()));
     let offsets = OFFSETS.map(|(offset, _)| offset.to_string());
@@ -119,7 +119,7 @@ pub struct Grid {
     curves: Vec<Curve>,
 }
 
-/// What the figures and claims show of a critical state, by the names of results.
+/// Values of a critical state that figures and claims use, by the names of results.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Critical {
     /// Fraction of the surface that is pillar top.
@@ -134,9 +134,9 @@ pub struct Critical {
     pub contact_radius: f64,
     /// Radius of the contact on the pillar tops, m.
     pub top_contact_radius: f64,
-    /// Where the floor is touched, m from the lens axis.
+    /// Distance of the first floor contact from the lens axis, m.
     pub floor_contact: [f64; 2],
-    /// Number of pillars touched.
+    /// Number of pillars in contact.
     pub pillars_in_contact: usize,
     /// Number of pillars crossed by the edge of the contact.
     pub pillars_partially_in_contact: usize,
@@ -179,12 +179,12 @@ pub struct Curve {
     pub substrate: Substrate,
     /// The index of its offset in [`OFFSETS`].
     pub offset: usize,
-    /// By rising surface fraction; those without an answer are left out.
+    /// States by increasing surface fraction; cases without a result are left out.
     pub states: Vec<Critical>,
 }
 
 impl Grid {
-    /// Sorts the rows of one or more studies: curves go on from one study to the next.
+    /// Sorts the rows of one or more studies: curves continue from one study to the next.
     #[must_use]
     pub fn new(studies: &[(&Study, &[Row])]) -> Self {
         let mut curves: Vec<Curve> = Substrate::ALL

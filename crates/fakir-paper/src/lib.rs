@@ -1,7 +1,7 @@
 //! The results of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104, 055007
-//! (2021), computed anew: tables, figures, and a report that holds every claim against them.
+//! (2021), reproduced: tables, figures, and a report that compares every claim with them.
 //!
-//! [`reproduce`] makes all of it in a folder:
+//! [`reproduce`] writes the results to a folder:
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -46,7 +46,7 @@ pub enum PaperError {
     /// The sweep failed.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// A case that cannot be.
+    /// An invalid case.
     #[error(transparent)]
     Case(#[from] CaseError),
     /// A contact that could not be computed.
@@ -84,35 +84,35 @@ impl From<DrawingError> for PaperError {
 pub struct Scope {
     /// Surface fractions of the sweep.
     pub fractions: Fractions,
-    /// Go on to a surface fraction of 0.29, which takes longer than all the rest.
+    /// Extend the surface fraction to 0.29, which takes longer than everything else.
     pub dense: bool,
     /// Measured points to draw on the curves.
     pub measured: Vec<(Substrate, Measured)>,
 }
 
-/// How far it is.
+/// Progress.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress {
-    /// How far the sweep is.
+    /// Progress of the sweep.
     Sweep(fakir_study::Progress),
-    /// How far the sweep of dense textures is.
+    /// Progress of the sweep of dense patterns.
     Dense(fakir_study::Progress),
-    /// Single states are computed; with the part of them that is done.
+    /// Single states are computed; with the fraction that is finished.
     States(f64),
     /// The figures are drawn.
     Figures,
 }
 
-/// What was made.
+/// Result of the reproduction.
 #[derive(Debug)]
 pub struct Reproduction {
     /// The claims.
     pub claims: Vec<Claim>,
     /// The number of cases of all sweeps.
     pub cases: usize,
-    /// The number of cases without an answer.
+    /// Number of cases without a result.
     pub failed: usize,
-    /// Lines of journals that were left out, and their cases computed again.
+    /// Invalid lines of journals, whose cases were computed again.
     pub damaged: Vec<DamagedLine>,
     /// The figures.
     pub plates: Vec<Plate>,
@@ -121,13 +121,13 @@ pub struct Reproduction {
 /// Folder of the sweep.
 pub const CRITICAL_STATES: &str = "critical-states";
 
-/// Folder of the sweep of dense textures.
+/// Folder of the sweep of dense patterns.
 pub const DENSE_STATES: &str = "dense-states";
 
 /// Contact radii, in pitches, of the fits of the lattice sums, as in the paper.
 const FIT: ([f64; 2], usize) = ([1.0, 32.0], 1000);
 
-/// Makes everything in a folder. An interrupted one goes on with [`Existing::Resume`].
+/// Writes all results to a folder. [`Existing::Resume`] continues an interrupted run.
 ///
 /// # Errors
 /// [`PaperError`]
@@ -202,7 +202,7 @@ pub fn reproduce(
     })
 }
 
-/// A folder to begin in: refused if it holds anything, or emptied of what such a study has made there.
+/// Prepares a folder: refuses a folder that is not empty, or removes the files of a previous run.
 fn prepare(folder: &Path, existing: Existing, parts: &[&str]) -> Result<(), PaperError> {
     let is_empty = |mut entries: ReadDir| entries.next().is_none();
     if existing == Existing::Refuse && !folder.read_dir().map_or(true, is_empty) {
@@ -214,7 +214,7 @@ fn prepare(folder: &Path, existing: Existing, parts: &[&str]) -> Result<(), Pape
     Ok(())
 }
 
-/// A study swept into a folder with what a run has.
+/// Sweeps a study into a folder with the settings of a run.
 fn swept(
     study: &Study,
     folder: &Path,

@@ -1,9 +1,10 @@
-//! Measured critical states, to be drawn on the computed curves.
+//! Measured critical states, drawn with the computed curves.
 //!
-//! A CSV file with a heading. `surface_fraction` must be there, and any of `critical_force_N`,
-//! `critical_contact_radius_m`, `critical_indentation_m`; standard errors in columns of the same
-//! name with `_error` before the unit, as in `critical_force_error_N`; and `substrate` (`rigid`,
-//! `intermediate` or `soft`), `intermediate` if it is left out. Empty cells are not drawn.
+//! The CSV file has a heading. The column `surface_fraction` is required, with any of
+//! `critical_force_N`, `critical_contact_radius_m` and `critical_indentation_m`. Standard errors
+//! are in columns of the same name with `_error` before the unit, as in `critical_force_error_N`.
+//! The column `substrate` contains `rigid`, `intermediate` (default) or `soft`. Empty cells are not
+//! drawn.
 
 use crate::grid::{Substrate, system};
 use fakir::state::Normalized;

@@ -1,4 +1,4 @@
-//! `report.html`: every claim in a row, every figure, the numbers. One file, nothing to load.
+//! `report.html`: one self-contained file with a row for every claim, all figures and the numbers.
 
 use crate::analysis::{PowerLaw, Quantity, state_near};
 use crate::claims::{Claim, LAW_RANGES, Verdict, percent};
@@ -9,7 +9,7 @@ use fakir_study::VERSION;
 use fakir_study::citations::Citation;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// What is reported.
+/// Content of the report.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
     /// The claims.
@@ -18,9 +18,9 @@ pub struct Report<'a> {
     pub plates: &'a [Plate],
     /// The numbers.
     pub grid: &'a Grid,
-    /// What to cite.
+    /// References.
     pub citations: &'a [Citation],
-    /// Cases of the sweep without an answer.
+    /// Cases of the sweep without a result.
     pub failed: usize,
 }
 
@@ -48,7 +48,7 @@ code{font-family:ui-monospace,monospace;font-size:.92em;background:#f3f3f3;paddi
 @media print{body{max-width:none;padding:0}figure{break-inside:avoid}}
 ";
 
-/// The symbols of claims and figures, and what they mean.
+/// Symbols of claims and figures, and their meanings.
 const SYMBOLS: [(&str, &str); 14] = [
     (
         "φ",
@@ -97,7 +97,7 @@ const SYMBOLS: [(&str, &str); 14] = [
     ),
 ];
 
-/// Symbols and what they mean.
+/// Symbols and their meanings.
 pub(crate) fn symbols(symbols: &[(&str, &str)]) -> Markup {
     html! {
         h2 { "Symbols" }
@@ -253,7 +253,7 @@ impl Report<'_> {
     }
 }
 
-/// A page with this body that loads nothing.
+/// A self-contained page with the given body.
 pub(crate) fn page(title: &str, body: &Markup) -> String {
     html! {
         (DOCTYPE)

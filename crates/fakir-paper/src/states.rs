@@ -1,4 +1,4 @@
-//! Contacts of the paper that figures show one by one.
+//! Single contacts of the paper that are shown in figures.
 
 use crate::grid::{Substrate, system};
 use fakir::problem::{Load, Method};
@@ -6,10 +6,10 @@ use fakir::state::{ContactState, CriticalState, Run, SolveError};
 use fakir_case::CaseError;
 use rayon::prelude::*;
 
-/// Why there are no states.
+/// Errors of the states.
 #[derive(Debug, thiserror::Error)]
 pub enum StateError {
-    /// A system that cannot be.
+    /// An invalid system.
     #[error(transparent)]
     Case(#[from] CaseError),
     /// A contact that could not be computed.
@@ -22,22 +22,22 @@ pub enum StateError {
 pub struct Approach {
     /// The lens just above the pillars.
     pub before: ContactState,
-    /// Under a third of the critical force.
+    /// Contact under a third of the critical force.
     pub middle: ContactState,
     /// The critical state.
     pub critical: CriticalState,
 }
 
-/// The contact under rising loads, up to the critical state.
+/// The contact under increasing loads, up to the critical state.
 #[derive(Debug, Clone)]
 pub struct Loading {
     /// Surface fraction.
     pub surface_fraction: f64,
-    /// The states, by rising indentation.
+    /// States, by increasing indentation.
     pub states: Vec<ContactState>,
 }
 
-/// What the figures show.
+/// States shown in figures.
 #[derive(Debug, Clone)]
 pub struct States {
     /// An approach on every substrate, at the surface fraction [`SECTION`].
@@ -48,16 +48,16 @@ pub struct States {
     pub loadings: Vec<Loading>,
     /// The intermediate substrate at [`SECTION`], at [`PAST`] times the critical indentation: mixed contact.
     pub mixed: ContactState,
-    /// Mixed contact on the intermediate substrate at each of [`MIXED`] with each of [`SHARES`], as far as it was found.
+    /// Mixed contact on the intermediate substrate at each of [`MIXED`] with each of [`SHARES`], if it was found.
     pub shared: Vec<SharedLoad>,
 }
 
-/// A state in which the floor bears a wanted share of the load.
+/// A state with a given floor share.
 #[derive(Debug, Clone)]
 pub struct SharedLoad {
     /// Surface fraction.
     pub surface_fraction: f64,
-    /// The share.
+    /// Floor share.
     pub share: f64,
     /// The state.
     pub state: ContactState,
@@ -88,7 +88,7 @@ const STEPS: u32 = 24;
 const MIDDLE: f64 = 0.3;
 
 impl States {
-    /// Computes all of them. `done` is told which part of all is done.
+    /// Computes all states. `done` receives the fraction that is finished.
     ///
     /// # Errors
     /// [`StateError`]
@@ -195,7 +195,7 @@ fn past_transition(run: &Run<'_>) -> Result<ContactState, StateError> {
     )?)
 }
 
-/// The states in which the floor bears each of [`SHARES`], as far as they are found.
+/// States with each floor share of [`SHARES`], if they are found.
 fn shared_loads(surface_fraction: f64, run: &Run<'_>) -> Result<Vec<SharedLoad>, StateError> {
     let critical = critical(Substrate::Intermediate, surface_fraction, run)?;
     let states = fakir::press_to_floor_shares(&critical, &SHARES, run)?;

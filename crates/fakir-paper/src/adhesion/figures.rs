@@ -15,15 +15,15 @@ use fakir_figure::{
 };
 use fakir_study::{Fate, Validity, collapse_path};
 
-/// A number of an axis without what rounding made of it.
+/// Rounds a number of an axis to remove rounding errors.
 fn rounded(value: f64) -> f64 {
     (1e9 * value).round() / 1e9
 }
 
-/// States of a loading of the tops.
+/// States of a loading on the tops.
 const STEPS: u32 = 24;
 
-/// A way of the lens down and up, to be drawn.
+/// Loading and unloading of the lens, for a figure.
 struct Way {
     system: System,
     label: String,
@@ -74,7 +74,7 @@ impl Way {
 
 const TINTS: [Tint; 4] = [Tint::Blue, Tint::Vermillion, Tint::Green, Tint::Purple];
 
-/// Lines of both branches: solid down, dashed up.
+/// Lines of both branches: solid for loading, dashed for unloading.
 fn branches(ways: &[Way], point: impl Fn(&Way, [f64; 3]) -> [f64; 2]) -> Vec<Series> {
     let mut series = Vec::new();
     for (way, tint) in ways.iter().zip(TINTS) {
@@ -172,7 +172,7 @@ fn phases(ways: &[Way]) -> Result<Plate, PaperError> {
     ))
 }
 
-/// What becomes of the floor over surface fraction and work of adhesion.
+/// Regions of floor behaviour over surface fraction and work of adhesion.
 fn regions(cases: &Cases, substrate: Substrate) -> Plate {
     let mut line: Vec<[f64; 2]> = Vec::new();
     for case in cases.on_pillar(substrate) {
@@ -253,7 +253,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
     )
 }
 
-/// The way back against the threshold alone.
+/// Withdrawal against the collapse threshold alone.
 fn withdrawals(cases: &Cases) -> Plate {
     let mut groups: Vec<(f64, &str, Vec<[f64; 2]>)> = Vec::new();
     for substrate in [Substrate::Rigid, Substrate::Intermediate] {
@@ -305,7 +305,7 @@ fn withdrawals(cases: &Cases) -> Plate {
     )
 }
 
-/// Values against their law.
+/// Values compared with their law.
 fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     let reduced = law.reduced;
     let points = |of: &mut dyn Iterator<Item = &FloorCase>| -> Vec<[f64; 2]> {
@@ -401,7 +401,7 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     )
 }
 
-/// Pull-off over the surface fraction.
+/// Pull-off force over the surface fraction.
 fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
     let mut series = Vec::new();
     for (place, substrate) in [Substrate::Rigid, Substrate::Intermediate]
@@ -495,7 +495,7 @@ fn hystereses(scope: &Scope, cases: &Cases) -> Plate {
     )
 }
 
-/// Way back over the height, for every diameter.
+/// Withdrawal over the pillar height, for every diameter.
 fn sizes(scope: &Scope, cases: &Cases) -> Plate {
     let mut series = Vec::new();
     let fraction = scope.sized_fractions[scope.sized_fractions.len() / 2];

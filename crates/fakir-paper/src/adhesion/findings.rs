@@ -1,4 +1,4 @@
-//! What the study found, in sentences whose numbers come from the tables.
+//! Findings of the study, as sentences with numbers from the tables.
 
 use super::scaling::{HeldOut, Law, Reduced};
 use super::study::{Cases, FloorCase, Scope, same};
@@ -11,26 +11,26 @@ use std::fmt::Write;
 /// The work of adhesion of the paper's rubber, J/m^2.
 pub const RUBBER: f64 = 50e-3;
 
-/// The surface fraction of sentences about one surface.
+/// Surface fraction of findings about a single surface.
 pub const TYPICAL: f64 = 0.03;
 
-/// Distance of a case from a law from which on the report calls it a trend.
+/// Deviation from a law beyond which the report calls the law a trend.
 const NO_LAW: f64 = 0.4;
 
-/// What was found, and the numbers in it.
+/// A finding with its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// A short name, to refer to it by.
+    /// Short name for references.
     pub name: &'static str,
-    /// What it is about.
+    /// Subject.
     pub title: &'static str,
-    /// The sentences.
+    /// Text.
     pub text: String,
-    /// The numbers in them, with names that end in their unit.
+    /// Numbers in the text, with names that end in their unit.
     pub numbers: Vec<(String, f64)>,
 }
 
-/// A law with how it does on cases that it does not come from.
+/// A law with its test on cases that were not used in its fit.
 pub type Checked = (Law, Option<HeldOut>);
 
 /// All findings.
@@ -113,9 +113,9 @@ fn counted(cases: usize) -> String {
     format!("{cases} {}", if cases == 1 { "case" } else { "cases" })
 }
 
-/// The fast model beside cells of the floor.
+/// Comparison of the fast model with floor cells.
 fn on_cells(cases: &Cases) -> Option<Finding> {
-    // Differences, each with the error of the cells by their own estimate.
+    // Differences, each with the estimated error of the cells.
     let mut force: Vec<[f64; 2]> = Vec::new();
     let mut area: Vec<[f64; 2]> = Vec::new();
     let mut loss: Vec<[f64; 2]> = Vec::new();
@@ -196,7 +196,7 @@ fn on_cells(cases: &Cases) -> Option<Finding> {
     })
 }
 
-/// What adhesion on the tops does to the load at which the floor is touched.
+/// Effect of adhesive tops on the critical force.
 fn tops(cases: &Cases) -> Option<Finding> {
     let changes = cases.floor.iter().filter_map(|case| {
         let tops = cases.tops_of(case)?;
@@ -279,7 +279,8 @@ fn jump(cases: &Cases) -> Option<Finding> {
     })
 }
 
-/// Between which works in units of that of collapse the floor comes to hold through zero load.
+/// Range of works of adhesion, in units of the work of collapse, beyond which the floor remains
+/// attached at zero load.
 fn border(cases: &Cases) -> Option<Finding> {
     let ratio = |fate: Fate| {
         let on = [Substrate::Rigid, Substrate::Intermediate].into_iter();
@@ -351,7 +352,7 @@ fn losses(cases: &Cases) -> Option<Finding> {
     })
 }
 
-/// What the paper's experiments would have seen.
+/// Predictions for the experiments of the paper.
 fn rubber(scope: &Scope, cases: &Cases) -> Option<Finding> {
     let mut sentences = Vec::new();
     let mut numbers = Vec::new();
@@ -487,7 +488,7 @@ fn scaling((law, held): &Checked) -> Finding {
     }
 }
 
-/// How far apart cases are that differ in the offset alone.
+/// Differences between cases that differ only in the offset.
 fn offsets(cases: &Cases) -> Option<Finding> {
     let largest = |of: Reduced| {
         let pairs = cases.floor.iter().filter(|case| case.offset > 0.0);
@@ -518,7 +519,8 @@ fn offsets(cases: &Cases) -> Option<Finding> {
     })
 }
 
-/// Exponents of height and diameter between the first and the last of them, all else as in the paper.
+/// Exponents of height and diameter between their first and last values; other parameters are as in
+/// the paper.
 fn sizes(scope: &Scope, cases: &Cases) -> Option<Finding> {
     let (middle_height, middle_diameter) = (
         scope.heights.get(scope.heights.len() / 2)?,

@@ -1,6 +1,6 @@
-//! What was announced at the end of the paper: adhesion, with a floor that sticks, as a parametric study.
+//! The parametric study of adhesion that the paper announces, with an adhesive floor.
 //!
-//! [`reproduce_adhesion`] makes all of it in a folder:
+//! [`reproduce_adhesion`] writes the study to a folder:
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -10,9 +10,9 @@
 //! | `report.html` | findings, laws and figures on one page |
 //! | `provenance.json` | version, study, what to cite |
 //!
-//! The floor is computed by the fast model of a collapsed floor and by closed forms, the tops exactly; every number of the model has its
-//! [validity](fakir_study::Validity) beside it. Cases beyond its range are solved on cells of the floor where that takes seconds, and some in it are, to
-//! hold the model against them.
+//! The floor is computed with the fast model of a collapsed floor and with closed forms, the tops exactly. Every number of the model has its
+//! [validity](fakir_study::Validity). Cases outside the range of the model are solved on floor cells if that takes seconds; some cases within the range
+//! are solved on cells too, to check the model.
 
 pub mod figures;
 pub mod findings;
@@ -35,29 +35,29 @@ use serde::Serialize;
 use std::path::Path;
 use study::{Cases, FloorCase, Part, Scope, floor_cases, top_cases};
 
-/// How far it is.
+/// Progress.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress {
-    /// How far a part is.
+    /// Progress of a part.
     Sweep(Part, fakir_study::Progress),
     /// The figures are drawn.
     Figures,
 }
 
-/// What was made.
+/// Result of the study.
 #[derive(Debug)]
 pub struct AdhesionStudy {
-    /// What was found.
+    /// Findings.
     pub findings: Vec<Finding>,
-    /// The laws, with how each does on systems that it does not come from.
+    /// Laws, each with its test on other systems.
     pub laws: Vec<Checked>,
     /// The cases.
     pub cases: Cases,
     /// The number of cases of all sweeps.
     pub count: usize,
-    /// The number of cases without an answer.
+    /// Number of cases without a result.
     pub failed: usize,
-    /// Lines of journals that were left out, and their cases computed again.
+    /// Invalid lines of journals, whose cases were computed again.
     pub damaged: Vec<DamagedLine>,
     /// The figures.
     pub plates: Vec<Plate>,
@@ -87,8 +87,8 @@ struct LawRow {
     band: f64,
 }
 
-/// Cases that laws come from: rigid and intermediate substrate with the lens axis on a pillar, and the other sizes, as far as [laws hold](FloorCase::has_laws). The soft substrate is drawn down as a whole
-/// with nearly every work of the study, and has no part in them.
+/// Cases to which laws are fitted: rigid and intermediate substrate with the lens axis on a pillar, and the other sizes, if [laws apply](FloorCase::has_laws). The soft substrate is excluded, because it
+/// collapses completely at nearly all works of adhesion of the study.
 #[must_use]
 pub fn cases_of_laws(cases: &Cases) -> Vec<&FloorCase> {
     use crate::grid::Substrate;
@@ -99,7 +99,7 @@ pub fn cases_of_laws(cases: &Cases) -> Vec<&FloorCase> {
         .collect()
 }
 
-/// Makes everything in a folder. An interrupted one goes on with [`Existing::Resume`].
+/// Writes the study to a folder. [`Existing::Resume`] continues an interrupted study.
 ///
 /// # Errors
 /// [`PaperError`]

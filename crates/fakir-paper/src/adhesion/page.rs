@@ -1,4 +1,4 @@
-//! `report.html` of the study: what was found, laws, figures. One file, nothing to load.
+//! `report.html` of the study: findings, laws and figures in one self-contained file.
 
 use super::findings::{Checked, Finding, RUBBER};
 use super::study::{Cases, LEAST_THRESHOLD, same};
@@ -10,7 +10,7 @@ use fakir_study::VERSION;
 use fakir_study::citations::Citation;
 use maud::{Markup, html};
 
-/// What is reported.
+/// Content of the report.
 #[derive(Clone, Copy)]
 pub(crate) struct Page<'a> {
     pub(crate) findings: &'a [Finding],

@@ -1,24 +1,24 @@
-//! Laws in the groups without dimension: products of powers, and a sum.
+//! Scaling laws in dimensionless groups: products of powers, and a sum.
 //!
-//! Slopes are small and the lens is flat, so that heights and lengths along the surface scale apart from each other: with `E*` the reduced modulus, `a` the radius,
-//! `h` the height and `d` the diameter of pillars and `R` the radius of the lens, what is left are the surface fraction, `R h/d^2`, `kappa`, and one group with the work of adhesion: `w a/(E* h^2)`
-//! or `w/w_c`, where `w_c` is that of collapse of the flat lattice.
+//! Slopes are small and the lens is flat, so that heights and lengths along the surface scale independently. With `E*` the reduced modulus, `a` the radius, `h` the height and `d` the diameter of
+//! pillars and `R` the radius of the lens, the remaining groups are the surface fraction, `R h/d^2`, `kappa`, and one group with the work of adhesion: `w a/(E* h^2)` or `w/w_c`, where `w_c` is the
+//! work of adhesion at which the flat lattice collapses.
 
 use super::study::{FloorCase, OnCells};
 use fakir::solve::collapsed_floor::{MODEL_ERROR_OF_AREA, NARROWEST_FRONT};
 use fakir_study::{Fate, FloorJump, FloorLoss, Validity};
 use std::f64::consts::PI;
 
-/// What a law is of, without dimension.
+/// Dimensionless quantity of a law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reduced {
-    /// How far the lens goes back until the floor is lost: `1 - zeta_lost/zeta_c`.
+    /// Withdrawal of the lens until the floor detaches: `1 - zeta_lost/zeta_c`.
     Withdrawal,
-    /// Area of the floor after the jump over that of the contact: `A/(pi a_c^2)`.
+    /// Floor contact area after the jump over the area of the contact: `A/(pi a_c^2)`.
     Area,
-    /// What the jump takes from the force: `1 - F/F_c`.
+    /// Relative force drop at the jump: `1 - F/F_c`.
     Drop,
-    /// Pull-off with the floor over that of a smooth sphere, `3/2 pi w R`.
+    /// Pull-off force with the floor over that of a smooth sphere, `3/2 pi w R`.
     PullOff,
     /// Hysteresis of the floor over `F_c zeta_c`.
     Hysteresis,
@@ -46,17 +46,17 @@ impl Reduced {
         }
     }
 
-    /// How its law puts groups together.
+    /// Form of its law.
     #[must_use]
     pub fn form(self) -> Form {
         match self {
-            // It goes down to nothing at a finite work of adhesion.
+            // It vanishes at a finite work of adhesion.
             Self::PullOff => Form::Sum,
             _ => Form::Powers,
         }
     }
 
-    /// Its formula, as figures write it.
+    /// Formula as written in figures.
     #[must_use]
     pub fn formula(self) -> &'static str {
         match self {
@@ -68,7 +68,7 @@ impl Reduced {
         }
     }
 
-    /// The same as the report writes it.
+    /// Formula as written in the report.
     #[must_use]
     pub fn plain(self) -> &'static str {
         match self {
@@ -80,7 +80,8 @@ impl Reduced {
         }
     }
 
-    /// The value of a case: on cells, as far as they tell it, or by the fast model in its range. None elsewhere, and where it is not positive.
+    /// Value in a case: from floor cells if they resolve it, otherwise from the fast model within its range. `None` in other cases and if the
+    /// value is not positive.
     #[must_use]
     pub fn of(self, case: &FloorCase) -> Option<f64> {
         let on_cells = case.cells.and_then(|cells| self.on_cells(case, cells));
@@ -88,8 +89,9 @@ impl Reduced {
         (value > 0.0 && value.is_finite()).then_some(value)
     }
 
-    /// On cells, to [`KNOWN_TO`] by their own estimate; after the jump where as much is stuck as the fast model asks for, since in fewer holes their
-    /// number makes steps. Their cycles turn back where they touch the floor, so that they tell no hysteresis beside that of the model.
+    /// Value from floor cells, if its estimated error is at most [`KNOWN_TO`]. Values after the jump require a bonded region as large as the fast
+    /// model requires, because with fewer hollow sites their number causes steps. These cycles turn back at the first floor contact, so that their
+    /// hysteresis cannot be compared with that of the model.
     fn on_cells(self, case: &FloorCase, cells: OnCells) -> Option<f64> {
         let held = case.fate() == Some(Fate::HeldThroughZero);
         let pull = cells.pull_off.filter(|_| held);
@@ -114,7 +116,7 @@ impl Reduced {
         ((relative_error * quotient).abs() <= KNOWN_TO * value.abs()).then_some(value)
     }
 
-    /// By the fast model in its range.
+    /// Value from the fast model within its range.
     fn by_model(self, case: &FloorCase) -> Option<f64> {
         let found = &case.found;
         let validity = match self {
@@ -137,7 +139,7 @@ impl Reduced {
         Some(self.value_of(quotient))
     }
 
-    /// What was measured over what makes it a number without dimension.
+    /// A value and the scale that makes it dimensionless.
     fn quotient(self, figures: &Figures) -> Option<f64> {
         Some(match self {
             Self::Withdrawal => figures.lost?.indentation / figures.critical_indentation,
@@ -150,7 +152,7 @@ impl Reduced {
         })
     }
 
-    /// The number itself: what the quotient lacks to 1, or the quotient.
+    /// The dimensionless number: one minus the quotient, or the quotient.
     fn value_of(self, quotient: f64) -> f64 {
         match self {
             Self::Withdrawal | Self::Drop => 1.0 - quotient,
@@ -159,7 +161,7 @@ impl Reduced {
     }
 }
 
-/// What a cycle came to, on cells or by the fast model, in SI units.
+/// Results of a cycle, from floor cells or the fast model, in SI units.
 struct Figures {
     critical_indentation: f64,
     critical_contact_radius: f64,
@@ -172,15 +174,16 @@ struct Figures {
     hysteresis: Option<f64>,
 }
 
-/// Relative error up to which a number on cells has a part in laws: that of the areas of the fast model.
+/// Largest relative error of a value from floor cells that is used in laws: the error of areas of the
+/// fast model.
 const KNOWN_TO: f64 = MODEL_ERROR_OF_AREA;
 
-/// How a law puts its groups together.
+/// Form of a law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// A product of powers, by least squares in logarithms: distances from it are relative.
+    /// Product of powers, fitted by least squares in logarithms; deviations are relative.
     Powers,
-    /// A sum, each with a factor, by least squares: distances from it are those of the values.
+    /// Weighted sum, fitted by least squares; deviations are absolute.
     Sum,
 }
 
@@ -194,7 +197,7 @@ impl Form {
         }
     }
 
-    /// In what a law is linear, and back.
+    /// Transformation in which a law is linear, and its inverse.
     fn linear(self, value: f64) -> f64 {
         match self {
             Self::Powers => value.ln(),
@@ -209,7 +212,7 @@ impl Form {
         }
     }
 
-    /// The distance that a difference is in what the law is linear in.
+    /// Converts a difference in the variable in which the law is linear into a deviation.
     fn distance(self, difference: f64) -> f64 {
         match self {
             Self::Powers => difference.abs().exp_m1(),
@@ -218,7 +221,7 @@ impl Form {
     }
 }
 
-/// A group without dimension.
+/// A dimensionless group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Group {
     /// `w/w_c`.
@@ -249,7 +252,7 @@ impl Group {
         }
     }
 
-    /// As figures write it.
+    /// Symbol as written in figures.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -277,32 +280,33 @@ impl Group {
     }
 }
 
-/// A law by least squares.
+/// A law fitted by least squares.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
-    /// What it is of.
+    /// Its quantity.
     pub reduced: Reduced,
     /// The groups.
     pub groups: Vec<Group>,
-    /// The exponent of each, or in a sum its factor, with its standard error.
+    /// Exponent of each group, or its factor in a sum, with its standard error.
     pub exponents: Vec<[f64; 2]>,
-    /// From where to where each group goes in the cases.
+    /// Range of each group in the cases.
     pub ranges: Vec<[f64; 2]>,
-    /// The factor in front, or in a sum the constant.
+    /// Prefactor, or the constant of a sum.
     pub prefactor: f64,
     /// Number of cases.
     pub points: usize,
-    /// Root of the mean square of the distance of cases from the law, with the degrees of freedom that are left.
+    /// Root mean square deviation of the cases from the law, with the remaining degrees of freedom.
     pub scatter: f64,
-    /// The largest distance.
+    /// Largest deviation.
     pub largest: f64,
-    /// The same root where every system, with all works of adhesion, is left out of the law that it is held against: the residual by which groups are chosen.
+    /// The same deviation by cross-validation: each system, with all its works of adhesion, is compared with a law fitted without it. The groups are chosen
+    /// by this residual.
     pub left_out: f64,
-    /// Nineteen in twenty cases of systems left out like this are nearer to their law than this.
+    /// Deviation that 95 % of the cases do not exceed in this cross-validation.
     pub band: f64,
 }
 
-/// A linear equation for the coefficients of a law, from a case.
+/// Linear equation for the coefficients of a law, from one case.
 struct Equation {
     row: Vec<f64>,
     value: f64,
@@ -315,7 +319,7 @@ impl Equation {
     }
 }
 
-/// The matrix of least squares.
+/// Normal matrix of least squares.
 fn normal_matrix<'e>(
     size: usize,
     equations: impl IntoIterator<Item = &'e Equation>,
@@ -331,7 +335,7 @@ fn normal_matrix<'e>(
     normal
 }
 
-/// The coefficients by least squares, from the inverse of their matrix.
+/// Coefficients by least squares, from the inverse of the normal matrix.
 fn solution<'e>(
     inverse: &[Vec<f64>],
     equations: impl IntoIterator<Item = &'e Equation>,
@@ -345,11 +349,12 @@ fn solution<'e>(
     inverse.iter().map(|row| product(row, &right)).collect()
 }
 
-/// The part of the cases that [`Law::band`] is for.
+/// Fraction of the cases to which [`Law::band`] applies.
 const IN_BAND: f64 = 0.95;
 
 impl Law {
-    /// The law of a quantity in groups. `None` with too few cases, or groups that do not vary apart from each other.
+    /// Fits the law of a quantity in groups. `None` if there are too few cases or if groups do not vary
+    /// independently.
     #[must_use]
     pub fn fit(reduced: Reduced, groups: &[Group], cases: &[&FloorCase]) -> Option<Self> {
         let form = reduced.form();
@@ -414,7 +419,7 @@ impl Law {
         })
     }
 
-    /// The law at a case.
+    /// Value of the law in a case.
     #[must_use]
     pub fn at(&self, case: &FloorCase) -> f64 {
         let form = self.reduced.form();
@@ -423,7 +428,7 @@ impl Law {
         form.value(form.linear(self.prefactor) + terms.sum::<f64>())
     }
 
-    /// The distance of a case from it.
+    /// Deviation of a case from the law.
     #[must_use]
     pub fn distance(&self, case: &FloorCase) -> Option<f64> {
         let form = self.reduced.form();
@@ -431,7 +436,7 @@ impl Law {
         Some(form.distance(form.linear(value) - form.linear(self.at(case))))
     }
 
-    /// In words: `0.9 (w/w_c)^(0.500 ± 0.010)`, or `1.1 - (0.600 ± 0.020) w_c/w`.
+    /// As text: `0.9 (w/w_c)^(0.500 ± 0.010)`, or `1.1 - (0.600 ± 0.020) w_c/w`.
     #[must_use]
     pub fn words(&self) -> String {
         let form = self.reduced.form();
@@ -452,7 +457,7 @@ impl Law {
         format!("{:.3} {}", self.prefactor, terms.join(" "))
     }
 
-    /// Of what its distances are parts.
+    /// Reference of its deviations.
     #[must_use]
     pub fn unit(&self) -> &'static str {
         match self.reduced {
@@ -462,7 +467,8 @@ impl Law {
     }
 }
 
-/// All candidates for a quantity: of powers one group with the work, and any of the others.
+/// All candidates for a quantity: for products of powers, one group with the work of adhesion and
+/// any of the others.
 #[must_use]
 pub fn candidates(reduced: Reduced, cases: &[&FloorCase]) -> Vec<Law> {
     const OTHERS: [Group; 3] = [Group::Fraction, Group::Lens, Group::Column];
@@ -483,10 +489,11 @@ pub fn candidates(reduced: Reduced, cases: &[&FloorCase]) -> Vec<Law> {
     laws
 }
 
-/// How much larger than the least a residual may be for the sake of fewer groups.
+/// Factor by which a residual may exceed the smallest one for a law with fewer groups.
 pub const WORTH: f64 = 1.15;
 
-/// The candidate with the fewest groups whose residual is within [`WORTH`] of the least, and among those that with the least.
+/// Selects the candidate with the fewest groups whose residual is within [`WORTH`] of the smallest one; among these the one
+/// with the smallest residual.
 #[must_use]
 pub fn chosen(candidates: &[Law]) -> Option<&Law> {
     let residuals = candidates.iter().map(|law| law.left_out);
@@ -500,21 +507,21 @@ pub fn chosen(candidates: &[Law]) -> Option<&Law> {
         })
 }
 
-/// How a law does on cases that it does not come from.
+/// Test of a law on cases that were not used in its fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
     /// Number of cases.
     pub points: usize,
-    /// Those within the [band](Law::band) of the law.
+    /// Number of cases within the [band](Law::band) of the law.
     pub in_band: usize,
-    /// Root of the mean square of distances.
+    /// Root mean square deviation.
     pub scatter: f64,
-    /// The largest.
+    /// Largest deviation.
     pub largest: f64,
 }
 
 impl HeldOut {
-    /// Of a law on cases; `None` if it says nothing about any of them.
+    /// Tests a law on cases; `None` if it applies to none of them.
     #[must_use]
     pub fn new(law: &Law, cases: &[FloorCase]) -> Option<Self> {
         let distances: Vec<f64> = cases.iter().filter_map(|case| law.distance(case)).collect();
@@ -536,7 +543,7 @@ fn product(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-/// The inverse of a symmetric positive definite matrix, by elimination; `None` of one that is nearly singular.
+/// Inverse of a symmetric positive definite matrix, by elimination; `None` if it is nearly singular.
 fn inverted(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let size = matrix.len();
     let mut left: Vec<Vec<f64>> = matrix.to_vec();
@@ -568,7 +575,7 @@ fn inverted(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 mod tests {
     use super::*;
 
-    /// By hand: [[4, 2], [2, 3]] has the determinant 8.
+    /// Computed by hand: [[4, 2], [2, 3]] has the determinant 8.
     #[test]
     fn matrices_are_inverted() {
         let found = inverted(&[vec![4.0, 2.0], vec![2.0, 3.0]]).unwrap();

@@ -1,4 +1,4 @@
-//! The cases of the study: what is varied, and the rows sorted.
+//! The cases of the study: varied parameters, and sorted rows.
 
 use crate::grid::Substrate;
 use fakir::theory::stuck_floor::StuckFloor;
@@ -8,20 +8,22 @@ use fakir_study::record::Record;
 use fakir_study::{Answer, Collapsed, Fate, FloorJump, FloorLoss, Row, Validity};
 use std::fmt::Write;
 
-/// A part of the study: a sweep in a folder of its own.
+/// A part of the study: a sweep in a separate folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// The floor by the fast model: substrates, offsets, surface fractions and works of adhesion.
+    /// The floor with the fast model: substrates, offsets, surface fractions and works of adhesion.
     Floor,
-    /// The tops alone, the same cases.
+    /// The tops alone, in the same cases.
     Tops,
     /// The floor on the intermediate substrate with other heights and diameters.
     Sizes,
-    /// The floor with the lens axis beside a pillar, where fewer pillars are alike: some of the surface fractions.
+    /// The floor with the lens axis beside a pillar, where fewer pillars are equivalent by symmetry; some of the
+    /// surface fractions.
     Offsets,
-    /// Systems that are in no law: other lenses, pillars, moduli and works at once.
+    /// Test systems that are not used in laws: lens, pillars, moduli and work of adhesion differ at
+    /// the same time.
     Check,
-    /// Tops and floor solved together on cells of the floor: cases that are beyond the range of the fast model, and some in it that it is held against.
+    /// Tops and floor solved together on floor cells: cases outside the range of the fast model, and some within it to check the model.
     Cells,
 }
 
@@ -49,7 +51,7 @@ impl Part {
         }
     }
 
-    /// What it is in words.
+    /// Description.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -63,7 +65,7 @@ impl Part {
     }
 }
 
-/// How much is computed.
+/// Extent of the study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scope {
     /// Offsets of the lens axis of a part of the study, in pitches.
@@ -82,16 +84,16 @@ pub struct Scope {
     pub sized_fractions: Vec<f64>,
     /// Works of adhesion of the sizes, J/m^2.
     pub sized_works: Vec<f64>,
-    /// Systems that are in no law.
+    /// Number of test systems that are not used in laws.
     pub checks: usize,
-    /// Cases beyond the range of the fast model are solved on cells from this surface fraction on, and up to this work of adhesion (J/m^2): others take
-    /// minutes each.
+    /// Cases outside the range of the fast model are solved on cells from this surface fraction on and up to
+    /// [`cells_up_to`](Self::cells_up_to); other cases would take minutes each.
     pub cells_from: f64,
-    /// See there.
+    /// Largest work of adhesion of these cases, J/m^2.
     pub cells_up_to: f64,
-    /// Surface fractions at which the fast model is held against cells.
+    /// Surface fractions at which the fast model is compared with cells.
     pub cell_fractions: Vec<f64>,
-    /// Works of adhesion of those, J/m^2.
+    /// Works of adhesion of this comparison, J/m^2.
     pub cell_works: Vec<f64>,
 }
 
@@ -118,7 +120,7 @@ impl Scope {
         }
     }
 
-    /// A coarse one, in less than two minutes.
+    /// A coarse study, which takes less than two minutes.
     #[must_use]
     pub fn quick() -> Self {
         Self {
@@ -138,7 +140,7 @@ impl Scope {
         }
     }
 
-    /// Whether a case of the floor is solved on cells, too.
+    /// Whether a case of the floor is also solved on cells.
     #[must_use]
     pub fn is_on_cells(&self, case: &FloorCase) -> bool {
         let found = &case.found;
@@ -159,10 +161,11 @@ impl Scope {
         (beyond && affordable) || compared
     }
 
-    /// The study of a part; that of the cells after those of the floor and of other systems, whose cases are `known`.
+    /// Returns the study of a part. The study of the cells requires the cases of the floor and of the test systems,
+    /// `known`.
     ///
     /// # Errors
-    /// [`CaseError`] for values that cannot be.
+    /// [`CaseError`] for invalid values.
     pub fn study(&self, part: Part, known: &Cases) -> Result<Study, CaseError> {
         let list = |values: &[f64]| -> String {
             let values: Vec<String> = values.iter().map(|value| format!("{value:e}")).collect();
@@ -224,7 +227,7 @@ impl Scope {
     }
 }
 
-/// What differs in systems that are in no law.
+/// Parameters that differ in the test systems.
 pub const VARIED: [Key; 6] = [
     Key::LensRadius,
     Key::PillarHeight,
@@ -234,14 +237,16 @@ pub const VARIED: [Key; 6] = [
     Key::WorkOfAdhesion,
 ];
 
-/// Systems with all of [`VARIED`] at once, spread evenly over the ranges of the laws: the first of them after so many others.
+/// Systems in which all of [`VARIED`] differ at the same time, distributed evenly over the ranges of the laws; the first
+/// `after` systems of the sequence are skipped.
 ///
 /// # Errors
-/// [`CaseError`] that no range of theirs has.
+/// [`CaseError`], which does not occur within these ranges.
 pub fn others(count: usize, after: usize) -> Result<Vec<[f64; 6]>, CaseError> {
-    // The root of x^7 = x + 1: multiples of its powers are spread evenly in 6 dimensions (M. Roberts).
+    // The root of x^7 = x + 1: multiples of its powers are distributed evenly in 6 dimensions (M.
+    // Roberts).
     const ROOT: f64 = 1.112_775_684_278_705_5;
-    // Logarithmic ranges; of the work in units of that of collapse.
+    // Logarithmic ranges; the work of adhesion is in units of the work of collapse.
     const RANGES: [[f64; 2]; 6] = [
         [1.8e-3, 2.7e-3],
         [1.6e-6, 3.1e-6],
@@ -270,11 +275,11 @@ pub fn others(count: usize, after: usize) -> Result<Vec<[f64; 6]>, CaseError> {
         .collect()
 }
 
-/// Part of the work of collapse below which there is no law: patches small against their holes come off like spheres, as the power 2/3 of the work, and do not
-/// feel the pillars.
+/// Fraction of the work of collapse below which no law applies: patches that are small compared with the hollow sites detach like contacts of smooth spheres,
+/// with the power 2/3 of the work, and are not affected by the pillars.
 pub const LEAST_THRESHOLD: f64 = 0.03;
 
-/// A case of the floor, with where it comes from.
+/// A case of the floor with its parameters.
 #[derive(Debug, Clone)]
 pub struct FloorCase {
     /// Surface fraction.
@@ -289,14 +294,14 @@ pub struct FloorCase {
     pub diameter: f64,
     /// Radius of the lens, m.
     pub lens_radius: f64,
-    /// The answer of the fast model.
+    /// Result of the fast model.
     pub found: Collapsed,
-    /// That on cells of the floor, if they tell more than orders of magnitude.
+    /// Result on floor cells, if it is more than an order of magnitude.
     pub cells: Option<OnCells>,
 }
 
 impl FloorCase {
-    /// What of it is in [`VARIED`].
+    /// Values of the parameters in [`VARIED`].
     #[must_use]
     pub fn varied(&self) -> [f64; 6] {
         [
@@ -309,19 +314,19 @@ impl FloorCase {
         ]
     }
 
-    /// Whether laws hold for it: from [`LEAST_THRESHOLD`] on.
+    /// Whether laws apply: from [`LEAST_THRESHOLD`] on.
     #[must_use]
     pub fn has_laws(&self) -> bool {
         self.found.work_over_collapse_work >= LEAST_THRESHOLD
     }
 
-    /// Tells apart systems that differ in more than the work of adhesion.
+    /// Key that distinguishes systems that differ in more than the work of adhesion.
     pub(crate) fn system(&self) -> [u64; 5] {
         let [lens, height, diameter, fraction, modulus, _] = self.varied();
         [lens, height, diameter, fraction, modulus].map(f64::to_bits)
     }
 
-    /// What becomes of the floor when the lens is withdrawn: on cells, or by the fast model in its range.
+    /// Behaviour of the floor on unloading: from cells, or from the fast model within its range.
     #[must_use]
     pub fn fate(&self) -> Option<Fate> {
         let on_cells = self.cells.and_then(|cells| cells.lost);
@@ -340,7 +345,7 @@ pub struct TopCase {
     pub young_modulus: f64,
     /// Offset of the lens axis, pitches.
     pub offset: f64,
-    /// Fraction of the surface that is pillar top.
+    /// Fraction of the surface covered by pillar tops.
     pub surface_fraction: f64,
     /// Work of adhesion, J/m^2.
     pub work: f64,
@@ -352,7 +357,7 @@ pub struct TopCase {
     pub hysteresis: Option<f64>,
 }
 
-/// What a cycle on cells of a floor that sticks says of it; errors are relative estimates.
+/// Results of a cycle on the cells of an adhesive floor; errors are relative estimates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnCells {
     /// Distance of neighbouring pillars, m.
@@ -365,24 +370,24 @@ pub struct OnCells {
     pub critical_indentation: Option<f64>,
     /// Critical contact radius, m.
     pub critical_contact_radius: Option<f64>,
-    /// The state after the jump onto it.
+    /// State after the jump onto the floor.
     pub jump: FloorJump,
     /// Error of the force after the jump.
     pub jump_force_error: f64,
     /// Error of the area after the jump.
     pub jump_area_error: f64,
-    /// Where it is lost; none if it still is in contact.
+    /// Indentation at which the floor detaches; `None` if it remains in contact.
     pub lost: Option<FloorLoss>,
-    /// Error of the indentation at which it is lost.
+    /// Error of this indentation.
     pub lost_indentation_error: f64,
     /// Pull-off force, N, negative.
     pub pull_off: Option<f64>,
-    /// Error of that, of solution and model together.
+    /// Error of the pull-off force, numerical and model error together.
     pub pull_off_error: f64,
 }
 
 impl OnCells {
-    /// Of a cycle; none if the floor was not touched, or if its cells are coarse.
+    /// Results of a cycle; `None` if the floor was not in contact, or if its cells are coarse.
     fn of(cycle: &Record) -> Option<Self> {
         let number = |path: &str| cycle.number(path);
         if cycle.is("floor_is_coarse") {
@@ -413,7 +418,7 @@ impl OnCells {
     }
 }
 
-/// The value of a key of a row; that of the example where it is no axis.
+/// Value of a key in a row; the value of the example if the key is not an axis.
 fn value(study: &Study, row: &Row, key: Key, or: f64) -> f64 {
     let axes = study.axes().zip(&row.coordinates);
     for (axis, coordinate) in axes {
@@ -470,13 +475,13 @@ pub fn top_cases(study: &Study, rows: &[Row]) -> Vec<TopCase> {
     rows.iter().filter_map(case).collect()
 }
 
-/// Whether two numbers are the same but for rounding.
+/// Whether two numbers are equal except for rounding.
 #[must_use]
 pub fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
 }
 
-/// What was computed.
+/// Computed cases.
 #[derive(Debug, Clone, Default)]
 pub struct Cases {
     /// The floor.
@@ -485,12 +490,12 @@ pub struct Cases {
     pub tops: Vec<TopCase>,
     /// Other sizes.
     pub sizes: Vec<FloorCase>,
-    /// Systems that are in no law.
+    /// Test systems that are not used in laws.
     pub check: Vec<FloorCase>,
 }
 
 impl Cases {
-    /// Gives the rows on cells to the cases that they are of.
+    /// Assigns the rows on cells to their cases.
     pub fn take_cells(&mut self, scope: &Scope, rows: &[Row]) {
         let cases = self.floor.iter_mut().chain(&mut self.check);
         let on_cells = cases.filter(|case| scope.is_on_cells(case));
