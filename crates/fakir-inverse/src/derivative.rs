@@ -1,18 +1,19 @@
-//! Derivatives by the keys of a case, from those by the quantities of its system.
+//! Derivatives with respect to the keys of a case, from those with respect to the quantities of its
+//! system.
 
 use fakir::problem::Quantity;
 use fakir::state::Derivatives;
 use fakir_case::{Case, CaseError, CaseFile, Key};
 
-/// What derivatives by a key need to know of the case.
+/// Properties of the case that derivatives with respect to a key require.
 pub(crate) struct ByKey {
-    /// The surface fraction, if the case gives it: with it the pitch goes with the diameter.
+    /// Surface fraction, if the case contains it: then the pitch is proportional to the diameter.
     fraction: Option<f64>,
     diameter: f64,
     pitch: f64,
-    /// Whether the pitch of a key is that of all directions.
+    /// Whether the key of the pitch applies to all directions.
     scales_all: bool,
-    /// Whether pillars have heights of their own, which the height moves too.
+    /// Whether pillars have separate heights, which the height key shifts too.
     has_heights: bool,
 }
 
@@ -30,7 +31,7 @@ impl ByKey {
         })
     }
 
-    /// The derivative by a key, if there is one.
+    /// Derivative with respect to a key, if there is one.
     pub(crate) fn of(&self, derivatives: &Derivatives, key: Key) -> Option<f64> {
         match (key, self.fraction) {
             (Key::SurfaceFraction, Some(fraction)) => {
@@ -52,7 +53,8 @@ impl ByKey {
         }
     }
 
-    /// The same, unless setting the key changes more than the quantity: then differences are right.
+    /// The same, unless setting the key changes more than the quantity: then differences must be
+    /// used.
     pub(crate) fn exactly(&self, derivatives: &Derivatives, key: Key) -> Option<f64> {
         let moves_more = match key {
             Key::PillarHeight => self.has_heights,

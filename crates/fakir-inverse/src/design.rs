@@ -1,20 +1,20 @@
-//! The inverse question: which pitch, height, diameter, lens radius or modulus gives a wanted
-//! critical force, contact radius or pull-off force, or has the floor bear a wanted share of the force under a load.
+//! Design: finds the pitch, height, diameter, lens radius or modulus that gives a target critical force, contact
+//! radius, pull-off force, or floor share under a load.
 //!
-//! The answer is sought as a root of `g(x) = ln(answer(x)/wanted)` over `ln x`: bracketed by
-//! strides that double, from where the homogenised lattice (a thousand times cheaper) has its
-//! root, or from the value in the case file; then closed in on by the [bracketing method](fakir::numerics::roots)
-//! that all searches share, which tells a root from a jump. Where the lens would sink in too far to
-//! be solved the answer counts as too large; where it meets the floor first, as zero.
+//! The value is a root of `g(x) = ln(result(x)/target)` over `ln x`. It is bracketed by steps of doubling length,
+//! starting from the root for the homogenised lattice (a thousand times faster) or from the value in the case
+//! file. The [bracketing method](fakir::numerics::roots) that all searches share then refines it and
+//! distinguishes a root from a jump. If the lens would penetrate too far to be solved, the result counts as too
+//! large; if the lens touches the floor first, as zero.
 //!
-//! A floor share begins at the transition with the power 3/2 of how far the lens is past it. So
-//! `g(x) = (share(x)/wanted)^(2/3) - 1` is nearly straight there; before the transition, where the share is zero, it
-//! goes on with the gap to the floor. The search starts where the homogenised lattice has its transition under the load. What cannot be
-//! solved says nothing of the share there, and is an end of the range.
+//! A floor share increases from the transition with the power 3/2 of the distance past it. Therefore `g(x) = (share(x)/target)^(2/3) -
+//! 1` is nearly linear there; before the transition, where the share is zero, it is continued by the gap to the floor. The search
+//! starts where the homogenised lattice has its transition under the load. A value whose contact cannot be solved gives no information
+//! on the share and limits the range.
 //!
-//! A pull-off force is that of a whole cycle up to the critical state, which only tops that stick have and only the spectral method
-//! solves: there is no estimate to begin with, and the range ends where a cycle has very many pillars. It is met to within its own
-//! numerical error, as pillars that are held in part move in steps.
+//! A pull-off force requires a whole cycle up to the critical state, with adhesive tops and the spectral method. There is no
+//! initial estimate, and the range ends where a cycle has too many pillars. The target is met to within the numerical error of the
+//! force, because fronts on pillars that have partly detached move in steps.
 
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
@@ -26,26 +26,26 @@ use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
 use fakir_study::result::control_words;
 use std::ops::Bound;
 
-/// What is wanted of the critical state, or of the contact under a load.
+/// Target of a design, for the critical state or for the contact under a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Wanted {
     /// Critical force `F_c`, N.
     Force(f64),
     /// Critical contact radius `a_c`, m.
     ContactRadius(f64),
-    /// The part of the force that the floor bears.
+    /// Floor share: fraction of the load carried by the floor.
     FloorShare {
-        /// That part, more than 0 and less than 1.
+        /// Floor share, more than 0 and less than 1.
         share: f64,
-        /// Under this force or at this indentation.
+        /// Load at which it applies.
         load: Load,
     },
-    /// The largest pull on the way back from the critical state, N, as a positive number.
+    /// Pull-off force on unloading from the critical state, N, as a positive number.
     PullOff(f64),
 }
 
 impl Wanted {
-    /// The value: N, m, or a part of the force.
+    /// Value: N, m, or a fraction of the load.
     #[must_use]
     pub fn value(self) -> f64 {
         match self {
@@ -56,7 +56,7 @@ impl Wanted {
         }
     }
 
-    /// The same quantity of a contact. The share of a floor that is not touched is zero.
+    /// The same quantity of a contact. Without floor contact the floor share is zero.
     #[must_use]
     pub fn of(self, reached: &Reached) -> f64 {
         match (self, reached) {
@@ -74,7 +74,7 @@ impl Wanted {
         }
     }
 
-    /// What kind of number it is.
+    /// Dimension.
     #[must_use]
     pub fn dimension(self) -> Dimension {
         match self {
@@ -84,7 +84,8 @@ impl Wanted {
         }
     }
 
-    /// The contact of which it is wanted in words: ` in the contact under a force of 1 mN`; nothing for the critical state.
+    /// Description of the contact to which the target applies: ` in the contact under a force of 1 mN`; empty for the
+    /// critical state.
     #[must_use]
     pub fn load_words(self) -> String {
         match self {
@@ -103,12 +104,13 @@ impl Wanted {
         matches!(self, Self::PullOff(_))
     }
 
-    /// Whether what cannot be solved says nothing of it, and whether it is known no better than its own error.
+    /// Whether an unsolved contact gives no information on it, and whether its accuracy is limited by its
+    /// estimated error.
     fn is_coarse(self) -> bool {
         self.is_share() || self.is_pull_off()
     }
 
-    /// How far a contact is from what is wanted: zero where it is met, positive where there is too much.
+    /// Deviation of a contact from the target: zero if it is met, positive if the value is too large.
     fn excess(self, reached: &Reached) -> f64 {
         let ratio = self.of(reached) / self.value();
         if !self.is_share() {
@@ -116,13 +118,14 @@ impl Wanted {
         }
         match &reached.contact().floor {
             Some(_) => ratio.powf(SHARE_POWER) - 1.0,
-            // A lens that is below the floor while that carries nothing is not nearer to the share.
+            // A lens below the level of the floor without floor force is not nearer to the floor
+            // share.
             None => -1.0 - larger(reached.to_the_floor(), 0.0),
         }
     }
 
-    /// By how much the excess of a contact may be wrong by the contact's own estimate, as far as it
-    /// matters: critical states are known far better than samples can be made.
+    /// Estimated error of the deviation, if it is relevant: critical states are far more accurate
+    /// than samples can be manufactured.
     fn excess_error(self, reached: &Reached) -> f64 {
         if let Reached::PulledOff(cycle) = reached {
             return cycle.errors.pull_off_force.numerical();
@@ -136,7 +139,7 @@ impl Wanted {
         }
     }
 
-    /// Its name in a sentence.
+    /// Name in a sentence.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -148,19 +151,19 @@ impl Wanted {
     }
 }
 
-/// The contact of which something is wanted.
+/// Contact to which a target applies.
 #[derive(Debug, Clone)]
 pub enum Reached {
     /// The critical state.
     Critical(CriticalState),
-    /// The contact under the load for which a floor share is wanted.
+    /// The contact under the load of a target floor share.
     Pressed(ContactState),
-    /// The cycle for whose pull-off force a value is wanted.
+    /// The cycle of a target pull-off force.
     PulledOff(Box<Cycle>),
 }
 
 impl Reached {
-    /// The contact, critical or not; of a cycle that where the lens turns.
+    /// The contact, critical or not; for a cycle, the contact at the largest load.
     #[must_use]
     pub fn contact(&self) -> &ContactState {
         match self {
@@ -183,17 +186,17 @@ impl Reached {
         }
     }
 
-    /// Whether its numbers are an answer: the solution, and resolved.
+    /// Whether its numbers are valid: solved and resolved.
     #[must_use]
     pub fn is_answer(&self) -> bool {
         self.solution().is_answer()
     }
 }
 
-/// A value of the free quantity and the contact it gives.
+/// A value of the free parameter and its contact.
 #[derive(Debug, Clone)]
 pub struct Candidate {
-    /// Value of the free key, in SI units.
+    /// Value of the free parameter, in SI units.
     pub value: f64,
     /// The case with this value.
     pub case: Case,
@@ -201,60 +204,60 @@ pub struct Candidate {
     pub reached: Reached,
 }
 
-/// What came of a search.
+/// Result of a search.
 #[derive(Debug, Clone)]
 pub enum Design {
-    /// A value that gives what is wanted, to within [`TOLERANCE`]; a floor share or pull-off force to within its own estimated error.
+    /// A value that meets the target, to within [`TOLERANCE`]; a floor share or pull-off force to within its estimated error.
     Found {
         /// The value and its contact.
         candidate: Candidate,
-        /// Relative change of the answer over that of the value, `d ln(answer)/d ln(x)`: how
-        /// exactly the value has to be made. Near zero the answer hardly depends on it, and many
-        /// values do.
+        /// Sensitivity `d ln(result)/d ln(x)`: relative change of the result over that of the
+        /// value. If it is near zero, the result hardly depends on the value, and many values meet
+        /// the target.
         sensitivity: f64,
     },
-    /// What is wanted lies in a jump of the answer: these are its two sides.
+    /// The target is inside a jump of the result; these are its two sides.
     Jump(Box<[Candidate; 2]>),
-    /// No value gives it; this is the nearest, and why there is none nearer.
+    /// Unattainable target: the closest attainable value, and the reason.
     OutOfReach {
-        /// The nearest that can be had.
+        /// Closest attainable value.
         nearest: Candidate,
-        /// What stands in the way.
+        /// Limit.
         limit: Limit,
-        /// The least and the greatest that was found of a pull-off force, N.
+        /// Smallest and largest pull-off force found, N.
         reach: Option<[f64; 2]>,
     },
 }
 
-/// Why an answer cannot come nearer to what is wanted.
+/// Reason why a result cannot be closer to the target.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Limit {
-    /// The free quantity is at the end of its range.
+    /// The free parameter is at the end of its range.
     Range,
-    /// Beyond, no contact can be computed.
+    /// Beyond this value, no contact can be computed.
     Solver(SolveError),
-    /// Beyond, the lens meets the floor before any pillar.
+    /// Beyond this value, the lens touches the floor before any pillar.
     FloorFirst,
-    /// Beyond, so many pillars are in contact that a cycle takes too long.
+    /// Beyond this value, too many pillars are in contact for a cycle.
     ManyPillars,
 }
 
-/// A question with its answer.
+/// A design: question and result.
 #[derive(Debug, Clone)]
 pub struct Answer {
-    /// The key that was sought.
+    /// Free parameter.
     pub free: Key,
-    /// What was wanted.
+    /// Target.
     pub wanted: Wanted,
-    /// What came of it.
+    /// Result.
     pub design: Design,
 }
 
-/// Changes of the answer with the value below this hardly say which value it is.
+/// Sensitivity below which the target hardly determines the value.
 const INSENSITIVE: f64 = 1e-3;
 
 impl Answer {
-    /// What was found, or comes nearest to it.
+    /// Result, or the closest attainable value.
     #[must_use]
     pub fn nearest(&self) -> &Candidate {
         match &self.design {
@@ -268,7 +271,7 @@ impl Answer {
         }
     }
 
-    /// What kind of number the value is.
+    /// Dimension of the value.
     #[must_use]
     pub fn dimension(&self) -> Dimension {
         self.free.dimension()
@@ -278,7 +281,7 @@ impl Answer {
         with_unit(candidate.value, self.dimension(), 8)
     }
 
-    /// What the candidate has of what is wanted, with the digits that are known of it.
+    /// Value of the target quantity for the candidate, with its significant digits.
     fn answer_of(&self, candidate: &Candidate) -> String {
         let floor = candidate.reached.contact().floor.as_ref();
         let digits = match self.wanted {
@@ -312,7 +315,7 @@ impl Answer {
         }
     }
 
-    /// The answer in a sentence.
+    /// Result as a sentence.
     #[must_use]
     pub fn statement(&self) -> String {
         let wanted = self.wanted_words();
@@ -358,7 +361,7 @@ impl Answer {
         }
     }
 
-    /// What to be careful about: a value on which the answer hardly depends.
+    /// Warning if the result hardly depends on the value.
     #[must_use]
     pub fn caution(&self) -> Option<String> {
         match &self.design {
@@ -372,59 +375,59 @@ impl Answer {
     }
 }
 
-/// Why there is no design.
+/// Errors of a design.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignError {
-    /// A case that cannot be.
+    /// Invalid case.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// No contact could be computed.
+    /// The contact could not be computed.
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
-    /// A key that cannot be sought.
+    /// A key that cannot be free.
     #[error("{} cannot be sought: give one of {}", .0.path(), free_names())]
     NotFree(Key),
-    /// A wanted value that cannot be.
+    /// Invalid target.
     #[error("the wanted {} must be greater than 0", .0.name())]
     NotPositive(Wanted),
-    /// A floor share that cannot be.
+    /// Invalid floor share.
     #[error("the wanted floor share must be greater than 0 and less than 1 (100 %): it is {0}")]
     NotAShare(f64),
-    /// A floor share under no load, or one that cannot be.
+    /// A floor share without a valid load.
     #[error(
         "a floor share is wanted at a load: give a force or an indentation that is a number greater than 0"
     )]
     NotALoad,
-    /// A pull-off force of tops that do not stick.
+    /// A pull-off force without adhesion.
     #[error(
         "a pull-off force needs pillar tops that stick: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
     )]
     NoAdhesion,
-    /// A case with so many pillars in contact that there is no cycle to begin with.
+    /// Too many pillars in contact for an initial cycle.
     #[error(
         "the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long: begin with another {}", .0.path()
     )]
     TooManyPillars(Key),
-    /// A solution that did not converge kept the search from its end.
+    /// A solution that did not converge stopped the search.
     #[error(
         "the contact at {} = {value:e} (SI units) did not converge: try another accuracy \
          or an offset that is a little different", .key.path()
     )]
     NotConverged {
-        /// The free key.
+        /// Free parameter.
         key: Key,
-        /// Its value.
+        /// Value of the free parameter.
         value: f64,
     },
 }
 
-/// Keys that can be sought: all sizes and moduli of a case with a texture, but no work of adhesion.
+/// Keys that can be free: all sizes and moduli of a case with a pattern, but not works of adhesion.
 #[must_use]
 pub fn free_keys() -> Vec<Key> {
     let keys = Key::ALL.into_iter();
     let is_made = |key: &Key| {
         let dimension = key.dimension();
-        // Systems of this search have flat tops.
+        // The search supports flat tops only.
         key.is_positive()
             && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
             && *key != Key::TopRadius
@@ -433,10 +436,10 @@ pub fn free_keys() -> Vec<Key> {
         .collect()
 }
 
-/// The key that can be sought of that path, or of that last name if only one has it.
+/// Returns the free key with that path, or with that last name if it is unique.
 ///
 /// # Errors
-/// The paths of the keys that it may have been.
+/// The paths of possible keys.
 pub fn free_key(name: &str) -> Result<Key, String> {
     let mut named = free_keys();
     named.retain(|key| key.path() == name || key.name() == name);
@@ -455,39 +458,42 @@ fn free_names() -> String {
     names.join(", ")
 }
 
-/// Relative difference from what is wanted at which a search ends.
+/// Relative deviation from the target at which a search ends.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// Relative width of a bracket within which an answer that is still not met is a jump.
+/// Relative width of a bracket below which a target that is still not met is inside a jump.
 const JUMP: f64 = 1e-12;
 
-/// The same of floor shares, which jump by their error where the grid on the floor changes, and of pull-off forces.
+/// The same for floor shares, which jump by their error where the grid on the floor changes, and for pull-off
+/// forces.
 const COARSE_JUMP: f64 = 1e-7;
 
-/// A floor share to this power is nearly straight in what is left of the load past the transition.
+/// A floor share to this power is nearly linear in the load past the transition.
 const SHARE_POWER: f64 = 2.0 / 3.0;
 
-/// Part of the estimated error of a floor share or pull-off force to which it is met, unless it jumps by more.
+/// Fraction of its estimated error to which a floor share or pull-off force is met, unless it jumps by more.
 const SHARPNESS: f64 = 0.1;
 
-/// Relative width of a bracket that is narrow enough to say beyond which value there is no contact.
+/// Relative width of a bracket that locates the value beyond which there is no contact with
+/// sufficient accuracy.
 const EDGE: f64 = 1e-3;
 
-/// Where the homogenised lattice has this many pillars in contact, it is within a few per cent, and
-/// where it is farther from what is wanted than a factor of 2, that is all the search has to know.
+/// With this many pillars in contact the homogenised lattice is accurate to a few per cent. If it
+/// differs from the target by more than a factor of 2, this accuracy is sufficient for the search.
 const MANY_PILLARS: usize = 1000;
 const CLEAR: f64 = std::f64::consts::LN_2;
 
-/// First strides in `ln x`: from an estimate of the value, and from a mere guess.
+/// First steps in `ln x`: from an estimate of the value, and from a guess.
 const STRIDES: [f64; 2] = [0.02, 0.4];
 
-/// Finds the value of `free` that gives what is wanted; everything else is as in the case file,
-/// whose own value of `free`, if it has any, is where the search begins.
+/// Finds the value of `free` that meets the target. Everything else is as in the case file; its
+/// value of `free`, if any, is the start of the search.
 ///
-/// With a pitch in the case file the pitch stays as it is, with a surface fraction that.
+/// If the case file contains the pitch, the pitch remains fixed; if it contains the surface
+/// fraction, the surface fraction does.
 ///
 /// # Errors
-/// See [`DesignError`]. That there is no such value is not an error: see [`Design`].
+/// See [`DesignError`]. An unattainable target is not an error: see [`Design`].
 pub fn design(
     file: &CaseFile,
     free: Key,
@@ -566,22 +572,22 @@ pub fn design(
     })
 }
 
-/// How a search ends.
+/// End of a search.
 enum Ending {
     Found(Candidate),
     Jump(Box<[Candidate; 2]>),
-    /// The nearest, what limits it, and the least and the greatest answer, if the whole range was searched.
+    /// Closest value, its limit, and the smallest and largest result if the whole range was searched.
     OutOfReach(Candidate, Limit, Option<[f64; 2]>),
 }
 
-/// The case with a key set to a value in SI units.
+/// Sets a key of the case to a value in SI units.
 pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseError> {
     let mut file = file.clone();
     file.set_number(key, value);
     file.case()
 }
 
-/// Where to begin: the value in the case file, or one in proportion to the others.
+/// Start: the value in the case file, or a value in proportion to the others.
 fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
     let case = file.case();
     let given = case.as_ref().ok().and_then(|case| case.number(free));
@@ -592,7 +598,7 @@ fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
         // A half-space is thicker than the lens is wide.
         return Ok(widest(case));
     }
-    // It may be just the free key that is missing.
+    // Only the free key may be missing.
     let guess = GUESSES
         .iter()
         .find(|guess| with(file, free, **guess).is_ok());
@@ -606,15 +612,15 @@ fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
     }
 }
 
-/// Values, in SI units, one of which is within reach of any quantity of a texture.
+/// Values, in SI units; at least one is within the range of each quantity of a pattern.
 const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
 
-/// Values between which a free quantity is sought: all that are allowed, as far as a factor of a million from the first.
+/// Range of the search: all valid values, up to a factor of a million from the start.
 fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
     const FARTHEST: f64 = 1e6;
-    /// Beyond so many widths of the lens nothing is known of a thickness.
+    /// Largest thickness in widths of the lens; beyond, a thickness has no measurable effect.
     const THICKEST: f64 = 1e3;
-    /// Relative distance from an end of the range that is not allowed itself.
+    /// Relative distance from a bound that is not valid itself.
     const MARGIN: f64 = 1e-3;
     let (least, greatest) = case.allowed(free);
     let least = match least {
@@ -627,7 +633,7 @@ fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
         Bound::Excluded(greatest) => greatest * (1.0 - MARGIN),
         Bound::Unbounded => first * FARTHEST,
     };
-    // Pillars as wide as the lens, or as far apart, are no texture.
+    // Pillars as wide as the lens, or as far apart, are not a pattern.
     let widest = widest(case);
     match free {
         Key::SubstrateThickness | Key::LensThickness => {
@@ -642,9 +648,9 @@ fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
     }
 }
 
-/// How wide the lens is, m.
+/// Width of the lens, m.
 fn widest(case: &Case) -> f64 {
-    /// Of a plate, which is as wide as it likes.
+    /// Assumed width of a plate, which is unlimited.
     const LARGEST_PITCHES: f64 = 1e6;
     let widest = case.system.lens().widest();
     widest.min(LARGEST_PITCHES * case.system.pitch())
@@ -656,7 +662,7 @@ struct Search<'a> {
     wanted: Wanted,
     run: &'a Run<'a>,
     range: [f64; 2],
-    /// The method that solves the trials instead of that of the case.
+    /// Method of the trials if it differs from that of the case.
     method: Option<Method>,
 }
 
@@ -666,9 +672,9 @@ struct Trial {
     /// The logarithm of the value, `ln x`.
     position: f64,
     outcome: Result<Candidate, Limit>,
-    /// How far it is from what is wanted: infinite where there is no contact.
+    /// Deviation from the target; infinite if there is no contact.
     excess: f64,
-    /// By how much the excess may be wrong.
+    /// Estimated error of the deviation.
     error: f64,
 }
 
@@ -677,12 +683,12 @@ impl Trial {
         within(self.excess.abs(), TOLERANCE.max(SHARPNESS * self.error))
     }
 
-    /// Whether it may be what is wanted, as far as it is known itself.
+    /// Whether it meets the target within its error.
     fn may_be_met(&self) -> bool {
         within(self.excess.abs(), TOLERANCE.max(self.error))
     }
 
-    /// For the search of roots: what meets the wanted value is a root.
+    /// For the root search: a trial that meets the target is a root.
     fn point(&self) -> Point {
         Point {
             position: self.position,
@@ -699,14 +705,15 @@ impl Trial {
     }
 }
 
-/// A search between the ends of the range that found the wanted value nowhere.
+/// A search over the whole range that did not find the target.
 struct Missed {
     trials: Vec<Trial>,
-    /// Where no floor share can be computed, right beyond the last trials downwards and upwards.
+    /// Values just beyond the last trials, downwards and upwards, for which no floor share can be
+    /// computed.
     unsolved: [Option<Trial>; 2],
 }
 
-/// Why there is no contact where one is needed.
+/// Reason why a required contact does not exist.
 fn no_contact(limit: Limit, key: Key) -> DesignError {
     match limit {
         Limit::Solver(error) => error.into(),
@@ -715,7 +722,7 @@ fn no_contact(limit: Limit, key: Key) -> DesignError {
 }
 
 impl Search<'_> {
-    /// The value that the homogenised lattice gives, if it gives any.
+    /// Value for the homogenised lattice, if it exists.
     fn estimate(&self, first: f64) -> Result<Option<f64>, DesignError> {
         match self.find(first, STRIDES[1]) {
             Ok(Ending::Found(candidate) | Ending::OutOfReach(candidate, ..)) => {
@@ -742,14 +749,14 @@ impl Search<'_> {
         Ok(Trial { position, ..trial })
     }
 
-    /// Whether an answer by the homogenised lattice is all that the search has to know.
+    /// Whether a result of the homogenised lattice is sufficient for the search.
     fn is_clear(&self, outline: &Trial, value: f64) -> Result<bool, DesignError> {
         Ok(match &outline.outcome {
             Ok(candidate) => {
                 let pillars = candidate.reached.contact().pillars_in_contact;
                 pillars > MANY_PILLARS && outline.excess.abs() > CLEAR
             }
-            // With that many pillars it knows the contact radius to a per cent.
+            // With this many pillars its contact radius is accurate to one per cent.
             Err(Limit::Solver(SolveError::ContactExceedsLens { lens_radius, .. })) => {
                 let case = with(self.file, self.free, value)?;
                 let widest = 0.5 * lens_radius / case.system.pitch();
@@ -800,14 +807,15 @@ impl Search<'_> {
                 | SolveError::TooLarge { .. }
                 | SolveError::TextureTooDense { .. }),
             ) => Err(Limit::Solver(error)),
-            // The grid on the floor of wide lattices.
+            // Memory for the grid on the floor of wide lattices.
             Err(error @ SolveError::TooManyCells { .. }) if self.wanted.is_share() => {
                 Err(Limit::Solver(error))
             }
             Err(error) => return Err(error.into()),
         };
         let (excess, error) = match &outcome {
-            // A method without a floor finds the transition, where the share begins.
+            // A method without floor contact finds the transition, where the share starts from
+            // zero.
             Ok(candidate) if self.wanted.is_share() && method.is_some() => {
                 (-candidate.reached.to_the_floor(), 0.0)
             }
@@ -825,19 +833,19 @@ impl Search<'_> {
         })
     }
 
-    /// Whether, by the homogenised lattice, so many pillars are in contact at the transition that a cycle takes too long.
+    /// Whether, according to the homogenised lattice, too many pillars are in contact at the transition for a cycle.
     fn has_many_pillars(&self, case: &Case) -> Result<bool, DesignError> {
         let system = case.system.without_adhesion();
         match fakir::transition(&system, Method::Homogenised, self.run) {
             Ok(critical) => Ok(critical.contact.pillars_in_contact > MANY_PILLARS),
             Err(SolveError::Interrupted) => Err(SolveError::Interrupted.into()),
-            // Whether the contact can be solved is for the method of the case to say.
+            // The method of the case decides whether the contact can be solved.
             Err(_) => Ok(false),
         }
     }
 
-    /// The candidate by the method of the case, where an estimate did for the search. Where the
-    /// contact is a little wider than estimated and no longer solved, one nearby.
+    /// The candidate solved with the method of the case, if the search used an estimate. If the
+    /// contact is slightly wider than estimated and cannot be solved, a nearby candidate.
     fn exactly(&self, candidate: Candidate) -> Result<Candidate, DesignError> {
         if candidate.case.method == with(self.file, self.free, candidate.value)?.method {
             return Ok(candidate);
@@ -880,8 +888,8 @@ impl Search<'_> {
         }
     }
 
-    /// Two neighbouring trials with the wanted value between them; or, if there are none, all
-    /// the trials between the ends of the range.
+    /// Two neighbouring trials with the target between them; if there are none, all trials over the
+    /// range.
     fn bracket(
         &self,
         start: Trial,
@@ -900,7 +908,7 @@ impl Search<'_> {
                 (None, _) => front >= ends[1],
             }
         };
-        // Upwards first; then whichever front is nearer to what is wanted.
+        // Upwards first; then the side whose result is closer to the target.
         let mut side = 1;
         while !(side_done(&fronts, &unsolved, 0) && side_done(&fronts, &unsolved, 1)) {
             if side_done(&fronts, &unsolved, side) {
@@ -916,7 +924,8 @@ impl Search<'_> {
             };
             strides[side] *= 2.0;
             let trial = self.trial(next)?;
-            // What cannot be solved has no floor share or pull-off: the range ends before it.
+            // A contact that cannot be solved has no floor share or pull-off force: the range ends
+            // before it.
             if self.wanted.is_coarse() && trial.outcome.is_err() {
                 unsolved[side] = Some(trial);
                 continue;
@@ -938,8 +947,8 @@ impl Search<'_> {
         Ok(Err(Missed { trials, unsolved }))
     }
 
-    /// Closes in on the wanted value between two trials. Where contacts end, a rough search is enough; between
-    /// two values it goes on.
+    /// Refines the bracket between two trials. At the limit of contacts, a rough search is sufficient; between
+    /// two values it continues.
     fn close_in(&self, mut sides: [Trial; 2]) -> Result<Ending, DesignError> {
         let mut root = self.narrow(&mut sides, EDGE)?;
         if sides.iter().all(|trial| trial.excess.is_finite()) {
@@ -965,8 +974,8 @@ impl Search<'_> {
         self.edge(&sides)
     }
 
-    /// Moves two trials on either side of the wanted value together, until their values differ by this part of them or
-    /// one of them meets it.
+    /// Narrows the bracket until the relative difference of the two values is at most the given one, or one of them
+    /// meets the target.
     fn narrow(&self, sides: &mut [Trial; 2], width: f64) -> Result<Option<Root>, DesignError> {
         let ends = [sides[0].point(), sides[1].point()];
         let size = ends[0].position.abs().max(ends[1].position.abs());
@@ -979,7 +988,7 @@ impl Search<'_> {
         })
     }
 
-    /// The outcome where a bracket has become narrow and the wanted value is not in it.
+    /// The outcome if a bracket has become narrow without a value that meets the target.
     fn edge(&self, [low, high]: &[Trial; 2]) -> Result<Ending, DesignError> {
         match (low.outcome.clone(), high.outcome.clone()) {
             (Ok(a), Ok(b)) if low.excess.is_finite() && high.excess.is_finite() => {
@@ -993,8 +1002,8 @@ impl Search<'_> {
         }
     }
 
-    /// The outcome where the wanted value is on one side of all trials: the nearest, sought
-    /// between the neighbours of the nearest trial.
+    /// The outcome if the target is on one side of all trials: the closest value, searched for
+    /// between the neighbours of the closest trial.
     fn nearest(&self, missed: Missed) -> Result<Ending, DesignError> {
         let Missed {
             mut trials,
@@ -1022,7 +1031,7 @@ impl Search<'_> {
         );
         let mut best = trials[best].clone();
         while high.position - low.position > EDGE {
-            // The larger of the two gaps, by the golden section.
+            // Golden section in the larger of the two intervals.
             let (gaps, golden) = (
                 [best.position - low.position, high.position - best.position],
                 0.381_966,
@@ -1063,9 +1072,9 @@ impl Search<'_> {
         }
     }
 
-    /// The sensitivity `d ln(answer)/d ln(x)` by a central difference.
+    /// Sensitivity `d ln(result)/d ln(x)` by a central difference.
     fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
-        // Floor shares and pull-off forces are known to fewer digits: a longer step leaves more of their difference.
+        // Floor shares and pull-off forces have fewer significant digits and require a longer step.
         let step = if self.wanted.is_coarse() { 1e-2 } else { 1e-3 };
         let middle = found.value.ln();
         let sides = [self.trial(middle - step)?, self.trial(middle + step)?];
@@ -1101,7 +1110,7 @@ mod tests {
         file
     }
 
-    /// Takes the critical force of a case, forgets one quantity, finds it again.
+    /// Takes the critical force of a case, removes one quantity, and finds it again.
     #[test]
     fn every_free_quantity_is_found_again() {
         let run = Run::default();
@@ -1131,7 +1140,7 @@ mod tests {
                 else {
                     panic!("{} at {surface_fraction}", free.path());
                 };
-                // A lone pillar hardly knows the pitch.
+                // The force on a single pillar hardly depends on the pitch.
                 let alone = critical.contact.pillars_in_contact == 1;
                 if alone && [Key::Pitch, Key::PitchY, Key::SurfaceFraction].contains(&free) {
                     assert!(sensitivity.abs() < 0.1);
@@ -1139,7 +1148,7 @@ mod tests {
                     let error = (found.value / truth - 1.0).abs();
                     assert!(error < 1e-6, "{}: {error:e}", free.path());
                 }
-                // The case as it is written down gives the wanted force.
+                // The case file of the result gives the target force.
                 let written = CaseFile::parse("found", &found.case.to_toml())
                     .unwrap()
                     .case()
@@ -1172,7 +1181,7 @@ mod tests {
                 let radius = wanted.of(&found.reached);
                 assert!((radius / 100e-6 - 1.0).abs() < 2.0 * TOLERANCE);
             }
-            // The contact radius jumps where the next pillars are touched.
+            // The contact radius jumps where further pillars come into contact.
             Design::Jump(sides) => {
                 let [a, b] = sides.map(|side| wanted.of(&side.reached));
                 assert!((a - 100e-6) * (b - 100e-6) < 0.0);
@@ -1181,11 +1190,11 @@ mod tests {
         }
     }
 
-    /// However wide the pitch, one pillar under the axis bears something: less cannot be had.
+    /// For any pitch, one pillar under the axis carries load: smaller forces are unattainable.
     #[test]
     fn what_cannot_be_had_is_answered_with_the_nearest() {
         let run = Run::default();
-        // A small lens, which pillars side by side do not carry far.
+        // A small lens, for which even a dense pattern has a small critical force.
         let mut file = paper(0.01);
         file.set_number(Key::LensRadius, 3e-4);
         let forces: Vec<f64> = (0..40)
@@ -1214,7 +1223,7 @@ mod tests {
         }
     }
 
-    /// The case as it is written down, pressed again, has the wanted share to within the error that it states itself.
+    /// The case file of the result, solved again, has the target share to within its estimated error.
     #[test]
     #[ignore = "slow: searches with mixed contact"]
     fn a_floor_share_is_had_by_the_case_that_is_found() {
@@ -1241,12 +1250,12 @@ mod tests {
                 "{free}: {off:e}, known to {:e}",
                 floor.error.share
             );
-            // An estimate of no value would meet anything.
+            // An infinite error estimate would meet any target.
             assert!(floor.error.share < 0.05, "{free}: {:e}", floor.error.share);
         }
     }
 
-    /// Pillars farther apart bear less of the same force. The smallest share is hardly past the transition: there the
+    /// Pillars farther apart carry less of the same force. The smallest share is just past the transition, where the
     /// pitch is nearly that of a critical force equal to the load.
     #[test]
     #[ignore = "slow: searches with mixed contact"]
@@ -1269,7 +1278,7 @@ mod tests {
         }
     }
 
-    /// What was found is an answer only if its numbers are resolved.
+    /// A candidate is a valid result only if its numbers are resolved.
     #[test]
     fn a_contact_that_is_not_resolved_is_no_answer() {
         let case = paper(0.01).case().unwrap();
@@ -1280,7 +1289,8 @@ mod tests {
         assert!(!Reached::Pressed(contact).is_answer());
     }
 
-    /// All lengths a thousand times as large with a force a million times as large are the same contact.
+    /// A contact with all lengths larger by a factor of a thousand and a force larger by a million is
+    /// equivalent.
     #[test]
     fn a_floor_share_knows_no_scale() {
         const TIMES: f64 = 1000.0;
@@ -1298,12 +1308,14 @@ mod tests {
             found(&small, Key::Pitch, of(1e-3)),
             found(&large, Key::Pitch, of(1e-3 * TIMES * TIMES)),
         ];
-        // The share is known to 1e-3 of itself, and changes five times as fast as the pitch.
+        // The relative error of the share is 1e-3, and its relative change is five times that of
+        // the pitch.
         let ratio = large.value / small.value / TIMES;
         assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
     }
 
-    /// With pillars that do not shorten, the contact at an indentation is the same by any modulus, up to a factor of all forces.
+    /// With pillars that do not shorten, the contact at an indentation is the same for any modulus, up to a common factor of all
+    /// forces.
     #[test]
     #[ignore = "slow: searches with mixed contact"]
     fn a_floor_share_that_cannot_be_had_is_answered_with_the_nearest() {
@@ -1361,7 +1373,7 @@ mod tests {
         assert!(told.contains("the floor is ignored"), "{told}");
     }
 
-    /// The cycle of the case as it is written down has the wanted pull-off force to within its own numerical error.
+    /// The cycle of the case file of the result has the target pull-off force to within its numerical error.
     #[test]
     fn a_pull_off_force_is_had_by_the_case_that_is_found() {
         let mut file = paper(0.02);
@@ -1390,7 +1402,7 @@ mod tests {
         assert!(matches!(refused, Err(DesignError::NoAdhesion)));
         let mut sticky = file.clone();
         sticky.set("adhesion.work=50mJ/m2").unwrap();
-        // Of stiffer and stiffer pillars on a soft lens the pull-off force does not grow any more.
+        // For increasingly stiff pillars under a soft lens the pull-off force approaches a limit.
         let free = Key::SubstrateYoungModulus;
         let wanted = Wanted::PullOff(1.0);
         let answer = Answer {
@@ -1412,7 +1424,7 @@ mod tests {
         );
     }
 
-    /// Under a cylinder or a plate the floor carries nothing, however low the lens is beside the pillars.
+    /// Under a cylinder or a plate floor contact is ignored, however low the lens is beside the pillars.
     #[test]
     fn a_floor_that_carries_nothing_has_no_share() {
         for shape in ["cylinder", "plate"] {
@@ -1435,7 +1447,7 @@ mod tests {
         }
     }
 
-    /// Of a lens without a radius, and of pillars wider than the lens.
+    /// For a lens without a radius, and for pillars wider than the lens.
     #[test]
     fn every_case_has_ranges() {
         let mut wide = paper(0.03);
@@ -1470,7 +1482,7 @@ mod tests {
         }
     }
 
-    /// The keys are those that can be sought, taken from the key table; ranges are what it allows.
+    /// The free keys are taken from the key table, and their ranges are those of the table.
     #[test]
     fn ranges_are_those_of_the_key_table() {
         let file = paper(0.1);
@@ -1517,7 +1529,7 @@ mod tests {
                 assert!(with(&file, free, end).is_ok(), "{free} = {end}");
             }
         }
-        // The pitch of the case is the farthest that its pillars can grow.
+        // The pitch of the case is the largest possible pillar diameter.
         let mut held = file.clone();
         held.set_number(Key::Pitch, 18e-6);
         let [_, widest] = range(Key::PillarDiameter, 6e-6, &held.case().unwrap());

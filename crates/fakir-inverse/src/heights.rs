@@ -1,12 +1,11 @@
-//! Heights of rounded tops for a wanted curve: area of the force, force of the indentation, or area of the indentation.
+//! Heights of rounded tops for a target curve: area over force, force over indentation, or area over indentation.
 //!
-//! The start are heights for caps that do not act on each other: as many at every depth as rough surfaces with exponential heights have, for which the area
-//! is proportional to the force (J. A. Greenwood and J. B. P. Williamson, Proc. R. Soc. Lond. A 295, 300 (1966)), cut so that every cap is touched under the largest load,
-//! as a cap that is not touched says nothing of its height. They go to the places at random. Least squares on the relative differences at all loads
-//! make them those of the wanted curve, in closed form; and again with all that the caps do to each other, with the exact derivatives of every contact. Caps that are
-//! not touched under the largest load are lifted until they are. A search that ends before the curve is met is followed by others from heights
-//! that are more at random, and the nearest counts. The loads are fewer than the caps as a rule: of all changes that do the same
-//! the smallest is made.
+//! The search starts from heights for caps without interactions. They follow an exponential distribution, for which the area is proportional to the force (J. A. Greenwood
+//! and J. B. P. Williamson, Proc. R. Soc. Lond. A 295, 300 (1966)), truncated so that every cap is in contact under the largest load, because a cap without contact does
+//! not affect the curve. They are assigned to the positions at random. Least squares on the relative differences at all loads adapts them to the target curve, first
+//! without interactions, in closed form, then with interactions and the exact derivatives of every contact. Caps that are not in contact under the largest load are raised
+//! until they are. If a search ends before the curve is met, others follow from more random heights, and the closest result is returned. There are usually fewer loads
+//! than caps: of all equivalent changes the smallest is made.
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
@@ -15,57 +14,59 @@ use fakir::problem::{Accuracy, Cap, CapField, Indenter, InvalidCaps, Load};
 use fakir::state::{CapContact, Run, SolveError};
 use std::f64::consts::PI;
 
-/// Steps of least squares, for independent caps and for all.
+/// Largest number of least-squares steps, for independent caps and with interactions.
 const INDEPENDENT_STEPS: usize = 200;
 const STEPS: usize = 60;
 
-/// How many searches there are until the curve is met, and how many starts each has for independent caps.
+/// Largest number of searches, and number of starts of each for independent caps.
 const SEARCHES: usize = 4;
 const STARTS: usize = 16;
 
-/// Sums of squares that a step is compared with.
+/// Number of previous sums of squares with which a step is compared.
 const MEMORY: usize = 4;
 
-/// Damping of the smallest, relative to the largest square of a gradient.
+/// Smallest damping, relative to the largest square of a gradient.
 const LEAST_DAMPING: f64 = 1e-12;
 
-/// Largest relative difference that counts as none, and as reached.
+/// Largest relative differences at which the search ends, and at which the curve counts as met.
 const EXACT: f64 = 1e-8;
 const REACHED: f64 = 1e-5;
 
-/// Part by which the sum of squares has to become less, within so many steps.
+/// Relative decrease of the sum of squares that is required within a number of steps.
 const WORTHWHILE: f64 = 1e-2;
 const PATIENCE: usize = 4;
 
-/// How often caps are lifted that are not touched.
+/// Largest number of times that caps without contact are raised.
 const LIFTS: usize = 8;
 
-/// Part of the largest overlap by which the first step may change a height, and by which a cap is lifted beyond touching.
+/// Fractions of the largest overlap: limit of the change of a height in the first step, and distance by which a cap is
+/// raised beyond contact.
 const FIRST_STEP: f64 = 0.05;
 const LIFTED: f64 = 0.02;
 
-/// Part of the largest load at which the last cap of the start is touched.
+/// Fraction of the largest load at which the last cap of the start comes into contact.
 const TOUCHED_AT: f64 = 0.9;
 
-/// `sqrt(pi rho/s)` is the area over the force, times the reduced modulus, of exponential heights of scale `s`.
+/// For exponential heights of scale `s`, the area over the force, times the reduced modulus, is `sqrt(pi
+/// rho/s)`.
 const EXPONENTIAL: f64 = PI;
 
-/// What interactions change of the area under a force, at the most.
+/// Largest relative change of the area under a force due to interactions.
 const INTERACTIONS: f64 = 0.05;
 
-/// Which curve is wanted.
+/// Kind of target curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Curve {
-    /// Area (m^2) of the force (N).
+    /// Area (m^2) over force (N).
     AreaOfForce,
-    /// Force (N) of the indentation (m), which counts from the common level.
+    /// Force (N) over indentation (m), which is measured from the common level.
     ForceOfIndentation,
-    /// Area (m^2) of the indentation (m).
+    /// Area (m^2) over indentation (m).
     AreaOfIndentation,
 }
 
 impl Curve {
-    /// What is prescribed: `"force"` or `"indentation"`.
+    /// Prescribed load: `"force"` or `"indentation"`.
     #[must_use]
     pub fn load_name(self) -> &'static str {
         match self {
@@ -74,7 +75,7 @@ impl Curve {
         }
     }
 
-    /// What is wanted there: `"area"` or `"force"`.
+    /// Target quantity: `"area"` or `"force"`.
     #[must_use]
     pub fn value_name(self) -> &'static str {
         match self {
@@ -83,13 +84,13 @@ impl Curve {
         }
     }
 
-    /// The curve in words: `"area of the force"`.
+    /// Description: `"area of the force"`.
     #[must_use]
     pub fn words(self) -> String {
         format!("{} of the {}", self.value_name(), self.load_name())
     }
 
-    /// The load that is prescribed.
+    /// Prescribed load.
     #[must_use]
     pub fn control(self, load: f64) -> Load {
         match self {
@@ -108,7 +109,7 @@ impl Curve {
     }
 }
 
-/// A load with the value that is wanted there.
+/// A load with its target value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WantedPoint {
     /// Force (N) or indentation (m).
@@ -117,44 +118,45 @@ pub struct WantedPoint {
     pub value: f64,
 }
 
-/// What heights come to.
+/// Designed heights and their values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightDesign {
-    /// Of every cap, above the common level, m. For the area of the force, where a common shift changes nothing, the highest is on that level.
+    /// Height of every cap above the common level, m. For area over force, where a common shift has no effect, the highest cap is on that
+    /// level.
     pub heights: Vec<f64>,
-    /// What they come to at every load.
+    /// Values at every load.
     pub points: Vec<DesignedPoint>,
-    /// Rounds of least squares with interactions.
+    /// Number of least-squares steps with interactions.
     pub rounds: usize,
 }
 
 /// A load of a design.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DesignedPoint {
-    /// What was wanted.
+    /// Target.
     pub wanted: WantedPoint,
-    /// Value that the heights have.
+    /// Value of the designed heights.
     pub value: f64,
-    /// Value that heights have which are designed as if caps did not act on each other.
+    /// Value, with interactions, of heights that are designed without interactions.
     pub of_independent_design: f64,
-    /// Value of these by the model that they were designed by.
+    /// Value of these heights in the model without interactions.
     pub independent: f64,
-    /// Caps that are touched.
+    /// Number of caps in contact.
     pub touched: usize,
-    /// Root of the sum of squares of the derivatives of the value with all heights, m^2/m or N/m: what errors of the heights of 1 m, independent and normal,
-    /// would scatter the value by.
+    /// Root of the sum of squares of the derivatives of the value with respect to all heights, m^2/m or N/m: standard deviation of the value per standard
+    /// deviation of independent height errors.
     pub with_heights: f64,
 }
 
 impl DesignedPoint {
-    /// Relative standard deviation of the value if all heights have independent errors of that standard deviation (m), as long as these are small: no
-    /// contact begins or ends by them.
+    /// Relative standard deviation of the value if all heights have independent errors of the given standard deviation (m). The errors must be so
+    /// small that no cap comes into contact or detaches.
     #[must_use]
     pub fn scatter(&self, height_error: f64) -> f64 {
         self.with_heights * height_error / self.value
     }
 
-    /// Relative difference of the value from what was wanted.
+    /// Relative difference of the value from the target.
     #[must_use]
     pub fn residual(&self) -> f64 {
         self.value / self.wanted.value - 1.0
@@ -162,35 +164,34 @@ impl DesignedPoint {
 }
 
 impl HeightDesign {
-    /// The largest relative difference from what was wanted.
+    /// Largest relative difference from the target.
     #[must_use]
     pub fn largest_residual(&self) -> f64 {
         let residuals = self.points.iter().map(|point| point.residual().abs());
         residuals.fold(0.0, f64::max)
     }
 
-    /// Root of the mean square of the relative differences.
+    /// Root mean square of the relative differences.
     #[must_use]
     pub fn rms_residual(&self) -> f64 {
         let squares = self.points.iter().map(|point| point.residual().powi(2));
         (squares.sum::<f64>() / self.points.len() as f64).sqrt()
     }
 
-    /// Whether the curve is met at all loads, to 1e-5. If it is not these are the heights that come nearest, as far as was found: the curve is out of reach
-    /// of these caps.
+    /// Whether the curve is met at all loads, to 1e-5. Otherwise these are the closest heights found: the target curve is unattainable with these caps.
     #[must_use]
     pub fn is_reached(&self) -> bool {
         self.largest_residual() <= REACHED
     }
 
-    /// How many caps are touched at some load.
+    /// Number of caps that are in contact at some load.
     #[must_use]
     pub fn touched(&self) -> usize {
         let touched = self.points.iter().map(|point| point.touched);
         touched.max().unwrap_or(0)
     }
 
-    /// What was reached in words.
+    /// Result as a sentence.
     #[must_use]
     pub fn verdict(&self) -> String {
         let largest = 100.0 * self.largest_residual();
@@ -204,27 +205,27 @@ impl HeightDesign {
     }
 }
 
-/// Why there are no heights.
+/// Errors of a design of heights.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeightDesignError {
-    /// No loads, or loads or values that are not above zero, or not finite, or in no rising order.
+    /// No loads, or loads or values that are not positive, not finite, or not in increasing order.
     #[error(
         "point {number} (counted from 0) of the wanted curve is a load of {load} and a value of {value}: loads and values must be finite and above 0, and \
          loads rise"
     )]
     WantedPoint {
-        /// Which one.
+        /// Index of the load.
         number: usize,
-        /// Its load, N or m.
+        /// Load, N or m.
         load: f64,
-        /// Its value, m^2 or N.
+        /// Value, m^2 or N.
         value: f64,
     },
-    /// Nothing is wanted.
+    /// No target.
     #[error("the wanted curve has no points: give one at least")]
     NoPoints,
-    /// A curve that falls or stays.
+    /// A curve that does not increase.
     #[error(
         "the wanted {} does not rise from {before:e} to {value:e} between the {} {from:e} and {load:e} (SI units): contacts only \
          grow with the load; the nearest that can be had is a curve that rises little there", .curve.value_name(), .curve.load_name()
@@ -232,7 +233,7 @@ pub enum HeightDesignError {
     Falls {
         /// Which curve.
         curve: Curve,
-        /// Which point, counted from 0: the second of the two.
+        /// Index of the second of the two points, from 0.
         number: usize,
         /// The load before.
         from: f64,
@@ -243,27 +244,27 @@ pub enum HeightDesignError {
         /// The value, which is not larger.
         value: f64,
     },
-    /// An area that these caps do not have under a force, whatever their heights.
+    /// An area under a force that is unattainable with these caps for any heights.
     #[error(
         "an area of {value:e} m^2 is wanted under a force of {load:e} N: whatever their heights, these {caps} caps have from \
          {least:.4e} m^2, where one bears it all, to {most:.4e} m^2, where all bear the same; other areas take another radius of curvature, \
          another number of caps or another modulus"
     )]
     AreaOutOfReach {
-        /// Which point, counted from 0.
+        /// Index of the point, from 0.
         number: usize,
         /// Its force, N.
         load: f64,
         /// The wanted area, m^2.
         value: f64,
-        /// How many caps there are.
+        /// Number of caps.
         caps: usize,
-        /// The least area, m^2.
+        /// Smallest possible area, m^2.
         least: f64,
-        /// The largest area, m^2.
+        /// Largest possible area, m^2.
         most: f64,
     },
-    /// Heights that are no numbers.
+    /// Heights that are not finite.
     #[error(transparent)]
     Caps(#[from] InvalidCaps),
     /// The start cannot be solved.
@@ -274,11 +275,12 @@ pub enum HeightDesignError {
     Interrupted,
 }
 
-/// Finds heights of the caps of a field for a wanted curve. Their own heights do not matter; which height goes to which place does by a per cent or so, and is drawn
-/// with a seed.
+/// Finds heights of the caps of a field for a target curve. The given heights are ignored. The assignment of heights to positions, which affects the result by about
+/// one per cent, is random with a seed.
 ///
 /// # Errors
-/// See [`HeightDesignError`]. A curve that is out of reach is none: see [`HeightDesign::is_reached`].
+/// See [`HeightDesignError`]. An unattainable curve is not an error: see
+/// [`HeightDesign::is_reached`].
 pub fn design_heights(
     field: &CapField,
     curve: Curve,
@@ -352,7 +354,7 @@ pub fn design_heights(
     });
     let mut heights = designed.heights;
     if curve == Curve::AreaOfForce {
-        // A common shift changes nothing: the highest counts as the common level.
+        // A common shift has no effect: the highest cap defines the common level.
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         heights.iter_mut().for_each(|height| *height -= highest);
     }
@@ -363,7 +365,7 @@ pub fn design_heights(
     })
 }
 
-/// One search: heights for independent caps, what they really come to, and the heights that were found from there.
+/// One search: heights for independent caps, their values with interactions, and the heights found from there.
 struct Search<'a> {
     alone: Fitted<'a>,
     of_independent_design: Vec<f64>,
@@ -409,11 +411,11 @@ struct Row {
     value: f64,
     slopes: Vec<f64>,
     touched: usize,
-    /// Gaps of the caps that are not touched, m.
+    /// Gaps of the caps without contact, m.
     gaps: Vec<f64>,
 }
 
-/// Heights, with what they come to.
+/// Heights with their values.
 struct Fitted<'a> {
     wanted: &'a [WantedPoint],
     heights: Vec<f64>,
@@ -454,8 +456,8 @@ impl<'a> Fitted<'a> {
         self.largest() <= EXACT
     }
 
-    /// Makes the residuals as small as they get. Where they get no smaller, caps are lifted that are not touched, if there are any, and so on; the best that
-    /// was found counts. `rows` are those of other heights, if these have any.
+    /// Minimises the residuals. When they no longer decrease, caps without contact are raised, if there are any, and the search continues; the best result
+    /// is returned. `rows` are the rows of the initial heights, if they are known.
     fn least_squares(
         mut self,
         steps: usize,
@@ -485,8 +487,8 @@ impl<'a> Fitted<'a> {
         Ok(self)
     }
 
-    /// The method of Gauss and Newton within a distance that is trusted. The area bends sharply where a cap is touched first, so that a step may have to go up to get to the
-    /// other side: it counts if it is below the sums a few steps before.
+    /// Gauss-Newton method with a trust region. The area has a kink where a cap comes into contact, so that a step may have to increase the sum of squares to pass it: a
+    /// step is accepted if the sum is below those of a few previous steps.
     fn descend(
         &mut self,
         steps: usize,
@@ -550,8 +552,7 @@ impl<'a> Fitted<'a> {
         Ok(())
     }
 
-    /// The smallest changes that take the residuals away, as far as they are within the distance that is trusted; and the sum of squares
-    /// that is left of straight curves.
+    /// Smallest changes that remove the residuals within the trust region, and the remaining sum of squares in linear approximation.
     fn step(&self, trusted: f64) -> Option<(Vec<f64>, f64)> {
         let residuals = Self::residuals(self.wanted, &self.rows);
         let slope = |k: usize, cap: usize| self.rows[k].slopes[cap] / self.wanted[k].value;
@@ -581,7 +582,7 @@ impl<'a> Fitted<'a> {
         None
     }
 
-    /// The heights with those caps lifted that are not touched under the largest load, if there are any.
+    /// Raises the caps that are not in contact under the largest load, if there are any.
     fn lifted(&self, overlap: f64) -> Option<Vec<f64>> {
         let last = self.rows.last()?;
         let away = |gap: &f64| *gap > 0.0;
@@ -600,12 +601,12 @@ impl<'a> Fitted<'a> {
     }
 }
 
-/// Caps that act on each other.
+/// Caps with interactions.
 struct Interacting<'a> {
     field: &'a CapField,
     curve: Curve,
     wanted: &'a [WantedPoint],
-    /// The last contact at every load.
+    /// Last contact at every load.
     last: Vec<CapContact>,
     run: &'a Run<'a>,
 }
@@ -619,7 +620,7 @@ impl Interacting<'_> {
             let near = self.last.get(number).or(contacts.last());
             let contact = field.press_quickly(control, Accuracy::Default, near, self.run);
             match contact {
-                // What did not converge is no value.
+                // A solution that did not converge has no value.
                 Ok(contact) if !contact.converged() => {
                     return Ok(Err(SolveError::NotFinite { what: "contact" }));
                 }
@@ -652,18 +653,18 @@ impl Interacting<'_> {
     }
 }
 
-/// Caps that do not act on each other: each is a contact of Hertz's.
+/// Caps without interactions: each is a Hertz contact.
 struct Independent {
     curve: Curve,
     modulus: f64,
     caps: Vec<Lone>,
 }
 
-/// A cap by itself.
+/// A single cap.
 struct Lone {
-    /// By how much the lens is higher over it than on its axis, m.
+    /// Height of the lens above it relative to its axis, m.
     sunk: f64,
-    /// Its curvature and that of the lens together, 1/m.
+    /// Sum of its curvature and that of the lens, 1/m.
     curvature: f64,
     /// m/N
     compliance: f64,
@@ -682,7 +683,7 @@ impl Lone {
         }
     }
 
-    /// At an overlap with the undeformed lens.
+    /// Values at an overlap with the undeformed lens.
     fn pressed(&self, overlap: f64, modulus: f64) -> Pressed {
         if overlap <= 0.0 {
             return [[0.0; 2]; 2];
@@ -691,7 +692,7 @@ impl Lone {
             let root = (depth / self.curvature).sqrt();
             [4.0 / 3.0 * modulus * depth * root, 2.0 * modulus * root]
         };
-        // Newton's method from above, on a function that bends upwards.
+        // Newton's method from above, on a convex function.
         let mut depth = overlap;
         for _ in 0..60 {
             let [force, stiffness] = hertz(depth);
@@ -729,8 +730,9 @@ impl Independent {
         }
     }
 
-    /// Refuses areas that caps do not have under a force. Without interactions the area on a cap is `pi (3 F_n/(4 E* k_n))^(2/3)` (Hertz), and the
-    /// sum of these is largest where the forces are as `k_n^-2`, and least where the most curved cap bears all. Interactions change them by some per cent.
+    /// Refuses areas that are unattainable under a force. Without interactions the area on a cap is `pi (3 F_n/(4 E* k_n))^(2/3)` (Hertz). The sum of
+    /// these areas is largest if the forces are proportional to `k_n^-2`, and smallest if the cap with the largest curvature carries the whole load.
+    /// Interactions change them by some per cent.
     fn check_areas(&self, wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
         if self.curve != Curve::AreaOfForce {
             return Ok(());
@@ -767,8 +769,8 @@ impl Independent {
         total
     }
 
-    /// Heights for caps that do not act on each other, and the largest overlap under the largest load, m: the first that are exact, or those that come nearest
-    /// of some starts, which are all at random if the first is to be.
+    /// Heights for caps without interactions, and the largest overlap under the largest load, m: the first exact ones, or the closest of several starts. If
+    /// the first start is random, all are.
     fn design<'w>(
         &self,
         wanted: &'w [WantedPoint],
@@ -802,7 +804,7 @@ impl Independent {
         best.ok_or(HeightDesignError::NoPoints)
     }
 
-    /// Heights to start from, and the largest overlap under the largest load, m.
+    /// Initial heights, and the largest overlap under the largest load, m.
     fn start(
         &self,
         wanted: &[WantedPoint],
@@ -817,7 +819,7 @@ impl Independent {
                 0.5
             }
         };
-        // Half as steep to twice as steep.
+        // From half the slope to twice the slope.
         let steepness = 4f64.powf(shift() - 0.5);
         let places: Vec<f64> = (0..count)
             .map(|k| (k as f64 + shift()) / count as f64)
@@ -835,7 +837,7 @@ impl Independent {
                     let all = (most / scale).exp_m1();
                     places.clone().map(|u| scale * (u * all).ln_1p()).collect()
                 };
-                // As deep as the load presses them.
+                // As deep as the load requires.
                 let force = |most: f64| {
                     let overlaps = depths(most).into_iter().map(|depth| most - depth);
                     self.total(overlaps)[0][0]
@@ -904,7 +906,7 @@ impl Independent {
         rows.collect()
     }
 
-    /// The indentation under a force, from a smaller one.
+    /// Indentation under a force, starting from a smaller one.
     fn lowered(&self, tops: &[f64], load: f64, from: f64) -> f64 {
         let force = |indentation: f64| self.total(tops.iter().map(|top| indentation + top))[0];
         let (mut low, mut step) = (from, self.caps[0].curvature.recip() * 1e-6);
@@ -912,7 +914,7 @@ impl Independent {
             low += step;
             step *= 2.0;
         }
-        // Newton's method comes down from above.
+        // Newton's method converges from above.
         let mut indentation = low + step;
         for _ in 0..100 {
             let [value, slope] = force(indentation);

@@ -1,12 +1,14 @@
-//! The inverse questions: what must be made, how far it scatters, and what was measured.
+//! Inverse problems: design, scatter of samples, and fits of measured data.
 //!
-//! * [`design`](mod@design) turns the question round: which value gives a wanted critical force, or floor share.
-//! * [`heights`] finds heights of rounded tops for a wanted curve, which [`target`] reads; [`pillar_heights`] are
-//!   those of the pillars of a case.
-//! * [`spread`](mod@spread) draws samples about a case, and says how far their critical states scatter.
+//! * [`design`](mod@design) finds the value of a parameter that gives a target critical force, contact radius,
+//!   pull-off force or floor share.
+//! * [`heights`] finds heights of rounded tops for a target curve, which [`target`] reads; [`pillar_heights`]
+//!   applies it to the pillars of a case.
+//! * [`spread`](mod@spread) draws samples about a case and computes the scatter of their critical
+//!   states.
 //! * [`fit`](mod@fit) finds moduli, sizes and instrument parameters from measured loading curves.
-//! * [`DesignSummary`] and [`fit::FitSummary`] are the answers as JSON objects, as
-//!   [`fakir_study::result`] has all others; [`Spread::table`](spread::Spread::table) and
+//! * [`DesignSummary`] and [`fit::FitSummary`] are the results as JSON objects;
+//!   [`fakir_study::result`] contains all others. [`Spread::table`](spread::Spread::table) and
 //!   [`Fit::table`](fit::Fit::table) are their tables.
 
 mod derivative;

@@ -1,4 +1,5 @@
-//! Heights of the pillars of a case for a wanted curve, solved again as they are made.
+//! Heights of the pillars of a case for a target curve. The contact is solved again with the
+//! designed pillars.
 
 use crate::heights::{
     Curve, DesignedPoint, HeightDesign, HeightDesignError, WantedPoint, design_heights,
@@ -8,30 +9,30 @@ use fakir::state::{CapContact, Run, SolveError};
 use fakir_case::RoundedCase;
 use fakir_study::{Column, Table, Values};
 
-/// How often heights are sought again as pillars of other heights give way by more or less, and the relative change of their compliances that
-/// counts as none.
+/// Largest number of repetitions of the search (the compliance of a pillar depends on its height), and the relative change of compliance
+/// below which it ends.
 const COLUMN_ROUNDS: usize = 6;
 const SAME_COMPLIANCE: f64 = 1e-7;
 
-/// Room under the lowest pillar that the advice for a height of the common one leaves, m over m.
+/// Relative height of the lowest pillar above the floor that the advised common height leaves.
 const ROOM: f64 = 1.05;
 
-/// Pillars that were designed.
+/// Designed pillars.
 #[derive(Debug, Clone)]
 pub struct PillarHeights {
     /// The case with their heights.
     pub case: RoundedCase,
-    /// Which curve was wanted.
+    /// Kind of target curve.
     pub curve: Curve,
-    /// What was found. The values are those of the pillars as they are made.
+    /// Result. The values are those of the designed pillars.
     pub design: HeightDesign,
-    /// Estimated relative error of the values, the largest of all loads; none if there is no estimate.
+    /// Largest estimated relative error of the values over all loads; `None` without an estimate.
     pub relative_error: Option<f64>,
     /// The contact under the largest load.
     pub last: CapContact,
 }
 
-/// Why pillars could not be designed.
+/// Errors of a design of pillars.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PillarHeightsError {
@@ -49,19 +50,19 @@ pub enum PillarHeightsError {
         /// The load, N or m.
         load: f64,
     },
-    /// A pillar whose top would be below the floor.
+    /// The top of a pillar would be below the floor.
     #[error(
         "the lowest pillar would end {:.4e} m below the floor: give texture.pillar.height as {:.3e} m or more", -.lowest, .needed
     )]
     BelowFloor {
         /// Height of the lowest pillar, m; not above 0.
         lowest: f64,
-        /// Height of the common pillar with which it would be above the floor, m.
+        /// Common height for which it would be above the floor, m.
         needed: f64,
     },
 }
 
-/// Finds heights of the pillars of a case for a wanted curve, and solves the contact with them, with error estimates. Where pillars give way as columns, that
+/// Finds heights of the pillars of a case for a target curve, and solves the contact with these pillars, with error estimates. The compliance of columns
 /// follows the heights. See [`design_heights`].
 ///
 /// # Errors
@@ -132,7 +133,7 @@ fn have_same_columns(one: &CapField, other: &CapField) -> bool {
 }
 
 impl PillarHeights {
-    /// Lowest and highest pillar, m over the floor.
+    /// Height of the lowest and the highest pillar above the floor, m.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         let heights = self.case.heights();
@@ -141,7 +142,7 @@ impl PillarHeights {
         [lowest, highest]
     }
 
-    /// What was reached in words.
+    /// Result as a sentence.
     #[must_use]
     pub fn statement(&self) -> String {
         let pillars = self.case.field.caps().len();
@@ -152,8 +153,8 @@ impl PillarHeights {
         )
     }
 
-    /// The curve: what was wanted at every load, what the heights come to, and what a design without interactions does: `curve.csv`. With a
-    /// standard deviation of the heights (m), also the relative one of the values.
+    /// Table `curve.csv`: the target at every load, the value of the designed heights, and that of a design without interactions. If the
+    /// standard deviation of the heights (m) is given, also the relative standard deviation of the values.
     #[must_use]
     pub fn table(&self, height_error: Option<f64>) -> Table {
         let points = &self.design.points;

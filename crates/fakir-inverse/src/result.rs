@@ -1,4 +1,4 @@
-//! A design and a spread as one JSON object.
+//! Design and spread as one JSON object.
 
 use crate::design::{Answer, Design, Reached, Wanted};
 use crate::pillar_heights::PillarHeights;
@@ -10,7 +10,7 @@ use fakir_study::result::{CycleSummary, press, transition};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// A design, a spread, or both: what `fakir design --json` prints.
+/// A design, a spread, or both, as `fakir design --json` prints it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignSummary {
     method: &'static str,
@@ -23,7 +23,7 @@ pub struct DesignSummary {
 }
 
 impl DesignSummary {
-    /// The summary of an answer and a spread, one of which may be missing. `wall_time` is how long both took, s.
+    /// Summary of a design and a spread, one of which may be missing. `wall_time` is the time of both, s.
     #[must_use]
     pub fn new(
         method: Method,
@@ -47,21 +47,22 @@ struct AnswerObject {
     free: &'static str,
     wanted: Map<String, Value>,
     status: &'static str,
-    /// The value, its unit in its name.
+    /// The value, with the unit in the name.
     #[serde(flatten)]
     value: Map<String, Value>,
-    /// The relative change of what is wanted over that of the value, `d ln(wanted)/d ln(value)`.
+    /// Sensitivity `d ln(target)/d ln(value)`: relative change of the target quantity over that of
+    /// the value.
     sensitivity: Option<f64>,
     statement: String,
-    /// The least and the greatest that was found, where no value gives what is wanted.
+    /// Smallest and largest value found, if the target is unattainable.
     #[serde(skip_serializing_if = "Option::is_none")]
     reachable_pull_off_force_N: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     critical_state: Option<Object>,
-    /// The contact under the load of a wanted floor share.
+    /// The contact under the load of a target floor share.
     #[serde(skip_serializing_if = "Option::is_none")]
     state: Option<Object>,
-    /// The cycle of a wanted pull-off force.
+    /// The cycle of a target pull-off force.
     #[serde(skip_serializing_if = "Option::is_none")]
     cycle: Option<CycleSummary>,
 }
@@ -137,15 +138,15 @@ struct SpreadObject {
     critical_force_N: Option<StatisticsObject>,
     critical_indentation_m: Option<StatisticsObject>,
     critical_contact_radius_m: Option<StatisticsObject>,
-    /// None, as the next, where nothing sticks.
+    /// `None` without adhesion, as the next field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pull_off_force_N: Option<StatisticsObject>,
     #[serde(skip_serializing_if = "Option::is_none")]
     hysteresis_J: Option<StatisticsObject>,
-    /// None unless indentations were asked for.
+    /// Empty unless indentations were given.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pressed: Vec<PressedObject>,
-    /// None where the samples alone tell.
+    /// `None` if there are no derivatives.
     #[serde(skip_serializing_if = "Option::is_none")]
     first_order: Option<FirstOrderObject>,
 }
@@ -158,7 +159,7 @@ struct PressedObject {
     force_N: Option<StatisticsObject>,
 }
 
-/// Standard deviations by the exact derivatives of the critical state.
+/// Standard deviations from the exact derivatives of the critical state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct FirstOrderObject {
@@ -213,7 +214,7 @@ impl SpreadObject {
     }
 }
 
-/// A design of heights: what `fakir design --free heights --json` prints.
+/// A design of heights, as `fakir design --free heights --json` prints it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HeightsSummary {
     method: &'static str,
@@ -231,7 +232,7 @@ struct HeightsObject {
     statement: String,
     largest_residual: f64,
     rms_residual: f64,
-    /// Of the values, the largest of all loads.
+    /// Largest relative error of the values over all loads.
     relative_error_estimate: Option<f64>,
     pillars: usize,
     pillars_in_contact: usize,
@@ -245,7 +246,7 @@ struct HeightsObject {
 }
 
 impl HeightsSummary {
-    /// The summary of a design that was made with a seed, with the standard deviation of the heights (m) if it is known, and that took so many seconds.
+    /// Summary of a design, with its seed, the standard deviation of the heights (m) if known, and the time in seconds.
     #[must_use]
     pub fn new(
         found: &PillarHeights,

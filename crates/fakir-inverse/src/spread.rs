@@ -1,8 +1,9 @@
-//! How far the critical state of a texture scatters: sizes and moduli that vary from sample to
-//! sample, pillars of which each has its own height or is missing, and a lens that lands anywhere on the lattice. Where pillar
-//! tops stick every sample is pulled off again, and so is told how far pull-off and hysteresis scatter.
+//! Scatter of the critical state of a pattern: sizes and moduli vary from sample to sample, pillars have different heights or
+//! are missing, and the lens axis has any position on the lattice. With adhesive tops every sample is also unloaded, which
+//! gives the scatter of pull-off force and hysteresis.
 //!
-//! Beside the samples stands what the exact derivatives of the critical state make of the deviations to first order.
+//! In addition to the samples, the scatter to first order is computed from the exact derivatives of the critical
+//! state.
 
 use crate::derivative::ByKey;
 use chacha20::ChaCha12Rng;
@@ -15,10 +16,10 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A quantity that varies, normally distributed about its value in the case file.
+/// A varying quantity, normally distributed about its value in the case file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// The key of the quantity.
+    /// Key of the quantity.
     pub key: Key,
     /// Its standard deviation.
     pub deviation: Deviation,
@@ -29,13 +30,13 @@ pub struct Tolerance {
 pub enum Deviation {
     /// In SI units.
     Absolute(f64),
-    /// As a part of the value.
+    /// As a fraction of the value.
     Relative(f64),
 }
 
 impl Deviation {
-    /// Reads the deviation of a key: `"0.05 um"`, or `"3 %"` of its value. A number without a unit must be plausible: a deviation may be much
-    /// smaller than the value.
+    /// Reads the standard deviation of a key: `"0.05 um"`, or `"3 %"` of its value. A number without a unit must be plausible; a deviation
+    /// may be much smaller than the value.
     ///
     /// # Errors
     /// [`QuantityError`]
@@ -49,18 +50,18 @@ impl Deviation {
     }
 }
 
-/// Where the lens lands.
+/// Position of the lens axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Landing {
-    /// Anywhere on the lattice, all places being equally likely.
+    /// Anywhere on the lattice, uniformly distributed.
     #[default]
     Anywhere,
-    /// Where the case file says.
+    /// As in the case file.
     AsGiven,
 }
 
 impl Landing {
-    /// Its name in results: `"anywhere"` or `"as_given"`.
+    /// Name in results: `"anywhere"` or `"as_given"`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -70,46 +71,46 @@ impl Landing {
     }
 }
 
-/// What is drawn.
+/// Settings of the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
-    /// The quantities that vary.
+    /// Varying quantities.
     pub tolerances: Vec<Tolerance>,
-    /// Where the lens lands.
+    /// Position of the lens axis.
     pub landing: Landing,
-    /// Indentations, m, at which the force on every sample is told too.
+    /// Indentations, m, at which the force on every sample is computed too.
     pub indentations: Vec<f64>,
-    /// Number of samples, 2 or more.
+    /// Number of samples, at least 2.
     pub samples: usize,
-    /// Decides all that is random. A sample depends on it and on its own number alone.
+    /// Seed of all random numbers. A sample depends only on it and on the number of the sample.
     pub seed: u64,
 }
 
 impl Sampling {
-    /// As many samples are drawn unless asked otherwise.
+    /// Default number of samples.
     pub const SAMPLES: usize = 500;
-    /// The seed unless asked otherwise.
+    /// Default seed.
     pub const SEED: u64 = 1;
 }
 
 /// One sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// Values of the quantities that vary, in SI units, in the order of the tolerances.
+    /// Values of the varying quantities, in SI units, in the order of the tolerances.
     pub values: Vec<f64>,
     /// Distance of the lens axis from a pillar centre, in pitches.
     pub offset: f64,
     /// Direction of the offset, rad.
     pub offset_angle: f64,
-    /// What the heights of its pillars and those that are missing were drawn from, `texture.seed`; none where pillars do not scatter.
+    /// Seed of heights and missing pillars, `texture.seed`; `None` if pillars do not scatter.
     pub texture_seed: Option<u32>,
-    /// Critical force, indentation and contact radius, or why there are none.
+    /// Critical force, indentation and contact radius, or the reason why there are none.
     pub outcome: Result<Critical, String>,
-    /// Forces (N) at the indentations that were asked for; none of a sample without a critical state.
+    /// Forces (N) at the given indentations; empty for a sample without a critical state.
     pub forces: Vec<f64>,
 }
 
-/// The numbers of a critical state.
+/// Values of a critical state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Critical {
     /// `F_c`, N.
@@ -118,21 +119,21 @@ pub struct Critical {
     pub indentation: f64,
     /// `a_c`, m.
     pub contact_radius: f64,
-    /// How the lens comes off again; none where nothing sticks.
+    /// Values of the unloading; `None` without adhesion.
     pub pull_off: Option<PullOff>,
 }
 
-/// The numbers of a lens that is pulled off tops that stick, from the critical state.
+/// Values of the unloading from the critical state, with adhesive tops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PullOff {
-    /// Largest pull, N: negative.
+    /// Pull-off force, N, negative.
     pub force: f64,
     /// Area of the loop of force over indentation, J.
     pub hysteresis: f64,
 }
 
-/// Standard deviations of the critical state to first order in those of the quantities that vary and of the heights of all pillars, by its exact
-/// derivatives where the lens lands as given. Where it lands scatters besides.
+/// Standard deviations of the critical state to first order in those of the varying quantities and of the heights of all pillars, from its exact
+/// derivatives at the given position of the lens axis. The scatter of this position is not included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrder {
     /// Of the critical force, N.
@@ -141,40 +142,40 @@ pub struct FirstOrder {
     pub indentation: f64,
 }
 
-/// The samples and what they say.
+/// Samples and their scatter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
-    /// In the order they were drawn.
+    /// Samples, in the order in which they were drawn.
     pub samples: Vec<Sample>,
-    /// The spread to first order, or why there is none.
+    /// Scatter to first order, or the reason why there is none.
     pub first_order: Result<FirstOrder, String>,
 }
 
-/// Why there is no spread.
+/// Errors of a spread.
 #[derive(Debug, thiserror::Error)]
 pub enum SpreadError {
-    /// A case that cannot be.
+    /// Invalid case.
     #[error(transparent)]
     Case(#[from] CaseError),
     /// The computation was stopped.
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
-    /// A key that is no number of the case.
+    /// A key that is not a number of the case.
     #[error("{} has no tolerance: it must be a number that the case file gives", .0.path())]
     NotVariable(Key),
-    /// A key that is given twice.
+    /// A key is given twice.
     #[error("{} has two tolerances", .0.path())]
     Twice(Key),
     /// A deviation that is not greater than zero.
     #[error("the standard deviation of {} must be a number greater than 0", .0.path())]
     NotPositive(Key),
-    /// A deviation so large that hardly any sample can be.
+    /// A deviation so large that hardly any sample is valid.
     #[error("hardly any sample is possible: with these deviations {problem}: give smaller ones")]
     Impossible {
-        /// What is wrong with the samples.
+        /// Error of the samples.
         problem: String,
     },
-    /// A landing anywhere among listed pillars.
+    /// Random positions of the lens axis among listed pillars.
     #[error(
         "listed pillars have no cell in which a lens lands anywhere: vary texture.axis_x and texture.axis_y in its place"
     )]
@@ -182,20 +183,20 @@ pub enum SpreadError {
     /// Fewer than two samples.
     #[error("a spread takes at least 2 samples")]
     TooFew,
-    /// An indentation at which there is no force.
+    /// An invalid indentation.
     #[error("there is no force at an indentation of {0} m: give finite lengths")]
     NoIndentation(f64),
 }
 
-/// Draws of one sample before giving up: values that cannot be, such as a negative height, are
-/// drawn again, which cuts the normal distribution off.
+/// Largest number of draws of one sample. Invalid values, such as a negative height, are drawn
+/// again, which truncates the normal distribution.
 const DRAWS: usize = 100;
 
-/// Critical states of samples drawn about a case, by the method of the case; with tops that stick also how the lens
-/// comes off from there. `done` is told the number of samples that are done.
+/// Computes the critical states of samples drawn about a case, with the method of the case; with adhesive tops also
+/// the unloading. `done` receives the number of finished samples.
 ///
 /// # Errors
-/// See [`SpreadError`]. Samples without a solution are no error: they say why.
+/// See [`SpreadError`]. Samples without a solution are not an error: they contain the reason.
 pub fn spread(
     file: &CaseFile,
     sampling: &Sampling,
@@ -221,7 +222,7 @@ pub fn spread(
     }
     let first_order = first_order(file, &case, &varied, run)?;
     let count = AtomicUsize::new(0);
-    // Threads share the samples, and every sample is computed by one thread.
+    // Threads share the samples; every sample is computed by one thread.
     let single = Run {
         pool: None,
         progress: None,
@@ -254,12 +255,12 @@ pub fn spread(
     })
 }
 
-/// How the pillars of a lattice scatter, if they do.
+/// Scatter of the pillars of a lattice, if any.
 fn disorder(arrangement: &Arrangement) -> Option<Disorder> {
     Some(arrangement.disorder()).filter(|disorder| !disorder.is_none())
 }
 
-/// The spread to first order, or why there is none.
+/// Scatter to first order, or the reason why there is none.
 fn first_order(
     file: &CaseFile,
     case: &Case,
@@ -305,7 +306,7 @@ fn first_order(
     Ok(both)
 }
 
-/// Keys that vary, with mean and standard deviation.
+/// Varying keys, with mean and standard deviation.
 fn varied(file: &CaseFile, tolerances: &[Tolerance]) -> Result<Vec<(Key, f64, f64)>, SpreadError> {
     let mut varied: Vec<(Key, f64, f64)> = Vec::new();
     for Tolerance { key, deviation } in tolerances {
@@ -331,11 +332,11 @@ fn varied(file: &CaseFile, tolerances: &[Tolerance]) -> Result<Vec<(Key, f64, f6
 
 struct Draw<'a> {
     file: &'a CaseFile,
-    /// Of the lattice, if it is one.
+    /// Cell of the lattice; `None` for other arrangements.
     cell: Option<Cell>,
     varied: &'a [(Key, f64, f64)],
     sampling: &'a Sampling,
-    /// Whether every sample has pillars of its own heights, or lacks others.
+    /// Whether the samples differ in the heights of their pillars or in missing pillars.
     scatters: bool,
 }
 
@@ -361,7 +362,7 @@ impl Draw<'_> {
                 file.set_number(Key::Offset, offset);
                 file.set_number(Key::OffsetAngle, offset_angle);
             }
-            // A number of a case file holds 32 bits exactly.
+            // A number of a case file represents 32 bits exactly.
             let texture_seed = self
                 .scatters
                 .then(|| Distribution::<u32>::sample(&StandardUniform, &mut random));
@@ -395,7 +396,8 @@ impl Draw<'_> {
         Err(SpreadError::Impossible { problem })
     }
 
-    /// The critical state of a sample and the forces at the indentations, or why there are none to be relied on.
+    /// Critical state of a sample and forces at the indentations, or the reason why there are no reliable
+    /// values.
     fn answers(
         &self,
         case: &Case,
@@ -417,8 +419,8 @@ impl Draw<'_> {
         Ok(Ok((critical, forces)))
     }
 
-    /// A place on the lattice, as distance (pitches) and direction from the nearest pillar: uniform
-    /// over a parallelogram of lattice vectors, which is one cell.
+    /// A position on the lattice, as distance (pitches) and direction from the nearest pillar:
+    /// uniformly distributed over a parallelogram of lattice vectors, which is one cell.
     fn land(&self, random: &mut ChaCha12Rng) -> (f64, f64) {
         let [u, v]: [f64; 2] =
             std::array::from_fn(|_| Distribution::<f64>::sample(&StandardUniform, random));
@@ -427,7 +429,7 @@ impl Draw<'_> {
         };
         let at = |u: f64, v: f64| [0, 1].map(|k| u * vectors[0][k] + v * vectors[1][k]);
         let point = at(u, v);
-        // Seen from the nearest corner of the cell, where pillars stand.
+        // Relative to the nearest corner of the cell, where the pillars are.
         let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(i, j)| at(i, j));
         let from = |corner: Point| [point[0] - corner[0], point[1] - corner[1]];
         let away = |[x, y]: &Point| x.hypot(*y);
@@ -448,7 +450,7 @@ struct Cell {
 }
 
 impl Cell {
-    /// None of listed pillars.
+    /// `None` for listed pillars.
     fn of(arrangement: &Arrangement) -> Option<Self> {
         let form = arrangement.lattice()?.form;
         Some(Self {
@@ -458,13 +460,13 @@ impl Cell {
     }
 }
 
-/// Where the lens axis stands on a lattice: distance (pitches) and direction (rad) from a pillar.
+/// Position of the lens axis on a lattice: distance (pitches) and direction (rad) from a pillar.
 fn landed(arrangement: &Arrangement) -> (f64, f64) {
     let lattice = arrangement.lattice();
     lattice.map_or((0.0, 0.0), |lattice| (lattice.offset, lattice.offset_angle))
 }
 
-/// The critical state of a sample, or why there is none to be relied on.
+/// Critical state of a sample, or the reason why there is no reliable one.
 fn outcome(case: &Case, run: &Run<'_>) -> Result<Result<Critical, String>, SolveError> {
     if case.system.adhesion().is_none() {
         let critical = fakir::transition(&case.system, case.method, run)?;
@@ -487,10 +489,10 @@ impl Critical {
         }
     }
 
-    /// None of a cycle that does not end with the lens off.
+    /// `None` for a cycle that does not end with the lens detached.
     fn of_cycle(cycle: &Cycle) -> Option<Self> {
         cycle.separation?;
-        // A lens that nothing pulls at comes off without force.
+        // Without tensile force the lens detaches without a pull-off force.
         let force = cycle.pull_off.as_ref().map_or(0.0, |it| it.force);
         Some(Self {
             pull_off: Some(PullOff {
@@ -502,7 +504,7 @@ impl Critical {
     }
 }
 
-/// The random numbers of one sample.
+/// Random numbers of one sample.
 fn stream(seed: u64, number: usize) -> ChaCha12Rng {
     use chacha20::rand_core::SeedableRng;
     let mut random = ChaCha12Rng::seed_from_u64(seed);
@@ -510,18 +512,18 @@ fn stream(seed: u64, number: usize) -> ChaCha12Rng {
     random
 }
 
-/// Position and width of a distribution, estimated from samples.
+/// Location and width of a distribution, estimated from samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// Mean.
     pub mean: f64,
     /// Standard deviation.
     pub deviation: f64,
-    /// Percentages with their percentiles.
+    /// Percentages and their percentiles.
     pub percentiles: Vec<(f64, f64)>,
 }
 
-/// Percentages of which the percentiles are given.
+/// Percentages whose percentiles are computed.
 pub const PERCENTAGES: [f64; 7] = [2.5, 5.0, 25.0, 50.0, 75.0, 95.0, 97.5];
 
 impl Spread {
@@ -532,14 +534,15 @@ impl Spread {
             .filter_map(|sample| sample.outcome.as_ref().ok())
     }
 
-    /// Reasons of the samples without a solution.
+    /// Reasons for samples without a solution.
     pub fn failures(&self) -> impl Iterator<Item = &str> {
         self.samples
             .iter()
             .filter_map(|sample| sample.outcome.as_ref().err().map(String::as_str))
     }
 
-    /// Every sample, what was drawn and its critical state or why there is none: `samples.csv`.
+    /// Table `samples.csv`: the values drawn for every sample and its critical state, or the reason
+    /// why there is none.
     #[must_use]
     pub fn table(&self, sampling: &Sampling) -> Table {
         let samples = || self.samples.iter();
@@ -611,26 +614,26 @@ impl Spread {
         Table { columns }
     }
 
-    /// Mean, deviation and percentiles of one number of the critical states; `None` with fewer
-    /// than two of them.
+    /// Mean, standard deviation and percentiles of one value of the critical states; `None` for
+    /// fewer than two of them.
     pub fn summary(&self, pick: impl Fn(&Critical) -> f64) -> Option<Summary> {
         Self::summary_of(self.found().map(pick).collect())
     }
 
-    /// Mean, deviation and percentiles of one number of how the lens comes off; `None` where nothing sticks.
+    /// Mean, standard deviation and percentiles of one value of the unloading; `None` without adhesion.
     pub fn pull_off_summary(&self, pick: impl Fn(&PullOff) -> f64) -> Option<Summary> {
         let pulled = self.found().filter_map(|it| it.pull_off.as_ref());
         Self::summary_of(pulled.map(pick).collect())
     }
 
-    /// Mean, deviation and percentiles of the force at one of the indentations that were asked for, by its place among them.
+    /// Mean, standard deviation and percentiles of the force at one of the given indentations, by its index.
     #[must_use]
     pub fn force_summary(&self, place: usize) -> Option<Summary> {
         let forces = self.samples.iter().filter_map(|it| it.forces.get(place));
         Self::summary_of(forces.copied().collect())
     }
 
-    /// Whether the lens was pulled off.
+    /// Whether the samples were unloaded.
     #[must_use]
     pub fn sticks(&self) -> bool {
         self.found().any(|critical| critical.pull_off.is_some())
@@ -656,12 +659,12 @@ impl Spread {
 
 /// Name of the column of forces at an indentation (m): `force_at_1.5_um_N`.
 fn force_column(indentation: f64) -> String {
-    // To the picometre, without the rounding of a unit.
+    // Rounded to the picometre, to remove rounding errors of the unit.
     let micrometres = (indentation * 1e12).round() / 1e6;
     format!("force_at_{micrometres}_um_N")
 }
 
-/// The percentile of sorted values, linear between them (definition 7 of R. J. Hyndman, Y. Fan,
+/// Percentile of sorted values, with linear interpolation (definition 7 of R. J. Hyndman, Y. Fan,
 /// Am. Stat. 50, 361 (1996)).
 fn percentile(sorted: &[f64], percentage: f64) -> f64 {
     let position = percentage / 100.0 * (sorted.len() - 1) as f64;
@@ -692,7 +695,7 @@ mod tests {
         }
     }
 
-    /// All forces scale with both moduli: their relative spread is that of the moduli.
+    /// All forces scale with both moduli: their relative scatter is that of the moduli.
     #[test]
     fn a_spread_of_the_moduli_is_a_spread_of_the_force() {
         let tolerance = Tolerance {
@@ -718,7 +721,8 @@ mod tests {
         assert!((summary.mean / reference.contact.force - 1.0).abs() < 0.02);
     }
 
-    /// Pressed by 0.1 nm the lens touches four of the largest cells of the mesh, and none of the cells that are twice as large.
+    /// At an indentation of 0.1 nm the lens touches four of the finest cells of the mesh, and none of the cells that are twice
+    /// as large.
     #[test]
     fn samples_whose_numbers_are_not_resolved_fail() {
         let mut coarse = file();
@@ -769,7 +773,7 @@ mod tests {
         assert!(offsets.iter().all(|o| o.0 <= 1.0 / 3f64.sqrt() + 1e-12));
     }
 
-    /// A square lattice of phi = 0.03 on which the lens stands beside every symmetry, of pillars that scatter.
+    /// A square lattice of phi = 0.03 with scattered pillars and the lens axis off all symmetry lines.
     fn scattered(height_spread: f64, missing: f64) -> CaseFile {
         let mut file = CaseFile::parse("square", &Case::example().to_toml()).unwrap();
         file.set("texture.lattice=square").unwrap();
@@ -781,7 +785,8 @@ mod tests {
         file
     }
 
-    /// Every pillar of every sample has its own height, and small ones change the critical state as its derivatives say.
+    /// Every pillar of every sample has a separate height, and small deviations change the critical state as its
+    /// derivatives predict.
     #[test]
     #[ignore = "slow: many samples"]
     fn heights_of_pillars_scatter_to_first_order() {
@@ -806,7 +811,7 @@ mod tests {
             // Three standard errors of a deviation, 1/sqrt(2 * 59).
             assert!((ratio - 1.0).abs() < 3.0 / 118f64.sqrt(), "{ratio}");
         }
-        // Each sample is the case with its seed and values.
+        // Each sample equals the case with its seed and values.
         for sample in &spread.samples[..2] {
             let mut file = file.clone();
             file.set_number(Key::TextureSeed, f64::from(sample.texture_seed.unwrap()));
@@ -824,7 +829,7 @@ mod tests {
         );
     }
 
-    /// Samples lack other pillars each.
+    /// Different pillars are missing in each sample.
     #[test]
     fn pillars_are_missing_anew_in_every_sample() {
         let sampling = sampling(Vec::new(), Landing::AsGiven, 8);

@@ -1,4 +1,4 @@
-//! Tables of a wanted curve.
+//! Tables of a target curve.
 
 use crate::fit::DataError;
 use crate::heights::{Curve, WantedPoint};
@@ -6,8 +6,8 @@ use fakir_case::input::{self, LARGEST_TABLE};
 use fakir_case::unit::{Dimension, parse_quantity};
 use std::path::Path;
 
-/// A curve that is wanted, from a CSV file of two columns: a heading with the units, as in `force_mN,area_um2`, and a row for every point; lines
-/// that begin with `#` are passed over.
+/// A target curve, from a CSV file with two columns: a heading with the units, as in `force_mN,area_um2`, and a row for every point; lines that
+/// begin with `#` are ignored.
 ///
 /// | columns | curve |
 /// |---|---|
@@ -18,16 +18,16 @@ use std::path::Path;
 /// Units are `N`, `mN`, `uN`, `nN`; `m`, `mm`, `um`, `nm`; `m2`, `mm2`, `um2`, `nm2`. Points may come in any order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
-    /// Which curve.
+    /// Kind of curve.
     pub curve: Curve,
-    /// Its points by rising load, in SI units.
+    /// Points, by increasing load, in SI units.
     pub points: Vec<WantedPoint>,
-    /// The line of each.
+    /// Line of each point in the file.
     lines: Vec<u64>,
     name: String,
 }
 
-/// What a column holds.
+/// Quantity of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     Indentation,
@@ -79,7 +79,7 @@ impl Target {
         }
     }
 
-    /// Reads the contents of a CSV file; `name` is what errors call it.
+    /// Reads the contents of a CSV file; `name` is its name in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -178,7 +178,7 @@ impl Target {
         })
     }
 
-    /// What is wrong with a point of the curve, at its line of the file.
+    /// Error of a point of the curve, with its line in the file.
     #[must_use]
     pub fn at_point(&self, number: usize, problem: String) -> DataError {
         DataError {

@@ -1,9 +1,9 @@
-//! The columns of measured curves, and why their values cannot be used.
+//! Columns of measured curves, and errors in their values.
 
 use fakir::state::Branch;
 use fakir_case::unit::Dimension;
 
-/// A column of measured values, in SI units; the branch as 0 of loading and 1 of unloading.
+/// A column of measured values, in SI units; the branch is 0 for loading and 1 for unloading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // see `Column::name`
 pub enum Column {
@@ -34,7 +34,7 @@ impl Column {
         Self::Branch,
     ];
 
-    /// Its heading: `"displacement_m"`, `"force_error_N"`.
+    /// Heading: `"displacement_m"`, `"force_error_N"`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -51,7 +51,7 @@ impl Column {
         }
     }
 
-    /// What it is of, without a unit: `"displacement"`, `"force_error"`.
+    /// Name of the quantity without a unit: `"displacement"`, `"force_error"`.
     #[must_use]
     pub fn quantity(self) -> &'static str {
         match self {
@@ -68,7 +68,7 @@ impl Column {
         }
     }
 
-    /// What it measures; none of times and branches.
+    /// Dimension; `None` for times and branches.
     pub(super) fn dimension(self) -> Option<Dimension> {
         match self {
             Self::Force | Self::ForceError => Some(Dimension::Force),
@@ -77,7 +77,7 @@ impl Column {
         }
     }
 
-    /// Of a column of standard errors, the column they belong to.
+    /// For a column of standard errors, the column to which they belong.
     pub(super) fn errors_of(self) -> Option<Self> {
         match self {
             Self::DisplacementError => Some(Self::Displacement),
@@ -107,13 +107,13 @@ impl Column {
     }
 }
 
-/// The branch that a value of the column stands for.
+/// Branch that corresponds to a value of the column.
 pub(super) fn branch(value: f64) -> Option<Branch> {
     let mut named = [(0.0, Branch::Loading), (1.0, Branch::Unloading)].into_iter();
     named.find_map(|(number, branch)| value.total_cmp(&number).is_eq().then_some(branch))
 }
 
-/// Why measured values cannot be used.
+/// An error in measured values.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{name}{}: {}{problem}", .line.map_or(String::new(), |line| format!(":{line}")),
         .column.as_ref().map_or(String::new(), |column| format!("{column}: ")))]
@@ -124,6 +124,6 @@ pub struct DataError {
     pub line: Option<u64>,
     /// The column.
     pub column: Option<String>,
-    /// What is wrong, and what would be right.
+    /// Description of the error, and what is accepted.
     pub problem: String,
 }

@@ -1,12 +1,13 @@
-//! The curve of a cycle of loading and unloading with adhesion, and what it is on average over stretches.
+//! The curve of a cycle of loading and unloading with adhesion, and its averages over intervals.
 
 use fakir::problem::Drive;
 use fakir::state::{Branch, Cycle};
 
-/// A place of the curve.
+/// A point of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
-    /// Where it is: indentation plus machine compliance times force, m; or the force, N, if that is the load.
+    /// Position: indentation plus machine compliance times force, m; or the force, N, if the force is the
+    /// load.
     pub(super) position: f64,
     /// Indentation, m.
     pub(super) indentation: f64,
@@ -16,27 +17,27 @@ pub(super) struct Place {
     pub(super) contact_radius: f64,
 }
 
-/// Force and contact radius over a stretch of the curve.
+/// Force or contact radius over an interval of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Average {
-    /// Value of the straight line through the stretch.
+    /// Value of the straight line through the interval.
     pub(super) force: f64,
     pub(super) contact_radius: f64,
     /// Slope of that line.
     pub(super) force_slope: f64,
     pub(super) radius_slope: f64,
-    /// Mean square of how far the force is from that line: that of its jumps.
+    /// Mean square deviation of the force from that line, which is due to jumps.
     pub(super) force_variance: f64,
 }
 
-/// Loading and unloading, each in the order of rising position.
+/// Loading and unloading, each in the order of increasing position.
 pub(super) struct Curve {
     loading: Vec<Place>,
     unloading: Vec<Place>,
 }
 
 impl Curve {
-    /// The curve of a cycle. `compliance` is that of the machine, m/N, where the position is that of its crosshead.
+    /// Curve of a cycle. `compliance` is the machine compliance, m/N, if the position is that of the crosshead.
     pub(super) fn new(cycle: &Cycle, compliance: f64) -> Self {
         let of = |branch: Branch| {
             let stations = cycle.stations.iter().filter(move |s| s.branch == branch);
@@ -69,7 +70,7 @@ impl Curve {
         }
     }
 
-    /// The places of a branch in the order of rising position.
+    /// Points of a branch in the order of increasing position.
     pub(super) fn places(&self, branch: Branch) -> &[Place] {
         match branch {
             Branch::Loading => &self.loading,
@@ -77,12 +78,12 @@ impl Curve {
         }
     }
 
-    /// Where the lens turns.
+    /// Point of the largest load.
     pub(super) fn turn(&self) -> Option<Place> {
         self.loading.last().copied()
     }
 
-    /// The curve at a position: without contact before its first place, and its last place beyond that.
+    /// The curve at a position: no contact before the first point, and the last point beyond the end.
     pub(super) fn at(&self, branch: Branch, position: f64) -> Place {
         let places = self.places(branch);
         let above = places.partition_point(|place| place.position < position);
@@ -98,7 +99,7 @@ impl Curve {
         }
     }
 
-    /// The straight line through the curve from half a stretch below the position to half a stretch above, as far as the curve goes.
+    /// Straight line fitted to the curve from half an interval below the position to half an interval above, limited to the curve.
     pub(super) fn average(&self, branch: Branch, position: f64, stretch: f64) -> Average {
         let end = self.turn().map_or(f64::INFINITY, |turn| turn.position);
         let (low, high) = (
@@ -129,7 +130,7 @@ impl Curve {
         }
     }
 
-    /// The places between two positions, with those at both ends.
+    /// Points between two positions, including both ends.
     fn pieces(&self, branch: Branch, low: f64, high: f64) -> Vec<Place> {
         let places = self.places(branch);
         let mut pieces = vec![self.at(branch, low)];
@@ -137,7 +138,7 @@ impl Curve {
         if let Some(first) = places.first()
             && low < first.position
         {
-            // Nothing is in contact up to there.
+            // There is no contact up to this point.
             let position = first.position.min(high);
             pieces.push(Place {
                 position,
@@ -171,11 +172,11 @@ fn between(low: Place, high: Place, position: f64) -> Place {
     }
 }
 
-/// The straight line nearest to a function that is straight between places.
+/// Straight line fitted to a function that is linear between points.
 struct Line {
     mean: f64,
     slope: f64,
-    /// Mean square of how far the function is from it.
+    /// Mean square deviation of the function from it.
     variance: f64,
 }
 
@@ -185,7 +186,7 @@ impl Line {
         let mean = integral(pieces, |a, b, step| {
             step * f64::midpoint(value(a), value(b))
         }) / length;
-        // Integrals of the function less its mean, with the position and squared.
+        // Integrals of the function minus its mean: times the position, and squared.
         let first = integral(pieces, |a, b, step| {
             let (x, y) = (a.position - centre, b.position - centre);
             let (f, g) = (value(a) - mean, value(b) - mean);
@@ -240,19 +241,19 @@ mod tests {
     fn averages_by_hand() {
         let curve = saw();
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
-        // Where the curve is straight, and at its end.
+        // In a straight part of the curve, and at its end.
         for (position, force) in [(1.0, 1.0), (3.2, 2.2), (4.0, 3.0)] {
             let average = curve.average(Branch::Loading, position, 1.0);
             assert!(close(average.force, force) && close(average.force_slope, 1.0));
             assert!(close(average.force_variance, 0.0));
         }
-        // A jump of -1 amid a stretch of 1: the mean of 2 to 1 about it; its step against a straight line has slope
-        // -12/8 and leaves 1/4 - (3/2)^2/12.
+        // A jump of -1 in the middle of an interval of 1: the mean of 2 and 1. The straight line through a step has
+        // the slope -12/8, and the residual is 1/4 - (3/2)^2/12.
         let average = curve.average(Branch::Loading, 2.0, 1.0);
         assert!(close(average.force, 1.5));
         assert!(close(average.force_slope, 1.0 - 1.5));
         assert!(close(average.force_variance, 0.25 - 2.25 / 12.0));
-        // Nothing before contact.
+        // No force before contact.
         let average = curve.average(Branch::Unloading, -3.0, 1.0);
         assert!(close(average.force, 0.0) && close(curve.at(Branch::Loading, -1.0).force, 0.0));
     }

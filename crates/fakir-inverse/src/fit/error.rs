@@ -10,28 +10,28 @@ use fakir_case::CaseError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
-    /// A case that cannot be.
+    /// Invalid case.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// Data that cannot be.
+    /// Invalid data.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// No contact could be computed.
+    /// The contact could not be computed.
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
-    /// Nothing to be fitted.
+    /// No free parameter.
     #[error("nothing is free: give one or more of {}", parameter_names())]
     NothingFree,
-    /// A parameter that is given twice.
+    /// A parameter is given twice.
     #[error("{} is given twice", .0.name())]
     Twice(Parameter),
     /// A parameter that cannot be fitted.
     #[error("{} cannot be fitted: give one of {}", .0.name(), parameter_names())]
     NotFree(Parameter),
-    /// A parameter of which the case does not say where to begin.
+    /// A parameter without an initial value in the case.
     #[error("{} is not in the case: give it there, for the fit to begin with", .0.name())]
     NotGiven(Parameter),
-    /// A parameter of the instrument, without a reading of it.
+    /// A parameter of the instrument, but the data contain no reading of it.
     #[error("{name}: {} takes a column displacement_m", .parameter.name())]
     NoDisplacement {
         /// The file.
@@ -39,7 +39,7 @@ pub enum FitError {
         /// The parameter.
         parameter: Parameter,
     },
-    /// An offset of forces without forces.
+    /// A force offset, but the data contain no forces.
     #[error("{name}: {} takes a column force_N", .parameter.name())]
     NoForce {
         /// The file.
@@ -47,10 +47,10 @@ pub enum FitError {
         /// The parameter.
         parameter: Parameter,
     },
-    /// More starts than a fit has.
+    /// Too many starts.
     #[error("{0} starts: give 1 to {MOST_STARTS}")]
     TooManyStarts(usize),
-    /// A work of adhesion without the data that show it.
+    /// A work of adhesion, but the data cannot determine it.
     #[error(
         "{name}: {} takes rows of the unloading: on loading adhesion hardly shows, and pull-off does", .parameter.name()
     )]
@@ -60,7 +60,7 @@ pub enum FitError {
         /// The parameter.
         parameter: Parameter,
     },
-    /// A work of adhesion of which neither the case nor the data say where to begin.
+    /// A work of adhesion without an initial value in case or data.
     #[error(
         "{name}: no force of the unloading pulls: give {} in the case, for the fit to begin with", .parameter.name()
     )]
@@ -70,10 +70,10 @@ pub enum FitError {
         /// The parameter.
         parameter: Parameter,
     },
-    /// A number that cannot be.
+    /// Invalid number.
     #[error("{0} must be a finite number")]
     NotFinite(&'static str),
-    /// Fewer data than a fit takes.
+    /// Too few data.
     #[error(
         "{name}: {} before the transition {} too few for {}{}", counted(*.values, "measured value"), are(*.values),
         counted(*.parameters, "parameter"), if *.estimated { " and their scatter: one more is needed, or errors" } else { "" }
@@ -81,11 +81,11 @@ pub enum FitError {
     TooFewData {
         /// The file.
         name: String,
-        /// Values that can be used.
+        /// Number of values that can be used.
         values: usize,
-        /// Parameters to be fitted.
+        /// Number of free parameters.
         parameters: usize,
-        /// Whether an error has to be estimated too.
+        /// Whether an error must be estimated too.
         estimated: bool,
     },
     /// Too few values to estimate their errors.
@@ -98,10 +98,10 @@ pub enum FitError {
         name: String,
         /// Name of the quantity.
         quantity: &'static str,
-        /// How many there are.
+        /// Number of values.
         values: usize,
     },
-    /// A machine so compliant that no force balances it.
+    /// The machine is so compliant that there is no equilibrium.
     #[error(
         "with a machine compliance of {compliance:e} m/N there is no contact at the displacement \
          {reading:e} m"
@@ -117,12 +117,12 @@ pub enum FitError {
     NoDerivatives,
 }
 
-/// A number of things: `1 value`, `3 values`.
+/// Count with a noun: `1 value`, `3 values`.
 fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The verb for so many things.
+/// The verb for a count.
 fn are(count: usize) -> &'static str {
     if count == 1 { "is" } else { "are" }
 }
@@ -132,7 +132,7 @@ impl FitError {
         matches!(self, Self::Solve(SolveError::Interrupted))
     }
 
-    /// Whether a state is too far for the model, which may solve others.
+    /// Whether only this state is outside the model, which may solve others.
     pub(super) fn is_out_of_reach(&self) -> bool {
         use SolveError as S;
         matches!(

@@ -3,13 +3,13 @@
 use fakir::numerics::dense::Matrix;
 use fakir::numerics::svd::Svd;
 
-/// Singular values below this part of the largest, with the columns scaled to the same length,
-/// count as zero: derivatives are differences, good to about 1e-4.
+/// Singular values below this fraction of the largest, with the columns scaled to the same norm,
+/// are set to zero: derivatives are differences with errors of about 1e-4.
 const RANK: f64 = 1e-4;
 
-/// Weighted derivatives of the model at a point, decomposed.
+/// Decomposition of the weighted derivatives of the model at a point.
 pub(super) struct Linear {
-    /// The Euclidean lengths of the columns, by which they are divided before the decomposition.
+    /// Euclidean norms of the columns, by which they are divided before the decomposition.
     lengths: Vec<f64>,
     left: Matrix,
     singular: Vec<f64>,
@@ -17,8 +17,8 @@ pub(super) struct Linear {
 }
 
 impl Linear {
-    /// `rows` are derivatives of a value over its standard error, one for every unknown. `None` if
-    /// they are not finite.
+    /// `rows` contain the derivatives of each value with respect to every unknown, divided by the
+    /// standard error of the value. `None` if they are not finite.
     pub(super) fn new(rows: &[Vec<f64>], unknowns: usize) -> Option<Self> {
         let lengths: Vec<f64> = (0..unknowns)
             .map(|j| rows.iter().map(|row| row[j] * row[j]).sum::<f64>().sqrt())
@@ -54,8 +54,8 @@ impl Linear {
         self.singular[k] > RANK * self.singular[0]
     }
 
-    /// Levenberg-Marquardt step for these residuals; the Gauss-Newton step with a damping of 0.
-    /// Directions that the data do not see are left alone.
+    /// Levenberg-Marquardt step for these residuals; a damping of 0 gives the Gauss-Newton step.
+    /// There is no step in undetermined directions.
     pub(super) fn step(&self, residuals: &[f64], damping: f64) -> Vec<f64> {
         let mut step = vec![0.0; self.unknowns()];
         for k in (0..self.unknowns()).filter(|k| self.is_seen(*k)) {
@@ -75,7 +75,8 @@ impl Linear {
         step
     }
 
-    /// What is left of a vector, a number for each value, without what the unknowns explain of it.
+    /// Projects a vector, with one number for each value, orthogonally to the effects of the
+    /// unknowns.
     pub(super) fn rest(&self, vector: &[f64]) -> Vec<f64> {
         let mut rest = vector.to_vec();
         for k in (0..self.unknowns()).filter(|k| self.is_seen(*k)) {
@@ -91,7 +92,7 @@ impl Linear {
         rest
     }
 
-    /// How far each datum draws the fit to itself, 0 to 1.
+    /// Leverage of each datum, from 0 to 1.
     pub(super) fn leverages(&self, count: usize) -> Vec<f64> {
         let seen = || (0..self.unknowns()).filter(|k| self.is_seen(*k));
         (0..count)
@@ -99,7 +100,7 @@ impl Linear {
             .collect()
     }
 
-    /// Covariance of the unknowns, without the directions that the data do not see.
+    /// Covariance of the unknowns, without undetermined directions.
     pub(super) fn covariance(&self) -> Vec<Vec<f64>> {
         let entry = |a: usize, b: usize| {
             if self.lengths[a] <= 0.0 || self.lengths[b] <= 0.0 {
@@ -117,9 +118,9 @@ impl Linear {
             .collect()
     }
 
-    /// Directions that the data do not see: the unknowns that take part in each.
+    /// Undetermined directions: the unknowns involved in each.
     pub(super) fn unseen(&self) -> Vec<Vec<usize>> {
-        /// An unknown takes part in a direction if its component is larger than this.
+        /// Smallest component of an unknown that is involved in a direction.
         const PART: f64 = 0.05;
         let alone = (0..self.unknowns()).filter(|j| self.lengths[*j] <= 0.0);
         let mut directions: Vec<Vec<usize>> = alone.map(|j| vec![j]).collect();
@@ -156,7 +157,7 @@ mod tests {
             assert!((leverage - expected).abs() < 1e-12);
         }
         assert!(linear.unseen().is_empty());
-        // Of squares 0, 1, 4, 9 a straight line leaves 1, -1, -1, 1.
+        // The residuals of a straight line through 0, 1, 4, 9 are 1, -1, -1, 1.
         let rest = linear.rest(&[0.0, 1.0, 4.0, 9.0]);
         for (rest, expected) in rest.iter().zip([1.0, -1.0, -1.0, 1.0]) {
             assert!((rest - expected).abs() < 1e-12);
@@ -165,7 +166,7 @@ mod tests {
 
     #[test]
     fn what_the_data_do_not_see() {
-        // The first two unknowns only as their sum, the last not at all.
+        // Only the sum of the first two unknowns is determined, the last one not at all.
         let rows: Vec<Vec<f64>> = (1..5)
             .map(|x| vec![f64::from(x), f64::from(x), 1.0, 0.0])
             .collect();

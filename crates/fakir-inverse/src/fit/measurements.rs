@@ -6,11 +6,11 @@ use fakir::state::Branch;
 use fakir_case::input::{self, LARGEST_TABLE};
 use std::path::Path;
 
-/// What the position of the lens was measured as.
+/// Kind of the measured position of the lens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Position {
-    /// The reading of the instrument, which the contact point and the compliance of the machine
-    /// turn into an indentation.
+    /// Reading of the instrument; contact point and machine compliance convert it into an
+    /// indentation.
     Displacement,
     /// The indentation itself.
     Indentation,
@@ -21,16 +21,16 @@ pub enum Position {
 /// A measured value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// In SI units.
+    /// Value in SI units.
     pub value: f64,
-    /// Standard error, if it is known.
+    /// Standard error, if known.
     pub error: Option<f64>,
 }
 
 /// One measured state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement {
-    /// Line of the file it is from, or its number, counted from 1.
+    /// Line in the file, or row number, from 1.
     pub line: u64,
     /// Displacement or indentation, m.
     pub position: Option<Measured>,
@@ -38,14 +38,14 @@ pub struct Measurement {
     pub force: Option<Measured>,
     /// Contact radius, m.
     pub contact_radius: Option<Measured>,
-    /// Whether it was measured on loading or on unloading, if the data say so.
+    /// Branch, if the data contain it.
     pub branch: Option<Branch>,
-    /// When, s, if the data say so.
+    /// Time, s, if the data contain it.
     pub time: Option<f64>,
 }
 
 impl Measurement {
-    /// Whether it has a load and something that was measured under it.
+    /// Whether it has a load and a quantity measured under it.
     fn is_usable(&self) -> bool {
         match self.position {
             Some(_) => self.force.is_some() || self.contact_radius.is_some(),
@@ -76,7 +76,8 @@ impl Quantity {
         }
     }
 
-    /// What was measured of it in a row and is to be compared; a force that is the load is not.
+    /// Value of the quantity in a row that is compared with the model; a force that is the load is
+    /// not compared.
     #[must_use]
     pub fn of(self, row: &Measurement) -> Option<Measured> {
         match self {
@@ -88,10 +89,10 @@ impl Quantity {
 
 /// A measured loading experiment.
 ///
-/// As a file: a heading, then a row for every state, cells that were not measured empty. Between columns are commas, semicolons or tabs;
-/// with the latter two, numbers can have decimal commas. Lines before the heading, and lines that begin with `#`, `%`, `;`, `//` or `!`, are
-/// passed over. Columns, in any order and as far as measured, in any known unit, which stands in the name (`force_uN`), in the heading
-/// (`Load [mN]`) or in a row of units below:
+/// A file contains a heading, then a row for every state; cells that were not measured are empty. Columns are separated by commas,
+/// semicolons or tabs; with the latter two, numbers may have decimal commas. Lines before the heading and lines that begin with `#`, `%`,
+/// `;`, `//` or `!` are ignored. The following columns are recognised, in any order and in any known unit, which is in the name
+/// (`force_uN`), in the heading (`Load [mN]`) or in a row of units below:
 ///
 /// | column | |
 /// |---|---|
@@ -102,10 +103,9 @@ impl Quantity {
 /// | `time_s` | when, for a drift |
 /// | `branch` | `loading` or `unloading`, also as a line between the rows; without it unloading begins after the largest load, also of several cycles |
 ///
-/// and their standard errors in columns of the same names with `_error` before the unit:
-/// `displacement_error_m`, `indentation_error_m`, `force_error_N`, `contact_radius_error_m`. A
-/// quantity has errors in all of its rows or in none. Other columns are not used; [`layout`](Self::layout) says what was understood, and a
-/// [`NamedColumn`] names a column by hand.
+/// Standard errors are in columns of the same names with `_error` before the unit: `displacement_error_m`, `indentation_error_m`,
+/// `force_error_N`, `contact_radius_error_m`. A quantity has errors in all of its rows or in none. Other columns are not used;
+/// [`layout`](Self::layout) returns the interpretation, and a [`NamedColumn`] names a column explicitly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurements {
     name: String,
@@ -115,7 +115,7 @@ pub struct Measurements {
 }
 
 impl Measurements {
-    /// Reads a file, with the columns that are named by hand.
+    /// Reads a file, with the columns that the user names.
     ///
     /// # Errors
     /// [`DataError`] names file, line and column.
@@ -129,7 +129,7 @@ impl Measurements {
         }
     }
 
-    /// Reads the contents of a file; `name` is what errors call it.
+    /// Reads the contents of a file; `name` is its name in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -139,8 +139,8 @@ impl Measurements {
         reader.measurements(layout, &columns, rows)
     }
 
-    /// Columns by their headings, as in a file, with values in the unit of the heading; none for columns that are not of numbers, which cannot be
-    /// used. Branches are 0 for loading and 1 for unloading.
+    /// Reads columns by their headings, as in a file, with values in the unit of the heading; `None` for columns that do not contain numbers and
+    /// cannot be used. Branches are 0 for loading and 1 for unloading.
     ///
     /// # Errors
     /// [`DataError`]
@@ -153,8 +153,8 @@ impl Measurements {
         reader.columns(layout, &columns)
     }
 
-    /// Columns of values, all of the same length; NaN stands for what was not measured. Errors call
-    /// them the data, and count their rows from 1.
+    /// Reads columns of values of the same length; NaN means not measured. Errors name them `the
+    /// data` and number their rows from 1.
     ///
     /// # Errors
     /// [`DataError`]
@@ -162,13 +162,13 @@ impl Measurements {
         Reader { name: "data" }.columns(Layout::default(), columns)
     }
 
-    /// How a file, or the headings of columns, were understood.
+    /// Interpretation of a file or of the headings of columns.
     #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// The same with a standard error of the force (N) where none was given.
+    /// Sets a standard error of the force (N) if none was given.
     #[must_use]
     pub fn with_force_error(mut self, error: f64) -> Self {
         for force in self.rows.iter_mut().filter_map(|row| row.force.as_mut()) {
@@ -177,7 +177,7 @@ impl Measurements {
         self
     }
 
-    /// The same with a standard error of the contact radius (m) where none was given.
+    /// Sets a standard error of the contact radius (m) if none was given.
     #[must_use]
     pub fn with_contact_radius_error(mut self, error: f64) -> Self {
         let radii = self
@@ -190,7 +190,7 @@ impl Measurements {
         self
     }
 
-    /// The same with a standard error of displacement or indentation (m) where none was given.
+    /// Sets a standard error of displacement or indentation (m) if none was given.
     #[must_use]
     pub fn with_position_error(mut self, error: f64) -> Self {
         for position in self.rows.iter_mut().filter_map(|row| row.position.as_mut()) {
@@ -205,13 +205,13 @@ impl Measurements {
         &self.name
     }
 
-    /// What the position of the lens was measured as.
+    /// Kind of the measured position of the lens.
     #[must_use]
     pub fn position(&self) -> Position {
         self.position
     }
 
-    /// The states that were measured.
+    /// Measured states.
     #[must_use]
     pub fn rows(&self) -> &[Measurement] {
         &self.rows
@@ -224,7 +224,7 @@ impl Measurements {
         times.is_some_and(|times| times.last() > times.first())
     }
 
-    /// The branch of every row: as given, or by the motion.
+    /// Branch of every row: as given, or from the motion.
     pub(super) fn branches(&self) -> Vec<Branch> {
         let by_motion = branches_of(&self.loads()).into_iter();
         let rows = self.rows.iter().zip(by_motion);
@@ -232,7 +232,7 @@ impl Measurements {
             .collect()
     }
 
-    /// The load of every row: its position, or else its force.
+    /// Load of every row: its position if measured, otherwise its force.
     fn loads(&self) -> Vec<f64> {
         let loads = self.rows.iter().map(|row| row.position.or(row.force));
         loads
@@ -240,7 +240,8 @@ impl Measurements {
             .collect()
     }
 
-    /// Checks that cycles whose branches follow from the motion are alike, as a fit with adhesion has all rows of one cycle.
+    /// Checks that cycles whose branches follow from the motion are equal, because a fit with adhesion treats all rows as
+    /// one cycle.
     pub(super) fn check_cycles(&self) -> Result<(), DataError> {
         if self.rows.iter().any(|row| row.branch.is_some()) {
             return Ok(());
@@ -279,7 +280,7 @@ impl Measurements {
         Ok(())
     }
 
-    /// Checks that all rows have a branch or none.
+    /// Checks that either all rows have a branch or none.
     pub(super) fn check_branches(&self) -> Result<(), DataError> {
         let missing = self.rows.iter().find(|row| row.branch.is_none());
         match missing {
@@ -292,7 +293,7 @@ impl Measurements {
         }
     }
 
-    /// Checks that a quantity has errors in all rows or in none.
+    /// Checks that a quantity has errors either in all rows or in none.
     pub(super) fn check_errors(&self) -> Result<(), DataError> {
         type Pick = fn(&Measurement) -> Option<Measured>;
         let position = match self.position {
@@ -325,10 +326,11 @@ impl Measurements {
     }
 }
 
-/// Part of the range of all loads by which the load has to fall or rise for the lens to have turned; less is noise.
+/// Smallest change of the load, as a fraction of the range of all loads, that counts as a reversal; smaller changes
+/// are noise.
 const TURN: f64 = 0.1;
 
-/// The difference between the largest and the least.
+/// Difference between the largest and the smallest value.
 fn range(loads: &[f64]) -> f64 {
     let [least, largest] = loads.iter().fold(
         [f64::INFINITY, f64::NEG_INFINITY],
@@ -337,7 +339,8 @@ fn range(loads: &[f64]) -> f64 {
     largest - least
 }
 
-/// The branches by the motion: loading up to the first of the largest loads, unloading down to the first of the least ones after it, and so on.
+/// Branches from the motion: loading up to the first of the largest loads, unloading down to the first of the smallest loads after it, and so
+/// on.
 fn branches_of(loads: &[f64]) -> Vec<Branch> {
     let least_change = TURN * range(loads);
     let mut branches = vec![Branch::Loading; loads.len()];
@@ -360,7 +363,7 @@ fn branches_of(loads: &[f64]) -> Vec<Branch> {
             turn = row;
         }
     }
-    // Small steps back after the last of the largest loads are of the unloading.
+    // Small steps back after the last of the largest loads belong to the unloading.
     if branch == Branch::Loading {
         branches[turn + 1..].fill(Branch::Unloading);
     }
@@ -394,7 +397,7 @@ impl Reader<'_> {
         Ok(measurements)
     }
 
-    /// Of columns of values that were understood so.
+    /// Builds measurements from columns of values and their interpretation.
     fn columns(
         &self,
         layout: Layout,
@@ -517,12 +520,13 @@ mod tests {
 
     #[test]
     fn branches_follow_the_motion() {
-        // One cycle: unloading from the first of the largest loads on, also where it has just begun.
+        // One cycle: unloading from the first of the largest loads on, even if it has only just
+        // started.
         assert_eq!(signs(&[0.0, 5.0, 4.8, 10.0, 10.0, 9.5, 2.0]), "++++---");
         assert_eq!(signs(&[0.0, 10.0, 9.9]), "++-");
         assert_eq!(signs(&[10.0, 5.0, 0.0, 0.5]), "+---");
         assert_eq!(signs(&[3.0]), "+");
-        // Two cycles, with noise where the lens turns.
+        // Two cycles, with noise at the reversals.
         let twice = [
             0.0, 4.0, 10.0, 9.7, 9.9, 4.0, 0.0, 0.4, 0.1, 4.0, 10.0, 5.0, 0.0,
         ];

@@ -7,11 +7,12 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
 use statrs::function::gamma::ln_gamma;
 
-/// How often fits that do describe their data are said not to, at the most: half of it is shared by the tests of the residuals as they are,
-/// and half by those of parameters that were left out.
+/// Significance level of all tests together: the largest probability of rejecting a fit that describes its data. Half of it is shared by
+/// the tests of the residuals, half by those of fixed parameters.
 pub const LEVEL: f64 = 0.01;
 
-/// The runs test of the residuals of a quantity in the order of the load: how often they change sign.
+/// Runs test of the residuals of a quantity in the order of the load, which counts their changes of
+/// sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunsTest {
     /// The quantity.
@@ -22,12 +23,12 @@ pub struct RunsTest {
     pub signs: [usize; 2],
     /// Runs of residuals of one sign.
     pub runs: usize,
-    /// The probability of so few runs or fewer if every order of the signs is as likely.
+    /// Probability of at most this number of runs if all orders of the signs are equally likely.
     pub p_value: f64,
 }
 
 impl RunsTest {
-    /// Of residuals in their order; those of zero are passed over.
+    /// Test of residuals in their order; residuals of zero are ignored.
     pub(super) fn new(quantity: Quantity, branch: Branch, residuals: &[f64]) -> Option<Self> {
         let signs: Vec<bool> = residuals
             .iter()
@@ -49,7 +50,7 @@ impl RunsTest {
         })
     }
 
-    /// The number of runs to be expected, `2 n m/(n + m) + 1`.
+    /// Expected number of runs, `2 n m/(n + m) + 1`.
     #[must_use]
     pub fn expected(&self) -> f64 {
         let [above, below] = self.signs.map(|count| count as f64);
@@ -57,13 +58,13 @@ impl RunsTest {
     }
 }
 
-/// The probability of at most `runs` runs in a random order of `above` and `below` things, exactly: A. Wald and J. Wolfowitz,
-/// Ann. Math. Stat. 11, 147 (1940).
+/// Exact probability of at most `runs` runs in a random order of `above` and `below` signs: A. Wald and J. Wolfowitz, Ann.
+/// Math. Stat. 11, 147 (1940).
 pub(super) fn probability_of_runs(above: usize, below: usize, runs: usize) -> f64 {
     if above == 0 || below == 0 {
         return 1.0;
     }
-    // The logarithm of the number of ways to divide so many things in order into so many groups, none empty.
+    // Logarithm of the number of ways to divide an ordered sequence into a given number of non-empty groups.
     let divided = |things: usize, groups: usize| {
         if groups == 0 || groups > things {
             return f64::NEG_INFINITY;
@@ -86,39 +87,40 @@ fn ln_choose(of: usize, some: usize) -> f64 {
     factorial(of) - factorial(some) - factorial(of - some)
 }
 
-/// The probability of a chi-square so large or larger.
+/// Probability of a chi-square of at least this value.
 pub(super) fn chi_square_above(chi_square: f64, freedom: usize) -> f64 {
     ChiSquared::new(freedom as f64).map_or(1.0, |law| law.sf(chi_square))
 }
 
-/// The same of one so small or smaller.
+/// Probability of a chi-square of at most this value.
 pub(super) fn chi_square_below(chi_square: f64, freedom: usize) -> f64 {
     ChiSquared::new(freedom as f64).map_or(1.0, |law| law.cdf(chi_square))
 }
 
-/// A parameter that was held, and what the data say of it: the score test (C. R. Rao, Proc. Camb. Phil. Soc. 44, 50 (1948)), or test of the
-/// Lagrange multiplier.
+/// Score test (C. R. Rao, Proc. Camb. Phil. Soc. 44, 50 (1948)), or Lagrange multiplier test, of a fixed parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeftOut {
     /// The parameter.
     pub parameter: Parameter,
-    /// The probability that residuals of a model that is right lie so far along what the parameter would change.
+    /// Probability, under a correct model, of residuals that are correlated at least as much with the effect of
+    /// the parameter.
     pub p_value: f64,
-    /// Where the parameter would be found if it were free, by a linear step, in SI units; none if that is far away.
+    /// Value of the parameter after a linear step if it were free, in SI units; `None` if that is far away.
     pub value: Option<f64>,
 }
 
-/// By how much the sum of squares falls when a column is added to a linear fit, and by which step: of residuals and a column, both over the
-/// errors and without what the free parameters explain of them. None if nothing is left of the column.
+/// Decrease of the sum of squares when a column is added to a linear fit, and the corresponding step. Residuals and column are divided by
+/// the errors and projected orthogonally to the free parameters. `None` if nothing remains of the column.
 pub(super) struct Score {
     pub(super) gain: f64,
     pub(super) step: f64,
 }
 
 impl Score {
-    /// `column` is what is left of a column of the length `length`.
+    /// `column` is the remainder, after the projection, of a column of norm `length`.
     pub(super) fn new(residuals: &[f64], column: &[f64], length: f64) -> Option<Self> {
-        /// What is left of a column that the free parameters explain is an error of its derivatives.
+        /// Relative remainder below which a column is explained by the free parameters: it is due to
+        /// errors of the derivatives.
         const LEAST_LEFT: f64 = 1e-3;
         let square: f64 = column.iter().map(|value| value * value).sum();
         if !(length > 0.0 && square.sqrt() > LEAST_LEFT * length && square.is_finite()) {
@@ -131,8 +133,8 @@ impl Score {
         })
     }
 
-    /// Its p-value: of chi-square with one degree of freedom where errors are known, or of Student's distribution where they are estimated from
-    /// the residuals, of which `freedom` are free and `squares` is the sum of squares.
+    /// p-value: from chi-square with one degree of freedom if errors are known, or from Student's distribution if they are estimated from the
+    /// residuals, with `freedom` degrees of freedom and `squares` the sum of squares.
     pub(super) fn p_value(&self, squares: f64, freedom: usize, is_estimated: bool) -> f64 {
         if !is_estimated {
             return erfc((0.5 * self.gain).sqrt());
@@ -150,13 +152,13 @@ impl Score {
 /// Whether the fit describes the data.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Misfit {
-    /// The runs tests; none of residuals as small as the errors of the solver.
+    /// Runs tests; residuals as small as the errors of the solver are not tested.
     pub runs: Vec<RunsTest>,
-    /// The probability of a chi-square so large or larger; none where errors are estimated.
+    /// Probability of a chi-square of at least this value; `None` if errors are estimated.
     pub chi_square_p_value: Option<f64>,
-    /// That of one so small or smaller.
+    /// Probability of a chi-square of at most this value.
     pub small_chi_square_p_value: Option<f64>,
-    /// What was held, the most suspect first.
+    /// Fixed parameters, in order of increasing p-value.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -166,7 +168,7 @@ impl Misfit {
         0.5 * LEVEL / tests.max(1) as f64
     }
 
-    /// The runs tests that speak against the fit.
+    /// Runs tests that reject the fit.
     pub fn bad_runs(&self) -> impl Iterator<Item = &RunsTest> {
         let level = self.level_of_residuals();
         self.runs.iter().filter(move |runs| runs.p_value < level)
@@ -179,14 +181,14 @@ impl Misfit {
         self.chi_square_p_value.is_some_and(|p| p < level)
     }
 
-    /// Whether it is too small: then the errors that were given are too large.
+    /// Whether chi-square is too small: then the given errors are too large.
     #[must_use]
     pub fn is_chi_square_small(&self) -> bool {
         let level = self.level_of_residuals();
         self.small_chi_square_p_value.is_some_and(|p| p < level)
     }
 
-    /// The parameters that the data want, the most suspect first.
+    /// Fixed parameters whose values the data reject, in order of increasing p-value.
     pub fn wanted(&self) -> impl Iterator<Item = &LeftOut> {
         let level = 0.5 * LEVEL / self.left_out.len().max(1) as f64;
         self.left_out
@@ -194,7 +196,7 @@ impl Misfit {
             .filter(move |left| left.p_value < level)
     }
 
-    /// Whether nothing speaks against the fit.
+    /// Whether no test rejects the fit.
     #[must_use]
     pub fn describes_data(&self) -> bool {
         self.bad_runs().next().is_none()
@@ -202,7 +204,7 @@ impl Misfit {
             && self.wanted().next().is_none()
     }
 
-    /// A sentence for a person, if the fit does not describe the data.
+    /// Message to the user if the fit does not describe the data.
     #[must_use]
     pub fn statement(&self, said: impl Fn(Parameter, f64) -> String) -> Option<String> {
         if self.describes_data() {
@@ -259,7 +261,7 @@ impl Misfit {
     }
 }
 
-/// A probability in two digits.
+/// Formats a probability with two digits.
 fn probability(p: f64) -> String {
     if p < 1e-16 {
         "1e-16 or less".to_owned()
@@ -277,7 +279,8 @@ mod tests {
 
     #[test]
     fn runs_of_the_tables() {
-        // F. S. Swed and C. Eisenhart, Ann. Math. Stat. 14, 66 (1943), table I: probabilities of at most so many runs.
+        // F. S. Swed and C. Eisenhart, Ann. Math. Stat. 14, 66 (1943), table I: cumulative probabilities of the number
+        // of runs.
         for (above, below, runs, p) in [
             (5, 5, 2, 0.008),
             (5, 5, 3, 0.040),
@@ -292,7 +295,8 @@ mod tests {
                 "{above} {below} {runs}: {found}"
             );
         }
-        // Of one and one there are two orders, each of two runs; and all numbers of runs together are certain.
+        // One positive and one negative sign have two orders, each with two runs; the probabilities of all
+        // numbers of runs add up to one.
         assert!((probability_of_runs(1, 1, 2) - 1.0).abs() < 1e-12);
         assert!((probability_of_runs(70, 50, 120) - 1.0).abs() < 1e-10);
     }

@@ -1,53 +1,47 @@
 //! Moduli, sizes, works of adhesion and instrument parameters from measured curves, by least squares.
 //!
-//! Measured are any two or three of position (displacement or indentation), force and contact
-//! radius: see [`Measurements`]. Where the position is measured it is the load, and force and
-//! contact radius are compared with the contact at the indentation
-//! `zeta = displacement - contact_point - machine_compliance F`; elsewhere the force is the load. A `force_offset` is in all measured
-//! forces. Displacement and force may drift, linearly in time, or in the number of the row.
-//! States past the transition, where the lens rests on the floor too, are used where the floor bears its part: by the spectral
-//! method, unless the case ignores the floor. Otherwise they are left out.
+//! The data contain at least two of position (displacement or indentation), force and contact radius: see [`Measurements`]. If the
+//! position is measured it is the load, and force and contact radius are compared with the contact at the indentation `zeta =
+//! displacement - contact_point - machine_compliance F`; otherwise the force is the load. A `force_offset` is included in all
+//! measured forces. Displacement and force may drift, linearly in time or in the row number. States past the transition are used if
+//! the method includes the floor: with the spectral method, unless the case ignores the floor. Otherwise they are left out.
 //!
-//! With adhesion all rows are of one [cycle](fakir::cycle) of loading and unloading, up to the largest measured load, and each has its
-//! branch; the machine of the compliance that is fitted drives it.
+//! With adhesion all rows belong to one [cycle](fakir::cycle) of loading and unloading, up to the largest measured load, and each row
+//! has a branch. The cycle is driven by a machine with the fitted compliance.
 //!
 //! # Method
-//! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and
-//! Marquardt (K. Levenberg, Q. Appl. Math. 2, 164 (1944); D. W. Marquardt, J. SIAM 11, 431 (1963)), over
-//! the logarithms of moduli, sizes and works of adhesion, of the latter linear near zero, with the exact derivatives of the contact, or central differences where it has none
-//! (floor in contact, adhesion, contact radius, other methods). Errors are renewed at every step:
+//! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and Marquardt (K. Levenberg, Q. Appl. Math. 2, 164 (1944); D. W. Marquardt, J.
+//! SIAM 11, 431 (1963)), over the logarithms of moduli, sizes and works of adhesion (near zero, over the work itself). Derivatives of the contact are exact, or central
+//! differences if there are none (floor in contact, adhesion, contact radius, other methods). Errors are updated in every step:
 //!
-//! * An error of the load counts through the slope of the curve, `sigma^2 + (slope sigma_x)^2` (J. Orear,
-//!   Am. J. Phys. 50, 912 (1982)); that it shifts force and contact radius of a row together is
-//!   neglected.
-//! * A quantity without given errors gets the same error in all rows, so that its sum of squares
-//!   equals its degrees of freedom, number of values less their leverages.
-//! * The contact radius jumps from one ring of pillars to the next. The rings of a hexagonal
-//!   lattice are at most about half a pitch apart beyond the first, so a measured radius has an error of
-//!   at least `(e/2)/sqrt(12)` (uniform over half the pitch `e`), added in quadrature. A jump has no
-//!   derivative: that of the spread of the forces on the pillars serves instead, which
-//!   changes how the data are weighed but not the answer to data without errors.
-//! * With adhesion the force jumps where pillars are released, and between jumps hardly depends on the work of adhesion. What is known of
-//!   a jump is between which rows it is. So a row of the unloading is compared with the straight line through the stretch of the computed curve
-//!   from the row before to the row after it, and the mean square of how far the curve is from that line, on average over
-//!   the rows around, is added to the square of its error, as often as rows share the stretch. The search begins with the work whose pull-off is the least measured force, and with
-//!   longer stretches, in which jumps that are far from their place are seen.
+//! * An error of the load is included through the slope of the curve, `sigma^2 + (slope sigma_x)^2` (J.
+//!   Orear, Am. J. Phys. 50, 912 (1982)); the correlation that it causes between force and contact radius
+//!   of a row is neglected.
+//! * A quantity without given errors has the same error in all rows, chosen so that its sum of
+//!   squares equals its degrees of freedom: the number of values minus their leverages.
+//! * The contact radius jumps from one ring of pillars to the next. The rings of a hexagonal lattice are
+//!   at most about half a pitch apart beyond the first; therefore a measured radius has an error of at
+//!   least `(e/2)/sqrt(12)` (uniform over half the pitch `e`), added in quadrature. A jump has no
+//!   derivative. Instead, the derivative of the radius of gyration of the pillar forces is used, which
+//!   affects the weights of the data but not the result for data without errors.
+//! * With adhesion the force jumps where pillars detach, and between jumps it hardly depends on the work of adhesion. The data show only between which rows a jump occurs.
+//!   Therefore a row of the unloading is compared with the straight line through the interval of the computed curve between its neighbouring rows. The mean square deviation of the
+//!   curve from that line, averaged over the neighbouring rows and multiplied by the number of rows that share the interval, is added to the square of the error. The search starts
+//!   with the work of adhesion whose pull-off force is the smallest measured force, and with longer intervals, in which jumps that are far from their position have an effect.
 //!
 //! # Errors of the result
-//! The covariance is the inverse of the normal matrix, and the 95 % intervals follow from the normal
-//! distribution if all errors were given, or else from Student's with as many degrees of freedom
-//! as there are more values than parameters; those of logarithms are symmetric in the logarithm. A work of adhesion can be zero, and the receding one as
-//! small as the other: a search that would go beyond stays there. An interval that would reach below zero ends there and is one-sided: its upper end is where
-//! the sum of squares has risen by the square of the quantile. What
-//! the data cannot determine, because the derivatives are linearly dependent or the error exceeds a
-//! factor of e (of a contact point or compliance: the range of the data), has no interval, but a
-//! [`Undetermined`] that says so.
+//! The covariance is the inverse of the normal matrix. The 95 % intervals follow from the normal distribution if all errors were given, otherwise from
+//! Student's distribution, whose degrees of freedom are the number of values minus that of parameters; intervals of logarithms are symmetric in the
+//! logarithm. A work of adhesion may be zero, and the receding work may equal the other: the search stops at these bounds. An interval that would extend
+//! below zero ends at zero and is one-sided: at its upper end the sum of squares has increased by the square of the quantile. A parameter is not determined
+//! if the derivatives are linearly dependent or the error exceeds a factor of e (for a contact point or compliance: the range of the data). It has no
+//! interval and is reported as [`Undetermined`].
 //!
 //! # Whether the fit describes the data
-//! [`Misfit`] has tests of that, each with a p-value: runs of residuals of one sign in the order of the load; chi-square, where errors were given;
-//! and for every parameter that was held the score test, which says whether the residuals lie along what it would change. With estimated errors that
-//! is the t-test of an added column of a linear regression. Of the thickness of a half-space it is one-sided, in the inverse of the
-//! thickness, which cannot be below zero. Rows whose error is mostly that of jumps know them together, and have no runs test.
+//! [`Misfit`] contains tests with p-values: runs of residuals of one sign in the order of the load; chi-square, if errors were given; and for every
+//! fixed parameter the score test, which shows whether the residuals are correlated with its effect. With estimated errors this is the t-test of an
+//! added column in a linear regression. For the thickness of a half-space the test is one-sided, in the inverse of the thickness, which cannot be
+//! negative. Rows whose error is mainly due to jumps are correlated and have no runs test.
 
 mod column;
 mod curve;
@@ -83,30 +77,30 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::cell::Cell as StdCell;
 use std::convert::Infallible;
 
-/// A parameter as it was fitted, in SI units.
+/// A fitted parameter, in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// The parameter.
     pub parameter: Parameter,
-    /// Where the fit began.
+    /// Initial value.
     pub start: f64,
-    /// Its value; without meaning by itself if it is not determined.
+    /// Value; not meaningful if the parameter is not determined.
     pub value: f64,
     /// Standard error; `None` if the data do not determine it.
     pub standard_error: Option<f64>,
     /// Ends of the 95 % confidence interval; `None` if the data do not determine it.
     pub interval: Option<[f64; 2]>,
-    /// Whether the interval ends at the least value that the parameter can have, so that the data give an upper end alone: of a work of adhesion
-    /// that is compatible with zero.
+    /// Whether the interval ends at the smallest possible value of the parameter, so that the data determine only the upper end: for a work of
+    /// adhesion that is compatible with zero.
     pub one_sided: bool,
 }
 
-/// Parameters that the data do not tell apart, or one that they say nothing of.
+/// Parameters that the data cannot distinguish, or a parameter that does not affect them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Undetermined {
     /// The parameters.
     pub parameters: Vec<Parameter>,
-    /// A sentence for a person.
+    /// Message to the user.
     pub statement: String,
 }
 
@@ -115,7 +109,7 @@ pub struct Undetermined {
 pub struct Scatter {
     /// The quantity.
     pub quantity: Quantity,
-    /// Values that were used.
+    /// Number of values used.
     pub values: usize,
     /// Root mean square of measured - computed.
     pub residual: f64,
@@ -123,33 +117,33 @@ pub struct Scatter {
     pub estimated: Option<f64>,
 }
 
-/// A measured value, and the model in its place.
+/// A measured value and the corresponding computed value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compared {
     /// The measured value.
     pub measured: f64,
-    /// The computed value, as the instrument reads it. A force on unloading with adhesion is that of the straight line through the stretch of the
-    /// curve between the neighbouring rows.
+    /// Computed value, as the instrument would read it. A force on unloading with adhesion is the value of the straight line through the interval
+    /// of the curve between the neighbouring rows.
     pub computed: f64,
-    /// The standard error with which it went into the fit: given or estimated, with that of the
-    /// load and of jumps.
+    /// Standard error used in the fit: given or estimated, including the errors due to the load and
+    /// to jumps.
     pub error: f64,
 }
 
 impl Compared {
-    /// Measured less computed.
+    /// Measured minus computed.
     #[must_use]
     pub fn residual(&self) -> f64 {
         self.measured - self.computed
     }
 }
 
-/// A row of the data beside the model.
+/// A row of the data with computed values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedRow {
-    /// As it was measured.
+    /// Measured values.
     pub measurement: Measurement,
-    /// The branch of the cycle that it is on; none without adhesion.
+    /// Branch of the cycle; `None` without adhesion.
     pub branch: Option<Branch>,
     /// Computed indentation, m.
     pub indentation: f64,
@@ -157,20 +151,21 @@ pub struct FittedRow {
     pub force: Option<Compared>,
     /// Contact radius, m.
     pub contact_radius: Option<Compared>,
-    /// Smallest gap between lens and floor, m; negative past the transition if the floor was to be ignored. It is not computed with
+    /// Smallest gap between lens and floor, m; negative past the transition if floor contact is ignored. It is not computed with
     /// adhesion.
     pub smallest_floor_gap: Option<f64>,
-    /// Whether it went into the fit: it did unless the lens is below a floor that was to be ignored, or on a floor with adhesion, or the state is
-    /// outside of the model.
+    /// Whether the row was used in the fit. It is not used past the transition if floor contact is ignored or with adhesion, nor if the state is
+    /// outside the model.
     pub used: bool,
-    /// Whether the state is in the model; elsewhere there is nothing computed. [`Fit::not_modelled`] has the reason.
+    /// Whether the model has this state; otherwise there are no computed values, and [`Fit::not_modelled`] contains
+    /// the reason.
     pub modelled: bool,
     /// Whether the contact was solved.
     pub converged: bool,
 }
 
 impl FittedRow {
-    /// A quantity as measured and as computed, if it was measured.
+    /// Measured and computed value of a quantity, if it was measured.
     #[must_use]
     pub fn compared(&self, quantity: Quantity) -> Option<Compared> {
         match quantity {
@@ -183,56 +178,58 @@ impl FittedRow {
 /// A point of a computed curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
-    /// The branch of the cycle that it is on; none without adhesion.
+    /// Branch of the cycle; `None` without adhesion.
     pub branch: Option<Branch>,
     /// Displacement or indentation, m; the force, N, if that is the load.
     pub load: f64,
-    /// The computed force with the offset of the instrument, N.
+    /// Computed force plus the offset of the instrument, N.
     pub force: f64,
     /// The computed contact radius, m.
     pub contact_radius: f64,
 }
 
-/// The pull-off of the data and that of the fitted cycle.
+/// Pull-off of the data and of the fitted cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedPullOff {
-    /// The least measured force, without the offset of the instrument, N.
+    /// Smallest measured force minus the offset of the instrument, N.
     pub measured: f64,
-    /// That of the fitted cycle, N.
+    /// Pull-off force of the fitted cycle, N.
     pub computed: f64,
-    /// The relative error of the model in it, which the intervals do not have: those of the shapes of partial contacts and of columns that do not lean.
+    /// Relative model error of this force, which the intervals do not include: errors due to the shapes of partial contacts and to columns that do not
+    /// tilt.
     pub model_error: f64,
-    /// By which part the work of adhesion changes if the pull-off force changes by that part of itself; none if no work was fitted.
+    /// Relative change of the work of adhesion that corresponds to this error of the pull-off force; `None` if no work of adhesion
+    /// was fitted.
     pub work_error: Option<f64>,
 }
 
 /// A search for the best fit, from one of several starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StartedFit {
-    /// Whether it came to an end, and not to a case that cannot be.
+    /// Whether the search converged to a valid case.
     pub converged: bool,
-    /// Twice the negative logarithm of the likelihood per value: the least is the best.
+    /// Twice the negative logarithm of the likelihood per value; the smallest is the best.
     pub deviance: Option<f64>,
-    /// Whether it came to the fit that is the answer.
+    /// Whether it converged to the fit that is returned.
     pub is_answer: bool,
 }
 
-/// What came of a fit.
+/// Result of a fit.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// The parameters, in the order they were given in.
+    /// Parameters, in the order in which they were given.
     pub estimates: Vec<Estimate>,
-    /// Correlation of each with each; `None` with one that is not determined.
+    /// Correlation matrix; `None` for parameters that are not determined.
     pub correlation: Vec<Vec<Option<f64>>>,
-    /// What the data do not determine.
+    /// Parameters that the data do not determine.
     pub undetermined: Vec<Undetermined>,
     /// Sum of squares of (measured - computed)/error.
     pub chi_square: f64,
-    /// Number of values less that of parameters.
+    /// Number of values minus number of parameters.
     pub degrees_of_freedom: usize,
-    /// The quantities that were compared.
+    /// Quantities compared.
     pub scatter: Vec<Scatter>,
-    /// The data beside the model.
+    /// The data with the computed values.
     pub rows: Vec<FittedRow>,
     /// The computed curve over the range of the data, for a figure.
     pub curve: Vec<CurvePoint>,
@@ -244,46 +241,46 @@ pub struct Fit {
     pub force_offset: f64,
     /// Drift of the displacement (m) and of the force (N) from the first row to the last, fitted or given.
     pub displacement_drift: f64,
-    /// That of the force, N.
+    /// Drift of the force, N.
     pub force_drift: f64,
-    /// When every row was measured, from 0 at the first to 1 at the last: what a drift is linear in.
+    /// Time of every row, from 0 at the first to 1 at the last; drifts are linear in it.
     pub moments: Vec<f64>,
     /// Whether the fit describes the data.
     pub misfit: Misfit,
-    /// The searches, the first from where the case is.
+    /// Searches; the first one starts from the case.
     pub starts: Vec<StartedFit>,
-    /// Contacts, gradients and cycles that were solved.
+    /// Number of contacts, gradients and cycles solved.
     pub solutions: usize,
-    /// The cycle with the fitted values; none without adhesion.
+    /// Cycle with the fitted values; `None` without adhesion.
     pub cycle: Option<Cycle>,
-    /// Its pull-off beside that of the data; none without unloading.
+    /// Pull-off of this cycle and of the data; `None` without unloading.
     pub pull_off: Option<FittedPullOff>,
     /// The case with the fitted values.
     pub file: CaseFile,
-    /// The conditions of the model in the contact under the largest load that was used, with the fitted values; none without such a contact.
+    /// Limits of the model in the contact under the largest load used, with the fitted values; `None` without such a contact.
     pub limits: Vec<Limit>,
-    /// Rows that the model does not have, by their lines, each with the reason.
+    /// Rows outside the model, by their lines, each with the reason.
     pub not_modelled: Vec<(u64, String)>,
     /// Why the search stopped.
     pub termination: Termination,
-    /// Steps of the search.
+    /// Number of steps of the search.
     pub iterations: usize,
 }
 
 impl Fit {
-    /// Whether the numbers are the best fit: the search came to its end, and every contact that was
-    /// compared is solved.
+    /// Whether the result is a best fit: the search converged, and every contact compared is
+    /// solved.
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged && self.rows.iter().all(|row| row.converged)
     }
 
-    /// Rows left out because they are past the transition, where the method or the case ignores the floor.
+    /// Rows left out because they are past the transition and the method or the case ignores the floor.
     pub fn past_transition(&self) -> impl Iterator<Item = &FittedRow> {
         self.rows.iter().filter(|row| row.modelled && !row.used)
     }
 
-    /// Whether an error was estimated, and intervals are those of Student's distribution.
+    /// Whether an error was estimated, so that intervals follow Student's distribution.
     #[must_use]
     pub fn is_scatter_estimated(&self) -> bool {
         self.scatter
@@ -291,8 +288,8 @@ impl Fit {
             .any(|scatter| scatter.estimated.is_some())
     }
 
-    /// Chi-square per degree of freedom: about 1 if the model fits. Without meaning, and `None`,
-    /// where errors are estimated so as to make it 1.
+    /// Chi-square per degree of freedom: about 1 if the model fits. `None` if errors are estimated,
+    /// which would make it 1.
     #[must_use]
     pub fn reduced_chi_square(&self) -> Option<f64> {
         let meant = !self.is_scatter_estimated() && self.degrees_of_freedom > 0;
@@ -300,53 +297,54 @@ impl Fit {
     }
 }
 
-/// The most steps of a search.
+/// Largest number of steps of a search.
 const MOST_ITERATIONS: usize = 100;
 
-/// The search ends with a step that is this small a part of the standard error of every parameter.
+/// The search ends if the step is smaller than this fraction of the standard error of every
+/// parameter.
 const SMALL: f64 = 1e-3;
 
-/// The sum of squares has kinks where pillars are touched first, and a minimum may be at a kink. The search ends there if the
-/// last step lowered the sum of squares by no more than this, and if [`LITTLE_PROMISED`] holds too.
+/// The sum of squares has kinks where pillars come into contact, and its minimum may be at a kink. The search ends there if
+/// the last step reduced the sum of squares by at most this amount and the condition of [`LITTLE_PROMISED`] is met too.
 const NO_GAIN: f64 = 1e-4;
 
-/// At a kink the next step must promise, by the derivatives, to lower the sum of squares by no more than this: that is less
+/// At a kink, the reduction of the sum of squares predicted for the next step must be at most this amount, which is less
 /// than a standard error.
 const LITTLE_PROMISED: f64 = 0.5;
 
-/// After so many steps [`LITTLE_PROMISED`] alone ends the search, as jumps of the contact radius may move the best fit to and
-/// fro. From then on rows that were left out as past the transition stay out.
+/// After this number of steps [`LITTLE_PROMISED`] alone ends the search, because jumps of the contact radius may move the
+/// best fit back and forth. From then on, rows left out as past the transition remain left out.
 const PATIENCE: usize = 30;
 
-/// The search also ends with a step in the unknowns that is as small as the errors of the solver.
+/// The search also ends if the step in the unknowns is as small as the errors of the solver.
 const EXACT: f64 = 1e-8;
 
-/// The largest damping. With more of it steps are too short to change anything.
+/// Largest damping; beyond it, steps are too short to have an effect.
 const MOST_DAMPING: f64 = 1e8;
 
-/// The smallest error that is estimated for a quantity, relative to its largest value: that of the solver.
+/// Smallest estimated error of a quantity, relative to its largest value: the error of the solver.
 const LEAST_SCATTER: f64 = 1e-9;
 
-/// Fits whose deviances per value differ by no more than this are the same.
+/// Fits whose deviances per value differ by at most this amount are considered equal.
 const SAME_DEVIANCE: f64 = 1e-4;
 
-/// Residuals as small as this part of the largest value are errors of the solver.
+/// Residuals below this fraction of the largest value are attributed to the solver.
 const SOLVED: f64 = 1e-5;
 
-/// The part of the square of its error that jumps may have in a value of a runs test.
+/// Largest fraction of the variance of a value in a runs test that may be due to jumps.
 const JUMPS: f64 = 0.1;
 
-/// Points of the computed curve.
+/// Number of points of the computed curve.
 const CURVE: usize = 61;
 
-/// The shortest stretches of a curve with adhesion over which it is averaged, as parts of the range of the loads, one after the other.
+/// Shortest averaging intervals of a curve with adhesion, as fractions of the range of the loads, used one after the other.
 const STRETCHES: [f64; 2] = [0.125, 0.05];
 
-/// Values of the free parameters that fit the data best; all else is as in the case file, which
-/// also says where to begin. The rows are shared between the threads of `run`.
+/// Fits the free parameters to the data. Other parameters, and the initial values, are those of the
+/// case file. The threads of `run` share the rows.
 ///
 /// # Errors
-/// See [`FitError`]. That the data do not determine a parameter is not an error: see [`Fit`].
+/// See [`FitError`]. A parameter that the data do not determine is not an error: see [`Fit`].
 pub fn fit(
     file: &CaseFile,
     data: &Measurements,
@@ -376,7 +374,7 @@ pub fn fit(
                 starts.push(started);
             }
             Err(error) if error.is_interruption() => return Err(error),
-            // It began where no case or no contact can be.
+            // It started from an invalid case or from a case without a contact.
             Err(_) => starts.push(StartedFit {
                 converged: false,
                 deviance: None,
@@ -398,7 +396,7 @@ pub fn fit(
 }
 
 impl<'a> Model<'a> {
-    /// A search that begins at some unknowns, to its end.
+    /// Runs a search from the given unknowns to its end.
     fn search<'m>(
         &'m self,
         unknowns: Vec<f64>,
@@ -469,24 +467,24 @@ fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Resul
     Ok(())
 }
 
-/// A value that is compared.
+/// A value compared with the model.
 struct Datum {
     row: usize,
     quantity: Quantity,
     measured: Measured,
 }
 
-/// The interval of an unknown that ends at the least that it can be.
+/// The interval of an unknown that ends at its smallest possible value.
 #[derive(Debug, Clone, Copy)]
 struct OneSided {
     least: f64,
     upper: f64,
 }
 
-/// The search at some unknowns.
+/// State of the search at a set of unknowns.
 struct Search<'a> {
     model: &'a Model<'a>,
-    /// The shortest stretch of a curve with adhesion, as a part of the range of the loads.
+    /// Shortest interval of a curve with adhesion, as a fraction of the range of the loads.
     stretch: f64,
     unknowns: Vec<f64>,
     states: Vec<State>,
@@ -499,9 +497,9 @@ struct Search<'a> {
     scatter: [f64; 2],
     linear: Option<Linear>,
     iterations: usize,
-    /// Steps with other stretches before.
+    /// Number of steps with previous interval lengths.
     earlier_iterations: usize,
-    /// Contacts that were solved for the tests.
+    /// Number of contacts solved for the tests.
     solved: StdCell<usize>,
 }
 
@@ -529,7 +527,7 @@ impl<'a> Search<'a> {
         };
         search.select();
         search.check_enough().or_else(|error| {
-            // It may be the starting values that put too many states past the transition.
+            // The initial values may place too many states past the transition.
             search.used = search
                 .states
                 .iter()
@@ -545,7 +543,7 @@ impl<'a> Search<'a> {
         Ok(search)
     }
 
-    /// Begins again from where the search is, with other stretches.
+    /// Continues the search from the current unknowns with other intervals.
     fn restart(&mut self, stretch: f64) -> Result<(), FitError> {
         self.stretch = stretch;
         self.earlier_iterations += self.iterations;
@@ -556,9 +554,10 @@ impl<'a> Search<'a> {
         self.linearise()
     }
 
-    /// The rows that are used and their values; whether they are others than before.
+    /// Selects the rows to be used and their values; returns whether they have changed.
     fn select(&mut self) -> bool {
-        // After many steps a row that was left out stays out, or a row at the transition might come and go for ever.
+        // After many steps a row that was left out remains so; otherwise a row at the transition might alternate
+        // forever.
         let stays_out = |row: usize| self.iterations > PATIENCE && !self.used[row];
         let above_floor = |state: &State| !state.past_transition && state.problem.is_none();
         let used: Vec<bool> = self
@@ -615,7 +614,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Measured less computed.
+    /// Measured minus computed.
     fn residuals(&self) -> Vec<f64> {
         let residual = |datum: &Datum| datum.measured.value - self.computed(datum, &self.states);
         self.data.iter().map(residual).collect()
@@ -627,8 +626,8 @@ impl<'a> Search<'a> {
             .model
             .derivatives(&self.unknowns, &self.states, self.stretch)?;
         self.errors = self.with_errors()?;
-        // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is enough, as every
-        // step of the search comes here again.
+        // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is sufficient,
+        // because every step of the search updates them.
         self.decompose()?;
         if self.has_scatter() {
             self.estimate_scatter()?;
@@ -638,7 +637,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Derivatives of the values by the unknowns over the errors of the values.
+    /// Derivatives of the values with respect to the unknowns, divided by the errors of the values.
     fn weighted_derivatives(&self) -> Vec<Vec<f64>> {
         let values = self.data.iter().zip(&self.errors);
         values
@@ -660,8 +659,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// What is known of the variance of a value besides its own error: that of the load, and of
-    /// jumps.
+    /// Variance of a value in addition to its own error: due to the load and to jumps.
     fn known_variance(&self, datum: &Datum, half_pitch: f64) -> f64 {
         let row = &self.model.data.rows()[datum.row];
         let slopes = &self.derivatives[datum.row];
@@ -680,7 +678,8 @@ impl<'a> Search<'a> {
         load * load + jumps
     }
 
-    /// What is added where values are weighed: rows in one stretch share its jumps, and know together what one of them knows.
+    /// Additional variance in the weights: rows in one interval share its jumps and together contain the information of one
+    /// row.
     fn shared_variance(&self, datum: &Datum) -> f64 {
         let state = &self.states[datum.row];
         match datum.quantity {
@@ -707,7 +706,7 @@ impl<'a> Search<'a> {
         Ok(self.data.iter().map(error).collect())
     }
 
-    /// The sum of squares over the variance of each value by itself.
+    /// Sum of squares divided by the individual variance of each value.
     fn chi_square_of_values(&self) -> f64 {
         let residuals = self.residuals();
         let terms = self.data.iter().zip(&residuals).zip(&self.errors);
@@ -718,7 +717,7 @@ impl<'a> Search<'a> {
             .sum()
     }
 
-    /// Errors of the quantities that have none, from the residuals.
+    /// Estimates the errors of quantities without given errors, from the residuals.
     fn estimate_scatter(&mut self) -> Result<(), FitError> {
         let half_pitch = self.half_pitch()?;
         let residuals = self.residuals();
@@ -760,8 +759,8 @@ impl<'a> Search<'a> {
             .sum()
     }
 
-    /// The step with a damping. Unknowns at an end of their range that it would leave stay there, and works of adhesion that are equal move together: the
-    /// best fit inside the ranges.
+    /// Damped step. Unknowns at a bound that the step would violate remain there, and equal works of adhesion move together: this gives the best fit
+    /// within the ranges.
     fn step(&self, damping: f64) -> Vec<f64> {
         let residuals = self.residuals();
         let weighted: Vec<f64> = residuals
@@ -802,7 +801,7 @@ impl<'a> Search<'a> {
         self.linear.as_ref().map_or(Vec::new(), Linear::covariance)
     }
 
-    /// The step shortened to what every parameter may change at once.
+    /// Shortens the step to the largest allowed change of every parameter.
     fn bounded(&self, step: Vec<f64>) -> Vec<f64> {
         let excess = step
             .iter()
@@ -812,11 +811,11 @@ impl<'a> Search<'a> {
         step.into_iter().map(|step| step / excess).collect()
     }
 
-    /// Whether this is the best fit, after a step that lowered the sum of squares by `gain`.
+    /// Whether this is the best fit, after a step that reduced the sum of squares by `gain`.
     fn is_at_end(&self, gain: f64) -> bool {
         let covariance = self.covariance();
         let step = self.step(0.0);
-        // A sum of squares that is not finite is no minimum.
+        // A sum of squares that is not finite is not a minimum.
         if !within(self.chi_square(), f64::MAX) {
             return false;
         }
@@ -852,7 +851,7 @@ impl<'a> Search<'a> {
         Ok(Termination::IterationLimit)
     }
 
-    /// Whether there are states in place of all rows that are used, and enough of them before the transition.
+    /// Whether all rows used have computed states, and enough of them are before the transition.
     fn are_enough(&self, states: &[State]) -> bool {
         let is_there = |datum: &&Datum| states[datum.row].problem.is_none();
         let before = |datum: &&Datum| !states[datum.row].past_transition;
@@ -861,7 +860,7 @@ impl<'a> Search<'a> {
             && self.data.iter().filter(before).count() >= least
     }
 
-    /// Leaves out rows that are used and have no state among these; not if too few would be left.
+    /// Leaves out rows that have no state among these, unless too few would remain.
     fn leave_out(&mut self, states: &[State]) -> Result<bool, FitError> {
         let before = self.used.clone();
         for (used, state) in self.used.iter_mut().zip(states) {
@@ -878,10 +877,10 @@ impl<'a> Search<'a> {
         Ok(changed)
     }
 
-    /// Goes to unknowns that fit better, and says by how much; `None` if there are none to be found. A step to where the model does not reach is
-    /// shortened; where that does not help, the rows that it does not reach are left out.
+    /// Moves to unknowns that fit better and returns the reduction of the sum of squares; `None` if none are found. A step that leads outside
+    /// the model is shortened; if that does not help, the rows outside the model are left out.
     fn advance(&mut self, damping: &mut f64) -> Result<Option<f64>, FitError> {
-        /// So many times a step is shortened before rows are left out.
+        /// Number of times a step is shortened before rows are left out.
         const SHORTER: i32 = 4;
         let mut now = self.chi_square();
         let mut outside = 0;
@@ -897,8 +896,8 @@ impl<'a> Search<'a> {
                 Ok(states) if self.are_enough(&states) => {
                     let squares = self.trial_chi_square(&states);
                     if squares <= now {
-                        // The part that was kept of what the derivatives promised. A small part means that they do not
-                        // hold as far as the step went, and that the next step should be shorter.
+                        // Ratio of the actual to the predicted reduction. A small ratio means that the linear
+                        // prediction fails over the length of the step, and that the next step should be shorter.
                         let kept = (now - squares) / self.promised(&step);
                         self.states = states;
                         self.unknowns = trial;
@@ -911,7 +910,7 @@ impl<'a> Search<'a> {
                     }
                 }
                 Err(error) if error.is_interruption() => return Err(error),
-                // The step went too far: to a case that cannot be, or that has no contact.
+                // The step was too long: it led to an invalid case or a case without contact.
                 Err(_) => {}
                 Ok(states) => {
                     outside += 1;
@@ -926,7 +925,7 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    /// By how much the sum of squares would fall if the derivatives held all the way.
+    /// Predicted reduction of the sum of squares, from the derivatives.
     fn promised(&self, step: &[f64]) -> f64 {
         let residuals = self.residuals();
         let terms = self.data.iter().zip(residuals).zip(&self.errors);
@@ -947,8 +946,8 @@ impl<'a> Search<'a> {
             .sum()
     }
 
-    /// Sum of squares at other states, with jumps of the contact radius held back: it changes
-    /// as the [radius without jumps](radius::smooth_radius) does.
+    /// Sum of squares at other states, without jumps of the contact radius: it changes as the
+    /// [radius without jumps](radius::smooth_radius).
     fn trial_chi_square(&self, states: &[State]) -> f64 {
         let terms = self.data.iter().zip(&self.errors).map(|(datum, error)| {
             let (from, to) = (&self.states[datum.row], &states[datum.row]);
@@ -964,7 +963,7 @@ impl<'a> Search<'a> {
         if sum.is_nan() { f64::INFINITY } else { sum }
     }
 
-    /// How the search ended.
+    /// Reason for the end of the search.
     fn started(&self, termination: Termination) -> StartedFit {
         let terms = self.residuals().into_iter().zip(&self.errors);
         let sum: f64 = terms.map(|(r, e)| (r / e).powi(2) + 2.0 * e.ln()).sum();
@@ -984,7 +983,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Whether the errors of a quantity are estimated from residuals as small as the errors of the solver.
+    /// Whether the errors of a quantity are estimated from residuals that are as small as the errors of
+    /// the solver.
     fn is_exact(&self, quantity: Quantity) -> bool {
         let mut of = self.data.iter().filter(|datum| datum.quantity == quantity);
         let estimated = of
@@ -997,7 +997,7 @@ impl<'a> Search<'a> {
             )
     }
 
-    /// The tests of whether the fit describes the data.
+    /// Tests of whether the fit describes the data.
     fn misfit(&self) -> Result<Misfit, FitError> {
         let freedom = self.data.len().saturating_sub(self.unknowns.len());
         let given = !self.has_scatter() && freedom > 0;
@@ -1021,7 +1021,7 @@ impl<'a> Search<'a> {
             let least = SOLVED * self.largest(quantity);
             for branch in [Branch::Loading, Branch::Unloading] {
                 let counts = |(k, datum): &(usize, &Datum)| {
-                    // Rows that share jumps know them together. Where tops do not stick a jump of the radius is that of a single row.
+                    // Rows that share jumps are correlated. Without adhesion, a jump of the radius affects a single row.
                     let known = self.known_variance(datum, half_pitch);
                     let jumps = if self.model.sticks { known } else { 0.0 };
                     datum.quantity == quantity
@@ -1047,7 +1047,7 @@ impl<'a> Search<'a> {
         Ok(tests)
     }
 
-    /// What could have been free besides.
+    /// Fixed parameters that could have been free.
     fn held(&self) -> Vec<Parameter> {
         let data = self.model.data;
         let compares_force = self
@@ -1057,10 +1057,11 @@ impl<'a> Search<'a> {
         let is_by_force = self.is_by_force();
         let has_unloading = data.branches().contains(&Branch::Unloading);
         let could = |parameter: &Parameter| match parameter {
-            // Where the lens landed cannot be told from the middle, where all directions are alike; with adhesion every key takes two cycles.
+            // The offset cannot be tested with the axis on a pillar, where all directions are equivalent; with adhesion every key requires
+            // two cycles.
             Parameter::Key(Key::Offset | Key::OffsetAngle) => false,
             Parameter::Key(_) if parameter.is_work() => self.model.sticks && has_unloading,
-            // Where tops stick there are no layers.
+            // With adhesion there are no layers.
             Parameter::Key(_) if parameter.is_thickness() => !self.model.sticks,
             Parameter::Key(_) => true,
             _ if parameter.is_of_displacement() => data.position() == Position::Displacement,
@@ -1081,7 +1082,7 @@ impl<'a> Search<'a> {
         if there.all(|quantity| self.is_exact(quantity)) {
             return Ok(Vec::new());
         }
-        // Each by itself may be one that the case does not have.
+        // Each of them may be missing from the case.
         let exists = |parameter: &Parameter| {
             let free = [*parameter];
             let model = self.model.with(&self.unknowns, &free);
@@ -1092,20 +1093,20 @@ impl<'a> Search<'a> {
             near.iter().all(Result::is_ok)
         };
         let held = self.held().into_iter().filter(exists);
-        // What a method does not have for layers keeps only their thickness from being told.
+        // If the method does not support a layer, only the test of its thickness is left out.
         let (of_layers, others): (Vec<_>, Vec<_>) = held.partition(|held| held.is_thickness());
         let alone = of_layers.iter().map(std::slice::from_ref);
         let mut left = Vec::new();
         for group in [&others[..]].into_iter().chain(alone) {
             left.extend(self.scores(group, linear, freedom)?);
         }
-        // Parameters that do the same differ by rounding, and stay in the order of the keys.
+        // Parameters with the same effect differ by rounding, and remain in the order of the keys.
         let suspicion = |left: &LeftOut| (1e6 * left.p_value.ln()).round();
         left.sort_by(|a, b| suspicion(a).total_cmp(&suspicion(b)));
         Ok(left)
     }
 
-    /// The score tests of some parameters that were held; none if the model has no derivatives with respect to them.
+    /// Score tests of fixed parameters; `None` if the model has no derivatives with respect to them.
     fn scores(
         &self,
         held: &[Parameter],
@@ -1131,7 +1132,7 @@ impl<'a> Search<'a> {
             .collect();
         let residuals = linear.rest(&weighted);
         let squares: f64 = residuals.iter().map(|residual| residual * residual).sum();
-        // Errors that are all known besides, as those of jumps, are not estimated.
+        // Errors that are known otherwise, such as those of jumps, are not estimated.
         let is_estimated = self.scatter_counts();
         let score = |(number, parameter): (usize, &Parameter)| {
             let column: Vec<f64> = self
@@ -1150,7 +1151,7 @@ impl<'a> Search<'a> {
             let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
             let score = Score::new(&residuals, &linear.rest(&column), length)?;
             let both = score.p_value(squares, freedom, is_estimated);
-            // From a half-space there is one way to go.
+            // From a half-space, the thickness can change in one direction only.
             let (p_value, is_near) = match (model.is_endless(*parameter), score.step > 0.0) {
                 (false, _) => (both, score.step.abs() <= 1.0),
                 (true, true) => (0.5 * both, score.step <= 1.0),
@@ -1166,7 +1167,7 @@ impl<'a> Search<'a> {
         Ok(held.iter().enumerate().filter_map(score).collect())
     }
 
-    /// Whether there are errors that were estimated and count.
+    /// Whether estimated errors contribute.
     fn scatter_counts(&self) -> bool {
         self.data.iter().zip(&self.errors).any(|(datum, error)| {
             let own = self.scatter[datum.quantity as usize];
@@ -1301,20 +1302,21 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Of an unknown whose interval would reach beyond the least that it can be: that, and where the sum of squares has risen by the square of the
-    /// quantile, with the other unknowns at their best as far as they are linear. None of others, and where it does not rise.
+    /// For an unknown whose interval would extend beyond its smallest possible value: this value, and the value at which the sum of squares has
+    /// increased by the square of the quantile, with the other unknowns optimised in linear approximation. `None` for other unknowns, and if the
+    /// sum of squares does not increase.
     fn one_sided(
         &self,
         number: usize,
         deviation: f64,
         quantile: f64,
     ) -> Result<Option<OneSided>, FitError> {
-        /// The first distance at which it is looked at; it doubles so often, and is halved so often then.
+        /// First distance that is tried, number of doublings, and number of subsequent bisections.
         const FIRST: f64 = 0.25;
         const DOUBLINGS: usize = 6;
         const HALVINGS: usize = 8;
         let [least, greatest] = self.model.range(number, &self.unknowns);
-        // What another work that is free sets is not certain.
+        // A bound that another free work of adhesion sets is uncertain.
         let works = self.model.free.iter().filter(|free| free.is_work());
         let least = match works.count() {
             2 => least.min(model::ZERO),
@@ -1372,7 +1374,7 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    /// The quantities that are compared: `force alone`, `force and contact radius`.
+    /// Quantities compared: `force alone`, `force and contact radius`.
     fn compared(&self) -> (String, bool) {
         let there = |quantity: &Quantity| self.data.iter().any(|d| d.quantity == *quantity);
         let names: Vec<&str> = Quantity::ALL
@@ -1388,10 +1390,10 @@ impl<'a> Search<'a> {
         covariance: &[Vec<f64>],
         ends: &[Option<OneSided>],
     ) -> Vec<Undetermined> {
-        /// Correlation with another parameter that explains it.
+        /// Correlation beyond which another parameter is the explanation.
         const TIED: f64 = 0.9;
-        /// The largest standard deviation of an unknown that counts as determined. Unknowns are logarithms, or parts of the
-        /// range of the data.
+        /// Largest standard deviation of a determined unknown. Unknowns are logarithms, or fractions of the range of the
+        /// data.
         const LARGEST_DEVIATION: f64 = 1.0;
         let mut groups = self.linear.as_ref().map_or(Vec::new(), Linear::unseen);
         groups.retain(|group| group.len() > 1 || ends[group[0]].is_none());
@@ -1493,7 +1495,7 @@ impl<'a> Search<'a> {
         .collect()
     }
 
-    /// The conditions of the model under the largest load.
+    /// Limits of the model under the largest load.
     fn limits(&self, settings: &model::Settings) -> Result<Vec<Limit>, FitError> {
         let rows = self.states.iter().zip(&self.used);
         let used = rows.filter(|(_, used)| **used);
@@ -1513,13 +1515,13 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// The pull-off of the fitted cycle beside the least force that was measured.
+    /// Pull-off of the fitted cycle and the smallest measured force.
     fn pull_off(
         &self,
         settings: &model::Settings,
         cycle: &Cycle,
     ) -> Result<Option<FittedPullOff>, FitError> {
-        /// Step of the logarithm of the work by which the change of the pull-off force is found.
+        /// Step of the logarithm of the work of adhesion for the derivative of the pull-off force.
         const STEP: f64 = 0.1;
         let (Some(measured), Some(pull_off)) = (self.model.measured_pull(), &cycle.pull_off) else {
             return Ok(None);
@@ -1555,7 +1557,7 @@ impl<'a> Search<'a> {
         }))
     }
 
-    /// The computed curve of a cycle over the data.
+    /// Computed curve of a cycle over the range of the data.
     fn curve_of_cycle(&self, settings: &model::Settings, curve: &curve::Curve) -> Vec<CurvePoint> {
         let loads = self.model.data.rows().iter().map(model::load_of);
         let least = loads.fold(f64::INFINITY, f64::min);
@@ -1565,7 +1567,7 @@ impl<'a> Search<'a> {
             let places = curve.places(branch).iter().copied();
             let places = places.filter(move |place| place.position + instrument > least);
             let before = places.clone().next().filter(|_| first.force == 0.0);
-            // Up to its first place the curve is without contact.
+            // Before its first point the curve has no contact.
             let touch = before.map(|place| curve::Place {
                 force: 0.0,
                 contact_radius: 0.0,
@@ -1592,7 +1594,7 @@ impl<'a> Search<'a> {
         points
     }
 
-    /// The computed curve over the data that were used.
+    /// Computed curve over the range of the data used.
     fn curve(&self, settings: &model::Settings) -> Result<Vec<CurvePoint>, FitError> {
         let rows = self.model.data.rows().iter().zip(&self.used);
         let loads: Vec<f64> = rows
@@ -1621,7 +1623,7 @@ impl<'a> Search<'a> {
                     contact_radius: state.contact_radius,
                 }),
                 Err(error) if error.is_interruption() => return Err(error),
-                // Drifts may put it outside of the model where the rows are inside.
+                // Because of drifts it may be outside the model although the rows are inside.
                 Err(_) => {}
             }
         }
@@ -1633,7 +1635,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The variance `s^2` with which the sum of `r^2/(s^2 + v)` is `freedom`: none if it is less
+/// Variance `s^2` for which the sum of `r^2/(s^2 + v)` is `freedom`; zero if the sum is smaller
 /// without it.
 fn own_variance(terms: &[(f64, f64)], freedom: f64) -> f64 {
     let sum = |own: f64| {
@@ -1654,13 +1656,13 @@ fn own_variance(terms: &[(f64, f64)], freedom: f64) -> f64 {
     let ends = [end(0.0), end(largest)];
     match roots::find(ends, 0.0, |own| Ok::<_, Infallible>(end(own).value)) {
         Ok(Some(root)) => root.closest().position,
-        // Without any other variance the sum is `freedom` at the end, but for rounding.
+        // Without any other variance the sum is `freedom` at the upper end, except for rounding.
         Ok(None) => largest,
     }
 }
 
-/// Half width of a 95 % interval in standard errors: of Student's distribution with so many degrees
-/// of freedom, or of the normal one.
+/// Half-width of a 95 % interval in standard errors: of Student's distribution with the given
+/// degrees of freedom, or of the normal distribution.
 fn quantile(freedom: Option<usize>) -> f64 {
     const PROBABILITY: f64 = 0.975;
     match freedom.map(|freedom| StudentsT::new(0.0, 1.0, freedom as f64)) {

@@ -1,4 +1,4 @@
-//! What the model says in place of every measured value, and how that changes with the
+//! Model values that correspond to the measured values, and their derivatives with respect to the
 //! parameters.
 
 use super::curve::Curve;
@@ -15,58 +15,59 @@ use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Relative step of differences: the error of a difference is its square, and kinks of the curve,
-/// where pillars are touched first, are spread as errors of measurement spread them.
+/// Relative step of differences. The error of a difference is the square of the step. Kinks of the
+/// curve, where pillars come into contact, are smoothed over the step, as measurement errors do.
 const DIFFERENCE: f64 = 1e-2;
 
-/// The same of a work of adhesion: contacts that are broken at other places come in groups.
+/// The same for a work of adhesion, which is larger because pillars detach in groups.
 const DIFFERENCE_OF_WORK: f64 = 5e-2;
 
-/// A part of these steps that is too short for a difference.
+/// Fraction of these steps below which a step is too short for a difference.
 const SHORTEST: f64 = 0.1;
 
-/// How far rows are from one whose jumps they share, as a part of the range of the loads.
+/// Distance within which rows share the variance of jumps, as a fraction of the range of the loads.
 const AROUND: f64 = 0.125;
 
-/// Relative error at which reading, force and indentation agree.
+/// Relative tolerance of the solution for the indentation at a reading.
 const BALANCE: f64 = 1e-9;
 
-/// The most steps in which they must agree.
+/// Largest number of steps of this solution.
 const MOST_STEPS: usize = 40;
 
-/// A state in place of a measured one.
+/// The computed state that corresponds to a measured one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct State {
     /// Indentation, m.
     pub(super) indentation: f64,
     /// Force, N.
     pub(super) force: f64,
-    /// What the instrument reads of it, N: with its offset, and on unloading with adhesion that of the line through a stretch of the curve.
+    /// Force that the instrument would read, N: with its offset, and on unloading with adhesion from the line through an interval of the
+    /// curve.
     pub(super) read_force: f64,
-    /// Mean square of how far the force is from such lines, on average over the rows around, N^2.
+    /// Mean square deviation of the force from such lines, averaged over neighbouring rows, N^2.
     pub(super) force_variance: f64,
-    /// How many rows are in its stretch, and so share its jumps.
+    /// Number of rows in its interval, which share its jumps.
     pub(super) sharing: f64,
-    /// Slopes of that line, and of one through the contact radius.
+    /// Slopes of that line and of the line through the contact radius.
     pub(super) slopes: [f64; 2],
     /// Contact radius, m.
     pub(super) contact_radius: f64,
-    /// [Contact radius without jumps](smooth_radius), m, or that of a line through a stretch.
+    /// [Contact radius without jumps](smooth_radius), m, or that of a line through an interval.
     pub(super) smooth_radius: f64,
-    /// Smallest gap between lens and floor, m; not known along a cycle.
+    /// Smallest gap between lens and floor, m; not available along a cycle.
     pub(super) smallest_floor_gap: Option<f64>,
-    /// Whether the lens is below the floor, or would be if it could.
+    /// Whether the state is past the transition.
     pub(super) past_transition: bool,
     pub(super) converged: bool,
-    /// Why there is no such state in the model, and so no numbers of it.
+    /// Reason why the model has no such state, and therefore no values.
     pub(super) problem: Option<String>,
 }
 
-/// Below this unknown a work of adhesion is linear in it, and at the other it is zero.
+/// A work of adhesion is linear below the first of these unknowns, and zero at the second.
 const LINEAR: f64 = -1.0;
 pub(super) const ZERO: f64 = LINEAR - 1.0;
 
-/// The unknown of a work of adhesion that is so many units.
+/// Unknown of a work of adhesion, given in units.
 fn unknown_of(units: f64) -> f64 {
     if units > LINEAR.exp() {
         units.ln()
@@ -76,7 +77,7 @@ fn unknown_of(units: f64) -> f64 {
 }
 
 impl State {
-    /// At an indentation (m) at which nothing is touched, or of which nothing is known.
+    /// State at an indentation (m) without contact, or without a solution.
     fn without_contact(indentation: f64) -> Self {
         Self {
             indentation,
@@ -98,17 +99,17 @@ impl State {
 /// Derivatives of force and contact radius in a row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Derivatives {
-    /// By each unknown.
+    /// With respect to each unknown.
     pub(super) force: Vec<f64>,
     pub(super) contact_radius: Vec<f64>,
-    /// By the position: of the force in N/m, of the contact radius without unit.
+    /// With respect to the position: of the force in N/m, of the contact radius dimensionless.
     pub(super) force_by_position: f64,
     pub(super) radius_by_position: f64,
-    /// Of the contact radius by the force where the force is the load, m/N.
+    /// Of the contact radius with respect to the force if the force is the load, m/N.
     pub(super) radius_by_force: f64,
 }
 
-/// The values that go with some unknowns.
+/// Values that correspond to a set of unknowns.
 #[derive(Debug, Clone)]
 pub(super) struct Settings {
     pub(super) case: Case,
@@ -116,15 +117,15 @@ pub(super) struct Settings {
     pub(super) contact_point: f64,
     /// Machine compliance, m/N.
     pub(super) machine_compliance: f64,
-    /// What the instrument reads without any force at the first row, N.
+    /// Reading of the instrument without any force at the first row, N.
     pub(super) force_offset: f64,
-    /// By how much the displacement (m) and the force (N) drift from the first row to the last.
+    /// Drift of the displacement (m) and the force (N) from the first row to the last.
     pub(super) displacement_drift: f64,
     pub(super) force_drift: f64,
 }
 
 impl Settings {
-    /// What a measured load is without what the instrument adds to it at a moment, 0 at the first row and 1 at the last.
+    /// Measured load minus the contributions of the instrument at a time, which is 0 at the first row and 1 at the last.
     pub(super) fn load(&self, position: Position, measured: f64, moment: f64) -> f64 {
         match position {
             Position::Displacement => {
@@ -135,60 +136,61 @@ impl Settings {
         }
     }
 
-    /// What the instrument reads without any force at a moment, N.
+    /// Reading of the instrument without any force at a time, N.
     pub(super) fn offset(&self, moment: f64) -> f64 {
         self.force_offset + self.force_drift * moment
     }
 }
 
-/// What the value of a parameter is by its unknown.
+/// Relation between the value of a parameter and its unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Scale {
-    /// So many times the unknown.
+    /// A multiple of the unknown.
     Multiple(f64),
-    /// The size of the unknown: both signs are alike.
+    /// The absolute value of the unknown.
     Distance,
-    /// So many times the exponential of the unknown.
+    /// A multiple of the exponential of the unknown.
     Logarithm(f64),
-    /// The same as far as the unknown is above -1, and below that on the tangent to zero at -2: of works of adhesion.
+    /// The same if the unknown is above -1; below, the tangent, which reaches zero at -2: for works of adhesion.
     FromZero(f64),
-    /// So much over the unknown: of a half-space, whose thickness is without end.
+    /// A constant over the unknown: for a half-space, whose thickness is infinite.
     Inverse(f64),
 }
 
-/// An end of the range of unknowns that a step would leave.
+/// A bound of the unknowns that a step would violate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum RangeEnd {
-    /// This one is at an end of its range.
+    /// This unknown is at a bound of its range.
     Of(usize),
-    /// The work of adhesion and the receding one, which is not less, are equal.
+    /// The work of adhesion and the receding work, which cannot be smaller, are equal.
     Equal([usize; 2]),
 }
 
-/// The cases on both sides of some unknowns, as far as they can be, and how far each is away in one of them.
+/// Valid cases on both sides of a set of unknowns, and their distances in one of the unknowns.
 type Sides = [Option<(Case, f64)>; 2];
 
 pub(super) struct Model<'a> {
     file: CaseFile,
     pub(super) data: &'a Measurements,
     pub(super) free: &'a [Parameter],
-    /// Where the fit begins.
+    /// Start of the fit.
     start: Settings,
     scales: Vec<Scale>,
     single: Run<'a>,
     pool: Option<&'a rayon::ThreadPool>,
     wants_radius: bool,
-    /// Whether pillar tops stick: then all rows are of one cycle of loading and unloading.
+    /// Whether pillar tops are adhesive: then all rows belong to one cycle of loading and
+    /// unloading.
     pub(super) sticks: bool,
     /// The branch of every row.
     pub(super) branches: Vec<Branch>,
-    /// The rows of each branch in the order of rising load.
+    /// Rows of each branch in the order of increasing load.
     orders: [Vec<usize>; 2],
-    /// For every row the load from the one before to the one after it on its branch.
+    /// For every row, the difference of the loads of its neighbours on its branch.
     stretches: Vec<f64>,
-    /// When every row was measured, from 0 at the first to 1 at the last.
+    /// Time of every row, from 0 at the first to 1 at the last.
     pub(super) moments: Vec<f64>,
-    /// Contacts and cycles that were solved.
+    /// Number of contacts and cycles solved.
     solved: AtomicUsize,
 }
 
@@ -226,7 +228,7 @@ impl<'a> Model<'a> {
                 force_drift: options.force_drift,
             },
             scales: Vec::new(),
-            // Threads share the rows, and every row is computed by one thread.
+            // Threads share the rows; every row is computed by one thread.
             single: Run {
                 pool: None,
                 progress: None,
@@ -253,7 +255,7 @@ impl<'a> Model<'a> {
         Ok(model)
     }
 
-    /// The model at some unknowns, with other parameters free.
+    /// The model at a set of unknowns, with other free parameters.
     pub(super) fn with<'b>(
         &self,
         unknowns: &[f64],
@@ -282,14 +284,14 @@ impl<'a> Model<'a> {
         Ok(model)
     }
 
-    /// How many contacts and cycles were solved so far.
+    /// Number of contacts and cycles solved so far.
     pub(super) fn solved(&self) -> usize {
         self.solved.load(Ordering::Relaxed)
     }
 
     fn scales_of(&self, free: &[Parameter]) -> Result<Vec<Scale>, FitError> {
         let range = self.load_range();
-        // Both works of adhesion have one unit, so that their unknowns can be compared.
+        // Both works of adhesion have the same unit, so that their unknowns can be compared.
         let works = free.iter().filter(|parameter| parameter.is_work());
         let works: Vec<f64> = works
             .map(|work| self.start_of(*work))
@@ -316,7 +318,7 @@ impl<'a> Model<'a> {
         scales.collect()
     }
 
-    /// Whether it is the thickness of a body that is a half-space.
+    /// Whether it is the thickness of a half-space.
     pub(super) fn is_endless(&self, parameter: Parameter) -> bool {
         matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && self.start.case.setting(key).is_none())
     }
@@ -341,7 +343,7 @@ impl<'a> Model<'a> {
         if high > low { high - low } else { 1e-6 }
     }
 
-    /// The least force of the unloading, N, without the offset with which the fit begins.
+    /// Smallest force on unloading, N, minus the initial offset of the fit.
     pub(super) fn measured_pull(&self) -> Option<f64> {
         let rows = self.data.rows().iter().zip(&self.branches);
         let unloading = rows.filter(|(_, branch)| **branch == Branch::Unloading);
@@ -349,22 +351,22 @@ impl<'a> Model<'a> {
         forces.reduce(f64::min)
     }
 
-    /// Chooses the work of adhesion with which the fit begins such that the pull-off is that of the data.
+    /// Chooses the initial work of adhesion so that the pull-off force is that of the data.
     fn begin_with_work(&mut self) -> Result<(), FitError> {
-        /// Relative difference of forces, the most trials, and a guess (J/m^2).
+        /// Relative difference of forces, largest number of trials, and a guess (J/m^2).
         const NEAR: f64 = 0.02;
         const TRIALS: usize = 8;
         const GUESS: f64 = 0.05;
-        /// The pull-off force grows about as this power of the work.
+        /// The pull-off force increases approximately with this power of the work.
         const POWER: f64 = 0.6;
-        /// No search begins with less, J/m^2.
+        /// Smallest initial work, J/m^2.
         const LEAST: f64 = 1e-6;
         let works = [Key::WorkOfAdhesion, Key::RecedingWorkOfAdhesion];
         let free: Vec<Key> = works
             .into_iter()
             .filter(|key| self.free.contains(&Parameter::Key(*key)))
             .collect();
-        // Parting takes the receding work.
+        // Separation requires the receding work.
         let Some(key) = free.last().copied() else {
             return Ok(());
         };
@@ -415,8 +417,8 @@ impl<'a> Model<'a> {
         if largest > 0.0 { largest } else { 1e-6 }
     }
 
-    /// Where contact begins if the case is as in its file: from the state nearest to a tenth of
-    /// the largest force, where a wrong modulus moves it little.
+    /// Contact point for the case as in its file, estimated from the state nearest to a tenth of
+    /// the largest force, where an error of the modulus has little effect.
     fn likely_contact_point(&self) -> Result<f64, FitError> {
         let wanted = 0.1 * self.largest_force();
         let rows = self.data.rows().iter().zip(&self.branches);
@@ -440,11 +442,11 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Moves the contact point with which the fit begins, by quarters of the range of the data, until most rows can be modelled: a force offset that is not
-    /// known yet may have put it far too high.
+    /// Moves the initial contact point by quarters of the range of the data until most rows can be modelled: an unknown force offset may have led to a much
+    /// too large estimate.
     fn begin_within_model(&mut self) -> Result<(), FitError> {
         const STEPS: usize = 3;
-        /// The part of the rows.
+        /// Required fraction of the rows.
         const MOST: f64 = 0.75;
         let mut rows: Vec<_> = self.data.rows().iter().zip(&self.moments).collect();
         rows.sort_by(|a, b| load_of(a.0).total_cmp(&load_of(b.0)));
@@ -463,7 +465,7 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
-    /// The value of a parameter where the fit begins, in SI units.
+    /// Initial value of a parameter, in SI units.
     fn start_of(&self, parameter: Parameter) -> Result<f64, FitError> {
         match parameter {
             Parameter::Key(key) => {
@@ -478,14 +480,15 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The unknowns where the fit begins.
+    /// Initial unknowns.
     pub(super) fn start(&self) -> Result<Vec<f64>, FitError> {
         let unknowns = self.free.iter().zip(&self.scales);
         let unknowns = unknowns.map(|(parameter, scale)| match scale {
             Scale::Logarithm(_) | Scale::Inverse(_) => Ok(0.0),
             Scale::Multiple(unit) => Ok(self.start_of(*parameter)? / unit),
             Scale::FromZero(unit) => Ok(unknown_of(self.start_of(*parameter)? / unit)),
-            // With the lens axis on a pillar every direction looks the same: begin beside it.
+            // With the lens axis on a pillar, derivatives with respect to its position vanish: the
+            // fit starts beside the pillar.
             Scale::Distance => {
                 let value = self.start_of(*parameter)?;
                 Ok(if value.abs() < 0.05 { 0.25 } else { value })
@@ -508,16 +511,15 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The place of a key among what is free.
+    /// Index of a key among the free parameters.
     fn place(&self, key: Key) -> Option<usize> {
         let mut free = self.free.iter();
         free.position(|free| *free == Parameter::Key(key))
     }
 
-    /// The least and the greatest that an unknown can be while the others stay as they are: works of adhesion are not negative, and the receding one is not
-    /// less than the other.
+    /// Range of an unknown for given values of the others: works of adhesion are not negative, and the receding work is not smaller than the other.
     pub(super) fn range(&self, number: usize, unknowns: &[f64]) -> [f64; 2] {
-        /// Room for rounding when works are compared.
+        /// Tolerance for rounding when works are compared.
         const ROUNDING: f64 = 1e-12;
         let Scale::FromZero(unit) = self.scales[number] else {
             return [f64::NEG_INFINITY, f64::INFINITY];
@@ -538,7 +540,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Unknowns a step away, with those that would leave their range at its end.
+    /// Unknowns after a step; unknowns that would leave their range are set to its bound.
     pub(super) fn moved(&self, unknowns: &[f64], step: &[f64]) -> Vec<f64> {
         let pairs = unknowns.iter().zip(step);
         let mut moved: Vec<f64> = pairs.map(|(unknown, step)| unknown + step).collect();
@@ -549,9 +551,9 @@ impl<'a> Model<'a> {
         moved
     }
 
-    /// The first end of a range at which unknowns are and which a step would leave.
+    /// The first bound at which unknowns are and which a step would violate.
     pub(super) fn left_by(&self, unknowns: &[f64], step: &[f64]) -> Option<RangeEnd> {
-        /// Distance that counts as none.
+        /// Distance below which an unknown is at a bound.
         const NEAR: f64 = 1e-9;
         let both = self.place(Key::WorkOfAdhesion);
         let both = both.zip(self.place(Key::RecedingWorkOfAdhesion));
@@ -561,7 +563,7 @@ impl<'a> Model<'a> {
         let at_end = |number: &usize| {
             let [least, greatest] = self.range(*number, unknowns);
             let unknown = unknowns[*number];
-            // What the other work sets is no end of its own.
+            // A bound set by the other work is not a separate bound.
             let least = if both.is_some() { ZERO } else { least };
             step[*number] < 0.0 && unknown <= least + NEAR
                 || both.is_none() && step[*number] > 0.0 && unknown >= greatest - NEAR
@@ -573,8 +575,9 @@ impl<'a> Model<'a> {
             .or(equal.map(|(work, receding)| RangeEnd::Equal([work, receding])))
     }
 
-    /// Another place to begin: moduli and sizes up to a factor of 3 away, contact point and machine up to a quarter of the range of the data. The
-    /// places are spread evenly, by multiples of irrational numbers (H. Weyl, Math. Ann. 77, 313 (1916)), the same for all fits.
+    /// Another start: moduli and sizes differ by up to a factor of 3, contact point and machine compliance by up to a quarter of the range of the
+    /// data. The starts are distributed evenly, by multiples of irrational numbers (H. Weyl, Math. Ann. 77, 313 (1916)), and are the same for all
+    /// fits.
     pub(super) fn other_start(&self, begin: &[f64], number: usize) -> Vec<f64> {
         let places = begin.iter().zip(self.free).enumerate();
         places
@@ -599,7 +602,7 @@ impl<'a> Model<'a> {
                 if self.free[number].is_work() && value < Adhesion::SMALLEST_WORK {
                     value = 0.0;
                 }
-                // A thickness without end is that of a half-space, and is not given.
+                // An infinite thickness means a half-space and is not set.
                 if value.is_finite() || !self.free[number].is_thickness() {
                     file.set_number(key, value);
                 }
@@ -630,8 +633,8 @@ impl<'a> Model<'a> {
         Ok(settings)
     }
 
-    /// The states in place of the measured ones. With adhesion they are averages over stretches of the curve, at least this
-    /// part of the range of the loads.
+    /// Computed states that correspond to the measured ones. With adhesion they are averages over intervals of the curve,
+    /// of at least the given fraction of the range of the loads.
     pub(super) fn states(&self, unknowns: &[f64], stretch: f64) -> Result<Vec<State>, FitError> {
         let settings = self.settings(unknowns)?;
         if self.sticks {
@@ -647,14 +650,14 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// Whether no state of a row is in the model, and the first reason.
+    /// Whether the model has no state for any row, and the first reason.
     pub(super) fn first_problem(&self, unknowns: &[f64]) -> Result<(), FitError> {
         let settings = self.settings(unknowns)?;
         let mut rows = self.data.rows().iter().zip(&self.moments);
         rows.try_for_each(|(row, moment)| self.state(&settings, row, *moment).map(drop))
     }
 
-    /// The cycle that was measured, up to the largest measured load, with its curve; none if that load is before contact.
+    /// The cycle up to the largest measured load, with its curve; `None` if that load is before contact.
     pub(super) fn cycle(&self, settings: &Settings) -> Result<Option<(Curve, Cycle)>, FitError> {
         let position = self.data.position();
         let rows = self.data.rows().iter().zip(&self.moments);
@@ -669,7 +672,7 @@ impl<'a> Model<'a> {
         };
         let mut system = settings.case.system.clone();
         if system.adhesion().is_none() {
-            // A cycle needs adhesion, and the least there is does not show.
+            // A cycle requires adhesion; the smallest possible work has no visible effect.
             let least = Adhesion::new(Adhesion::SMALLEST_WORK);
             system = system.with_adhesion(least).map_err(SolveError::from)?;
         }
@@ -695,8 +698,8 @@ impl<'a> Model<'a> {
                 } else {
                     Drive::Displacement
                 };
-                // The lens comes down less than the crosshead, by what the machine gives way: where it turns is on the
-                // curve of a loading that goes that far itself.
+                // The lens moves less than the crosshead because of the machine compliance. The unloading point is
+                // therefore on the curve of a loading to that crosshead position.
                 let far = largest + (-compliance).max(0.0) * 2.0 * self.largest_force();
                 let (loading, _) = solve(Turn::Indentation(far), drive, false)?;
                 let turn = loading.at(Branch::Loading, largest).indentation;
@@ -711,7 +714,7 @@ impl<'a> Model<'a> {
         settings: &Settings,
         least_stretch: f64,
     ) -> Result<Vec<State>, FitError> {
-        /// Relative distance from the end of the loading that is rounding.
+        /// Relative distance from the end of the loading that is attributed to rounding.
         const ROUNDING: f64 = 1e-6;
         let cycle = self.cycle(settings)?;
         let nothing = Curve::nothing();
@@ -729,7 +732,7 @@ impl<'a> Model<'a> {
             let place = curve.at(branch, position);
             let stretch = self.stretches[number].max(least_stretch);
             let average = curve.average(branch, position, stretch);
-            // On loading the force has kinks but hardly jumps.
+            // On loading the force has kinks but hardly any jumps.
             let (force, force_variance) = match branch {
                 Branch::Loading => (place.force, 0.0),
                 Branch::Unloading => (average.force, average.force_variance),
@@ -758,7 +761,8 @@ impl<'a> Model<'a> {
         Ok(states)
     }
 
-    /// Gives every row of a branch the mean variance of the rows around: which of them has the jump is what is not known.
+    /// Assigns the mean variance of the neighbouring rows to every row of a branch, because it is not known which of them
+    /// contains the jump.
     fn share_variances(&self, order: &[usize], states: &mut [State]) {
         let rows = self.data.rows();
         let loads: Vec<f64> = order.iter().map(|number| load_of(&rows[*number])).collect();
@@ -787,7 +791,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The state of a row; one with a problem if it is outside of the model.
+    /// State of a row; it contains a problem if it is outside the model.
     fn row_state(
         &self,
         settings: &Settings,
@@ -821,7 +825,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The state under a force that was read at a moment.
+    /// State under a force that was read at a time.
     pub(super) fn state_under(
         &self,
         settings: &Settings,
@@ -832,8 +836,8 @@ impl<'a> Model<'a> {
         Ok(self.solve(&settings.case, Load::Force(force.max(0.0)))?)
     }
 
-    /// The state at a reading: the indentation `zeta` with
-    /// `zeta + machine_compliance F(zeta) = reading - contact_point - drift`, by secants.
+    /// State at a reading: solves `zeta + machine_compliance F(zeta) = reading - contact_point -
+    /// drift` for the indentation `zeta` by the secant method.
     pub(super) fn state_at(
         &self,
         settings: &Settings,
@@ -909,9 +913,9 @@ impl<'a> Model<'a> {
         fakir::press(&case.system, load, case.method, &self.single)
     }
 
-    /// Derivatives at fixed indentation, and from these at fixed reading: with `F' = dF/dzeta` and `C` the machine compliance,
-    /// `dzeta = (d(reading) - d(contact_point) - d(drift) - F dC - C dF|_zeta)/(1 + C F')`. Those of the force are exact where the contact has
-    /// a [gradient](fakir::gradient), or else central differences.
+    /// Derivatives at fixed indentation, and from these at fixed reading: with `F' = dF/dzeta` and `C` the machine compliance, `dzeta =
+    /// (d(reading) - d(contact_point) - d(drift) - F dC - C dF|_zeta)/(1 + C F')`. The derivatives of the force are exact if the contact has a
+    /// [gradient](fakir::gradient), otherwise central differences.
     pub(super) fn derivatives(
         &self,
         unknowns: &[f64],
@@ -928,7 +932,7 @@ impl<'a> Model<'a> {
             let side = |step: f64| -> Option<(Case, f64)> {
                 let mut moved = unknowns.to_vec();
                 moved[number] += step;
-                // Beyond the half-space there is nothing.
+                // There is no body thicker than the half-space.
                 let is_beyond = matches!(self.scales[number], Scale::Inverse(_)) && step < 0.0;
                 let settings = self.settings(&moved).ok().filter(|_| !is_beyond);
                 settings.map(|settings| (settings.case, step.abs()))
@@ -965,7 +969,7 @@ impl<'a> Model<'a> {
                 (Some(_), Position::Displacement) => settings.machine_compliance,
                 _ => 0.0,
             };
-            // The derivative of the indentation by the position.
+            // Derivative of the indentation with respect to the position.
             let follow = match row.position {
                 Some(_) => 1.0 / (1.0 + compliance * along[0]),
                 None => {
@@ -1005,7 +1009,7 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// The derivative of a value by its unknown.
+    /// Derivative of a value with respect to its unknown.
     pub(super) fn slope(&self, number: usize, unknown: f64) -> f64 {
         match self.scales[number] {
             Scale::Multiple(unit) => unit,
@@ -1016,7 +1020,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The exact derivatives of the force, where the contact has them.
+    /// Exact derivatives of the force, if the contact has them.
     fn gradient(
         &self,
         case: &Case,
@@ -1038,7 +1042,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// A derivative of the force, and beside it that of the contact radius by differences where contact radii were measured.
+    /// A derivative of the force and, if contact radii were measured, that of the contact radius by differences.
     fn with_radius(
         &self,
         force: f64,
@@ -1067,7 +1071,7 @@ impl<'a> Model<'a> {
             let mut moved = unknowns.to_vec();
             let [least, greatest] = self.range(number, unknowns);
             moved[number] = clamped(moved[number] + sign * step, least, greatest.max(least));
-            // At an end of its range, or of the model, a difference to one side is what is left.
+            // At a bound of its range or of the model, a one-sided difference is used.
             let apart = (moved[number] - unknowns[number]).abs();
             if apart < SHORTEST * step {
                 return Ok((states.to_vec(), 0.0));
@@ -1113,7 +1117,8 @@ impl<'a> Model<'a> {
         Ok(states.iter().enumerate().map(of_row).collect())
     }
 
-    /// Derivatives of force and smooth contact radius by the load, about the state under it.
+    /// Derivatives of force and smooth contact radius with respect to the load, at the state under
+    /// it.
     fn along_load(&self, case: &Case, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
         let value = value_of(load);
         if value <= 0.0 {
@@ -1123,7 +1128,7 @@ impl<'a> Model<'a> {
         Ok(difference([side(-DIFFERENCE)?, side(DIFFERENCE)?], state))
     }
 
-    /// Derivatives of force and smooth contact radius from one case to another, about the state under the load.
+    /// Derivatives of force and smooth contact radius between two cases, at the state under the load.
     fn between(&self, sides: &Sides, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
         let side = |side: &Option<(Case, f64)>| match side {
             Some((case, away)) => self.side(case, load, *away),
@@ -1133,7 +1138,7 @@ impl<'a> Model<'a> {
         Ok(difference([side(below)?, side(above)?], state))
     }
 
-    /// A state on one side of another, so far away; none outside of the model.
+    /// A state on one side of another, at a given distance; `None` outside the model.
     fn side(&self, case: &Case, load: Load, away: f64) -> Result<Option<(State, f64)>, SolveError> {
         match self.solve(case, load) {
             Ok(state) => Ok(Some((state, away))),
@@ -1155,7 +1160,7 @@ fn value_of(load: Load) -> f64 {
     }
 }
 
-/// When every row was measured, from 0 at the first to 1 at the last: by the time if all rows have one, or else by their number.
+/// Time of every row, from 0 at the first to 1 at the last: from the times if all rows have one, otherwise from the row numbers.
 fn moments(data: &Measurements) -> Vec<f64> {
     let rows = data.rows();
     let times: Option<Vec<f64>> = rows.iter().map(|row| row.time).collect();
@@ -1173,7 +1178,7 @@ fn moments(data: &Measurements) -> Vec<f64> {
     times.iter().map(moment).collect()
 }
 
-/// Differences of force and smooth contact radius; to one side where there is no state on the other.
+/// Differences of force and smooth contact radius; one-sided if there is no state on the other side.
 fn difference([below, above]: [Option<(State, f64)>; 2], middle: &State) -> [f64; 2] {
     let end = |side: &Option<(State, f64)>| {
         let (state, away) = side
@@ -1186,12 +1191,13 @@ fn difference([below, above]: [Option<(State, f64)>; 2], middle: &State) -> [f64
     [(high.0 - low.0) / apart, (high.1 - low.1) / apart]
 }
 
-/// The load of a row: its position, or else its force.
+/// Load of a row: its position if measured, otherwise its force.
 pub(super) fn load_of(row: &Measurement) -> f64 {
     row.position.or(row.force).map_or(0.0, |load| load.value)
 }
 
-/// For every row the load from the one before to the one after it on its branch; at an end, twice that to its neighbour.
+/// For every row, the difference of the loads of its neighbours on its branch; at an end, twice the difference to its
+/// neighbour.
 fn stretches(data: &Measurements, orders: &[Vec<usize>; 2]) -> Vec<f64> {
     let load = |number: &usize| load_of(&data.rows()[*number]);
     let mut stretches = vec![0.0; data.rows().len()];
@@ -1224,7 +1230,7 @@ mod tests {
         ] {
             file.set(given).unwrap();
         }
-        // Between touches of pillars. The forces say only what a step of the compliance is.
+        // Between contacts of new pillars. The forces only set the step of the compliance.
         let displacement = vec![0.5e-6, 1.0e-6, 2.0e-6];
         let columns = [
             (Column::Displacement, displacement),
@@ -1245,7 +1251,8 @@ mod tests {
         let states = model.states(&begin, 0.0).unwrap();
         let before = model.solved();
         let derivatives = model.derivatives(&begin, &states, 0.0).unwrap();
-        // One gradient for every row, where differences took 2 solutions along the load and 2 for each of 6 keys.
+        // One gradient for every row; differences would require 2 solutions along the load and 2 for each of 6
+        // keys.
         assert_eq!(model.solved() - before, 3);
         for (number, parameter) in free.iter().enumerate() {
             let moved = |step: f64| {

@@ -1,22 +1,22 @@
-//! What is known besides the case and the data.
+//! Options of a fit: values and initial values of the instrument, and the number of starts.
 
-/// The most places from which a fit begins.
+/// Largest number of starts of a fit.
 pub const MOST_STARTS: usize = 32;
 
-/// What is known besides the case and the data.
+/// Options of a fit: values and initial values of the instrument, and the number of starts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FitOptions {
-    /// Contact point, m: its value, or where the fit begins if it is free. If it is not given it is
-    /// 0, or the fit begins where the data suggest.
+    /// Contact point, m: value, or initial value if it is free. Default: 0, or an initial value
+    /// estimated from the data.
     pub contact_point: Option<f64>,
-    /// Machine compliance, m/N: its value, or where the fit begins.
+    /// Machine compliance, m/N: value or initial value.
     pub machine_compliance: f64,
-    /// What the instrument reads without any force, N: its value, or where the fit begins.
+    /// Reading of the instrument without any force, N: value or initial value.
     pub force_offset: f64,
-    /// By how much the displacement drifts from the first row to the last, m: its value, or where the fit begins.
+    /// Drift of the displacement from the first row to the last, m: value or initial value.
     pub displacement_drift: f64,
-    /// By how much the force drifts from the first row to the last, N: its value, or where the fit begins.
+    /// Drift of the force from the first row to the last, N: value or initial value.
     pub force_drift: f64,
-    /// From how many places the fit begins, against local minima, up to [`MOST_STARTS`]; 0 counts as 1.
+    /// Number of starts, to avoid local minima, up to [`MOST_STARTS`]; 0 counts as 1.
     pub starts: usize,
 }

@@ -1,27 +1,27 @@
-//! What can be fitted.
+//! Parameters of a fit.
 
 use fakir_case::Key;
 use fakir_case::unit::Dimension;
 
-/// A quantity that is fitted.
+/// A parameter of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
     /// A key of the case file.
     Key(Key),
     /// Reading of the displacement at which the undeformed lens is level with the pillar tops, m.
     ContactPoint,
-    /// How far the instrument itself gives way per force, m/N.
+    /// Compliance of the instrument, m/N.
     MachineCompliance,
-    /// What the instrument reads without any force, N.
+    /// Reading of the instrument without any force, N.
     ForceOffset,
-    /// By how much the reading of the displacement drifts from the first row to the last, m: linear in time, or in the number of the row.
+    /// Drift of the displacement reading from the first row to the last, m: linear in time, or in the row number.
     DisplacementDrift,
-    /// By how much what the instrument reads without any force drifts from the first row to the last, N.
+    /// Drift of the force reading from the first row to the last, N.
     ForceDrift,
 }
 
 impl Parameter {
-    /// All that can be fitted.
+    /// All parameters that can be fitted.
     pub const ALL: [Self; 17] = [
         Self::Key(Key::SubstrateYoungModulus),
         Self::Key(Key::LensYoungModulus),
@@ -42,7 +42,7 @@ impl Parameter {
         Self::ForceDrift,
     ];
 
-    /// Its name: the key with its tables, `contact_point`, `machine_compliance`, `force_offset`,
+    /// Name: the key with its tables, `contact_point`, `machine_compliance`, `force_offset`,
     /// `displacement_drift` or `force_drift`.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -56,7 +56,7 @@ impl Parameter {
         }
     }
 
-    /// The parameter of that name, or of that last name of a key if only one has it.
+    /// Returns the parameter with that name, or with that last part of a key if it is unique.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         match Self::all_named(name)[..] {
@@ -65,7 +65,7 @@ impl Parameter {
         }
     }
 
-    /// The parameters of that name, or of that last name of a key.
+    /// Returns the parameters with that name, or with that last part of a key.
     #[must_use]
     pub fn all_named(name: &str) -> Vec<Self> {
         let is_named = |parameter: &Self| {
@@ -75,7 +75,7 @@ impl Parameter {
         Self::ALL.into_iter().filter(is_named).collect()
     }
 
-    /// What its columns and JSON keys end in: `"_Pa"`, `"_m_per_N"`.
+    /// Suffix of its columns and JSON keys: `"_Pa"`, `"_m_per_N"`.
     #[must_use]
     pub fn suffix(self) -> &'static str {
         match self.dimension() {
@@ -84,7 +84,7 @@ impl Parameter {
         }
     }
 
-    /// What it measures; `None` for the compliance, m/N.
+    /// Dimension; `None` for the compliance, m/N.
     #[must_use]
     pub fn dimension(self) -> Option<Dimension> {
         match self {
@@ -95,7 +95,7 @@ impl Parameter {
         }
     }
 
-    /// Whether it takes a displacement to be seen.
+    /// Whether it can be determined only from a displacement.
     pub(super) fn is_of_displacement(self) -> bool {
         matches!(
             self,
@@ -103,12 +103,12 @@ impl Parameter {
         )
     }
 
-    /// Whether it is in measured forces.
+    /// Whether it affects measured forces.
     pub(super) fn is_of_force(self) -> bool {
         matches!(self, Self::ForceOffset | Self::ForceDrift)
     }
 
-    /// Whether it is a work of adhesion, which only unloading shows.
+    /// Whether it is a work of adhesion, which can be determined only from unloading.
     pub(super) fn is_work(self) -> bool {
         matches!(
             self,
@@ -116,7 +116,7 @@ impl Parameter {
         )
     }
 
-    /// Whether it makes a body a layer.
+    /// Whether it belongs to a layer.
     pub(super) fn is_thickness(self) -> bool {
         matches!(
             self,
@@ -124,7 +124,7 @@ impl Parameter {
         )
     }
 
-    /// Whether its logarithm is fitted, as that of sizes, moduli and, unless they are near zero, works of adhesion.
+    /// Whether its logarithm is fitted: for sizes, moduli and, unless they are near zero, works of adhesion.
     pub(super) fn is_positive(self) -> bool {
         match self {
             Self::Key(key) => key.is_positive() || self.is_work(),
@@ -132,7 +132,7 @@ impl Parameter {
         }
     }
 
-    /// The most it may change in a step, in the units it is fitted in.
+    /// Largest change in a step, in the units in which it is fitted.
     pub(super) fn longest_step(self) -> f64 {
         if self.is_positive() { 1.0 } else { 0.25 }
     }

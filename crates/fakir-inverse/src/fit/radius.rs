@@ -3,13 +3,13 @@
 use fakir::problem::{Arrangement, System};
 use fakir::state::ContactState;
 
-/// Square of the contact radius over the mean square of the distances of the pillars from the lens axis, weighted by their forces:
-/// 5/2 on a dense texture, where the pressure is that of Hertz, and 3 where pillars deform independently of each other and the force falls in
-/// proportion to the square of the distance. Another value changes weights of measured radii, not the answer to data without errors.
+/// Square of the contact radius over the mean square of the distances of the pillars from the lens axis, weighted by their forces: 5/2 on a
+/// dense pattern, where the pressure is Hertzian, and 3 if pillars deform independently and the force decreases linearly with the square of
+/// the distance. Another value would change the weights of measured radii, not the result for data without errors.
 const SPREAD: f64 = 2.75;
 
-/// The radius, m, of a disc whose pressure has the same spread as the forces on the pillars. Forces begin at zero where pillars are touched, so that it
-/// changes without jumps. It ends at the farthest pillar, as the contact radius does.
+/// Radius, m, of a disc whose pressure has the same second moment as the forces on the pillars. It changes without jumps, because the force on a pillar
+/// starts from zero at contact. It is limited to the farthest pillar, as the contact radius is.
 pub(super) fn smooth_radius(contact: &ContactState) -> f64 {
     if contact.pillars.is_empty() {
         return contact.contact_radius;
@@ -29,7 +29,7 @@ pub(super) fn smooth_radius(contact: &ContactState) -> f64 {
         .min(farthest_rim(&contact.system))
 }
 
-/// Distance from the lens axis of the farthest rim of a pillar, m; infinite on a lattice without end.
+/// Distance from the lens axis to the farthest rim of a pillar, m; infinite on an infinite lattice.
 fn farthest_rim(system: &System) -> f64 {
     let away = |[x, y]: [f64; 2]| x.hypot(y);
     match system.arrangement() {

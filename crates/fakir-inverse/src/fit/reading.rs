@@ -1,69 +1,70 @@
-//! Tables as instruments write them: which column is which quantity, and in which unit.
+//! Reads tables in the formats of instruments: identifies the quantity and the unit of each column.
 //!
-//! A heading is understood by its words: all of them must be known, and they must name one quantity. The unit stands in the name or the
-//! heading (`displacement_um`, `Load [mN]`, `Force (mN)`, `F / mN`) or in a row of units below. Whatever is not understood is not used,
-//! and the [`Layout`] says so.
+//! A heading is interpreted by its words: all of them must be known, and they must name one quantity. The unit is in the name or the
+//! heading (`displacement_um`, `Load [mN]`, `Force (mN)`, `F / mN`) or in a row of units below. Columns that are not recognised are not
+//! used; the [`Layout`] lists them.
 
 use super::column::{Column, DataError};
 use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_quantity};
 use std::borrow::Cow;
 
-/// A column of a file or a table, and what it was taken for.
+/// A column of a file or a table, and its interpretation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReadColumn {
-    /// Its number, from 1.
+    /// Number of the column, from 1.
     pub number: usize,
-    /// Its heading as it stands there.
+    /// Heading as written.
     pub heading: String,
-    /// What it is; none if it is not used.
+    /// Quantity; `None` if the column is not used.
     pub column: Option<Column>,
-    /// The unit of its values, as it stands there; none of a branch.
+    /// Unit as written; `None` for a branch.
     pub unit: Option<String>,
-    /// Whether its values count with the opposite sign.
+    /// Whether the sign of its values is reversed.
     pub negated: bool,
-    /// Whether it was named by hand.
+    /// Whether the column was named by the user.
     pub by_hand: bool,
 }
 
-/// How a file was understood.
+/// Interpretation of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Layout {
-    /// What stands between the columns; none of arrays.
+    /// Separator of the columns; `None` for arrays.
     pub separator: Option<char>,
-    /// Whether numbers have a comma as decimal point.
+    /// Whether numbers have decimal commas.
     pub decimal_comma: bool,
-    /// The line with the headings, from 1; none without.
+    /// Line of the headings, from 1; `None` without headings.
     pub heading_line: Option<u64>,
     /// The columns, in the order of the file.
     pub columns: Vec<ReadColumn>,
 }
 
-/// The values of one row of the file, each with its column.
+/// Values of one row of the file, each with its column.
 pub(super) type RowValues = Vec<(Column, f64)>;
 
-/// How the columns were understood, which there are, and for every row its line in the file and its values.
+/// Interpretation of the columns, the columns found, and for every row its line in the file and its values.
 pub(super) type Table = (Layout, Vec<Column>, Vec<(u64, RowValues)>);
 
-/// How arrays were understood, and their columns with values in SI units.
+/// Interpretation of arrays, and their columns with values in SI units.
 pub(super) type Arrays = (Layout, Vec<(Column, Vec<f64>)>);
 
-/// A column named by hand: `force=Load [mN]`.
+/// A column named by the user: `force=Load [mN]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamedColumn {
-    /// What the column is.
+    /// Quantity of the column.
     pub column: Column,
     /// Its heading, with the unit if the file has none; or `#` and its number, from 1.
     pub heading: String,
-    /// Whether its values count with the opposite sign: for a position that falls as the lens goes deeper.
+    /// Whether the sign of its values is reversed: for a position that decreases as the lens moves down.
     pub negated: bool,
 }
 
 impl NamedColumn {
-    /// Of a name of a quantity and a heading; a minus sign before the heading turns the sign of the values.
+    /// Combines the name of a quantity and a heading; a minus sign before the heading reverses the sign of
+    /// the values.
     ///
     /// # Errors
-    /// If there is no such quantity, with those that there are.
+    /// If there is no such quantity; the error lists the quantities that exist.
     pub fn new(quantity: &str, heading: &str) -> Result<Self, String> {
         let is_named = |column: &Column| column.quantity() == quantity || column.name() == quantity;
         let Some(column) = Column::ALL.into_iter().find(is_named) else {
@@ -90,7 +91,7 @@ impl NamedColumn {
         })
     }
 
-    /// As it is written on the command line: `force=Load [mN]`.
+    /// Parses the form of the command line: `force=Load [mN]`.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -101,7 +102,7 @@ impl NamedColumn {
         Self::new(quantity.trim(), heading)
     }
 
-    /// Whether it means the cell of a heading, and the unit it gives.
+    /// Whether it matches the cell of a heading, and the unit that it gives.
     fn matches(&self, place: usize, heading: &str) -> Option<Option<String>> {
         let (number, unit) = split_unit(&self.heading);
         if let Some(number) = number
@@ -114,7 +115,7 @@ impl NamedColumn {
         if plain(&self.heading) == plain(heading) {
             return Some(None);
         }
-        // The name of a column without a unit, and the unit beside it.
+        // The name of a column without a unit, followed by the unit.
         (unit.is_some() && plain(&number) == plain(heading)).then_some(unit)
     }
 
@@ -131,7 +132,7 @@ fn example_unit(column: Column) -> &'static str {
     }
 }
 
-/// Units that case files do not take, each as so many of one that they do.
+/// Units that case files do not accept, each as a multiple of a unit that they accept.
 const MORE_UNITS: [(&str, f64, &str); 12] = [
     ("cm", 10.0, "mm"),
     ("pm", 1e-3, "nm"),
@@ -159,12 +160,12 @@ const TIMES: [(&str, f64); 8] = [
     ("hours", 3600.0),
 ];
 
-/// What turns numbers of a column into SI units.
+/// Conversion of the numbers of a column to SI units.
 #[derive(Debug, Clone, PartialEq)]
 enum Scale {
     /// A factor.
     Factor(f64),
-    /// A unit that moves the decimal point only, so that numbers are rounded once.
+    /// A unit that only shifts the decimal point, so that numbers are rounded once.
     Unit(String, Dimension),
 }
 
@@ -230,7 +231,7 @@ fn is_unit(text: &str) -> bool {
             || MORE_UNITS.iter().any(|(symbol, _, _)| *symbol == text))
 }
 
-/// What stands between brackets around the whole text, or the text.
+/// Text without brackets around all of it.
 fn without_brackets(text: &str) -> &str {
     let text = text.trim();
     let pairs = [('[', ']'), ('(', ')'), ('{', '}')];
@@ -250,7 +251,7 @@ fn split_unit(heading: &str) -> (String, Option<String>) {
         {
             let inside = heading[start + 1..heading.len() - 1].trim();
             let name = heading[..start].trim().to_owned();
-            // Words in brackets are no unit.
+            // Words in brackets are not a unit.
             let is_word = words(inside)
                 .iter()
                 .all(|word| FILLERS.contains(&&word[..]));
@@ -271,7 +272,7 @@ fn split_unit(heading: &str) -> (String, Option<String>) {
     (heading.to_owned(), None)
 }
 
-/// The words of a name, in small letters: `ContactRadius` has two.
+/// Words of a name, in lower case: `ContactRadius` has two.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut last_is_small = false;
@@ -314,7 +315,7 @@ const QUANTITIES: [(&str, Column); 19] = [
     ("radius", Column::ContactRadius),
 ];
 
-/// Words that name one unless another does: `z position`, `normal force fz`.
+/// Words that name a quantity unless another word does: `z position`, `normal force fz`.
 const SYMBOLS: [(&str, Column); 10] = [
     ("z", Column::Displacement),
     ("depth", Column::Displacement),
@@ -328,7 +329,7 @@ const SYMBOLS: [(&str, Column); 10] = [
     ("p", Column::Force),
 ];
 
-/// Words that make a quantity its standard error.
+/// Words that change a quantity into its standard error.
 const ERRORS: [&str; 9] = [
     "error",
     "errors",
@@ -341,7 +342,7 @@ const ERRORS: [&str; 9] = [
     "deviation",
 ];
 
-/// Words that may stand beside.
+/// Words without effect that may accompany the name.
 const FILLERS: [&str; 27] = [
     "normal",
     "measured",
@@ -372,7 +373,7 @@ const FILLERS: [&str; 27] = [
     "test",
 ];
 
-/// The quantity that a name means, if all of its words are known.
+/// Quantity that a name denotes, if all of its words are known.
 fn quantity_of(name: &str) -> Option<Column> {
     let words = words(name);
     let is_error = words.iter().any(|word| ERRORS.contains(&&word[..]));
@@ -457,17 +458,17 @@ struct Used {
     column: Column,
     scale: Option<Scale>,
     negated: bool,
-    /// Whether words that are no branches are an error.
+    /// Whether words other than branches are an error.
     is_strict: bool,
 }
 
-/// Headings, as they were understood.
+/// Headings with their interpretation.
 struct Heading {
     layout: Layout,
     used: Vec<Used>,
 }
 
-/// What a cell of a heading could be.
+/// Possible interpretations of a cell of a heading.
 struct Candidate {
     column: Column,
     unit: Option<String>,
@@ -489,7 +490,7 @@ fn candidate(place: usize, heading: &str, named: &[NamedColumn]) -> Option<Candi
         });
     }
     let column = quantity_of(&name)?;
-    // What is named by hand is looked for nowhere else.
+    // A quantity named by the user is not searched for in other columns.
     let is_named = named.iter().any(|named| {
         let positions = [Column::Displacement, Column::Indentation];
         named.column == column || (positions.contains(&named.column) && positions.contains(&column))
@@ -502,7 +503,7 @@ fn candidate(place: usize, heading: &str, named: &[NamedColumn]) -> Option<Candi
     })
 }
 
-/// Makes errors of a file.
+/// Creates errors that refer to a file.
 pub(super) struct Reader<'a> {
     pub(super) name: &'a str,
 }
@@ -522,7 +523,8 @@ impl Reader<'_> {
         }
     }
 
-    /// What columns with these headings are. `line` is that of the headings, and `units` those of a row below them.
+    /// Interprets columns with these headings. `line` is the line of the headings, and `units` are the units of a
+    /// row below them.
     fn heading(
         &self,
         headings: &[String],
@@ -588,7 +590,8 @@ impl Reader<'_> {
             }
             columns.push(read);
         }
-        // Of two columns of one quantity that with a fitting unit is meant. Time without a unit is not used.
+        // If two columns have the same quantity, the one with a suitable unit is used. Time without a unit
+        // is not used.
         for (column, _, problem) in problems {
             let has_other = used.iter().any(|used| used.column == column);
             if !has_other && column != Column::Time {
@@ -623,7 +626,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Headings of arrays, each with its values; those that are not understood have none.
+    /// Headings of arrays, each with its values; headings that are not recognised have none.
     pub(super) fn arrays(
         &self,
         named_values: &[(String, Option<Vec<f64>>)],
@@ -743,15 +746,15 @@ impl Reader<'_> {
             .map_err(|_| self.fail(None, None, "is no text"))
     }
 
-    /// Where the headings are, and what is between the columns: where most columns are understood.
+    /// Finds the line of the headings and the separator for which most columns are recognised.
     fn find_heading(&self, lines: &[&str], named: &[NamedColumn]) -> Result<Place, DataError> {
-        /// Headings are among so many lines.
+        /// Number of lines in which headings are searched for.
         const MOST_LINES: usize = 1000;
         if !named.is_empty() && named.iter().all(NamedColumn::is_by_number) {
             return self.by_numbers(lines, named);
         }
         let mut best: Option<(usize, Place)> = None;
-        // Headings in a comment count if there are no others, and a heading of one column if there is no other.
+        // Headings in a comment are used if there are no others, and headings of a single column likewise.
         for (commented, least) in [(false, 2), (true, 2), (false, 1)] {
             for separator in SEPARATORS {
                 let found = lines
@@ -816,7 +819,8 @@ impl Reader<'_> {
         Err(self.fail(Some(index as u64 + 1), None, problem))
     }
 
-    /// Columns that are named by their numbers: rows begin where these are numbers.
+    /// Columns that are named by their numbers: the rows begin where the cells of these columns are
+    /// numbers.
     fn by_numbers(&self, lines: &[&str], named: &[NamedColumn]) -> Result<Place, DataError> {
         for separator in SEPARATORS {
             let found = lines.iter().enumerate().find_map(|(index, line)| {
@@ -831,7 +835,7 @@ impl Reader<'_> {
                 is_row.then_some((index, cells))
             });
             if let Some((index, cells)) = found {
-                // The line before may have headings, of as many columns.
+                // The previous line may contain headings, if it has as many columns.
                 let before = index
                     .checked_sub(1)
                     .map(|line| self::cells(lines[line], separator));
@@ -910,7 +914,7 @@ impl Reader<'_> {
             values.push((used.column, if used.negated { -value } else { value }));
         }
         if let Some(place) = dropped {
-            // Segments that have numbers or other names: the motion says which branch is which.
+            // Segments with numbers or other names: the branches follow from the motion.
             heading.used.retain(|used| used.place != place);
             heading.layout.columns[place].column = None;
             for (_, values) in &mut rows.rows {
@@ -934,7 +938,7 @@ impl Reader<'_> {
 #[derive(Default)]
 struct Rows {
     rows: Vec<(u64, RowValues)>,
-    /// What a line between the rows said.
+    /// Branch that a line between the rows named.
     label: Option<Branch>,
     /// The first number with a comma: line, column and text.
     comma: Option<(u64, String, String)>,
@@ -950,7 +954,7 @@ struct Place {
     headings: Vec<String>,
 }
 
-/// What can stand between columns, the surest first.
+/// Possible separators of columns, the most reliable first.
 const SEPARATORS: [char; 3] = ['\t', ';', ','];
 
 /// A row of units below the headings, and the line after it.
@@ -974,7 +978,7 @@ fn unit_row(
     (is_plain && is_there).then_some((index + 1, units))
 }
 
-/// The cells of a line, in quotes or not, without blanks around them.
+/// Cells of a line, with or without quotes, trimmed.
 fn cells(line: &str, separator: char) -> Vec<String> {
     let mut cells = vec![String::new()];
     let mut is_quoted = false;
@@ -996,14 +1000,15 @@ fn cells(line: &str, separator: char) -> Vec<String> {
     cells.iter().map(|cell| cell.trim().to_owned()).collect()
 }
 
-/// What a comment says.
+/// Text of a comment.
 fn comment(line: &str) -> Option<&str> {
     let line = line.trim_start();
     let marks = ["#", "%", "//", "!", ";"];
     marks.into_iter().find_map(|mark| line.strip_prefix(mark))
 }
 
-/// Whether a line is a comment. One that begins with a semicolon may be a row whose first cell is empty.
+/// Whether a line is a comment. A line that begins with a semicolon may also be a row whose first cell
+/// is empty.
 fn is_comment(line: &str, separator: char, columns: usize) -> bool {
     let is_row = separator == ';'
         && line.trim_start().starts_with(';')
@@ -1011,7 +1016,7 @@ fn is_comment(line: &str, separator: char, columns: usize) -> bool {
     comment(line).is_some() && !is_row
 }
 
-/// A number as Rust writes it: with a decimal point, and an ASCII minus.
+/// Converts a number to the notation of Rust: decimal point and ASCII minus sign.
 fn number(text: &str) -> Option<String> {
     let plain = text.replace('\u{2212}', "-");
     let commas = plain.matches(',').count();
@@ -1031,7 +1036,7 @@ fn quoted(headings: &[String]) -> String {
 }
 
 impl Layout {
-    /// What became of every column, a line for each: `force: column 2 "Load [mN]", in mN`.
+    /// Interpretation of every column, one line each: `force: column 2 "Load [mN]", in mN`.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let of = |read: &ReadColumn| {
@@ -1058,7 +1063,8 @@ impl Layout {
         self.columns.iter().map(of).collect()
     }
 
-    /// What there was, for an error: `seen were "Zeit [s]" as time, and "Kanal 2", not understood`.
+    /// Columns found, for an error message: `seen were "Zeit [s]" as time, and "Kanal 2", not
+    /// understood`.
     pub(super) fn seen(&self) -> String {
         let of = |read: &ReadColumn| match read.column {
             Some(column) => format!("\"{}\" as {}", read.heading, column.quantity()),

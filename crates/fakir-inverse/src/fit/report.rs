@@ -1,4 +1,4 @@
-//! A fit as a JSON object, as a table and in warnings: what command line and Python package show.
+//! A fit as a JSON object, as a table and as warnings, for command line and Python package.
 
 use super::{
     Estimate, Fit, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit, Parameter, Position,
@@ -13,7 +13,7 @@ use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// How states past the transition would be used.
+/// Advice for the use of states past the transition.
 const WITH_FLOOR: &str = "the method spectral uses them, unless the case has floor.contact = false";
 
 /// The same with adhesion.
@@ -22,7 +22,7 @@ const WITH_ADHESION: &str = "with adhesion the loading ends where the lens reach
 /// A value of a parameter with its unit.
 fn value_words(parameter: Parameter, value: f64) -> String {
     const DIGITS: i32 = 2;
-    // Rounded before a unit is chosen.
+    // The value is rounded before the unit is chosen.
     let rounded: f64 = format!("{value:.*e}", DIGITS as usize - 1)
         .parse()
         .unwrap_or(value);
@@ -33,14 +33,14 @@ fn value_words(parameter: Parameter, value: f64) -> String {
 }
 
 impl Fit {
-    /// A sentence for a person, if the fit does not describe the data.
+    /// Message to the user if the fit does not describe the data.
     #[must_use]
     pub fn misfit_statement(&self) -> Option<String> {
         self.misfit.statement(value_words)
     }
 
-    /// What a reader of the result must know: parameters that are not determined, rows left out, and
-    /// whatever else speaks against it.
+    /// Warnings about the result: parameters that are not determined, rows left out, and failed
+    /// tests.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings: Vec<String> = self
@@ -104,7 +104,7 @@ impl Fit {
         warnings
     }
 
-    /// The data beside the model: a row for each of the data.
+    /// Table of the data with the computed values: one row for each row of the data.
     #[must_use]
     pub fn table(&self, data: &Measurements) -> Table {
         let numbers = |name: &str, value: &dyn Fn(&FittedRow) -> Option<f64>| Column {
@@ -186,7 +186,7 @@ impl Fit {
     }
 }
 
-/// A fit: what `fakir fit --json` prints.
+/// A fit, as `fakir fit --json` prints it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 pub struct FitSummary {
@@ -295,7 +295,7 @@ struct StartJson {
     is_answer: bool,
 }
 
-/// What a column of the data was taken for.
+/// Interpretation of a column of the data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct ColumnJson {
     number: usize,
@@ -326,7 +326,7 @@ struct UndeterminedJson {
 }
 
 impl FitSummary {
-    /// The summary of a fit of data by a method.
+    /// Summary of a fit.
     #[must_use]
     pub fn new(data: &Measurements, method: Method, fitted: &Fit, wall_time: f64) -> Self {
         let of_displacement = data.position() == Position::Displacement;
