@@ -1,5 +1,5 @@
-//! The answers: contacts with their pillars and section, curves over the surface fraction, and the
-//! phase diagram. Everything is in SI units, with the unit in the name.
+//! Responses: contacts with their pillars and section, curves over the surface fraction, and the
+//! phase diagram. All values are in SI units, with the unit in the name.
 
 use crate::floor::FloorCells;
 use crate::jobs::{Failure, Worker};
@@ -19,23 +19,23 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// With more pillars than this an estimate is shown until the contact is solved.
+/// Number of pillars beyond which an estimate is shown until the contact is solved.
 const PREVIEW_PILLARS: f64 = 800.0;
 
-/// More pillars than this are not solved for in the background.
+/// Largest number of pillars in a background computation.
 const CURVE_PILLARS: f64 = 4000.0;
 
-/// More pillars than this are not solved for in the background with the floor in contact.
+/// Largest number of pillars in a background computation with floor contact.
 const FLOOR_PILLARS: f64 = 1500.0;
 
-/// Points of the exact curves, a power of two and one.
+/// Number of points of the exact curves, a power of two plus one.
 const CURVE_POINTS: usize = 33;
 
 /// Surface fractions of the curves, as in the paper.
 const FRACTIONS: [f64; 2] = [3e-4, 0.25];
 
-/// The loads at which the loading is computed, coarse first, as parts of the way to the critical state and beyond it.
-/// With the floor in contact the farthest take longest.
+/// Loads at which the loading is computed, coarse first, as fractions of the path to the critical state and beyond.
+/// With floor contact, the largest loads take longest.
 const PATH_FRACTIONS: [f64; 21] = [
     0.5, 0.1, 1.25, 0.02, 0.25, 0.75, 1.5, 0.05, 0.9, 1.1, 0.35, 0.6, 2.0, 0.15, 0.8, 0.005, 0.001,
     FARTHEST, 1.75, 1.04, 2.25,
@@ -43,21 +43,21 @@ const PATH_FRACTIONS: [f64; 21] = [
 
 /// A critical state, a contact under another load, or both.
 pub(crate) struct Solved {
-    /// The critical state, and the time it took, s.
+    /// Critical state, and its computing time, s.
     pub(crate) critical: Option<(CriticalState, f64)>,
-    /// Another state than the critical one, and the time it took, s.
+    /// A state other than the critical one, and its computing time, s.
     pub(crate) pressed: Option<(ContactState, f64)>,
 }
 
 impl Solved {
-    /// The state that is shown, and the time it took, s.
+    /// Displayed state, and its computing time, s.
     pub(crate) fn state(&self) -> Option<(&ContactState, f64)> {
         let critical = self.critical.as_ref().map(|(c, time)| (&c.contact, *time));
         let pressed = self.pressed.as_ref().map(|(state, time)| (state, *time));
         pressed.or(critical)
     }
 
-    /// Where the floor is touched, if it is just touched in the state that is shown.
+    /// First floor contact, if the displayed state is the critical state.
     pub(crate) fn floor_contact(&self) -> Option<Point> {
         match (&self.critical, &self.pressed) {
             (Some((critical, _)), None) => Some(critical.floor_contact),
@@ -66,11 +66,11 @@ impl Solved {
     }
 }
 
-/// Told a state on the way to an answer, and the time that it took, s.
+/// Receives an intermediate state, and its computing time, s.
 type Interim<'a> = dyn Fn(&ContactState, f64) + Sync + 'a;
 
-/// Solves for a state on the way to the critical one, or past it. `interim` is told what can be
-/// shown of it before, `found` the critical state; with the time it took so far, s.
+/// Solves a state before, at or past the critical state. `interim` receives intermediate states for
+/// display, and `found` the critical state; both with the computing time so far, s.
 pub(crate) fn solve(
     case: &Case,
     load: LoadPoint,
@@ -117,20 +117,20 @@ fn meets_floor(case: &Case, load: LoadPoint) -> bool {
     bears(case) && load.fraction > 1.0
 }
 
-/// Whether the floor bears a part past the transition, and it is known how large.
+/// Whether the floor carries load past the transition and its force is computed.
 fn bears(case: &Case) -> bool {
     let wanted = case.system.floor_model() == FloorModel::Contact;
     matches!(case.method, Method::Spectral(_)) && wanted
 }
 
-/// The indentation, m, at a fraction of the way from first touch to the critical state.
+/// Indentation, m, at a fraction of the path from first contact to the critical state.
 pub(crate) fn indentation(case: &Case, critical: f64, fraction: f64) -> f64 {
     let touch = first_touch(case);
     let touch = if touch < critical { touch } else { 0.0 };
     touch + fraction * (critical - touch)
 }
 
-/// The indentation, m, at which the nearest pillar is touched.
+/// Indentation, m, at which the nearest pillar comes into contact.
 fn first_touch(case: &Case) -> f64 {
     let system = &case.system;
     if case.method == Method::Homogenised {
@@ -150,7 +150,7 @@ pub(crate) struct StateLine {
 }
 
 impl StateLine {
-    /// The critical state of a cycle, after so many seconds.
+    /// Critical state of a cycle, with its computing time in seconds.
     pub(crate) fn of_critical(state: &ContactState, wall_time: f64) -> Self {
         Self {
             state: drawn(state, wall_time, 1.0, false),
@@ -158,33 +158,34 @@ impl StateLine {
     }
 }
 
-/// A state as it is drawn.
+/// A state for display.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct State {
-    /// By the punch lattice, or on the pillar tops alone, until it is solved for in full.
+    /// Estimate by the punch lattice, or for the pillar tops alone, until the complete state is
+    /// solved.
     approximate: bool,
-    /// The part of the way to the critical state.
+    /// Fraction of the path to the critical state.
     fraction: f64,
-    /// Of a state that is drawn before its errors are estimated they are `null`; a [`SummaryLine`] follows.
+    /// The errors are `null` if the state is sent before they are estimated; a [`SummaryLine`] follows.
     summary: Object,
     normalized: [f64; 3],
     pitch_m: f64,
     diameter_m: f64,
     lattice: DrawnLattice,
-    /// Lattice indices of the touched pillars, one after the other.
+    /// Lattice indices of the pillars in contact, in a flat list.
     pillars: Vec<i64>,
     pillar_forces_N: Vec<f64>,
-    /// One letter for every pillar: `f`ully or `p`artially in contact.
+    /// One letter for every pillar: `f` for full, `p` for partial contact.
     pillar_statuses: String,
-    /// Where the floor is touched, or would be, with its symmetric copies; nothing where it bears a part.
+    /// First floor contact with its symmetric copies; empty if the floor carries load.
     floor_contacts_m: Vec<Point>,
-    /// The floor's cells in contact, where it bears a part.
+    /// Floor cells in contact, if the floor carries load.
     floor: Option<FloorCells>,
     warnings: Vec<String>,
 }
 
-/// The summary of a state that was drawn before the errors of its force and indentation were estimated: now they are.
+/// Summary of a state, with the errors of force and indentation, which were not available when the state was sent.
 #[derive(Serialize)]
 struct SummaryLine {
     summary: Object,
@@ -196,8 +197,9 @@ struct PreviewLine {
     preview: Preview,
 }
 
-/// The same by the homogenised lattice, within a per cent or two and a few ms: what is shown until
-/// the state is solved for. `F_n = F_0 sqrt(1 - (r_n/a)^2)` is near enough to forces on pillars.
+/// The same by the homogenised lattice, with an error of one or two per cent, in a few ms:
+/// displayed until the state is solved. Forces on pillars are approximated by `F_n = F_0 sqrt(1 -
+/// (r_n/a)^2)`.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct Preview {
@@ -217,15 +219,15 @@ pub(crate) struct SectionLine {
     pub(crate) section: Option<Section>,
 }
 
-/// Heights over the undeformed floor along x through the lens axis.
+/// Heights above the undeformed floor along x through the lens axis.
 #[derive(Serialize)]
 pub(crate) struct Section {
     x_m: Vec<f64>,
     lens_m: Vec<f64>,
     surface_m: Vec<f64>,
-    /// Where the floor is touched in this plane, if it is: x and height.
+    /// First floor contact in this plane, if there is one: x and height.
     floor_contacts_m: Vec<Point>,
-    /// Where the floor bears a part: the ends of every piece in contact along x.
+    /// Floor contact: the ends of every interval along x.
     floor_m: Vec<[f64; 2]>,
 }
 
@@ -271,7 +273,7 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
             warnings: warnings(state),
         });
     } else {
-        // The answer, whatever it is.
+        // Sends the result, whatever it is.
         worker.send(&StateLine {
             state: drawn(state, wall_time, fraction, false),
         });
@@ -291,14 +293,14 @@ pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), 
     Ok(())
 }
 
-/// Sends a preview where solving takes long enough for it to be of use.
+/// Sends a preview if solving takes long enough.
 pub(crate) fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
     let system = &case.system;
     if expected_pillars(system) < PREVIEW_PILLARS || case.method == Method::Homogenised {
         return;
     }
     let run = worker.run();
-    // Where the model does not apply there is no preview.
+    // Without a preview if the homogenised lattice does not apply.
     let Ok(critical) = fakir::transition(system, Method::Homogenised, &run) else {
         return;
     };
@@ -363,7 +365,7 @@ fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool)
     }
 }
 
-/// Lattice indices of the touched pillars, one after the other.
+/// Lattice indices of the pillars in contact, in a flat list.
 pub(crate) fn indices(state: &ContactState) -> Vec<i64> {
     let pillars = state.pillars.iter();
     pillars
@@ -371,22 +373,22 @@ pub(crate) fn indices(state: &ContactState) -> Vec<i64> {
         .collect()
 }
 
-/// Where the pillars of a lattice stand: `(i, j)` at `origin + i a + j b`.
+/// Positions of the pillars of a lattice: `(i, j)` at `origin + i a + j b`.
 #[derive(Serialize)]
 pub(crate) struct DrawnLattice {
     /// `a` and `b`.
     vectors_m: [Point; 2],
     origin_m: Point,
-    /// The first index and the end along both, if it is cut.
+    /// First index and end along both directions, if the lattice is finite.
     range: Option<[i64; 2]>,
-    /// Indices of the pillars in view that are missing, one after the other.
+    /// Indices of missing pillars in view, in a flat list.
     missing: Vec<i64>,
 }
 
-/// Missing pillars are told within so many times the contact radius or the pitch.
+/// Radius within which missing pillars are sent, in multiples of the contact radius or the pitch.
 const VIEW: f64 = 3.0;
 
-/// The lattice with what is missing around a contact of a radius (m).
+/// The lattice with the missing pillars around a contact of the given radius (m).
 pub(crate) fn drawn_lattice(system: &System, contact_radius: f64) -> DrawnLattice {
     let (vectors, origin, cut) = match system.arrangement() {
         Arrangement::Lattice(lattice) => (lattice.vectors(), lattice.origin(), Some(lattice)),
@@ -419,7 +421,8 @@ pub(crate) fn drawn_lattice(system: &System, contact_radius: f64) -> DrawnLattic
     }
 }
 
-/// The section of the state that is shown, of this half width (m); none of methods that do not resolve it.
+/// Section of the displayed state, with the given half-width (m); `None` for methods that do not resolve
+/// it.
 pub(crate) fn section(
     state: &ContactState,
     half_width: f64,
@@ -498,7 +501,8 @@ enum CurveLine {
     },
 }
 
-/// `POST /api/curves`: the cheap curves at once, then the exact one, coarse first. All are without adhesion, which the page says.
+/// `POST /api/curves`: sends the fast curves first, then the exact one, coarse points first. All are without adhesion; the page
+/// states this.
 pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), Failure> {
     let case = without_adhesion(&request::case(&request.case)?);
     let system = &case.system;
@@ -509,7 +513,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
         .filter_map(|fraction| at_fraction(system, fraction))
         .collect();
     let method = curve_method(case.method);
-    // The closed forms are of the endless hexagonal lattice on half-spaces.
+    // The closed forms apply to the infinite hexagonal lattice on half-spaces.
     let formulas = if system.has_layers() {
         &[]
     } else {
@@ -536,7 +540,8 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
     });
     let run = worker.run();
     let mut points = Vec::new();
-    // At smaller surface fractions a single pillar is touched, to which the homogenised lattice does not apply.
+    // At smaller surface fractions a single pillar is in contact, to which the homogenised lattice does not
+    // apply.
     let many = |system: &&System| system.texture().surface_fraction() >= limit;
     for system in smooth.iter().step_by(2).filter(many) {
         worker.give_way()?;
@@ -562,7 +567,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
             }
             Ok(_) => {}
             Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
-            // There is no answer at this surface fraction, but there may be at others.
+            // There is no result at this surface fraction, but possibly at others.
             Err(_) => {}
         }
     }
@@ -572,7 +577,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
     Ok(())
 }
 
-/// Love elements take too long for a whole curve.
+/// Boundary elements take too long for a whole curve.
 fn curve_method(method: Method) -> Method {
     match method {
         Method::Love(_) | Method::Spectral(_) => Method::Spectral(Accuracy::Default),
@@ -580,7 +585,7 @@ fn curve_method(method: Method) -> Method {
     }
 }
 
-/// Numbers evenly spaced on a logarithmic scale, ends included.
+/// Numbers equally spaced on a logarithmic scale, including both ends.
 fn spaced([first, last]: [f64; 2], count: usize) -> Vec<f64> {
     let steps = count.saturating_sub(1) as f64;
     (0..count)
@@ -588,7 +593,7 @@ fn spaced([first, last]: [f64; 2], count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The numbers below `count`, a power of two and one: every 8th first, then what is between.
+/// Numbers below `count`, which is a power of two plus one: every 8th first, then those in between.
 fn coarse_first(count: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).step_by(8).collect();
     for stride in [8, 4, 2] {
@@ -606,21 +611,21 @@ enum PhaseLine {
     Path(PathState),
 }
 
-/// A state of the loading as curves show it.
+/// A state of the loading for curves.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct PathState {
-    /// The part of the way to the critical state.
+    /// Fraction of the path to the critical state.
     fraction: f64,
     indentation_m: f64,
     force_N: f64,
-    /// What the floor bears of it; none where the lens goes through the floor.
+    /// Floor force; `None` if floor contact is ignored.
     floor_force_N: Option<f64>,
     /// `a/e` and `F gamma_int/(h d)`, for the phase diagram.
     normalized: [f64; 2],
 }
 
-/// A place in the phase diagram: `a/e` and `F gamma_int/(h d)`.
+/// A point in the phase diagram: `a/e` and `F gamma_int/(h d)`.
 fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
     let reduced = Normalized::new(system, force, radius, 0.0);
     [reduced.contact_radius, reduced.force]
@@ -628,7 +633,7 @@ fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
 
 /// The transition curve of the phase diagram.
 pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
-    // That of closed forms, which know the endless hexagonal lattice on half-spaces only.
+    // It is a closed form, which applies only to the infinite hexagonal lattice on half-spaces.
     let known = system.hexagonal_lattice().is_some() && !system.has_layers();
     let ratios = spaced([0.01, 1000.0], if known { 200 } else { 0 });
     let curve = ratios.into_iter().map(|ratio| {
@@ -639,7 +644,8 @@ pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
     PhaseLine::Transition(curve.collect())
 }
 
-/// `POST /api/phase`: the transition curve, and the loading of the case, past the critical state too.
+/// `POST /api/phase`: the transition curve, and the loading of the case, also past the critical
+/// state.
 pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case)?;
     request.load.check()?;
@@ -654,7 +660,7 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             fakir::transition(system, method, &run)?.contact.indentation
         }
     };
-    // As the states that are shown, which only the spectral method knows with the floor.
+    // The same method as for displayed states: only the spectral method supports the floor.
     let system = &match bears(&case) {
         true => system.clone(),
         false => system.with_floor(FloorModel::Ignored),

@@ -1,19 +1,19 @@
-//! Connections in a bounded number, of which those that say nothing keep nobody out.
+//! Limits the number of connections. Idle connections do not block others.
 //!
-//! Whoever connects is an arrival until a request has come from it that the guard lets pass. Of
-//! arrivals there are only so many: one more, and the one that has waited longest is closed. So a
-//! program that opens connections without end only takes them from itself, and the page, which sends
-//! its request at once, is answered.
+//! A new connection is an *arrival* until it sends a request that the guard accepts. The number of
+//! arrivals is limited: when it is exceeded, the oldest arrival is closed. A program that opens
+//! connections without limit therefore closes only its own connections, and the page, which sends
+//! its request immediately, receives a response.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::oneshot::{Receiver, Sender, channel};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-/// The most connections of the page at a time.
+/// Largest number of simultaneous connections of the page.
 const CONNECTIONS: usize = 128;
 
-/// The most arrivals at a time.
+/// Largest number of simultaneous arrivals.
 const ARRIVALS: usize = 64;
 
 /// All connections.
@@ -46,7 +46,7 @@ impl Connections {
         }
     }
 
-    /// A new arrival; what comes with it tells when it is to be closed for another.
+    /// Adds an arrival; the second value signals when it must be closed in favour of another.
     pub(crate) fn arrive(&self) -> (Connection, Receiver<()>) {
         let (close, closed) = channel();
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
@@ -69,7 +69,7 @@ impl Connections {
 }
 
 impl Connection {
-    /// Keeps the connection, as a request of the page has come from it. False if there are too many connections already.
+    /// Keeps the connection after a request of the page. Returns false if there are too many connections already.
     pub(crate) fn stay(&self) -> bool {
         self.leave();
         let mut place = self.place.lock().unwrap_or_else(PoisonError::into_inner);
@@ -79,7 +79,7 @@ impl Connection {
         place.is_some()
     }
 
-    /// Takes the connection out of the list of arrivals.
+    /// Removes the connection from the list of arrivals.
     pub(crate) fn leave(&self) {
         let waiting = self.connections.waiting.lock();
         let mut waiting = waiting.unwrap_or_else(PoisonError::into_inner);
@@ -103,7 +103,8 @@ mod tests {
             .iter_mut()
             .map(|(_, c)| c.try_recv().is_ok())
             .collect();
-        // The first is the page's by now; one place was free, the other that of the second.
+        // The first one belongs to the page now; one place was free, the other was that of the
+        // second.
         assert!(
             closed
                 .iter()

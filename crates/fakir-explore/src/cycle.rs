@@ -1,5 +1,5 @@
-//! Loading and unloading with adhesion: the curve while the lens goes along it, then states all along it, so that the page can go forth
-//! and back without another question.
+//! Loading and unloading with adhesion: sends the curve while it is computed, then states along it, so that the page can move back and
+//! forth without another request.
 
 use crate::answers::{self, CaseLine, CriticalLine, DrawnLattice, Section, SectionLine, StateLine};
 use crate::floor::{ExpectedCells, FloorCells};
@@ -19,39 +19,40 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The loading has about so many states, fewer where that makes more pillars than `PILLARS` in all of them; the unloading has more.
+/// Approximate number of states of the loading; fewer if all states together would have more than `PILLARS` pillars. The unloading
+/// has more states.
 const STATES: f64 = 60.0;
 const FEWEST_STATES: f64 = 20.0;
 const PILLARS: f64 = 60_000.0;
 
-/// Where the lens is held back states are so many times closer.
+/// Factor by which states are closer under tension.
 const CLOSER: f64 = 8.0;
 
-/// No more states than this many times those of the loading are kept: on soft pillars the way back is many times as long.
+/// Largest number of states relative to the loading: on soft pillars the unloading is many times as long.
 const MOST_TIMES: f64 = 4.0;
 
-/// Stations are sent together, not more often than this.
+/// Smallest time between two transmissions of load steps.
 const CURVE_INTERVAL: Duration = Duration::from_millis(120);
 
-/// Corners of the outline of what is held of a top.
+/// Number of corners of the outline of the bonded region of a top.
 const CORNERS: usize = 12;
 
-/// A cycle, with what is in contact at some of its stations.
+/// A cycle, with the contact at some of its load steps.
 pub(crate) struct SolvedCycle {
     pub(crate) cycle: Cycle,
-    /// The time it took, s.
+    /// Computing time, s.
     pub(crate) wall_time: f64,
-    /// By the place of the station, in order. Among them are first contact, critical state, turn, the last one on a floor that sticks and the
-    /// one after it, pull-off and last release.
+    /// Contacts by the index of the load step, in order. They include first contact, critical state, unloading point, the last step on an
+    /// adhesive floor and the one after it, pull-off and last detachment.
     held: BTreeMap<usize, HeldContact>,
-    /// The place of the critical state, if the lens went down so far.
+    /// Index of the critical state, if it was reached.
     pub(crate) critical: Option<usize>,
     turn: usize,
 }
 
 impl SolvedCycle {
-    /// Solves for the cycle to the critical state and back, and before that for the critical state that there is without adhesion, which
-    /// says how far the way is. The page is told meanwhile, if `page` is given.
+    /// Computes the cycle to the critical state and back. The critical state without adhesion is computed first, to estimate the length
+    /// of the path. Intermediate results are sent to the page, if `page` is given.
     pub(crate) fn of_page(
         case: &Case,
         worker: &Worker,
@@ -70,7 +71,7 @@ impl SolvedCycle {
                 page.pass(&passage.station);
             }
         };
-        // Told where the lens is going to jump onto a floor that sticks.
+        // Receives the state before the jump onto an adhesive floor.
         let critical = |contact: &ContactState| {
             unpoisoned(&keeper).keep_critical(contact);
             if let Some(page) = page {
@@ -110,8 +111,8 @@ impl SolvedCycle {
         Ok((solved, without))
     }
 
-    /// The stations with a state, each with its place on the way: from 0 at first contact to 1 at the turn, and on to 2 at the last release.
-    /// Steps from one state to the next are even on each branch.
+    /// Load steps with a state, each with its position on the path: from 0 at first contact to 1 at the unloading point, and to 2 at the
+    /// last detachment. The states of each branch are equally spaced.
     fn places(&self) -> Vec<(usize, f64)> {
         let down = self.held.range(..self.turn).count();
         let up = self.held.len().saturating_sub(down + 1);
@@ -130,20 +131,20 @@ impl SolvedCycle {
             .collect()
     }
 
-    /// The stations with a state, those nearest to a load first.
+    /// Load steps with a state, those nearest to a load first.
     fn nearest_first(&self, load: f64) -> Vec<(usize, f64)> {
         let mut places = self.places();
         places.sort_by(|(_, a), (_, b)| (a - load).abs().total_cmp(&(b - load).abs()));
         places
     }
 
-    /// The station with a state that is nearest to a load; the turn if there is none.
+    /// Load step with a state nearest to a load; the unloading point if there is none.
     pub(crate) fn place_at(&self, load: f64) -> usize {
         let nearest = self.nearest_first(load);
         nearest.first().map_or(self.turn, |(place, _)| *place)
     }
 
-    /// The contact at a station; what it does not tell is that of the turn.
+    /// The contact at a load step; values that are not stored are those of the unloading point.
     pub(crate) fn state(&self, place: usize) -> ContactState {
         let mut state = self.cycle.turn.clone();
         let (Some(held), Some(station)) = (self.held.get(&place), self.cycle.stations.get(place))
@@ -164,7 +165,7 @@ impl SolvedCycle {
         state
     }
 
-    /// Where the floor is touched at a station, if it just is.
+    /// First floor contact at a load step, if it is the critical state.
     pub(crate) fn floor_contact(&self, place: usize) -> Option<Point> {
         let critical = self.cycle.critical.as_ref();
         let critical = critical.filter(|_| self.critical == Some(place));
@@ -172,7 +173,7 @@ impl SolvedCycle {
     }
 }
 
-/// What is in contact in a state, if that is known everywhere.
+/// The contact in a state, if it is completely known.
 fn held_in(state: &ContactState) -> Option<HeldContact> {
     Some(HeldContact {
         pillars: state.pillars.clone(),
@@ -185,27 +186,27 @@ fn unpoisoned<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Keeps what is in contact at some stations.
+/// Stores the contact at some load steps.
 struct Keeper {
-    /// How far apart they are, m.
+    /// Distance between them, m.
     spacing: f64,
     most: usize,
-    /// Indentation where something was kept last, m.
+    /// Indentation of the last stored contact, m.
     last: Option<f64>,
     held: BTreeMap<usize, HeldContact>,
-    /// What is kept wherever it is.
+    /// Contacts that are always stored.
     marked: BTreeMap<usize, HeldContact>,
-    /// The station that was passed last.
+    /// Last load step.
     passed: usize,
     critical: Option<usize>,
-    /// The last station on a floor that sticks.
+    /// Last load step on an adhesive floor.
     on_floor: Option<(usize, HeldContact)>,
-    /// The strongest pull of the unloading so far.
+    /// Largest tensile force of the unloading so far.
     strongest: Option<(usize, f64, HeldContact)>,
 }
 
 impl Keeper {
-    /// For a lens that goes down to this indentation, m.
+    /// For loading to the given indentation, m.
     fn new(system: &System, critical_indentation: f64) -> Self {
         let states = (PILLARS / request::expected_pillars(system)).clamp(FEWEST_STATES, STATES);
         let way = critical_indentation - system.first_touch().min(system.pillar().height);
@@ -252,7 +253,7 @@ impl Keeper {
             self.held.insert(passage.place, held.clone());
         }
         if self.held.len() > self.most {
-            // Every second one stays, the first among them.
+            // Keeps every second contact, including the first.
             let mut stays = false;
             self.held.retain(|_, _| {
                 stays = !stays;
@@ -262,7 +263,7 @@ impl Keeper {
         }
     }
 
-    /// The station that was passed last is the critical state, and the lens is going to jump onto the floor.
+    /// The last load step is the critical state, and the jump onto the floor follows.
     fn keep_critical(&mut self, contact: &ContactState) {
         self.critical = Some(self.passed);
         if let Some(held) = held_in(contact) {
@@ -278,7 +279,7 @@ impl Keeper {
     }
 }
 
-/// What the page is told of a cycle while it is being solved.
+/// Intermediate results of a cycle for the page.
 pub(crate) struct Page<'a> {
     case: &'a Case,
     worker: &'a Worker,
@@ -287,36 +288,36 @@ pub(crate) struct Page<'a> {
 
 struct Told {
     start: Instant,
-    /// Parts of the time that all takes, added up.
+    /// Cumulative fractions of the total time.
     parts: [f64; 4],
-    /// Indentations of the first touch and, about, of the critical state, m.
+    /// Indentations of first contact and, approximately, of the critical state, m.
     ends: [f64; 2],
-    /// Stations that the page does not know yet, and when it was told of the last ones.
+    /// Load steps that have not been sent yet, and the time of the last transmission.
     curve: Vec<CurveStation>,
     sent: Instant,
-    /// Where the lens is.
+    /// Current position of the lens.
     at: Option<CycleStation>,
-    /// Rounds of the jump onto the floor so far.
+    /// Iterations of the jump onto the floor so far.
     rounds: f64,
-    /// When the cycle itself was solved, and only its errors were not.
+    /// Time at which the cycle was solved and only its errors remained.
     closed: Option<Instant>,
     critical: bool,
 }
 
-/// Parts of the time that loading, the jump onto a floor that sticks, unloading and the estimate of errors take, about, added up; of a floor on
-/// coarse cells no errors are estimated.
+/// Approximate cumulative fractions of the time for loading, the jump onto an adhesive floor, unloading, and the error estimate; no errors are
+/// estimated for a floor on coarse cells.
 const WITHOUT_FLOOR: [f64; 4] = [0.4, 0.4, 1.0, 1.0];
 const ON_FINE_CELLS: [f64; 4] = [0.05, 0.2, 0.55, 1.0];
 const ON_COARSE_CELLS: [f64; 4] = [0.02, 0.35, 1.0, 1.0];
 
-/// Rounds of the jump after which half of its part counts as done.
+/// Number of iterations of the jump that count as half of its progress.
 const HALF_JUMP: f64 = 100.0;
 
-/// Estimating the errors takes so many times as long as all before it, about.
+/// Approximate time of the error estimate relative to the time of everything before.
 const ERRORS_TIME: f64 = 0.8;
 
 impl Told {
-    /// About how much of all is solved.
+    /// Approximate progress.
     fn share(&self) -> f64 {
         let [loaded, jumped, unloaded, all] = self.parts;
         if let Some(closed) = self.closed {
@@ -359,7 +360,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// The way begins, of which it is known how far it is without adhesion.
+    /// Start of the path, whose length without adhesion is known.
     fn begin(&self, system: &System, without: &ContactState) {
         let mut told = unpoisoned(&self.told);
         let expected = ExpectedCells::new(system, without.contact_radius);
@@ -389,7 +390,7 @@ impl<'a> Page<'a> {
         self.tell(&mut told, CURVE_INTERVAL);
     }
 
-    /// Sends the curve so far, if the last part of it was sent so long ago.
+    /// Sends the curve so far, if enough time has passed since the last transmission.
     fn tell(&self, told: &mut Told, interval: Duration) {
         if let Some(at) = told.at {
             self.worker.is_at(Way {
@@ -420,7 +421,8 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// The lens is going to jump onto the floor. That takes longer than all before: what is known already is shown.
+    /// The jump onto the floor follows. It takes longer than everything before; therefore the results so far are
+    /// shown.
     fn reach_critical(&self, contact: &ContactState) {
         let mut told = unpoisoned(&self.told);
         self.tell(&mut told, Duration::ZERO);
@@ -434,7 +436,7 @@ impl<'a> Page<'a> {
         self.worker.send(&state);
         let half_width = Cut::half_width(contact);
         let touched = Some(critical.floor_contact);
-        // It was called off if there is none.
+        // There is none if the computation was cancelled.
         if let Ok(section) = answers::section(contact, half_width, touched, self.worker) {
             self.worker.send(&SectionLine { section });
         }
@@ -457,7 +459,7 @@ impl<'a> Page<'a> {
 
 #[derive(Serialize)]
 struct CurveLine {
-    /// The stations since the last such line.
+    /// Load steps since the last such line.
     curve: Vec<CurveStation>,
 }
 
@@ -466,7 +468,7 @@ struct ExpectedCellsLine {
     expected_cells: ExpectedCells,
 }
 
-/// A station as it is passed.
+/// A load step.
 #[derive(Clone, Copy, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct CurveStation {
@@ -480,17 +482,17 @@ struct CycleLine<'a> {
     cycle: Shown<'a>,
 }
 
-/// The cycle as it is shown.
+/// A cycle for display.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct Shown<'a> {
     /// As `fakir cycle --json` prints it.
     summary: &'a CycleSummary,
-    /// What the critical force would be if nothing stuck.
+    /// Critical force without adhesion.
     critical_force_without_adhesion_N: f64,
-    /// Number of states that follow.
+    /// Number of the following states.
     states: usize,
-    /// The largest force on a pillar in all of them, and the largest pull, which is negative.
+    /// Largest force on a pillar in all states, and the largest tensile force, which is negative.
     largest_force_N: f64,
     largest_pull_N: f64,
     pitch_m: f64,
@@ -503,38 +505,40 @@ struct StationLine {
     station: StationState,
 }
 
-/// What is in contact at a station.
+/// The contact at a load step.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 struct StationState {
-    /// Its place in the summary's `stations`.
+    /// Index in `stations` of the summary.
     place: usize,
-    /// Its place on the way: 0 at first contact, 1 at the turn, 2 at the last release.
+    /// Position on the path: 0 at first contact, 1 at the unloading point, 2 at the last
+    /// detachment.
     load: f64,
-    /// Lattice indices of the pillars in contact, one after the other.
+    /// Lattice indices of the pillars in contact, in a flat list.
     pillars: Vec<i64>,
     pillar_forces_N: Vec<f64>,
-    /// Those in contact in part.
+    /// Pillars in partial contact.
     parts: Vec<PartialTop>,
     floor_contacts_m: Vec<Point>,
-    /// The floor's cells in contact, if it sticks.
+    /// Floor cells in contact, if the floor is adhesive.
     floor: Option<FloorCells>,
     section: Option<Section>,
 }
 
-/// A pillar in contact in part.
+/// A pillar in partial contact.
 #[derive(Serialize)]
 struct PartialTop {
-    /// Its place among the pillars in contact.
+    /// Index among the pillars in contact.
     pillar: usize,
-    /// The part of its top that is in contact.
+    /// Fraction of its top that is in contact.
     covered: f64,
-    /// Outline of that part: x and y of its corners from the middle of the top, pillar radii.
+    /// Outline of the contact: x and y of its corners relative to the centre of the top, in pillar
+    /// radii.
     outline: Vec<f32>,
 }
 
-/// `POST /api/cycle`: the curve as it is passed, then the critical state and the whole cycle, then states along it, the one at the load that
-/// is asked for first.
+/// `POST /api/cycle`: sends the curve while it is computed, then the critical state and the whole cycle, then states along it, starting with
+/// the one at the requested load.
 pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case)?;
     request.load.check()?;
@@ -581,7 +585,7 @@ fn station_state(
 ) -> Result<StationState, Failure> {
     let state = solved.state(place);
     let floor_contact = solved.floor_contact(place);
-    // The width stays while the lens goes along its way.
+    // The width is the same for all states of the path.
     let half_width = Cut::half_width(&solved.cycle.turn);
     Ok(StationState {
         place,
@@ -596,7 +600,7 @@ fn station_state(
     })
 }
 
-/// What is held of those tops that are in contact in part.
+/// Bonded regions of the tops in partial contact.
 fn parts(solved: &SolvedCycle, place: usize, state: &ContactState) -> Vec<PartialTop> {
     let held = solved.cycle.holding(place);
     let covered: HashMap<(i64, i64), f64> = held.iter().map(|it| (it.index, it.covered)).collect();

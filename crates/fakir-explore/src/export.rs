@@ -1,4 +1,4 @@
-//! Files for other programs and for print: as the command line saves them.
+//! Files for other programs and for print, identical to those of the command line.
 
 use crate::answers::{Solved, solve};
 use crate::cycle::SolvedCycle;
@@ -87,7 +87,7 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
     Ok(())
 }
 
-/// What a file is made of.
+/// Data of a file.
 enum Answer {
     Contact(Box<Solved>),
     /// Loading and unloading with adhesion, and the contact at a load.
@@ -109,7 +109,7 @@ impl Answer {
         }
     }
 
-    /// What `fakir transition --json`, `fakir press --json` or `fakir cycle --json` prints.
+    /// Output of `fakir transition --json`, `fakir press --json` or `fakir cycle --json`.
     fn summary(&self) -> Vec<u8> {
         let text = match self {
             Self::Cycle(solved, ..) => json(&CycleSummary::new(&solved.cycle, solved.wall_time)),
@@ -208,7 +208,7 @@ fn contact_figure(
     }
 }
 
-/// The phase diagram with the state that is shown.
+/// The phase diagram with the displayed state.
 fn phase(case: &Case, state: &ContactState) -> Figure {
     let fraction = case.system.texture().surface_fraction();
     let label = format!("*φ* = {fraction:.4}");

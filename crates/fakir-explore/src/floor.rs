@@ -1,4 +1,4 @@
-//! The contact with the floor as it is drawn: its cells with their pressures.
+//! Floor contact for display: cells with their pressures.
 
 use fakir::problem::{FloorModel, Point, System};
 use fakir::state::{FloorContact, FloorResolution};
@@ -6,26 +6,26 @@ use fakir::theory::stuck_floor::StuckPillar;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Pressures are drawn in so many shades, one for every letter.
+/// Number of shades of pressure, one for every letter.
 const SHADES: f64 = 26.0;
 
-/// The cells of the floor in contact, as an array, turned about the lens axis, of which only the part around them is told.
+/// Floor cells in contact, as the part around them of an array that is rotated about the lens axis.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 pub(crate) struct FloorCells {
-    /// By how much the array is turned about the lens axis.
+    /// Rotation of the array about the lens axis.
     turned_rad: f64,
-    /// Lower left corner of the array from the lens axis, before it is turned.
+    /// Lower left corner of the array relative to the lens axis, before the rotation.
     corner_m: Point,
     cell_m: [f64; 2],
     columns: usize,
     rows: usize,
-    /// Row, first column and number of cells that are side by side, one after the other.
+    /// Row, first column and number of adjacent cells, in a flat list.
     segments: Vec<usize>,
-    /// A letter for the pressure on every cell, from `a`, the smallest pressures, to `z`, the largest; where the floor pulls from `A` to `Z`.
+    /// A letter for the pressure on every cell, from `a` for the smallest to `z` for the largest pressures; tension from `A` to `Z`.
     shades: String,
     largest_pressure_Pa: f64,
-    /// The largest pull that is shaded, which is negative; 0 of a floor that does not stick.
+    /// Largest tension of the scale, negative; 0 without adhesion on the floor.
     largest_pull_Pa: f64,
 }
 
@@ -49,7 +49,7 @@ impl FloorCells {
                 (b'a', largest)
             };
             let place = (SHADES * pressure / most).clamp(0.0, SHADES - 1.0);
-            // Below 26, and 0 of what is no number.
+            // Below 26, and 0 for NaN.
             char::from(first + place as u8)
         };
         Self {
@@ -69,10 +69,11 @@ impl FloorCells {
     }
 }
 
-/// The pull that so large a part of the pulled cells does not exceed: at the fronts it grows without limit, as far as cells let it.
+/// Fraction of the cells under tension that are within the scale: at the fronts tension increases without limit with decreasing
+/// cell size.
 const SHADED_PART: f64 = 0.95;
 
-/// What nearly all of some pulls do not exceed; 0 of none.
+/// Tension that nearly all given values do not exceed; 0 without values.
 fn well_within(pulls: impl Iterator<Item = f64>) -> f64 {
     let mut pulls: Vec<f64> = pulls.collect();
     pulls.sort_by(|a, b| b.total_cmp(a));
@@ -80,24 +81,25 @@ fn well_within(pulls: impl Iterator<Item = f64>) -> f64 {
     pulls.get(place).copied().unwrap_or_default()
 }
 
-/// More cells under the contact in the critical state take more than about half a minute.
+/// Number of cells under the contact at the critical state beyond which a cycle takes more than
+/// about half a minute.
 const MANY_CELLS: f64 = 1.2e5;
 
-/// What the cells of a floor that sticks are going to be, about, by the closed form of the free ring round a pillar.
+/// Approximate cells of an adhesive floor, from the closed form of the free annulus around a pillar.
 #[derive(Debug, Serialize)]
 pub(crate) struct ExpectedCells {
-    /// Cells under the contact in the critical state.
+    /// Number of cells under the contact at the critical state.
     cells: f64,
-    /// Cells across the free ring.
+    /// Number of cells across the free annulus.
     across_ring: f64,
-    /// Whether they take long.
+    /// Whether the computation takes long.
     many: bool,
-    /// Whether they are so coarse that the figures are orders of magnitude.
+    /// Whether they are so coarse that results are orders of magnitude only.
     pub(crate) coarse: bool,
 }
 
 impl ExpectedCells {
-    /// For a critical state of a contact radius, m; none if the floor does not stick.
+    /// For a critical state with the given contact radius, m; `None` without adhesion on the floor.
     pub(crate) fn new(system: &System, contact_radius: f64) -> Option<Self> {
         let adhesion = system.adhesion();
         if !adhesion.floor || system.floor_model() == FloorModel::Ignored {
@@ -121,7 +123,7 @@ impl ExpectedCells {
     }
 }
 
-/// Where the first of some ranges begins, and the last one ends.
+/// Start of the first range, and end of the last.
 fn ends(ranges: impl Iterator<Item = (usize, usize)>) -> (usize, usize) {
     let all = ranges.reduce(|(first, last), (begin, end)| (first.min(begin), last.max(end)));
     all.unwrap_or((0, 0))
@@ -143,7 +145,7 @@ mod tests {
         fakir::press(&system, load, Method::default(), &Run::default()).unwrap()
     }
 
-    /// Every cell is told once, at its place and with the shade of its pressure.
+    /// Every cell is sent once, at its position and with the shade of its pressure.
     #[test]
     fn the_cells_are_those_of_the_contact() {
         let state = pressed();
@@ -169,7 +171,7 @@ mod tests {
         assert!(drawn.shades.bytes().all(|shade| shade.is_ascii_lowercase()));
     }
 
-    /// What is told of the section is in contact, and what is between is not.
+    /// The intervals of the section are in contact, and the gaps between them are not.
     #[test]
     fn the_section_cuts_the_contact() {
         let state = pressed();

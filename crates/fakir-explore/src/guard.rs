@@ -1,11 +1,12 @@
-//! Who is answered: whoever knows the token, from this machine, from the page itself.
+//! Request authentication by token, host and origin.
 //!
-//! Any page in the browser can send requests to a port of this machine. So every request must
-//! * name this server as its `Host`, which a page elsewhere that points its own name here
-//!   (DNS rebinding) does not;
-//! * have no `Origin` but that of the page;
-//! * know the token: for the page in the path, for the API in a header, which a page elsewhere
-//!   may not even ask to send.
+//! Any page in the browser can send requests to a port of this machine. Therefore every request
+//! must
+//! * name this server as its `Host`, which excludes foreign pages whose host name resolves to this
+//!   machine (DNS rebinding);
+//! * have no `Origin` other than that of the page;
+//! * contain the token: in the path for the page, in a header for the API. Browsers do not allow
+//!   foreign pages to send this header.
 
 use crate::refusal::Refusal;
 use hyper::StatusCode;
@@ -14,10 +15,10 @@ use rand::TryRng;
 use rand::rngs::{SysError, SysRng};
 use std::fmt;
 
-/// The header of the API that holds the token.
+/// Header of the API that contains the token.
 pub(crate) const TOKEN: &str = "x-fakir-token";
 
-/// The random part of the address.
+/// Random part of the address.
 #[derive(Clone, PartialEq, Eq)]
 pub(crate) struct Token(String);
 
@@ -33,7 +34,7 @@ impl Token {
         &self.0
     }
 
-    /// Whether `other` is the token; the time this takes does not tell how much of it is right.
+    /// Compares with the token in constant time.
     fn is(&self, other: &[u8]) -> bool {
         let own = self.0.as_bytes();
         let differences = own.iter().zip(other).fold(0, |all, (a, b)| all | (a ^ b));
@@ -47,7 +48,7 @@ impl fmt::Debug for Token {
     }
 }
 
-/// What every request must show.
+/// Checks of every request.
 #[derive(Debug, Clone)]
 pub(crate) struct Guard {
     token: Token,
@@ -90,7 +91,7 @@ impl Guard {
     }
 }
 
-/// The value of a header that is there once.
+/// Value of a header that occurs exactly once.
 fn single_value<'h>(headers: &'h HeaderMap, name: &HeaderName) -> Option<&'h str> {
     let mut values = headers.get_all(name).iter();
     let first = values.next()?;
@@ -100,7 +101,8 @@ fn single_value<'h>(headers: &'h HeaderMap, name: &HeaderName) -> Option<&'h str
     }
 }
 
-/// Headers of every answer: nothing is loaded from elsewhere, nothing is framed, stored or guessed.
+/// Headers of every response: they forbid loading from other hosts, framing, caching, and guessing
+/// of content types.
 pub(crate) const HEADERS: [(HeaderName, HeaderValue); 6] = [
     (
         header::CONTENT_SECURITY_POLICY,

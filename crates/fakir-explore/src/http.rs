@@ -1,4 +1,4 @@
-//! Bodies of requests and answers.
+//! Bodies of requests and responses.
 
 use hyper::body::{Body as _, Bytes, Frame, Incoming, SizeHint};
 use hyper::header::{self, HeaderValue};
@@ -10,17 +10,17 @@ use std::task::{Context, Poll};
 /// A request whose body has not been read.
 pub(crate) type Request = hyper::Request<Incoming>;
 
-/// An answer.
+/// A response.
 pub(crate) type Response = hyper::Response<Body>;
 
-/// The body of an answer that comes in parts.
+/// Body of a response in parts.
 pub(crate) type Parts = dyn hyper::body::Body<Data = Bytes, Error = Infallible> + Send + Unpin;
 
-/// The body of an answer.
+/// Body of a response.
 pub(crate) enum Body {
-    /// All of it; empty once it is sent.
+    /// Complete body; empty after it is sent.
     Whole(Bytes),
-    /// Parts as they come.
+    /// Parts as they are produced.
     Parts(Box<Parts>),
 }
 
@@ -54,7 +54,7 @@ impl hyper::body::Body for Body {
     }
 }
 
-/// An answer of this type of content.
+/// A response with the given content type.
 pub(crate) fn response(kind: &'static str, body: Body) -> Response {
     let mut response = Response::new(body);
     let kind = HeaderValue::from_static(kind);
@@ -62,16 +62,16 @@ pub(crate) fn response(kind: &'static str, body: Body) -> Response {
     response
 }
 
-/// An answer of this type of content that is known as a whole.
+/// A complete response with the given content type.
 pub(crate) fn whole(kind: &'static str, contents: impl Into<Bytes>) -> Response {
     response(kind, Body::Whole(contents.into()))
 }
 
-/// The whole body of a request; `None` if it breaks off or is longer than `limit` bytes.
+/// Reads the whole body of a request; `None` if it is incomplete or longer than `limit` bytes.
 pub(crate) async fn read(mut body: Incoming, limit: usize) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
-        // Trailers are left out.
+        // Trailers are ignored.
         if let Ok(data) = frame.ok()?.into_data() {
             if bytes.len() + data.len() > limit {
                 return None;

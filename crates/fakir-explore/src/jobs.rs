@@ -1,5 +1,5 @@
-//! Computations under way: the newest of every page and kind, in a bounded number, off the threads
-//! that answer requests.
+//! Running computations: the newest of every page and kind, in limited number, on separate threads
+//! from those that respond to requests.
 
 use crate::http::{self, Body, Response};
 use crate::log;
@@ -21,32 +21,32 @@ use std::time::{Duration, Instant};
 use tokio::sync::Semaphore;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 
-/// The most contacts and files that are computed at a time; each has a thread, and all share the pool.
+/// Largest number of contacts and files computed at a time; each has a thread, and all share the pool.
 const SLOTS: usize = 4;
 
-/// The most curves and loading paths that are computed at a time: enough for two pages.
+/// Largest number of curves and loading paths computed at a time: enough for two pages.
 const BACKGROUND_SLOTS: usize = 4;
 
-/// Computations that may wait for a slot.
+/// Largest number of computations that wait for a slot.
 const QUEUE: usize = 32;
 
-/// A computation that takes longer is given up.
+/// Time limit of a computation.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The same limit for a cycle, and for all points of a curve together.
+/// Time limit of a cycle, and of all points of a curve together.
 const LONG_PATIENCE: Duration = Duration::from_secs(600);
 
-/// No progress is reported before, or more often than, this.
+/// Delay before the first progress report, and between reports.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(120);
 
 /// Longest name of a session.
 const LONGEST_SESSION: usize = 64;
 
-/// Requests of which only the newest counts.
+/// Kinds of requests; only the newest request of each kind is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Kind {
     Contact,
-    /// It takes the place of a contact.
+    /// It replaces a contact.
     Cycle,
     Curves,
     Phase,
@@ -54,12 +54,12 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// Whether it gives way to contacts.
+    /// Whether it pauses while contacts are computed.
     fn is_background(self) -> bool {
         matches!(self, Self::Curves | Self::Phase)
     }
 
-    /// When it is given up.
+    /// Time limit.
     fn patience(self) -> Duration {
         match self {
             Self::Contact | Self::Export => PATIENCE,
@@ -68,7 +68,7 @@ impl Kind {
     }
 }
 
-/// The computations of all pages.
+/// Computations of all pages.
 #[derive(Debug)]
 pub(crate) struct Jobs {
     newest: Mutex<HashMap<(String, Kind), (u64, CancelToken)>>,
@@ -97,12 +97,12 @@ impl Jobs {
         self.newest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Calls off everything.
+    /// Cancels all computations.
     pub(crate) fn cancel_all(&self) {
         self.newest().values().for_each(|(_, job)| job.cancel());
     }
 
-    /// Makes this request the newest of its kind, and calls off the one before.
+    /// Registers a request as the newest of its kind, and cancels the previous one.
     fn admit(self: &Arc<Self>, ticket: Ticket, kind: Kind) -> Result<Job, Refusal> {
         if ticket.session.len() > LONGEST_SESSION {
             return Err(Refusal::malformed(format!(
@@ -127,9 +127,9 @@ impl Jobs {
         })
     }
 
-    /// Does `work` and answers with what it sends: its lines as they come, or a single file.
+    /// Runs `work` and responds with its output: lines as they are produced, or a single file.
     ///
-    /// If the connection is closed, the work is called off.
+    /// If the connection is closed, the work is cancelled.
     pub(crate) async fn answer(
         self: &Arc<Self>,
         ticket: Ticket,
@@ -190,14 +190,14 @@ impl Jobs {
         }
     }
 
-    /// Waits until no contact is being solved, or the computation that waits is called off.
+    /// Waits until no contact is being solved, or the waiting computation is cancelled.
     fn give_way(&self, cancel: &CancelToken) {
         while self.foreground.load(Ordering::Relaxed) > 0 && !cancel.is_cancelled() {
             std::thread::sleep(Duration::from_millis(2));
         }
     }
 
-    /// Waits for a slot, if not too many do.
+    /// Waits for a slot, unless too many computations are waiting.
     async fn slot(&self, kind: Kind) -> Result<tokio::sync::OwnedSemaphorePermit, Refusal> {
         let busy = || {
             Refusal::new(
@@ -222,7 +222,7 @@ impl Jobs {
     }
 }
 
-/// A counter that is one higher for as long as this lives.
+/// Increments a counter for its lifetime.
 struct Counted<'a> {
     counter: &'a AtomicUsize,
     before: usize,
@@ -241,7 +241,7 @@ impl Drop for Counted<'_> {
     }
 }
 
-/// Calls a computation off when nobody reads its answer any more.
+/// Cancels a computation when its response is no longer read.
 struct CancelOnDrop(CancelToken);
 
 impl Drop for CancelOnDrop {
@@ -250,7 +250,7 @@ impl Drop for CancelOnDrop {
     }
 }
 
-/// A computation in the list of the newest, for as long as it lives.
+/// Entry of a computation in the list of the newest, for its lifetime.
 struct Job {
     jobs: Arc<Jobs>,
     key: (String, Kind),
@@ -270,11 +270,11 @@ impl Drop for Job {
     }
 }
 
-/// Why a computation ends without its answer.
+/// Reason why a computation ends without a result.
 #[derive(Debug)]
 pub(crate) enum Failure {
     Refused(Refusal),
-    /// It was called off.
+    /// It was cancelled.
     Cancelled,
 }
 
@@ -309,7 +309,7 @@ pub(crate) struct File {
     pub(crate) contents: Vec<u8>,
 }
 
-/// What a computation needs to know: how it is run, and where its answer goes.
+/// Context of a computation: run settings, and the destination of the response.
 pub(crate) struct Worker {
     job: Job,
     kind: Kind,
@@ -319,13 +319,13 @@ pub(crate) struct Worker {
     way: Arc<Mutex<Option<Way>>>,
 }
 
-/// How far a lens has come on its way down and up again.
+/// Progress of loading and unloading.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
 pub(crate) struct Way {
     pub(crate) loading: bool,
     pub(crate) indentation_m: f64,
-    /// About the part of all that is to be solved, 0 to 1.
+    /// Approximate fraction of the computation, 0 to 1.
     pub(crate) share: f64,
 }
 
@@ -353,7 +353,7 @@ impl Worker {
         let known_way = Arc::clone(&way);
         let listener = move |progress: Progress| {
             if kind.is_background() {
-                // A state with the floor can take seconds: it gives way within them too.
+                // A state with the floor can take seconds; it also pauses during its computation.
                 jobs.give_way(&cancel);
                 return;
             }
@@ -367,7 +367,7 @@ impl Worker {
                     touched: progress.touched,
                     way: *known_way.lock().unwrap_or_else(PoisonError::into_inner),
                 };
-                // Whoever is gone need not be told.
+                // A closed connection is ignored.
                 let _ = sender.send(line(&ProgressLine { progress }));
             }
         };
@@ -381,7 +381,7 @@ impl Worker {
         }
     }
 
-    /// Progress is told together with how far the lens has come.
+    /// Progress is sent with the position of the lens.
     pub(crate) fn is_at(&self, way: Way) {
         *self.way.lock().unwrap_or_else(PoisonError::into_inner) = Some(way);
     }
@@ -406,13 +406,13 @@ impl Worker {
         let _ = self.messages.send(Message::Refused(refusal));
     }
 
-    /// How contacts are to be solved: in the foreground on all threads, in the background on one.
+    /// Run settings of contacts: all threads in the foreground, one in the background.
     pub(crate) fn run(&self) -> Run<'_> {
         let background = self.kind.is_background();
         let listener: &(dyn Fn(Progress) + Sync) = &*self.listener;
         Run {
             cancel: self.job.cancel.clone(),
-            // Files come without a word before.
+            // Files are sent without progress.
             progress: (self.kind != Kind::Export).then_some(listener),
             pool: (!background).then_some(&self.job.jobs.pool),
             memory_limit: Some(self.job.jobs.memory_limit),
@@ -420,12 +420,12 @@ impl Worker {
         }
     }
 
-    /// Sends a line of the answer.
+    /// Sends a line of the response.
     pub(crate) fn send(&self, value: &impl Serialize) {
         let _ = self.messages.send(line(value));
     }
 
-    /// Sends the answer as a file.
+    /// Sends the response as a file.
     pub(crate) fn send_file(&self, file: File) {
         let _ = self.messages.send(Message::File(file));
     }
@@ -446,7 +446,7 @@ fn line(value: &impl Serialize) -> Message {
     Message::Line(text.into())
 }
 
-/// The lines of an answer as they come.
+/// Lines of a response as they are produced.
 struct Lines {
     first: Option<Bytes>,
     messages: UnboundedReceiver<Message>,

@@ -1,11 +1,11 @@
-//! The explorer: one page in the browser on which every quantity of a case is a slider, and the
-//! contact, the critical state and its curves follow at once.
+//! The explorer: a page in the browser on which every quantity of a case is a slider. Contact,
+//! critical state and curves are updated immediately.
 //!
-//! [`Explorer`] is a web server for one person at this machine. It listens on the loopback
-//! interface only, and answers only who knows the random token in its address (`guard`). The page
-//! is part of the program (`page`) and holds all state, in the fragment of its address; the
-//! server keeps nothing but computations under way (`jobs`), of which only the newest of its kind
-//! is carried on with.
+//! [`Explorer`] is a web server for a single user of this machine. It listens on the loopback
+//! interface only, and accepts only requests with the random token of its address (`guard`). The
+//! page is embedded in the program (`page`) and contains all state, in the fragment of its address.
+//! The server stores only running computations (`jobs`), and only the newest of each kind
+//! continues.
 //!
 //! | request | answer |
 //! |---|---|
@@ -17,15 +17,15 @@
 //! | `POST /api/phase` | transition curve and loading path |
 //! | `POST /api/export` | a file: case, numbers, figures (`export`) |
 //!
-//! Requests of the API have the token in the header `x-fakir-token` and a JSON object as body.
-//! Answers that take their time come as lines of JSON, progress first. What is wrong comes with a
-//! status of 4xx as `{"key", "message", "accepted"}`.
+//! Requests of the API have the token in the header `x-fakir-token` and a JSON object as body. Long
+//! computations respond with lines of JSON, progress first. Errors have a status of 4xx and the
+//! body `{"key", "message", "accepted"}`.
 //!
 //! # From a slider to the map
 //!
-//! The page puts a change into its one store, which numbers the question and sends the values of all keys. They become a case through the key
-//! table of `fakir-case`, as those of a file do; the newest question of its kind is solved (`jobs`), and its lines come back: progress,
-//! estimates, the state, the section. The store takes those of the question under way and no others, and what depends on them is drawn.
+//! The page writes a change to its store, which numbers the request and sends the values of all keys. The key table of `fakir-case` converts
+//! them to a case, as for a file. The newest request of its kind is solved (`jobs`), and its lines are returned: progress, estimates, the
+//! state, the section. The store accepts only lines of the current request, and the parts of the page that depend on them are redrawn.
 
 mod answers;
 mod arrivals;

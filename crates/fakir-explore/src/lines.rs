@@ -1,4 +1,4 @@
-//! The case of the page as a command and as lines of Python, which a user can copy.
+//! The case of the page as a command and as Python code, which the user can copy.
 
 use crate::request::is_on_page;
 use fakir::problem::FloorModel;
@@ -6,7 +6,7 @@ use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, Key};
 use serde::Serialize;
 
-/// A case in words for other uses of fakir.
+/// A case as text for other uses of fakir.
 #[derive(Debug, Serialize)]
 pub(crate) struct Texts {
     /// The case file.
@@ -15,12 +15,12 @@ pub(crate) struct Texts {
     python: String,
 }
 
-/// Of the contact at an indentation (m); of the critical state if there is none.
+/// For the contact at an indentation (m); for the critical state without an indentation.
 pub(crate) fn texts(case: &Case, indentation: Option<f64>) -> Texts {
     Texts::of(case, Question::Contact(indentation))
 }
 
-/// Of a cycle of loading and unloading.
+/// For a cycle of loading and unloading.
 pub(crate) fn cycle_texts(case: &Case) -> Texts {
     Texts::of(case, Question::Cycle)
 }
@@ -35,16 +35,16 @@ impl Texts {
     }
 }
 
-/// What is asked of a case.
+/// Question about a case.
 #[derive(Clone, Copy)]
 enum Question {
-    /// The contact at an indentation, m; the critical state if there is none.
+    /// The contact at an indentation, m; the critical state without an indentation.
     Contact(Option<f64>),
     Cycle,
 }
 
-/// The command that asks the same. It overrides each key that differs from the case that
-/// `fakir init` writes, and does nothing where a file of that name, maybe of another case, is there already.
+/// The equivalent command. It overrides each key that differs from the case that `fakir init` writes, and
+/// fails if a file with that name, possibly of another case, exists.
 fn command(case: &Case, question: Question) -> String {
     let example = Case::example();
     let question = match question {
@@ -57,7 +57,7 @@ fn command(case: &Case, question: Question) -> String {
     };
     let changes = Key::ALL.into_iter().filter_map(|key| {
         let value = case.value(key)?;
-        // Keys that are as in the example need no override.
+        // Keys with the value of the example need no override.
         let same = example.value(key).as_ref() == Some(&value);
         (!same).then(|| format!(" \\\n    --set {}", argument(key, &value)))
     });
@@ -65,13 +65,13 @@ fn command(case: &Case, question: Question) -> String {
     format!("fakir init case.toml &&\n{question}{changes}\n")
 }
 
-/// `key=value` for a shell: a quantity without its space, a word without its quotes.
+/// `key=value` for a shell: a quantity without space, a word without quotes.
 fn argument(key: Key, value: &str) -> String {
     let value = value.trim_matches('"').replace(' ', "");
     format!("{}={value}", key.path())
 }
 
-/// The lines of Python that ask the same.
+/// The equivalent Python code.
 fn python(case: &Case, question: Question) -> String {
     let [lens, substrate, texture, pillar, method] =
         ["lens", "substrate", "texture", "texture.pillar", "method"]
@@ -118,11 +118,12 @@ fn python(case: &Case, question: Question) -> String {
     )
 }
 
-/// The keys of a table as arguments of a call: `radius="2.2 mm", young_modulus="2 MPa"`. Python
-/// has the same names, but for the name of the method and the angle of a lattice.
+/// Keys of a table as arguments of a call: `radius="2.2 mm", young_modulus="2 MPa"`. Python uses
+/// the same names, except for the name of the method and the angle of a lattice.
 fn arguments(case: &Case, table: &str) -> String {
     let keys = Key::ALL.into_iter().filter(|key| key.table() == table);
-    // What tells lattices of equal pillars from others is said where it differs.
+    // Keys that distinguish lattices of equal pillars from others are written only if they differ
+    // from the default.
     let plain = Case::example();
     let is_said = |key: &Key| match key {
         Key::Lattice => false,
@@ -168,7 +169,7 @@ mod tests {
         }
         let case = file.case().unwrap();
         let command = command(&case, Question::Contact(Some(3e-6)));
-        // Nothing is asked of another case that a file of this name may hold.
+        // An existing file of this name, which may contain another case, is not used.
         assert!(
             command.starts_with("fakir init case.toml &&\nfakir press"),
             "{command}"

@@ -1,11 +1,11 @@
-//! Lines on standard error for the person who runs the server.
+//! Messages on standard error.
 
 use std::io::Write;
 
-/// Which lines are written.
+/// Selects the messages.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Log {
-    /// Whether refused requests and connections are left out.
+    /// Whether refused requests and connections are not reported.
     pub(crate) quiet: bool,
 }
 
@@ -23,7 +23,7 @@ pub(crate) fn error(message: &str) {
     line("error", message);
 }
 
-/// A closed standard error is ignored.
+/// Errors of a closed standard error are ignored.
 fn line(kind: &str, message: &str) {
     let _ = writeln!(std::io::stderr(), "{kind}: {message}");
 }

@@ -1,5 +1,5 @@
-//! The page: the document, style sheet and scripts in `page/`. They are part of the program, so that nothing is loaded
-//! from elsewhere.
+//! The page: document, style sheet and scripts in `page/`, embedded in the program, so that nothing is
+//! loaded from elsewhere.
 
 use crate::http::{Response, whole};
 use crate::request::{FARTHEST, LATTICES, MOST_PILLARS, is_on_page, is_thickness, of_case};
@@ -19,7 +19,7 @@ macro_rules! script {
     };
 }
 
-/// The files of the page, by their names below the token.
+/// Files of the page, by their names below the token.
 const FILES: &[(&str, &str, &str)] = &[
     (
         "",
@@ -48,7 +48,7 @@ const FILES: &[(&str, &str, &str)] = &[
 const CSS: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-/// A file of the page; `start` is what the script begins with.
+/// Returns a file of the page; `start` is the initial data for the script.
 pub(crate) fn file(name: &str, start: &str) -> Option<Response> {
     let found = FILES.iter().find(|(own, _, _)| *own == name);
     match (found, name) {
@@ -59,14 +59,14 @@ pub(crate) fn file(name: &str, start: &str) -> Option<Response> {
     }
 }
 
-/// An answer to whoever follows a link by hand.
+/// Response to a browser that opens an unknown address.
 pub(crate) fn message(status: StatusCode, text: &str) -> Response {
     let mut response = whole("text/plain; charset=utf-8", format!("{text}\n"));
     *response.status_mut() = status;
     response
 }
 
-/// What the page begins with: the case, the paper's intermediate case, what the table of keys says about each of them, and
+/// Initial data of the page: the case, the paper's intermediate case, the properties of all keys from the key table, and
 /// limits.
 pub(crate) fn start(case: &Case) -> String {
     let colours: Vec<[u8; 3]> = (0..=255u32)
@@ -88,8 +88,8 @@ pub(crate) fn start(case: &Case) -> String {
     .to_string()
 }
 
-/// What the table of keys says about each key that the page shows: its name and symbol, its kind, words, bounds and
-/// default, and the word of another key that it goes with. The controls of the page are made of it.
+/// Properties of each key on the page, from the key table: name and symbol, kind, words, bounds and default, and
+/// the word of another key that it requires. The controls of the page are generated from them.
 fn keys() -> Vec<Value> {
     let of_page = Key::ALL.into_iter();
     let of_page = of_page.filter(|key| !key.is_of_surface() && is_on_page(*key));
@@ -127,7 +127,7 @@ fn keys() -> Vec<Value> {
         .collect()
 }
 
-/// The words of a key that the page can show.
+/// Words of a key that the page supports.
 fn words(key: Key) -> Vec<&'static str> {
     let all = key.words().into_iter();
     all.filter(|word| key != Key::Lattice || LATTICES.contains(word))
@@ -138,7 +138,7 @@ fn words(key: Key) -> Vec<&'static str> {
 mod tests {
     use super::*;
 
-    /// The page begins with the case, and with what the table of keys says about its controls.
+    /// The initial data contain the case and the properties of its controls from the key table.
     #[test]
     fn the_page_starts_with_the_case_and_its_keys() {
         let start: Value = serde_json::from_str(&start(&Case::example())).unwrap();

@@ -1,5 +1,4 @@
-//! What is answered when there is no answer: what is wrong, at which key, and what would be
-//! accepted.
+//! Error responses: what is wrong, at which key, and what is accepted.
 
 use crate::http::{self, Response};
 use fakir::state::SolveError;
@@ -8,12 +7,12 @@ use fakir_figure::FigureError;
 use hyper::StatusCode;
 use serde::Serialize;
 
-/// Why a request is not answered.
+/// Reason why a request is refused.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Refusal {
     #[serde(skip)]
     pub(crate) status: StatusCode,
-    /// The key of the case that is to blame, if one is.
+    /// Key of the case that causes the error, if any.
     key: Option<String>,
     message: String,
     accepted: Option<String>,
@@ -29,17 +28,17 @@ impl Refusal {
         }
     }
 
-    /// A request that is not understood.
+    /// An invalid request.
     pub(crate) fn malformed(message: impl Into<String>) -> Self {
         Self::new(StatusCode::BAD_REQUEST, message)
     }
 
-    /// A request that is understood, of a case that has no answer.
+    /// A valid request for a case without a result.
     pub(crate) fn impossible(message: impl Into<String>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, message)
     }
 
-    /// A newer request of the same kind has come.
+    /// A newer request of the same kind was received.
     pub(crate) fn stale() -> Self {
         Self::new(StatusCode::CONFLICT, "a newer request took its place")
     }
@@ -66,7 +65,7 @@ impl Refusal {
         response
     }
 
-    /// The answer to a computation that failed; `None` if it was called off.
+    /// Response to a computation that failed; `None` if it was cancelled.
     pub(crate) fn of(error: &SolveError) -> Option<Self> {
         let refusal = Self::impossible(error.to_string());
         match error {
@@ -77,7 +76,7 @@ impl Refusal {
         }
     }
 
-    /// The answer to a figure that could not be drawn.
+    /// Response to a figure that could not be drawn.
     pub(crate) fn of_figure(error: &FigureError) -> Option<Self> {
         match error {
             FigureError::Solve(error) => Self::of(error),

@@ -1,4 +1,4 @@
-//! What is asked: a case by its keys, and where on the way to the critical state.
+//! Requests: a case by its keys, and a load on the path to the critical state.
 
 use crate::refusal::Refusal;
 use fakir::numerics::roots::{self, Point};
@@ -10,17 +10,17 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
-/// The longest text that a value can have, bytes.
+/// Longest text of a value, bytes.
 const LONGEST_TEXT: usize = 100;
 
-/// The most pillars that are solved for. More of them would take minutes.
+/// Largest number of pillars in a computation; more would take minutes.
 pub(crate) const MOST_PILLARS: f64 = 20_000.0;
 
-/// The largest load that can be asked for, where the critical state is at 1.
+/// Largest load of a request; the critical state is at 1.
 pub(crate) const FARTHEST: f64 = 2.5;
 
-/// Says which page a request comes from, and which request of that page it is. Of all requests of
-/// one kind that a page makes, only the newest is answered.
+/// Identifies the page of a request, and the request of that page. Of all requests of one kind from
+/// a page, only the newest is computed.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Ticket {
@@ -60,13 +60,14 @@ pub(crate) struct Export {
     pub(crate) file: String,
 }
 
-/// A load, as a place on the way from first touch to the critical state; with adhesion 1 to 2 is the way back, to the last release.
+/// A load, as a position on the path from first contact to the critical state; with adhesion, 1 to 2 is the unloading, up to the
+/// last detachment.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LoadPoint {
-    /// 0 at first touch, 1 in the critical state, more beyond it.
+    /// 0 at first contact, 1 at the critical state, larger beyond it.
     pub(crate) fraction: f64,
-    /// The critical indentation, m, where it is known already.
+    /// Critical indentation, m, if known.
     #[serde(default)]
     pub(crate) critical_indentation_m: Option<f64>,
 }
@@ -104,10 +105,11 @@ impl LoadPoint {
     }
 }
 
-/// The arrangements that the page shows.
+/// Arrangements that the page supports.
 pub(crate) const LATTICES: [&str; 4] = ["hexagonal", "square", "rectangular", "oblique"];
 
-/// Whether the page has a key: it shows [lattices](LATTICES), and no pillars of a list.
+/// Whether the page has a control for a key: it supports [lattices](LATTICES), but no listed
+/// pillars.
 pub(crate) fn is_on_page(key: Key) -> bool {
     let of_other_arrangements = [Key::Pillars, Key::AxisX, Key::AxisY, Key::TopRadius];
     let of_other_lenses = [
@@ -121,7 +123,7 @@ pub(crate) fn is_on_page(key: Key) -> bool {
     !of_other_arrangements.contains(&key) && !of_other_lenses.contains(&key) && !is_of_other_bases
 }
 
-/// Whether a key is the thickness of a body, which has none unless it is given.
+/// Whether a key is the thickness of a body, which is a half-space unless it is given.
 pub(crate) fn is_thickness(key: Key) -> bool {
     [Key::SubstrateThickness, Key::LensThickness].contains(&key)
 }
@@ -135,7 +137,7 @@ pub(crate) fn of_case(case: &Case) -> Values {
         .collect()
 }
 
-/// The case of some values.
+/// Builds the case of the given values.
 pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
     let settings: Result<Vec<_>, Refusal> = values
         .iter()
@@ -150,7 +152,8 @@ pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
     Ok(case)
 }
 
-/// What of a case the page does not show: its key, what the page does show, and which values it has.
+/// First part of a case that the page does not support: its key, what the page supports, and the
+/// accepted values.
 pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)> {
     if !LATTICES.contains(&case.system.arrangement().name()) {
         let words = "the page shows pillars on lattices";
@@ -175,7 +178,7 @@ pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)
     None
 }
 
-/// The key of that path.
+/// Returns the key with that path.
 fn known(path: &str) -> Result<Key, Refusal> {
     Key::at(path).ok_or_else(|| {
         let shown: String = path.chars().take(LONGEST_TEXT).collect();
@@ -185,7 +188,7 @@ fn known(path: &str) -> Result<Key, Refusal> {
     })
 }
 
-/// The value, if it is no text that is longer than any that has a meaning.
+/// Returns the value, unless it is a text longer than any valid one.
 fn short<'a>(path: &str, value: &'a Setting) -> Result<&'a Setting, Refusal> {
     match value {
         Setting::Word(text) if text.len() > LONGEST_TEXT => {
@@ -197,7 +200,7 @@ fn short<'a>(path: &str, value: &'a Setting) -> Result<&'a Setting, Refusal> {
     }
 }
 
-/// Refuses a texture with more pillars in contact than can be waited for.
+/// Refuses a pattern with too many pillars in contact.
 fn check_size(case: &Case) -> Result<(), Refusal> {
     let pillars = expected_pillars(&case.system);
     if pillars <= MOST_PILLARS {
@@ -211,7 +214,7 @@ fn check_size(case: &Case) -> Result<(), Refusal> {
         }
         Some(_) => {
             let limit = largest_fraction(&case.system, MOST_PILLARS);
-            // With another pitch along the second rows the surface fraction goes as one over this one.
+            // If the other pitch is fixed, the surface fraction is inversely proportional to this one.
             let ratio = case.system.texture().surface_fraction() / limit;
             let power = if case.value(Key::PitchY).is_some() {
                 1.0
@@ -233,7 +236,7 @@ fn check_size(case: &Case) -> Result<(), Refusal> {
     )))
 }
 
-/// A number in two digits.
+/// Formats a number with two digits.
 fn significant(value: f64) -> String {
     let size = 10f64.powf(value.abs().log10().floor() - 1.0);
     format!("{}", (value / size).round() * size)
@@ -246,8 +249,8 @@ pub(crate) fn without_adhesion(case: &Case) -> Case {
     plain
 }
 
-/// About how many pillars are touched in the critical state, by the dense limit of the homogenised
-/// lattice: 30 % at most off where there are many.
+/// Approximate number of pillars in contact at the critical state, from the dense limit of the
+/// homogenised lattice; the error is at most 30 % if there are many.
 pub(crate) fn expected_pillars(system: &System) -> f64 {
     let radius = homogenised::dense_limit(system).contact_radius();
     // A contact cannot be wider than the lens.
@@ -260,9 +263,11 @@ pub(crate) fn expected_pillars(system: &System) -> f64 {
     }
 }
 
-/// The largest surface fraction at which at most so many pillars are expected to be touched.
+/// Largest surface fraction at which at most the given number of pillars is expected to be in
+/// contact.
 pub(crate) fn largest_fraction(system: &System, pillars: f64) -> f64 {
-    /// At this surface fraction pillars are so far apart that no lens touches too many of them.
+    /// At this surface fraction pillars are so far apart that no lens is in contact with too many
+    /// of them.
     const LEAST: f64 = 1e-6;
     let excess = |fraction: f64| {
         at_fraction(system, fraction).map_or(f64::INFINITY, |system| {
@@ -278,7 +283,7 @@ pub(crate) fn largest_fraction(system: &System, pillars: f64) -> f64 {
     }
 }
 
-/// The same system at another surface fraction; none of listed pillars.
+/// The same system at another surface fraction; `None` for listed pillars.
 pub(crate) fn at_fraction(system: &System, fraction: f64) -> Option<System> {
     let diameter = system.pillar().diameter;
     let arrangement = match system.arrangement() {
@@ -324,7 +329,7 @@ mod tests {
         assert_eq!(case(&of_case(&example)).unwrap(), example);
     }
 
-    /// A half-space has no thickness; other bases than rigid ones are not shown.
+    /// A half-space has no thickness; only rigid bases are supported.
     #[test]
     fn films_are_shown_on_rigid_bases() {
         let mut film = values(&Case::example());
@@ -356,7 +361,7 @@ mod tests {
         assert!(told.contains("with all else as it is, up to 0."), "{told}");
     }
 
-    /// At the largest surface fraction just as many pillars are expected as are allowed.
+    /// At the largest surface fraction, the expected number of pillars equals the allowed number.
     #[test]
     fn the_largest_surface_fraction_has_the_most_pillars() {
         let system = at_fraction(&Case::example().system, 0.6).unwrap();

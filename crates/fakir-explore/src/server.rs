@@ -1,4 +1,4 @@
-//! The server: a port of this machine, connections in a bounded number, and the way of a request.
+//! The server: port, connections, and dispatch of requests.
 
 use crate::arrivals::{Connection, Connections};
 use crate::guard::{Guard, HEADERS, Token};
@@ -29,32 +29,31 @@ const LARGEST_BODY: usize = 32 * 1024;
 /// Largest head of a request, bytes.
 const LARGEST_HEAD: usize = 32 * 1024;
 
-/// Whoever takes longer to send a request is not waited for.
+/// Time limit for receiving a request.
 const REQUEST_PATIENCE: Duration = Duration::from_secs(10);
 
-/// How often the server looks whether it is to stop.
+/// Interval at which the server checks whether it must stop.
 const STOP_INTERVAL: Duration = Duration::from_millis(50);
 
-/// How many of the next ports are tried to find a free one.
+/// Number of subsequent ports that are tried to find a free one.
 const NEXT_PORTS: u16 = 100;
 
-/// What the explorer starts with, and what it may use.
+/// Options of the explorer.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// The case to begin with.
+    /// Initial case.
     pub case: Case,
-    /// The port to listen on; any free one if not given.
+    /// Port to listen on; default: any free port.
     pub port: Option<u16>,
-    /// Threads to share the work on a contact between; 0 for as many as there are processors,
-    /// and never more.
+    /// Number of threads for a contact; 0: as many as there are processors, which is the maximum.
     pub threads: usize,
-    /// Memory a computation may take, bytes.
+    /// Memory limit of a computation, bytes.
     pub memory_limit: usize,
-    /// Whether requests that are refused are left out of standard error.
+    /// Whether refused requests are not reported on standard error.
     pub quiet: bool,
 }
 
-/// Why there is nothing to explore.
+/// Errors of the explorer.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExploreError {
@@ -64,25 +63,25 @@ pub enum ExploreError {
         next_free.map(|free| format!(": port {free} is free, give --port {free}")).unwrap_or_default()
     )]
     PortInUse {
-        /// The port asked for.
+        /// Requested port.
         port: u16,
-        /// The next one that is free.
+        /// Next free port.
         next_free: Option<u16>,
     },
     /// The system refused the port.
     #[error("cannot listen on port {port}: {error}")]
     Listen {
-        /// The port asked for; 0 for any.
+        /// Requested port; 0 for any.
         port: u16,
-        /// Why the system refused it.
+        /// Reason given by the system.
         error: io::Error,
     },
-    /// A case that the page does not show.
+    /// A case that the page does not support.
     #[error("{key}: {shown}; fakir transition and fakir press answer all others")]
     NotShown {
-        /// The key that says otherwise.
+        /// Key with an unsupported value.
         key: &'static str,
-        /// What the page shows.
+        /// What the page supports.
         shown: &'static str,
     },
     /// The system has no random numbers.
@@ -96,7 +95,7 @@ pub enum ExploreError {
     System(#[from] io::Error),
 }
 
-/// A server that listens, and waits to [run](Self::run).
+/// A server that is bound to its port; [`run`](Self::run) starts it.
 #[derive(Debug)]
 pub struct Explorer {
     listener: TcpListener,
@@ -105,7 +104,7 @@ pub struct Explorer {
     shared: Shared,
 }
 
-/// What requests are answered from.
+/// State shared by all requests.
 #[derive(Debug, Clone)]
 struct Shared {
     guard: Guard,
@@ -115,10 +114,10 @@ struct Shared {
 }
 
 impl Explorer {
-    /// Takes the port, on the loopback interface.
+    /// Binds the port on the loopback interface.
     ///
     /// # Errors
-    /// [`ExploreError`], for a port in use with the next one that is free.
+    /// [`ExploreError`]; for a port in use, it contains the next free port.
     pub fn bind(options: &Options) -> Result<Self, ExploreError> {
         if let Some((key, shown, _)) = request::not_shown(&options.case) {
             let key = key.path();
@@ -162,10 +161,10 @@ impl Explorer {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token.text())
     }
 
-    /// Answers requests until it is told to stop.
+    /// Responds to requests until it is stopped.
     ///
     /// # Errors
-    /// [`ExploreError::System`] if the system refuses to go on.
+    /// [`ExploreError::System`] if the operating system reports an error.
     pub fn run(self, stop: &CancelToken) -> Result<(), ExploreError> {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(2)
@@ -195,13 +194,13 @@ impl Explorer {
             let stream = match accepted {
                 Ok((stream, _)) => stream,
                 Err(error) => {
-                    // This happens with too many open files, and passes when some are closed.
+                    // This happens with too many open files, and ends when some are closed.
                     log.warn(&format!("a connection could not be accepted: {error}"));
                     tokio::time::sleep(STOP_INTERVAL).await;
                     continue;
                 }
             };
-            // Every line of an answer is sent at once.
+            // Every line of a response is sent immediately.
             let _ = stream.set_nodelay(true);
             let (connection, closed) = connections.arrive();
             let (shared, guarded) = (shared.clone(), connection.clone());
@@ -217,7 +216,8 @@ impl Explorer {
                     .serve_connection(TokioIo::new(stream), service);
                 let ended = tokio::select! {
                     ended = served => ended,
-                    // Only arrivals are closed for others: a connection of the page never is.
+                    // Only arrivals are closed in favour of others; a connection of the page is
+                    // never closed.
                     Ok(()) = closed => return,
                 };
                 connection.leave();
@@ -243,7 +243,7 @@ fn next_free(port: u16) -> Option<u16> {
         .find(|port| TcpListener::bind((Ipv4Addr::LOCALHOST, *port)).is_ok())
 }
 
-/// Lets requests of the page pass. Any other request is refused with a line in the log, and its connection is
+/// Accepts requests of the page. Any other request is refused with a line in the log, and its connection is
 /// closed.
 async fn answer(shared: &Shared, connection: &Connection, request: Request) -> Response {
     let path = request.uri().path().to_owned();
@@ -278,7 +278,7 @@ async fn answer(shared: &Shared, connection: &Connection, request: Request) -> R
     response
 }
 
-/// What answers a path by a method.
+/// Handler of a path and a method.
 async fn route(shared: &Shared, request: Request) -> Response {
     let path = request.uri().path().to_owned();
     let is_post = request.method() == Method::POST;
@@ -354,7 +354,7 @@ async fn export(shared: &Shared, request: Request) -> Response {
     work(shared, request, Kind::Export, ticket, export::export).await
 }
 
-/// Reads a question and has it answered.
+/// Reads a request and dispatches it.
 async fn work<T: DeserializeOwned + Send + 'static>(
     shared: &Shared,
     request: Request,
@@ -375,7 +375,7 @@ async fn work<T: DeserializeOwned + Send + 'static>(
     shared.jobs.answer(ticket, kind, work).await
 }
 
-/// The body of a request: a JSON object of bounded size that comes in bounded time.
+/// Body of a request: a JSON object of limited size, received within a time limit.
 async fn body<T: DeserializeOwned>(request: Request) -> Result<T, Refusal> {
     let kind = request.headers().get(header::CONTENT_TYPE);
     let is_json = kind
