@@ -1,4 +1,4 @@
-//! What is to be solved and how, and its canonical text.
+//! A system with its method, and its canonical text.
 
 use crate::key::{Key, Setting};
 use crate::parts::{ArrangementName, BaseForm, OfTexture, Parts, ShapeForm};
@@ -12,31 +12,31 @@ use std::fmt::Write;
 use std::ops::Bound::{self, Excluded, Included};
 use std::path::PathBuf;
 
-/// A system and the method to solve it with: what a case file describes.
+/// A system and its method, as a case file describes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
     /// The lens and the surface with its pillars.
     pub system: System,
     /// The method that solves it.
     pub method: Method,
-    /// Whether the pitch or the surface fraction was given, and its value. The same one is written back.
+    /// The given one of pitch and surface fraction, with its value. The same one is written back.
     pub(crate) spacing: Spacing,
-    /// Where listed pillars come from.
+    /// Source of listed pillars.
     pub(crate) pillars: Option<PillarsOrigin>,
-    /// The file of the table of heights of the lens, if it has one that comes from a file.
+    /// File of the table of heights of the lens, if any.
     pub(crate) profile: Option<PathBuf>,
 }
 
 /// A table of pillars.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PillarsOrigin {
-    /// Its file, if it comes from one.
+    /// File, if any.
     pub(crate) path: Option<PathBuf>,
-    /// Where the lens axis stands in its coordinates, m.
+    /// Position of the lens axis in its coordinates, m.
     pub(crate) axis: Point,
 }
 
-/// How the pitch was given.
+/// The form in which the pitch was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Spacing {
     Pitch(f64),
@@ -58,7 +58,7 @@ impl Spacing {
 }
 
 impl Case {
-    /// A case to be written with its pitch.
+    /// A case that is written with its pitch.
     #[must_use]
     pub fn new(system: System, method: Method) -> Self {
         let spacing = Spacing::Pitch(system.pitch());
@@ -71,8 +71,8 @@ impl Case {
         }
     }
 
-    /// The intermediate substrate of the paper (lens, substrate and pillars of the same
-    /// elastomer) at a surface fraction of 0.1: what `fakir init` writes.
+    /// The intermediate substrate of the paper (lens, substrate and pillars of the same elastomer)
+    /// at a surface fraction of 0.1, as `fakir init` writes it.
     #[must_use]
     pub fn example() -> Self {
         let elastomer = Material::new(2e6, 0.5);
@@ -97,14 +97,14 @@ impl Case {
         }
     }
 
-    /// The case as a case file, commented. It depends on the case alone, and reading it gives the
+    /// The case as a case file with comments. It depends only on the case; reading it gives the
     /// same case, bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
         write_toml(|key| self.value(key))
     }
 
-    /// The value of a key; `None` if the case does without it.
+    /// Value of a key; `None` if the case does not have it.
     #[must_use]
     pub fn setting(&self, key: Key) -> Option<Setting> {
         let not_given = match self.spacing {
@@ -125,7 +125,7 @@ impl Case {
             Key::LensBase => parts.lens_layer.base == BaseForm::Rigid,
             Key::SubstrateThickness => parts.substrate_layer.thickness.is_nan(),
             Key::SubstrateBase => parts.substrate_layer.base == BaseForm::Rigid,
-            // Flat tops have none.
+            // Flat tops have no radius.
             Key::TopRadius => true,
             _ if key.is_of_scatter() => parts.texture.arrangement.is_plain(),
             _ => key == not_given,
@@ -134,7 +134,7 @@ impl Case {
         (!is_absent).then(|| key.get(&mut parts))
     }
 
-    /// The values of its keys.
+    /// Values of its keys.
     fn parts(&self) -> Parts {
         let mut parts = Parts::of(&self.system, self.method);
         let text = |path: &Option<PathBuf>| {
@@ -156,8 +156,8 @@ impl Case {
         parts
     }
 
-    /// The number of a key of the texture, in SI units. Pitch and surface fraction both have one, whichever was given.
-    /// `None` if the key takes no number, has none in this case, or belongs to a general surface.
+    /// Number of a key of the texture, in SI units. Pitch and surface fraction both have a number, whichever was
+    /// given. `None` if the key does not accept numbers, has none in this case, or belongs to a general surface.
     #[must_use]
     pub fn number(&self, key: Key) -> Option<f64> {
         match key.get(&mut self.parts()) {
@@ -166,7 +166,7 @@ impl Case {
         }
     }
 
-    /// The least and the greatest number that a key can have while all other keys keep their values, in SI units.
+    /// Smallest and largest valid number of a key for fixed values of all other keys, in SI units.
     #[must_use]
     pub fn allowed(&self, key: Key) -> (Bound<f64>, Bound<f64>) {
         let (mut least, mut greatest) = key.bounds();
@@ -176,7 +176,7 @@ impl Case {
             Some(Range::Below(other)) => greatest = number(other).map_or(greatest, Excluded),
             _ => {}
         }
-        // What is allowed for another key that is given may depend on this one.
+        // The valid range of another given key may depend on this one.
         for other in Key::ALL {
             match (other.range(), self.setting(other)) {
                 (Some(Range::AtLeast(limit)), Some(Setting::Number(value))) if limit == key => {
@@ -207,15 +207,15 @@ impl Case {
         (least, greatest)
     }
 
-    /// The value of a key as [`to_toml`](Self::to_toml) writes it, such as `"2.2 mm"` with its
-    /// quotes; `None` if the case does without it.
+    /// Value of a key as [`to_toml`](Self::to_toml) writes it, such as `"2.2 mm"` with its quotes;
+    /// `None` if the case does not have it.
     #[must_use]
     pub fn value(&self, key: Key) -> Option<String> {
         self.setting(key).map(|value| key.written(&value))
     }
 }
 
-/// The text of a case file with all keys for which `value` gives a value. Behind each stands what it means.
+/// Text of a case file with all keys for which `value` returns a value, each with its meaning as a comment.
 pub(crate) fn write_toml(value: impl Fn(Key) -> Option<String>) -> String {
     format!("{HEADER}{}", write_tables(value))
 }
@@ -243,7 +243,7 @@ const HEADER: &str = "\
 # Quantities have a unit (m mm um nm, GPa MPa kPa Pa, deg rad); bare numbers are in SI units.
 ";
 
-/// The lower one of an upper bound and another that is included, if there is one.
+/// The smaller of an upper bound and an optional inclusive bound.
 fn lower(bound: Bound<f64>, other: Option<f64>) -> Bound<f64> {
     match (bound, other) {
         (Included(value) | Excluded(value), Some(other)) if value <= other => bound,
@@ -258,7 +258,8 @@ mod tests {
     use crate::CaseFile;
     use std::ops::Bound::Unbounded;
 
-    /// What a key allows depends on the keys that are given: a pitch holds pillars apart, a surface fraction lets them grow.
+    /// The range of a key depends on the given keys: with a fixed pitch the diameter is limited, with a fixed surface
+    /// fraction it is not.
     #[test]
     fn what_a_key_allows_depends_on_the_other_keys() {
         let by_fraction = Case::example();

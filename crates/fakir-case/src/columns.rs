@@ -3,10 +3,10 @@
 use crate::input;
 use std::path::Path;
 
-/// Largest table, bytes: that of some million rows.
+/// Largest table, bytes, enough for some million rows.
 const LARGEST: u64 = 256_000_000;
 
-/// Why a table was not read.
+/// Reason why a table was not read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub(crate) enum TableError {
@@ -15,28 +15,28 @@ pub(crate) enum TableError {
     Unreadable {
         /// Its name.
         path: String,
-        /// What was wrong.
+        /// Description of the error.
         error: std::io::Error,
     },
-    /// A line that is no row of the table.
+    /// A line that is not a row of the table.
     #[error("{path}, line {line}: {problem}")]
     Line {
         /// The file.
         path: String,
         /// Line, from 1.
         line: u64,
-        /// What was wrong, and what would be right.
+        /// Description of the error, and what is accepted.
         problem: String,
     },
 }
 
-/// What a table can have.
+/// Columns of a table.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Columns<const N: usize> {
     pub(crate) names: [&'static str; N],
-    /// How many of them, from the first, there have to be.
+    /// Number of required columns, from the first.
     pub(crate) required: usize,
-    /// What is told of them: `"a table of pillars has ..."`.
+    /// Description in messages: `"a table of pillars has ..."`.
     pub(crate) told: &'static str,
 }
 
@@ -45,14 +45,14 @@ pub(crate) struct Columns<const N: usize> {
 pub(crate) struct Table<const N: usize> {
     name: String,
     heading_line: u64,
-    /// Which of the columns it has.
+    /// Columns present.
     pub(crate) has: [bool; N],
     pub(crate) rows: Vec<[f64; N]>,
     lines: Vec<u64>,
 }
 
 impl<const N: usize> Table<N> {
-    /// The error for a row, from 0, or for the whole table.
+    /// Error for a row, from 0, or for the whole table.
     pub(crate) fn wrong(&self, row: Option<usize>, problem: String) -> TableError {
         TableError::Line {
             path: self.name.clone(),
@@ -61,7 +61,7 @@ impl<const N: usize> Table<N> {
         }
     }
 
-    /// The line of a row, from 1; of none that of the names of the columns.
+    /// Line of a row, from 1; without a row, the line of the column names.
     pub(crate) fn line(&self, row: Option<usize>) -> u64 {
         let line = row.and_then(|row| self.lines.get(row));
         line.copied().unwrap_or(self.heading_line)
@@ -70,7 +70,7 @@ impl<const N: usize> Table<N> {
 
 impl<const N: usize> Columns<N> {
     /// Reads a file: values separated by commas under a line with the names of the columns, in any order. Lines that begin with `#` are left out.
-    /// A column that is not there has the value of `otherwise`.
+    /// A missing column has the value of `otherwise`.
     pub(crate) fn read(&self, path: &Path, otherwise: [f64; N]) -> Result<Table<N>, TableError> {
         let name = path.display().to_string();
         let bytes = input::read(path, LARGEST).map_err(|error| TableError::Unreadable {
@@ -80,7 +80,7 @@ impl<const N: usize> Columns<N> {
         self.parse(&name, &bytes, otherwise)
     }
 
-    /// [`read`](Self::read) from the contents of a file; `name` is what errors call it.
+    /// [`read`](Self::read) from the contents of a file; `name` is its name in errors.
     pub(crate) fn parse(
         &self,
         name: &str,

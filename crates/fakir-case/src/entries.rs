@@ -1,4 +1,4 @@
-//! A TOML document as a flat list of known keys, each with the place it was set.
+//! A TOML document as a flat list of known keys, each with its position.
 
 use crate::error::{CaseError, Place, Source};
 use crate::key::{Key, Kind, Setting, is_table, join, names_in, similar};
@@ -8,16 +8,16 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeFloat, DeInteger, DeString, DeTable, DeValue};
 
-/// The value of a key as it stands in a file, before its meaning is known.
+/// Value of a key as written in a file, before it is interpreted.
 #[derive(Debug, Clone)]
 pub(crate) enum Value {
     Text(String),
-    /// A number as it is written, without a unit.
+    /// A number as written, without a unit.
     Number(f64),
-    /// A number in SI units that is written nowhere.
+    /// A number in SI units that was not parsed from text.
     InSi(f64),
     Flag(bool),
-    /// A kind of value that no key takes, by its name in TOML: a list, say, or a date.
+    /// A kind of value that no key accepts, by its name in TOML, such as a list or a date.
     Other(&'static str),
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// A setting that stands in no file. Errors show it as `key = value` under that name.
+    /// A setting that does not come from a file. Errors show it as `key = value` under that name.
     pub(crate) fn of_setting(name: &str, key: Key, setting: Setting) -> Self {
         let text = format!("{key} = {}", key.written(&setting));
         Self {
@@ -49,7 +49,7 @@ impl Entry {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Entries {
     pub(crate) keys: BTreeMap<Key, Entry>,
-    /// Where the header of each table stands, to point at when a key is missing.
+    /// Position of the header of each table, for errors of missing keys.
     pub(crate) tables: BTreeMap<String, Place>,
     /// Keys that were given by a deprecated path.
     pub(crate) former: BTreeSet<Key>,
@@ -64,7 +64,7 @@ impl Entries {
         Ok(entries)
     }
 
-    /// Reads what a document has besides the tables of a study.
+    /// Reads a document except the tables of a study.
     pub(crate) fn beside_study(source: &Source, document: &DeTable<'_>) -> Result<Self, CaseError> {
         let mut entries = Self::default();
         for (name, value) in in_order(document) {
@@ -139,7 +139,7 @@ impl Entries {
     }
 }
 
-/// The tables that a study file has and a case file has not.
+/// Tables of a study file that a case file does not have.
 pub(crate) const STUDY_TABLES: [&str; 2] = ["study", "axes"];
 
 /// Parses a text as TOML.
@@ -151,7 +151,7 @@ pub(crate) fn document(source: &Source) -> Result<Spanned<DeTable<'_>>, CaseErro
     }
 }
 
-/// What a table holds, in the order of the file, so that its first mistake is the one reported.
+/// Entries of a table in the order of the file, so that its first error is reported.
 pub(crate) fn in_order<'a, 'i>(
     table: &'a DeTable<'i>,
 ) -> Vec<(&'a Spanned<DeString<'i>>, &'a Spanned<DeValue<'i>>)> {
@@ -190,7 +190,7 @@ fn float(number: &DeFloat<'_>) -> f64 {
     number.as_str().parse().unwrap_or(f64::NAN)
 }
 
-/// The error that stands first in the text.
+/// The first error in the text.
 fn first(errors: Vec<toml::de::Error>) -> Option<toml::de::Error> {
     errors
         .into_iter()
@@ -231,7 +231,7 @@ pub(crate) fn unknown_key(place: &Place, path: &str) -> CaseError {
     CaseError::at(place, "unknown key").key(path).accepted(help)
 }
 
-/// Advice to give another key. In a file a key without its table lacks the heading above it.
+/// Advice to use another key. In a file, a key without its table lacks the heading above it.
 fn did_you_mean(place: &Place, path: &str, meant: &str) -> String {
     match meant.rsplit_once('.') {
         Some((table, name)) if name == path && !place.is_override() && Key::at(meant).is_some() => {
@@ -241,7 +241,7 @@ fn did_you_mean(place: &Place, path: &str, meant: &str) -> String {
     }
 }
 
-/// The error for a table that is given a value, as in `method=love`, with the keys that can have it.
+/// Error for a value assigned to a table, as in `method=love`, with the keys that accept it.
 pub(crate) fn table_for_key(place: &Place, name: &str, surface: bool, value: &str) -> CaseError {
     let read = override_value(value);
     let inside = Key::ALL.into_iter().filter(|key| key.table() == name);
@@ -267,7 +267,7 @@ pub(crate) fn table_for_key(place: &Place, name: &str, surface: bool, value: &st
         .accepted(advice)
 }
 
-/// The error for a name that several keys have.
+/// Error for an ambiguous name.
 pub(crate) fn ambiguous_key(place: &Place, name: &str, keys: &[Key]) -> CaseError {
     let paths: Vec<&str> = keys.iter().map(|key| key.path()).collect();
     CaseError::at(place, format!("{} keys have this name", keys.len()))
@@ -275,7 +275,7 @@ pub(crate) fn ambiguous_key(place: &Place, name: &str, keys: &[Key]) -> CaseErro
         .accepted(format!("give {}", paths.join(" or ")))
 }
 
-/// What kind of thing a value is, for "found ...".
+/// Kind of a value, for "found ...".
 pub(crate) fn kind_name(value: &Value) -> String {
     match value {
         Value::Text(_) => "a string".to_owned(),
@@ -285,7 +285,7 @@ pub(crate) fn kind_name(value: &Value) -> String {
     }
 }
 
-/// What a key takes, for "accepted: ...".
+/// Accepted values of a key, for "accepted: ...".
 pub(crate) fn accepted(key: Key) -> String {
     match key.kind() {
         Kind::Number(dimension) => dimension.accepted(),
@@ -295,7 +295,7 @@ pub(crate) fn accepted(key: Key) -> String {
     }
 }
 
-/// What is accepted for the name of a file, or of something in it.
+/// Accepted values for the name of a file, or of something in a file.
 pub(crate) const NAME_IN_QUOTES: &str = "give a name in quotes";
 
 /// Advice to give one of some words.
@@ -307,7 +307,7 @@ pub(crate) fn one_of(words: &[&str]) -> String {
     }
 }
 
-/// The error for two entries of which only one can be given; it stands at the later one.
+/// Error for two entries that exclude each other; it points at the later one.
 pub(crate) fn both_given(a: (&str, &Place), b: (&str, &Place), table: &str) -> CaseError {
     let (first, second) = if a.1.span.start < b.1.span.start {
         (a.1, b.1)

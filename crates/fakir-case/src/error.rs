@@ -1,11 +1,11 @@
-//! What is wrong with a case file, and where.
+//! Errors of a case file, with their positions.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use std::fmt::{self, Display};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What errors call the argument of an override.
+/// Name of the argument of an override in errors.
 pub(crate) const OVERRIDE: &str = "--set";
 
 /// A text that a case was read from: a file, or the argument of an override.
@@ -34,21 +34,21 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// What is written there.
+    /// Text at the position.
     pub(crate) fn text(&self) -> &str {
         let text = self.source.text().get(self.span.clone());
         text.unwrap_or_default()
     }
 
-    /// Whether it is in an override, not in a file.
+    /// Whether it is in an override instead of a file.
     pub(crate) fn is_override(&self) -> bool {
         self.source.name() == OVERRIDE
     }
 }
 
-/// Why a case file or an override cannot be used.
+/// Reason why a case file or an override cannot be used.
 ///
-/// It knows the file, the line and the key, what is wrong and what would be accepted. As a
+/// It contains the file, the line and the key, the problem and what is accepted. As a
 /// [`Diagnostic`] it can be shown with the line itself; [`Display`] names the key and the problem.
 #[derive(Debug, Clone)]
 pub struct CaseError(Box<Report>);
@@ -60,7 +60,7 @@ struct Report {
     problem: String,
     accepted: Option<String>,
     labels: Vec<(Range<usize>, String)>,
-    /// Whether it is only that something takes more memory than allowed.
+    /// Whether the only problem is the memory limit.
     is_of_memory: bool,
 }
 
@@ -90,7 +90,7 @@ impl CaseError {
         self
     }
 
-    /// Adds what would be accepted besides.
+    /// Adds advice on what is accepted.
     pub(crate) fn or(mut self, other: &str) -> Self {
         self.0.accepted = match self.0.accepted {
             Some(accepted) => Some(format!("{accepted}; or {other}")),
@@ -99,7 +99,7 @@ impl CaseError {
         self
     }
 
-    /// Says that more memory would be enough.
+    /// Marks it as a problem of the memory limit.
     pub(crate) fn of_memory(mut self) -> Self {
         self.0.is_of_memory = true;
         self
@@ -114,7 +114,7 @@ impl CaseError {
         self
     }
 
-    /// Says in which case of a study it is wrong.
+    /// Adds the case of a study in which it occurs.
     pub(crate) fn in_case(mut self, case: &str) -> Self {
         self.0.problem = format!("{} ({case})", self.0.problem);
         self
@@ -126,7 +126,7 @@ impl CaseError {
             && self.0.source.text() == place.source.text()
     }
 
-    /// The same error at another place, with the key it is about in its words.
+    /// The same error at another position, with its key in the message.
     pub(crate) fn moved(self, place: &Place, key: &str) -> Self {
         let mut moved = Self::at(place, self.to_string()).key(key);
         moved.0.accepted.clone_from(&self.0.accepted);
@@ -163,7 +163,7 @@ impl CaseError {
         self.0.key.as_deref()
     }
 
-    /// All of it in one line: `case.toml:3:10: lens.radius: ...`.
+    /// The whole error in one line: `case.toml:3:10: lens.radius: ...`.
     #[must_use]
     pub fn one_line(&self) -> String {
         let place = match self.position() {
@@ -174,13 +174,13 @@ impl CaseError {
         format!("{place}{self}{}", accepted.unwrap_or_default())
     }
 
-    /// What is wrong.
+    /// The problem.
     #[must_use]
     pub fn problem(&self) -> &str {
         &self.0.problem
     }
 
-    /// What would be accepted.
+    /// What is accepted.
     #[must_use]
     pub fn what_is_accepted(&self) -> Option<&str> {
         self.0.accepted.as_deref()
@@ -205,7 +205,8 @@ impl Diagnostic for CaseError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        // A source without any label would be shown by its name only, which the problem has.
+        // A source without a label would be shown by its name only, which the problem contains
+        // already.
         (!self.0.labels.is_empty()).then_some(&*self.0.source.0 as &dyn SourceCode)
     }
 

@@ -36,20 +36,20 @@ use std::sync::Arc;
 pub struct CaseFile {
     pub(crate) source: Source,
     pub(crate) entries: Entries,
-    /// The folder in which files named in the case file are sought.
+    /// Folder relative to which file names in the case file are resolved.
     pub(crate) folder: PathBuf,
-    /// Listed pillars that come from no file.
+    /// Listed pillars that do not come from a file.
     pub(crate) pillars: Option<PillarList>,
-    /// A table of the heights of the lens that comes from no file.
+    /// A table of heights of the lens that does not come from a file.
     pub(crate) profile: Option<Arc<LensProfile>>,
 }
 
 impl Case {
-    /// The case as a file that has been read, so that keys can be set; `name` is what errors call it. Listed pillars that come from no
-    /// file are those of the case.
+    /// Converts a case into a case file, so that keys can be set; `name` is its name in errors. Listed pillars without a file are
+    /// taken from the case.
     ///
     /// # Errors
-    /// None but of a case that was made of values which no file can have.
+    /// Only if the case contains values that no file can have.
     pub fn to_file(&self, name: &str) -> Result<CaseFile, CaseError> {
         let mut file = CaseFile::parse(name, &self.to_toml())?;
         if let (LensShape::Profile(profile), None) = (&self.system.lens().shape, &self.profile) {
@@ -67,7 +67,7 @@ impl Case {
 }
 
 impl CaseFile {
-    /// The same with listed pillars in place of those of a file, if its arrangement is `"listed"`.
+    /// Replaces the listed pillars of a file, if its arrangement is `"listed"`.
     #[must_use]
     pub fn with_pillars(mut self, pillars: PillarList) -> Self {
         self.entries.keys.remove(&Key::Pillars);
@@ -80,8 +80,8 @@ impl CaseFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`CaseError`] if the file cannot be read, has more than [`LARGEST_CASE`] bytes, is not UTF-8 or TOML, or has a key that no case
-    /// file has. Values are looked at by [`case`](Self::case).
+    /// [`CaseError`] if the file cannot be read, has more than [`LARGEST_CASE`] bytes, is not UTF-8 or TOML, or contains an unknown
+    /// key. [`case`](Self::case) checks the values.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let name = path.display().to_string();
         let bytes = input::read(path, LARGEST_CASE).map_err(|error| {
@@ -97,7 +97,7 @@ impl CaseFile {
         })
     }
 
-    /// Reads the contents of a file; `name` is what errors call it.
+    /// Reads the contents of a file; `name` is its name in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -108,7 +108,7 @@ impl CaseFile {
         }
     }
 
-    /// Reads a text; `name` is what errors call it.
+    /// Reads a text; `name` is its name in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -128,7 +128,7 @@ impl CaseFile {
         })
     }
 
-    /// A case of some settings, without any file; `name` is what errors call it.
+    /// Builds a case file from settings; `name` is its name in errors.
     ///
     /// ```
     /// use fakir_case::{Case, CaseFile, Key};
@@ -157,16 +157,16 @@ impl CaseFile {
         }
     }
 
-    /// Overrides one key: `texture.surface_fraction=0.2`, with a value in TOML or a bare word or
-    /// quantity (`lens.radius=2.2mm`). The last name of a key is enough where no other key of such a case has it (`pitch=20um`).
+    /// Overrides one key: `texture.surface_fraction=0.2`, with a value in TOML or a bare word or quantity (`lens.radius=2.2mm`).
+    /// The last name of a key is sufficient if it is unique in such a case (`pitch=20um`).
     ///
-    /// Of several overrides of a key the last one counts. An override takes the place of what the
-    /// file gives for the same choice: `texture.pitch` replaces the file's `surface_fraction` and the
-    /// other way round, and `method.name` all of the file's `[method]`.
+    /// The last of several overrides of a key is used. An override replaces all entries of the file
+    /// for the same choice: `texture.pitch` replaces `surface_fraction` and vice versa, and
+    /// `method.name` replaces the whole table `[method]`.
     ///
     /// # Errors
-    /// [`CaseError`] for an argument that is not `key=value` or a key that no case file has; it
-    /// points into the argument.
+    /// [`CaseError`] for an argument that is not `key=value` or an unknown key; it points into the
+    /// argument.
     pub fn set(&mut self, argument: &str) -> Result<(), CaseError> {
         let source = Source::new(OVERRIDE, argument);
         let Some((path, text)) = argument.split_once('=') else {
@@ -210,7 +210,7 @@ impl CaseFile {
         Ok(())
     }
 
-    /// The keys that an override can name so: by the path, or by the last name. The name of a table is that of no key.
+    /// Keys that an override can denote by path or last name. The name of a table does not denote a key.
     pub(crate) fn named(&self, name: &str) -> Vec<Key> {
         if is_table(name) {
             return Vec::new();
@@ -218,8 +218,8 @@ impl CaseFile {
         Key::named(name, self.is_surface())
     }
 
-    /// Sets a key to a number in SI units, in place of what the file gives for the same choice, as
-    /// [`set`](Self::set) does. The case is the same, bit for bit, as with that number in the file.
+    /// Sets a key to a number in SI units and replaces all entries of the file for the same choice,
+    /// as [`set`](Self::set) does. The case is identical, bit for bit, to a file with that number.
     ///
     /// ```
     /// use fakir_case::{Case, CaseFile, Key};
@@ -233,10 +233,10 @@ impl CaseFile {
         self.put(key, entry);
     }
 
-    /// The number that was given for a key, in SI units.
+    /// Number given for a key, in SI units.
     ///
     /// # Errors
-    /// [`CaseError`] for a value that is no such number.
+    /// [`CaseError`] for a value that is not a valid number.
     pub fn given(&self, key: Key) -> Result<Option<f64>, CaseError> {
         match self.entry(key) {
             Some(entry) => quantity(&Measured::by(key), entry).map(Some),
@@ -244,7 +244,7 @@ impl CaseFile {
         }
     }
 
-    /// Sets a key, in place of what there is for the same choice.
+    /// Sets a key and replaces all entries for the same choice.
     pub(crate) fn put(&mut self, key: Key, entry: Entry) {
         for other in replaced_by(key, &entry.value) {
             self.entries.keys.remove(&other);
@@ -255,8 +255,8 @@ impl CaseFile {
     /// The case that the file and its overrides describe.
     ///
     /// # Errors
-    /// [`CaseError`] for a key that is missing or has a value that cannot be, or a `[surface]` in
-    /// place of a `[texture]`.
+    /// [`CaseError`] for a missing key or an invalid value, or a `[surface]` instead of a
+    /// `[texture]`.
     pub fn case(&self) -> Result<Case, CaseError> {
         self.refuse_surface(
             "this needs a [texture], and the case has a [surface]",
@@ -324,8 +324,7 @@ impl CaseFile {
         Ok(case)
     }
 
-    /// The shape of the lens, and the file of its table of heights, if it has one: next to the case file, or in the current folder if an override
-    /// named it.
+    /// Shape of the lens, and the file of its table of heights, if any: next to the case file, or in the current folder if an override named it.
     fn lens_shape(&self, parts: &Parts) -> Result<(LensShape, Option<PathBuf>), CaseError> {
         if let Some(shape) = parts.shape.shape(parts.lens.radius) {
             return Ok((shape, None));
@@ -338,12 +337,12 @@ impl CaseFile {
             self.problem(Key::LensProfile, error.to_string())
                 .accepted("a table next to the case file, of columns radius_m and height_m")
         })?;
-        // As it is found from everywhere.
+        // As an absolute path.
         let path = std::path::absolute(&path).unwrap_or(path);
         Ok((LensShape::Profile(Arc::new(profile)), Some(path)))
     }
 
-    /// How far apart pillars stand, as it was given; no number of listed ones.
+    /// Spacing of the pillars, as given; NaN for listed pillars.
     pub(crate) fn spacing(&self, texture: &TextureParts) -> Result<Spacing, CaseError> {
         if self.entry(Key::Pitch).is_some() {
             return Ok(Spacing::Pitch(texture.arrangement.lattice.pitch));
@@ -351,8 +350,8 @@ impl CaseFile {
         if texture.is_listed() {
             return Ok(Spacing::Pitch(f64::NAN));
         }
-        // The system is made with the pitch that follows from the surface fraction, so
-        // that it cannot check the surface fraction itself.
+        // The system is built with the pitch that follows from the surface fraction; therefore it
+        // cannot check the surface fraction itself.
         let fraction = texture.arrangement.surface_fraction;
         self.check_range(Key::SurfaceFraction, fraction)?;
         Ok(Spacing::SurfaceFraction(fraction))
@@ -364,7 +363,7 @@ impl CaseFile {
             .accepted("a table next to the case file, of columns x_m, y_m, height_m and diameter_m")
     }
 
-    /// Refuses a height or a diameter of pillars that cannot be.
+    /// Refuses an invalid height or diameter of pillars.
     pub(crate) fn check_common_pillar(&self) -> Result<(), CaseError> {
         for key in [Key::PillarHeight, Key::PillarDiameter] {
             if let Some(value) = self.given(key)? {
@@ -374,8 +373,8 @@ impl CaseFile {
         Ok(())
     }
 
-    /// The table of pillars next to the case file, or in the current folder if an override named it, and its path. It has a height for every
-    /// pillar, and a diameter if tops are flat.
+    /// Table of pillars, next to the case file or in the current folder if an override named it, and its path. It contains a height for
+    /// every pillar, and a diameter if tops are flat.
     pub(crate) fn pillar_table(
         &self,
         texture: &TextureParts,
@@ -396,7 +395,7 @@ impl CaseFile {
         Ok((table, path))
     }
 
-    /// The pillars of a table, or those that come from no file.
+    /// Pillars of a table, or those that do not come from a file.
     fn listed_pillars(
         &self,
         texture: &TextureParts,
@@ -408,12 +407,12 @@ impl CaseFile {
         }
         let (table, path) = self.pillar_table(texture)?;
         let list = listed(&table).map_err(|error| self.no_pillars(&error))?;
-        // As it is found from everywhere.
+        // As an absolute path.
         let path = Some(std::path::absolute(&path).unwrap_or(path));
         Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
     }
 
-    /// Where a file that a key names is: next to the case file, or in the current folder if an override named it.
+    /// Path of a file that a key names: next to the case file, or in the current folder if an override named it.
     pub(crate) fn named_file(&self, key: Key, name: &str) -> PathBuf {
         match self.entry(key) {
             Some(entry) if entry.place.is_override() => PathBuf::from(name),
@@ -421,7 +420,7 @@ impl CaseFile {
         }
     }
 
-    /// The adhesion that is given.
+    /// The given adhesion.
     fn adhesion(&self, parts: &Parts) -> Adhesion {
         let given = &parts.texture.adhesion;
         let receding = self.entry(Key::RecedingWorkOfAdhesion);
@@ -432,7 +431,7 @@ impl CaseFile {
         }
     }
 
-    /// The error of a cycle where nothing sticks.
+    /// Error of a cycle without adhesion.
     pub(crate) fn without_adhesion(&self) -> CaseError {
         let work = Key::WorkOfAdhesion;
         let error = match self.entry(work) {
@@ -448,7 +447,8 @@ impl CaseFile {
         )
     }
 
-    /// Refuses a receding work of adhesion alone, and adhesion with a method that has none.
+    /// Refuses a receding work of adhesion alone, and adhesion with a method that does not support
+    /// it.
     fn check_adhesion(&self, adhesion: Adhesion, method: Method) -> Result<(), CaseError> {
         let work = Key::WorkOfAdhesion;
         if adhesion.work_receding.is_some() && self.entry(work).is_none() {
@@ -460,7 +460,7 @@ impl CaseFile {
         self.answers(Question::Press, method.into(), &[Feature::AdhesiveTops])
     }
 
-    /// Refuses a floor that sticks where nothing else does, or where the lens goes through it.
+    /// Refuses an adhesive floor without adhesive tops, or without floor contact.
     fn check_floor_that_sticks(
         &self,
         adhesion: Adhesion,
@@ -492,7 +492,7 @@ impl CaseFile {
         Ok(())
     }
 
-    /// Refuses a thickness that is none, and what a body rests on where that is a half-space.
+    /// Refuses an invalid thickness, and a base of a half-space.
     pub(crate) fn check_bases(&self, parts: &Parts) -> Result<(), CaseError> {
         let bodies = [
             (
@@ -517,10 +517,10 @@ impl CaseFile {
         Ok(())
     }
 
-    /// The values of the keys of some parts: those that are given, and the defaults of the others.
+    /// Values of the keys of some parts: the given ones, and the defaults of the others.
     ///
-    /// What the table of keys says is checked: kinds of values, words, numbers that the solver
-    /// does not check itself, keys that do not go together, and keys that are missing.
+    /// Checks according to the key table: kinds of values, words, numbers that the solver does not
+    /// check itself, incompatible keys, and missing keys.
     pub(crate) fn parts(&self, wanted: &[Part]) -> Result<Parts, CaseError> {
         let keys = || {
             let keys = Key::ALL.into_iter();
@@ -532,11 +532,11 @@ impl CaseFile {
                 self.read_value(key, entry, &mut parts)?;
             }
         }
-        // A table of heights says what shape the lens has.
+        // A table of heights determines the shape of the lens.
         if self.entry(Key::LensProfile).is_some() && self.entry(Key::LensShape).is_none() {
             parts.shape.form = ShapeForm::Profile;
         }
-        // A table of pillars says what the arrangement is.
+        // A table of pillars determines the arrangement.
         if self.entry(Key::Pillars).is_some() && self.entry(Key::Lattice).is_none() {
             parts.texture.name = OfTexture(ArrangementName::Listed);
         }
@@ -554,7 +554,7 @@ impl CaseFile {
         Ok(parts)
     }
 
-    /// Puts a value into its place, if the key can have it.
+    /// Sets a value, if the key accepts it.
     fn read_value(&self, key: Key, entry: &Entry, parts: &mut Parts) -> Result<(), CaseError> {
         let row = key.row();
         if let (Key::CellSize, Value::Other("array")) = (key, &entry.value) {
@@ -571,7 +571,7 @@ impl CaseFile {
                     }
                     _ => error,
                 })?;
-                // The solver and the patterns of pillars check the quantities that they know.
+                // The solver and the patterns of pillars check their own quantities.
                 let is_checked_later = row.quantity.is_some() || row.pattern_quantity.is_some();
                 if !is_checked_later {
                     self.check_range(key, value)?;
@@ -614,7 +614,7 @@ impl CaseFile {
             .accepted(format!("it must be {range}")))
     }
 
-    /// The error for a key that does not go with the word of the key that it depends on.
+    /// Error for a key that is not accepted with the word of the key on which it depends.
     fn idle(&self, key: Key, choice: Key, word: &str) -> CaseError {
         let mut choices = key.choices();
         let words = choices
@@ -633,17 +633,17 @@ impl CaseFile {
         }
     }
 
-    /// Refuses that a key is missing where it must be given.
+    /// Refuses a missing key if it is required.
     fn check_absence(&self, key: Key, parts: &mut Parts) -> Result<(), CaseError> {
         match key.row().presence {
             Presence::Required if key == Key::Pillars && self.pillars.is_some() => Ok(()),
             Presence::Required if key == Key::LensProfile && self.profile.is_some() => Ok(()),
-            // A rounded top may be an asperity of the half-space itself.
+            // A rounded top may be an asperity on the half-space itself.
             Presence::Required if key == Key::PillarDiameter && self.is_rounded() => Ok(()),
-            // Listed pillars may each have their own.
+            // Listed pillars may have individual values.
             Presence::Required if key.is_of_listed_pillars() && parts.texture.is_listed() => Ok(()),
             Presence::Required => Err(self.missing(key)),
-            // The file may state it.
+            // The file may contain it.
             Presence::OneOf(_) if key.part() == Part::HeightMap => Ok(()),
             Presence::OneOf(other) if other.idle_with(parts).is_some() => Err(self.missing(key)),
             Presence::OneOf(other) if self.entry(other).is_none() => Err(self
@@ -670,7 +670,7 @@ impl CaseFile {
         }
     }
 
-    /// What was given for a key.
+    /// Entry of a key.
     pub(crate) fn entry(&self, key: Key) -> Option<&Entry> {
         self.entries.keys.get(&key)
     }
@@ -700,7 +700,7 @@ impl CaseFile {
         error.key(key.path()).accepted(accepted(key))
     }
 
-    /// The error for a value that the solver refuses. It points at the key that set the value.
+    /// Error for a value that the solver refuses. It points at the key that set the value.
     pub(crate) fn impossible(&self, invalid: &InvalidQuantity) -> CaseError {
         if let Requirement::FiniteUnder(shape) = invalid.requirement {
             return self
@@ -726,7 +726,7 @@ impl CaseFile {
                 .accepted(format!("that must be {}", invalid.requirement));
         }
         let key = Key::of(invalid.quantity);
-        // A pitch that was not given follows from the surface fraction.
+        // A pitch that is not given follows from the surface fraction.
         let by_fraction = key == Some(Key::Pitch) && self.entry(Key::Pitch).is_none();
         if by_fraction && self.entry(Key::SurfaceFraction).is_some() {
             return self
@@ -742,30 +742,30 @@ impl CaseFile {
     }
 }
 
-/// Keys of the file that an override of `key` takes the place of.
+/// Keys of the file that an override of `key` replaces.
 fn replaced_by(key: Key, value: &Value) -> Vec<Key> {
     let word = match value {
         Value::Text(word) => word,
         _ => "",
     };
-    // A method takes the place of the whole table of the file, even if it is the same method.
+    // A method replaces the whole table of the file, even if it is the same method.
     let stays = |words: &[&str]| key != Key::MethodName && words.contains(&word);
     let idle = key.dependents().filter(|(_, words)| !stays(words));
     let idle = idle.map(|(dependent, _)| dependent);
     idle.chain(key.alternative()).collect()
 }
 
-/// What a number in a file stands for.
+/// Meaning of a number in a file.
 #[derive(Debug, Clone)]
 pub(crate) struct Measured {
-    /// Where it is given: the path of a key, or of an entry of a study.
+    /// Path of a key, or of an entry of a study.
     pub(crate) path: String,
-    /// What errors call it.
+    /// Name in errors.
     pub(crate) label: String,
     pub(crate) dimension: Dimension,
-    /// Its usual sizes, in SI units, by which a number without a unit is judged.
+    /// Usual range, in SI units, by which the plausibility of a number without a unit is judged.
     pub(crate) usual: Option<[f64; 2]>,
-    /// Whether it can be below zero.
+    /// Whether it can be negative.
     pub(crate) is_signed: bool,
 }
 
@@ -780,7 +780,7 @@ impl Measured {
         }
     }
 
-    /// A number above zero of that path, of which only the dimension is known.
+    /// A positive number with that path, of which only the dimension is known.
     pub(crate) fn of(path: &str, dimension: Dimension) -> Self {
         Self {
             path: path.to_owned(),
@@ -792,7 +792,7 @@ impl Measured {
     }
 }
 
-/// The number in SI units that an entry stands for. A number without a unit must be plausible.
+/// Number of an entry in SI units. A number without a unit must be plausible.
 pub(crate) fn quantity(measured: &Measured, entry: &Entry) -> Result<f64, CaseError> {
     let dimension = measured.dimension;
     let error = |problem| CaseError::at(&entry.place, problem).key(&measured.path);

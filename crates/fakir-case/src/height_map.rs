@@ -7,13 +7,12 @@
 //! | any other | rows of numbers separated by blanks, commas or semicolons, or numbers with decimal commas separated by blanks or semicolons; `#` begins a comment; an ESRI ASCII grid header is understood, and what Gwyddion writes before a matrix (`# Width: 10 um`) |
 //! | any other | three columns x, y, z of all points of a grid, in any order |
 //!
-//! A size or a unit of heights that the file states must be that which is given, and counts where none is given. Of an ESRI ASCII grid
-//! and of a list of points the unit of lengths is not known: they must be apart by as much as is given in m, mm, um or nm.
+//! A size or a height unit that the file states must equal the given one, and is used if none is given. For an ESRI ASCII grid and a
+//! list of points the unit of lengths is unknown: the spacing must equal the given one in m, mm, um or nm.
 //!
-//! The first row of an array or text is that of smallest y; that of an ESRI ASCII grid, as its
-//! format has it, that of largest y. The size of an array is known from its header and checked
-//! before its elements are read, unpacked as they come; that of a text is checked while it is read. The lens axis is put on the centre of the map;
-//! [`HeightMap::with_axis_at`] moves it.
+//! The first row of an array or text has the smallest y; that of an ESRI ASCII grid, according to its format, the largest y. The size of an array
+//! is known from its header and checked before its elements are read and unpacked; the size of a text is checked while it is read. The lens axis
+//! is at the centre of the map; [`HeightMap::with_axis_at`] moves it.
 
 use crate::height_table::{HeightUnit, Source, Stated, Table};
 use crate::height_text;
@@ -32,7 +31,7 @@ pub use crate::height_table::HeightMapError;
 pub struct MapScale {
     /// Size in the plane.
     pub size: MapSize,
-    /// What a height of 1 in the file stands for, m; negative where the file has depths.
+    /// Height unit of the file, m; negative if the file contains depths.
     pub height_unit: f64,
 }
 
@@ -41,19 +40,19 @@ pub struct MapScale {
 pub enum MapSize {
     /// Distance between neighbouring points along x and y, m.
     Pixel([f64; 2]),
-    /// Extent of the whole map along x and y, m, half a pixel around the outermost points
-    /// included.
+    /// Extent of the whole map along x and y, m, including half a pixel around the outermost
+    /// points.
     Extent([f64; 2]),
     /// Extent of the whole map along x, m, in the same way; pixels are squares.
     Width(f64),
 }
 
-/// The physical size of a map as far as it is given. What is not given is taken from a file that states it.
+/// Given part of the physical size of a map. The rest is taken from the file, if it states it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GivenScale {
     /// Size in the plane.
     pub size: Option<MapSize>,
-    /// What a height of 1 in the file stands for, m; negative where the file has depths. 1 m if the file does not state it either.
+    /// Height unit of the file, m; negative if the file contains depths. 1 m if the file does not state it either.
     pub height_unit: Option<f64>,
 }
 
@@ -66,13 +65,13 @@ impl From<MapScale> for GivenScale {
     }
 }
 
-/// Reads a height map; of an `.npz` archive the array of the given name, or the only one.
-/// `memory_limit` is the most memory (bytes) that the map and the fields on it may take.
+/// Reads a height map; from an `.npz` archive, the array with the given name, or the only one.
+/// `memory_limit` is the largest memory (bytes) of the map and the fields on it.
 ///
 /// # Errors
-/// [`HeightMapError`]: a file that cannot be read, is of no known format, or holds no
-/// two-dimensional array of finite numbers, or more of them than there is memory for; a size that is
-/// not positive.
+/// [`HeightMapError`]: a file that cannot be read, has an unknown format, or does not contain a
+/// two-dimensional array of finite numbers, or exceeds the memory limit; a size that is not
+/// positive.
 pub fn read_height_map(
     path: &Path,
     array: Option<&str>,
@@ -82,7 +81,7 @@ pub fn read_height_map(
     read_scaled_map(path, array, &(*scale).into(), memory_limit)
 }
 
-/// Reads a height map as [`read_height_map`], with what is not given of its size from the file.
+/// Reads a height map as [`read_height_map`]; the missing part of its size is taken from the file.
 ///
 /// # Errors
 /// As [`read_height_map`]; [`HeightMapError::NoSize`] if the file does not state its size either.
@@ -112,7 +111,7 @@ pub fn read_scaled_map(
             let entry = archive.unpacked(packed);
             let mut entry = entry.map_err(|problem| source.damaged(&problem))?;
             let table = parse_npy(&source, &mut entry)?;
-            // At its end the archive looks whether the array is what was packed.
+            // At its end the checksum of the archive is verified.
             match entry.read(&mut [0]) {
                 Ok(0) => place(&file, table, scale),
                 Ok(_) => Err(source.damaged("it goes on after its last element")),
@@ -127,18 +126,18 @@ pub fn read_scaled_map(
     }
 }
 
-/// Values on the cells of a grid as a `.npy` file: an array of rows and columns, as
-/// [`read_height_map`] reads it.
+/// Writes values on the cells of a grid as a `.npy` file: an array of rows and columns that
+/// [`read_height_map`] can read.
 ///
 /// # Panics
-/// If there is not one value for every cell.
+/// If the number of values differs from the number of cells.
 #[must_use]
 pub fn to_npy(grid: &Grid, values: &[f64]) -> Vec<u8> {
     assert_eq!(values.len(), grid.cell_count());
     npy::write(grid.rows(), grid.columns(), values)
 }
 
-/// Gives a table its physical size.
+/// Sets the physical size of a table.
 fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, HeightMapError> {
     let Table {
         columns,
@@ -165,7 +164,7 @@ fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, Heig
         MapSize::Extent([width, height]) => [width / counts[0], height / counts[1]],
         MapSize::Width(width) => [width / counts[0]; 2],
     };
-    // An impossible cell size is the better explanation of what follows from it.
+    // An invalid cell size is reported first, because it explains the errors that follow from it.
     Grid::new(1, 1, cell, [0.0, 0.0])?;
     let cell = stated.checked(file, cell, counts)?;
     let origin = [0, 1].map(|axis| -0.5 * counts[axis] * cell[axis]);
@@ -177,13 +176,13 @@ fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, Heig
     })
 }
 
-/// What a contradiction of the unit of heights is called.
+/// Name of the height unit in errors of contradictions.
 pub(crate) const HEIGHT_UNIT: &str = "a unit of heights";
 
-/// Relative difference of sizes that are the same: files state them in few digits.
+/// Relative tolerance of equal sizes: files state them with few digits.
 const SAME_SIZE: f64 = 0.01;
 
-/// Units that lengths of a file can have where it does not state them, m.
+/// Possible units of lengths in a file that does not state them, m.
 const LENGTH_UNITS: [f64; 4] = [1.0, 1e-3, 1e-6, 1e-9];
 
 fn is_same_size(size: f64, other: f64) -> bool {
@@ -191,7 +190,7 @@ fn is_same_size(size: f64, other: f64) -> bool {
 }
 
 impl Stated {
-    /// The size in the plane, if the file states it.
+    /// Size in the plane, if the file states it.
     fn size(&self) -> Option<MapSize> {
         match self.extent {
             [Some(width), Some(height)] => Some(MapSize::Extent([width, height])),
@@ -200,7 +199,7 @@ impl Stated {
         }
     }
 
-    /// What a height of 1 stands for, m: the given length, which must be that of the file, or that of the file.
+    /// Height unit, m: the given one, which must agree with the file, or that of the file.
     fn height_unit(&self, file: &str, given: Option<f64>) -> Result<f64, HeightMapError> {
         match (given, &self.height_unit) {
             (None, None) => Ok(1.0),
@@ -221,8 +220,8 @@ impl Stated {
         }
     }
 
-    /// The sides of a cell (m), if they are as the file states them; of a list of points those of the file, in the unit that makes
-    /// them what is given.
+    /// Sides of a cell (m), checked against the file; for a list of points, those of the file in the unit that agrees with the
+    /// given size.
     fn checked(
         &self,
         file: &str,
@@ -245,7 +244,7 @@ impl Stated {
         let Some(spacing) = self.spacing.filter(|_| self.is_list || is_square) else {
             return Ok(cell);
         };
-        // The width of a list may be that between its outermost points.
+        // The width of a list may be the distance between its outermost points.
         let inner = cell[0] * counts[0] / (counts[0] - 1.0);
         let fits = |unit: &f64| {
             let distance = unit * spacing[0];
@@ -262,12 +261,12 @@ impl Stated {
     }
 }
 
-/// A number in four digits.
+/// Formats a number with four digits.
 fn significant(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
-/// A length in four digits.
+/// Formats a length with four digits.
 pub(crate) fn shown(length: f64) -> String {
     format_quantity(significant(length), Dimension::Length)
 }

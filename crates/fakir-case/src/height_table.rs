@@ -1,33 +1,33 @@
-//! Heights as they are in a file, and why they cannot be read.
+//! Heights as they are in a file, and errors of reading them.
 
 use fakir::problem::{InvalidGrid, InvalidHeightMap};
 use std::io;
 
-/// Memory that every point of a map takes, bytes: its height and pillar on cells of three sizes,
+/// Memory for every point of a map, bytes: its height and pillar on cells of three sizes,
 /// separation, start, and the fields of the solution.
 pub(crate) const BYTES_PER_POINT: f64 = 64.0;
 
-/// Longest line of a text, bytes: millions of numbers.
+/// Longest line of a text, bytes, enough for millions of numbers.
 pub(crate) const LONGEST_LINE: u64 = 64_000_000;
 
-/// Why a height map cannot be read.
+/// Reason why a height map cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeightMapError {
-    /// The file cannot be read at all.
+    /// The file cannot be opened or read.
     #[error("cannot read {file}: {source}")]
     Read {
         /// The file.
         file: String,
-        /// Why the system could not read it.
+        /// Reason given by the operating system.
         source: io::Error,
     },
-    /// It is no NumPy file, or a damaged one.
+    /// It is not a NumPy file, or it is damaged.
     #[error("{file} is not a readable NumPy file: {problem}")]
     NotNumpy {
         /// The file, and the array of an archive.
         file: String,
-        /// What is wrong with it.
+        /// Description of the error.
         problem: String,
     },
     /// An archive has no array of that name.
@@ -35,7 +35,7 @@ pub enum HeightMapError {
     NoSuchArray {
         /// The file.
         file: String,
-        /// The name asked for.
+        /// Requested name.
         wanted: String,
         /// The names there are.
         available: Vec<String>,
@@ -58,7 +58,7 @@ pub enum HeightMapError {
         /// Its shape.
         shape: Vec<u64>,
     },
-    /// An array has elements that are no numbers.
+    /// An array has elements that are not numbers.
     #[error(
         "{file} has elements of type {found}: heights are real numbers of 4 or 8 bytes, or integers"
     )]
@@ -68,19 +68,19 @@ pub enum HeightMapError {
         /// The type, as NumPy writes it.
         found: String,
     },
-    /// A word of a text is no number.
+    /// A word of a text is not a number.
     #[error("{file}, line {line}, column {column}: {text:?} is not a number")]
     NotANumber {
         /// The file.
         file: String,
         /// Line, counted from 1.
         line: usize,
-        /// Which number of the line, counted from 1.
+        /// Index of the number in the line, counted from 1.
         column: usize,
-        /// The word that is no number.
+        /// The word that is not a number.
         text: String,
     },
-    /// Commas that may separate numbers, or the digits of one.
+    /// Commas that may be separators or decimal commas.
     #[error(
         "{file}, line {line}: the commas may separate numbers, or stand for decimal points: write \".\" as the decimal point, or separate \
          the numbers by tabs or semicolons alone"
@@ -101,7 +101,7 @@ pub enum HeightMapError {
         /// What it is.
         format: &'static str,
     },
-    /// Points that are no grid.
+    /// Points that are not a grid.
     #[error(
         "{file} has {rows} rows of 3 numbers: a list of points x, y, z must have every point of an evenly spaced grid, each once; \
          a map of 3 columns is read from a .npy file"
@@ -112,7 +112,7 @@ pub enum HeightMapError {
         /// Its rows.
         rows: usize,
     },
-    /// What the file states is not what is given.
+    /// The file contradicts a given value.
     #[error("{file} states {what} of {stated}, and {given} is given")]
     Contradiction {
         /// The file.
@@ -124,7 +124,7 @@ pub enum HeightMapError {
         /// As it is given.
         given: String,
     },
-    /// A size that is neither given nor stated by the file.
+    /// The size is neither given nor stated by the file.
     #[error("{file} does not state its size: give that of a cell, or the width")]
     NoSize {
         /// The file.
@@ -140,7 +140,7 @@ pub enum HeightMapError {
         /// Their unit.
         unit: String,
     },
-    /// The rows of a text differ in length.
+    /// Rows of a text differ in length.
     #[error(
         "{file}, line {line}: {found} number{}, but {expected} in the rows before",
         if *.found == 1 { "" } else { "s" }
@@ -155,7 +155,7 @@ pub enum HeightMapError {
         /// Numbers in the others.
         expected: usize,
     },
-    /// An ESRI ASCII grid has another size than its header says.
+    /// The size of an ESRI ASCII grid differs from its header.
     #[error(
         "{file}: {found_columns} columns and {found_rows} rows, but its header says {columns} and {rows}"
     )]
@@ -178,10 +178,10 @@ pub enum HeightMapError {
         file: String,
         /// Line, counted from 1.
         line: usize,
-        /// Which number of the line, counted from 1.
+        /// Index of the number in the line, counted from 1.
         column: usize,
     },
-    /// More points than there is memory for.
+    /// The points exceed the memory limit.
     #[error(
         "{file} has {points}, which take {:.1} MB of memory or more; the limit is {:.1} MB",
         1e-6 * .bytes, 1e-6 * *.limit as f64
@@ -191,12 +191,12 @@ pub enum HeightMapError {
         file: String,
         /// The number of points in words: `4 by 3 points`, or `8 points or more`.
         points: String,
-        /// Memory that they and the fields on them take, bytes.
+        /// Memory for them and the fields on them, bytes.
         bytes: f64,
         /// Memory allowed, bytes.
         limit: usize,
     },
-    /// A line of a text that is no row of numbers, as it does not end.
+    /// A line of a text is too long to be a row of numbers.
     #[error("{file}, line {line}: longer than {} MB, which no row of heights is", LONGEST_LINE / 1_000_000)]
     LongLine {
         /// The file.
@@ -210,10 +210,10 @@ pub enum HeightMapError {
         /// The file.
         file: String,
     },
-    /// The size or the height unit given cannot be.
+    /// The given size or height unit is invalid.
     #[error("the height unit cannot be {0} m: it must be a finite number other than 0")]
     HeightUnit(f64),
-    /// The size given cannot be.
+    /// The given size is invalid.
     #[error(transparent)]
     Grid(#[from] InvalidGrid),
     /// A height is not finite.
@@ -221,12 +221,12 @@ pub enum HeightMapError {
     Heights {
         /// The file, and the array of an archive.
         file: String,
-        /// Which height.
+        /// Index of the height.
         problem: InvalidHeightMap,
     },
 }
 
-/// Names for a person.
+/// Names for messages.
 fn list(names: &[String]) -> String {
     match names {
         [] => "no arrays".to_owned(),
@@ -246,11 +246,11 @@ pub(crate) struct Table {
     pub(crate) stated: Stated,
 }
 
-/// What is being read.
+/// The file that is being read.
 pub(crate) struct Source<'a> {
     /// What errors call it.
     pub(crate) file: &'a str,
-    /// The most memory that the map may take, bytes.
+    /// Memory limit of the map, bytes.
     pub(crate) memory_limit: usize,
 }
 
@@ -269,7 +269,7 @@ impl Source<'_> {
         }
     }
 
-    /// Whether so many points fit the memory allowed; `words` says how many they are.
+    /// Checks the number of points against the memory limit; `words` describes their number.
     pub(crate) fn check_memory(
         &self,
         count: u64,
@@ -288,12 +288,12 @@ impl Source<'_> {
     }
 }
 
-/// What a file states of the size of its map and of its heights.
+/// Size of the map and of the heights as stated by a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Stated {
     /// Extent along x and y, m.
     pub(crate) extent: [Option<f64>; 2],
-    /// What a height of 1 stands for.
+    /// Height unit.
     pub(crate) height_unit: Option<HeightUnit>,
     /// Distance of neighbouring points along x and y, in a unit that is not stated.
     pub(crate) spacing: Option<[f64; 2]>,
@@ -301,7 +301,7 @@ pub(crate) struct Stated {
     pub(crate) is_list: bool,
 }
 
-/// What a height of 1 stands for.
+/// Height unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum HeightUnit {
     /// A length, m.

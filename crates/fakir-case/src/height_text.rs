@@ -4,7 +4,7 @@ use crate::height_table::{HeightMapError, HeightUnit, LONGEST_LINE, Source, Stat
 use crate::unit::{Dimension, parse_quantity};
 use std::io::{BufRead, Read};
 
-/// Beginnings of files that are no text of numbers.
+/// Signatures of files that are not text.
 const OTHER_FORMATS: [(&[u8], &str); 19] = [
     (b"GWYP", "a Gwyddion file"),
     (b"GWYO", "a Gwyddion file"),
@@ -27,19 +27,20 @@ const OTHER_FORMATS: [(&[u8], &str); 19] = [
     (b"\xfe\xff", "text in UTF-16"),
 ];
 
-/// The mark at the beginning of some texts in UTF-8.
+/// Byte order mark of UTF-8.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// Fewest points of a list that are taken for a grid: two by three.
+/// Smallest number of points of a list that is interpreted as a grid: two by three.
 const FEWEST_POINTS: usize = 6;
 
-/// Rows of three numbers from which on they are no map of three columns.
+/// Number of rows of three numbers beyond which they are not a map with three columns.
 const FEWEST_ROWS_OF_A_LIST: usize = 100;
 
-/// Coordinates of a list are the same if they differ by this part of their range.
+/// Coordinates of a list are equal if they differ by at most this fraction of their range.
 const SAME: f64 = 1e-6;
 
-/// Distance of a coordinate from its place in an evenly spaced grid, over the spacing: few digits round it.
+/// Largest deviation of a coordinate from an equally spaced grid, over the spacing: coordinates may be
+/// rounded to few digits.
 const UNEVEN: f64 = 0.25;
 
 /// Reads a text.
@@ -83,14 +84,14 @@ pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table
     reader.table()
 }
 
-/// What commas are in a text.
+/// Meaning of commas in a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Commas {
-    /// There were none so far, or none that says so.
+    /// Unknown so far.
     Unknown,
-    /// Between the whole part and the fraction of a number.
+    /// Decimal comma.
     Decimal,
-    /// Between numbers.
+    /// Separator of numbers.
     Separators,
 }
 
@@ -136,8 +137,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The numbers of a line. Commas separate them, unless blanks or semicolons do and a comma is inside of a number; a text has commas of
-    /// one kind only.
+    /// Numbers of a line. They are separated by commas, unless blanks or semicolons separate them and a comma is inside a number; all
+    /// commas of a text have the same meaning.
     fn words<'t>(&mut self, line: usize, content: &'t str) -> Result<Vec<&'t str>, HeightMapError> {
         let between = |c: char| c.is_whitespace() || c == ';';
         let parts: Vec<&str> = content.split(between).filter(|w| !w.is_empty()).collect();
@@ -188,7 +189,7 @@ impl Reader<'_> {
     /// A height of the text.
     fn height(&self, line: usize, column: usize, word: &str) -> Result<f64, HeightMapError> {
         let file = || self.source.file.to_owned();
-        // Only a decimal comma is left in a word.
+        // A word can only contain a decimal comma here.
         let number = word.replace(',', ".").parse();
         let value: f64 = number.map_err(|_| HeightMapError::NotANumber {
             file: file(),
@@ -253,7 +254,7 @@ impl Reader<'_> {
     }
 }
 
-/// Whether a word is a number, with a comma in place of its decimal point or without a fraction.
+/// Whether a word is a number with a decimal comma or without a fraction.
 fn is_decimal(word: &str) -> bool {
     let (whole, fraction) = word.split_once(',').unwrap_or((word, "0"));
     let ends_in_digit = whole.ends_with(|c: char| c.is_ascii_digit());
@@ -267,7 +268,7 @@ impl Stated {
         let Some((name, value)) = comment.split_once(':') else {
             return;
         };
-        // A micro sign of another encoding is no UTF-8.
+        // A micro sign of another encoding is not valid UTF-8.
         let value = value.trim().replace('\u{fffd}', "u").replace(',', ".");
         match name.trim() {
             "Width" => self.extent[0] = parse_quantity(&value, Dimension::Length).ok(),
@@ -282,7 +283,7 @@ impl Stated {
     }
 }
 
-/// The header of an ESRI ASCII grid, as far as it matters here.
+/// Relevant part of the header of an ESRI ASCII grid.
 #[derive(Default)]
 struct EsriHeader {
     columns: Option<usize>,
@@ -293,7 +294,7 @@ struct EsriHeader {
 }
 
 impl EsriHeader {
-    /// Reads a line of the header. False if the line is none.
+    /// Reads a line of the header. Returns false if the line is not part of a header.
     fn take(&mut self, words: &[&str]) -> bool {
         let [key, value] = words else {
             return false;
@@ -303,7 +304,7 @@ impl EsriHeader {
             "nrows" => self.rows = value.parse().ok(),
             "cellsize" => self.cell = value.replace(',', ".").parse().ok(),
             "nodata_value" => self.no_data = value.replace(',', ".").parse().ok(),
-            // The caller says where the map is.
+            // The caller sets the position of the map.
             "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" | "dx" | "dy" => {}
             _ => return false,
         }
@@ -312,7 +313,7 @@ impl EsriHeader {
     }
 }
 
-/// The map of a list of points x, y, z, if they are all points of a grid, in any order.
+/// Map from a list of points x, y, z, if they are all points of a grid, in any order.
 fn grid_of_points(values: &[f64]) -> Option<Table> {
     let count = values.len() / 3;
     if count < FEWEST_POINTS {
@@ -343,7 +344,7 @@ fn grid_of_points(values: &[f64]) -> Option<Table> {
     })
 }
 
-/// Evenly spaced coordinates, two or more.
+/// Equally spaced coordinates, at least two.
 struct Levels {
     first: f64,
     step: f64,
@@ -351,7 +352,7 @@ struct Levels {
 }
 
 impl Levels {
-    /// Those that some coordinates have; none if they are not evenly spaced.
+    /// Finds them for the given coordinates; `None` if these are not equally spaced.
     fn of<'v>(coordinates: impl Iterator<Item = &'v f64>) -> Option<Self> {
         let mut levels: Vec<f64> = coordinates.copied().collect();
         levels.sort_by(f64::total_cmp);
@@ -370,7 +371,7 @@ impl Levels {
     }
 
     fn place(&self, coordinate: f64) -> usize {
-        // Levels are evenly spaced, so that this is one of them.
+        // Levels are equally spaced; therefore this is one of them.
         (((coordinate - self.first) / self.step).round() as usize).min(self.count - 1)
     }
 }

@@ -1,4 +1,4 @@
-//! Keys that are given but change no answer of their case, and why.
+//! Keys that are given but have no effect in their case, with the reasons.
 
 use crate::error::CaseError;
 use crate::file::CaseFile;
@@ -6,15 +6,15 @@ use crate::key::Key;
 use crate::parts::{ArrangementName, OutlineForm, Parts};
 use crate::table::Part;
 
-/// A key that changes no answer of a case.
+/// A key without effect in a case.
 pub(crate) struct Idle {
     pub(crate) key: Key,
-    /// Whether it changes nothing in a case with these values.
+    /// Whether it has no effect in a case with these values.
     holds: fn(&Parts) -> bool,
     pub(crate) reason: &'static str,
 }
 
-/// Every key that may change nothing where it is accepted. What else changes nothing is refused.
+/// All keys that may be accepted without having an effect. Other keys without effect are refused.
 pub(crate) static IDLE: [Idle; 8] = [
     Idle {
         key: Key::LensTiltDirection,
@@ -66,7 +66,7 @@ pub(crate) static IDLE: [Idle; 8] = [
 ];
 
 impl CaseFile {
-    /// Keys that are given with another value than their default, and change no answer of the case, each with the reason.
+    /// Keys that are given with a value other than the default and have no effect in the case, each with the reason.
     ///
     /// # Errors
     /// [`CaseError`] for a value that cannot be read.
@@ -76,7 +76,7 @@ impl CaseFile {
         Ok(idle.collect())
     }
 
-    /// The keys of [`IDLE`] that are given with another value than their default, and whether they change no answer of the case.
+    /// Keys of [`IDLE`] that are given with a value other than the default, and whether they have no effect in the case.
     pub(crate) fn may_be_idle(&self) -> Result<Vec<(&'static Idle, bool)>, CaseError> {
         let given = || IDLE.iter().filter(|idle| self.entry(idle.key).is_some());
         if given().next().is_none() {
@@ -106,7 +106,7 @@ impl CaseFile {
             .collect()
     }
 
-    /// What to be careful about in the case as it is written: deprecated names, and keys without effect unless it is refused.
+    /// Warnings about the case file: deprecated names, and keys without effect unless the case is refused.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let idle = self.without_effect().unwrap_or_default().into_iter();
@@ -115,7 +115,7 @@ impl CaseFile {
     }
 }
 
-/// That a key changes no answer, and why.
+/// Message that a key has no effect, with the reason.
 pub(crate) fn without_effect_words(key: Key, reason: &str) -> String {
     format!("{key} has no effect: {reason}")
 }

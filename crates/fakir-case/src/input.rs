@@ -1,7 +1,6 @@
-//! Files of bounded size: no more is read, and no more memory taken, than a file of its kind can have.
+//! Reads files of limited size: neither reading nor memory exceeds the limit for the kind of file.
 //!
-//! What is read may be anything that has a name: a device that never ends, or a file that was named
-//! by mistake.
+//! The path may be anything: an endless device, or a wrong file.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};

@@ -1,4 +1,4 @@
-//! What can be asked about a key: the answers are in the [table](crate::table).
+//! Properties of a key, from the [table](crate::table).
 
 use crate::parts::{Parts, TRUE_OR_FALSE};
 use crate::table::{Field, Part, Presence, Range, Row, TABLE};
@@ -11,14 +11,14 @@ use std::ops::Bound;
 
 pub use crate::table::Key;
 
-/// What kind of value a key takes.
+/// Kind of value of a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A number of some dimension.
     Number(Dimension),
     /// One of some words.
     Word,
-    /// The name of a file, or of something in it.
+    /// Name of a file, or of something in a file.
     Text,
 }
 
@@ -40,12 +40,12 @@ impl Key {
         &TABLE[self as usize]
     }
 
-    /// All that is known about it.
+    /// Its row of the table.
     pub(crate) fn row(self) -> &'static Row {
         &self.entry().2
     }
 
-    /// What it is part of.
+    /// Part of a case to which it belongs.
     pub(crate) fn part(self) -> Part {
         self.entry().0
     }
@@ -56,7 +56,7 @@ impl Key {
         self.entry().1
     }
 
-    /// The key named by `path`, which may be a [former](Self::former) one.
+    /// Returns the key named by `path`, which may be a [former](Self::former) one.
     #[must_use]
     pub fn at(path: &str) -> Option<Self> {
         let mut keys = Self::ALL.into_iter();
@@ -69,8 +69,8 @@ impl Key {
         self.row().former
     }
 
-    /// The keys that `name` can stand for: the one of that path, or those of that last name among the keys of a case with a general
-    /// surface, or of one with a texture.
+    /// Keys that `name` can denote: the key with that path, or the keys with that last name in cases with a general surface or with
+    /// a texture.
     #[must_use]
     pub fn named(name: &str, surface: bool) -> Vec<Self> {
         match Self::at(name) {
@@ -105,7 +105,7 @@ impl Key {
         !matches!(self.part(), Part::Bodies | Part::Texture)
     }
 
-    /// Whether it makes a body a layer in place of a half-space.
+    /// Whether it turns a half-space into a layer.
     #[must_use]
     pub fn is_of_layers(self) -> bool {
         matches!(
@@ -126,7 +126,7 @@ impl Key {
         self.part() == Part::Bodies
     }
 
-    /// Whether it turns a lattice, or makes its pillars unlike.
+    /// Whether it rotates a lattice, or makes its pillars different.
     pub(crate) fn is_of_scatter(self) -> bool {
         matches!(
             self,
@@ -137,12 +137,12 @@ impl Key {
         )
     }
 
-    /// Whether a table of pillars may have it of every pillar, so that it need not be given.
+    /// Whether a table of pillars may contain it for every pillar, so that it is not required.
     pub(crate) fn is_of_listed_pillars(self) -> bool {
         matches!(self, Self::PillarHeight | Self::PillarDiameter)
     }
 
-    /// What kind of value it takes.
+    /// Kind of its value.
     #[must_use]
     pub fn kind(self) -> Kind {
         match self.row().field {
@@ -152,27 +152,27 @@ impl Key {
         }
     }
 
-    /// What it means, in a few words.
+    /// Meaning, in a few words.
     #[must_use]
     pub fn summary(self) -> &'static str {
         self.row().summary
     }
 
-    /// What a control of it is called: `"surface fraction"`.
+    /// Label of a control: `"surface fraction"`.
     #[must_use]
     pub fn label(self) -> String {
         let label = self.row().label.unwrap_or_else(|| self.name());
         label.replace('_', " ")
     }
 
-    /// Its symbol in the paper, if it has one there; what follows `_` is lowered.
+    /// Symbol in the paper, if any; the part after `_` is a subscript.
     #[must_use]
     pub fn symbol(self) -> Option<&'static str> {
         self.row().symbol
     }
 
-    /// The first and the last of its usual numbers, in SI units: all that are allowed, or those among them with
-    /// which textures are made. `None` if it takes no numbers, or there is nothing usual about them.
+    /// Usual range of its numbers, in SI units: the valid range, or the part of it in which patterns are made.
+    /// `None` if it does not accept numbers, or has no usual range.
     #[must_use]
     pub fn usual(self) -> Option<[f64; 2]> {
         let allowed = match self.bounds() {
@@ -182,13 +182,14 @@ impl Key {
         self.row().usual.or(allowed)
     }
 
-    /// The usual numbers, in SI units, by which a number without a unit is judged: its own, or those of its dimension.
+    /// Usual range, in SI units, by which the plausibility of a number without a unit is judged: its own range, or
+    /// that of its dimension.
     #[must_use]
     pub fn judged_by(self) -> Option<[f64; 2]> {
         self.usual().or(self.dimension().usual())
     }
 
-    /// Whether its numbers are above zero and need not be whole, as those of sizes and moduli are.
+    /// Whether its numbers are positive and not restricted to integers, like sizes and moduli.
     #[must_use]
     pub fn is_positive(self) -> bool {
         matches!(self.bounds(), (Bound::Excluded(least), _) if least >= 0.0)
@@ -200,13 +201,13 @@ impl Key {
         format!("{self}{}", self.dimension().suffix())
     }
 
-    /// Whether its numbers are whole.
+    /// Whether its numbers are integers.
     #[must_use]
     pub fn is_whole(self) -> bool {
         matches!(self.range(), Some(Range::Whole(..)))
     }
 
-    /// The words that it can have; none if it takes something else.
+    /// Accepted words; empty if it accepts something else.
     #[must_use]
     pub fn words(self) -> Vec<&'static str> {
         match self.row().field {
@@ -215,14 +216,13 @@ impl Key {
         }
     }
 
-    /// Whether it is `true` or `false`, which stand without quotes in a file.
+    /// Whether it is `true` or `false`, which have no quotes in a file.
     #[must_use]
     pub fn is_flag(self) -> bool {
         self.words() == TRUE_OR_FALSE
     }
 
-    /// The least and the greatest number that it can have, in SI units, as far as that does not
-    /// depend on other keys.
+    /// Smallest and largest valid number, in SI units, as far as they do not depend on other keys.
     #[must_use]
     pub fn bounds(self) -> (Bound<f64>, Bound<f64>) {
         match self.row().field {
@@ -231,7 +231,7 @@ impl Key {
         }
     }
 
-    /// The value that it has where it is left out; `None` if it must be given, or then has none.
+    /// Default value; `None` if it is required, or has none if left out.
     #[must_use]
     pub fn default(self) -> Option<Setting> {
         match self.row().presence {
@@ -240,13 +240,13 @@ impl Key {
         }
     }
 
-    /// The key that it depends on, and the words of that key with which it can be given.
+    /// The key on which it depends, and the words of that key with which it is accepted.
     #[must_use]
     pub fn goes_with(self) -> Option<(Self, &'static [&'static str])> {
         self.row().goes_with
     }
 
-    /// The key that cannot be given together with it, and that an override takes the place of.
+    /// The key that it excludes, and that an override replaces.
     #[must_use]
     pub fn alternative(self) -> Option<Self> {
         match self.row().presence {
@@ -255,20 +255,20 @@ impl Key {
         }
     }
 
-    /// The key that sets a quantity of a [`System`](fakir::problem::System); loads have none.
+    /// Returns the key of a quantity of a [`System`](fakir::problem::System); loads have none.
     #[must_use]
     pub fn of(quantity: Quantity) -> Option<Self> {
         let mut keys = Self::ALL.into_iter();
         keys.find(|key| key.row().quantity == Some(quantity))
     }
 
-    /// The key that sets a quantity of a [`Pattern`](fakir::problem::pattern::Pattern).
+    /// Returns the key of a quantity of a [`Pattern`](fakir::problem::pattern::Pattern).
     pub(crate) fn of_pattern(quantity: PatternQuantity) -> Option<Self> {
         let mut keys = Self::ALL.into_iter();
         keys.find(|key| key.row().pattern_quantity == Some(quantity))
     }
 
-    /// Its numbers, and which of them are allowed; `None` if it takes something else.
+    /// Dimension and valid range of its numbers; `None` if it accepts something else.
     pub(crate) fn range(self) -> Option<Range> {
         match self.row().field {
             Field::Number { range, .. } => Some(range),
@@ -276,7 +276,7 @@ impl Key {
         }
     }
 
-    /// What its numbers measure; that of plain numbers if it takes something else.
+    /// Dimension of its numbers; that of plain numbers if it accepts something else.
     #[must_use]
     pub fn dimension(self) -> Dimension {
         match self.kind() {
@@ -312,7 +312,7 @@ impl Key {
         }
     }
 
-    /// The word of the key that it depends on, if that is none with which it can be given.
+    /// The word of the key on which it depends, if it is not accepted with that word.
     pub(crate) fn idle_with(self, parts: &mut Parts) -> Option<(Self, String)> {
         self.choices()
             .find_map(|(choice, words)| match choice.get(parts) {
@@ -321,7 +321,7 @@ impl Key {
             })
     }
 
-    /// The keys that it depends on, with the words of each with which it can be given.
+    /// The keys on which it depends, with the words of each with which it is accepted.
     pub(crate) fn choices(self) -> impl Iterator<Item = (Self, &'static [&'static str])> {
         let row = self.row();
         row.goes_with.into_iter().chain(row.goes_also_with)
@@ -359,7 +359,7 @@ fn tables_named(name: &str) -> Vec<&'static str> {
     tables
 }
 
-/// Names that can stand in the table `path`, tables included; the top level is `""`.
+/// Names accepted in the table `path`, including tables; the top level is `""`.
 pub(crate) fn names_in(path: &str) -> Vec<&'static str> {
     let mut names: Vec<&'static str> = Key::ALL
         .into_iter()
@@ -375,8 +375,8 @@ pub(crate) fn names_in(path: &str) -> Vec<&'static str> {
     names
 }
 
-/// The path of a key or table that `path` may have been meant to be: one spelt nearly so in the
-/// same table, or one of the same name in another.
+/// Suggestion for a misspelt path: a key or table with a similar name in the same table, or with
+/// the same name in another.
 pub(crate) fn similar(path: &str) -> Option<String> {
     let (table, name) = path.rsplit_once('.').unwrap_or(("", path));
     if let Some(known) = nearest(name, &names_in(table)) {
@@ -397,8 +397,8 @@ pub(crate) fn similar(path: &str) -> Option<String> {
     }
 }
 
-/// The one of some names that `name` is a misspelling of: at most one letter, and one more for
-/// every four, is inserted, removed or replaced.
+/// The name of which `name` is a misspelling: at most one letter, plus one for every four letters,
+/// is inserted, removed or replaced.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known
         .iter()

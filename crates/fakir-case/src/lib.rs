@@ -35,14 +35,14 @@
 //! # Ok::<(), fakir_case::CaseError>(())
 //! ```
 //!
-//! * A quantity is a string with a [unit](mod@unit), or a bare number in SI units, which must be plausible in them.
+//! * A quantity is a string with a [unit](mod@unit), or a bare number in SI units, which must be plausible.
 //! * Exactly one of `texture.surface_fraction` and `texture.pitch` is given.
-//! * [`reference`](reference()) lists all keys: what each can be, whether it may be left out, and
-//!   what holds then. `fakir init --keys` prints it.
-//! * Nothing more can be there: an unknown key is an error.
+//! * [`reference`](reference()) lists all keys with their accepted values and defaults. `fakir init
+//!   --keys` prints it.
+//! * An unknown key is an error.
 //!
-//! In place of `[texture]` and `[method]` a case may have a general `[surface]`, solved by elements:
-//! a height map from a file,
+//! Instead of `[texture]` and `[method]` a case may have a general `[surface]`, solved with boundary
+//! elements: a height map from a file,
 //!
 //! ```toml
 //! [surface]
@@ -52,7 +52,7 @@
 //! floor = "0.2 um"              # the floor is what is at or below this height
 //! ```
 //!
-//! or pillars of any form and arrangement ([`fakir::problem::pattern`]):
+//! or pillars of any shape and arrangement ([`fakir::problem::pattern`]):
 //!
 //! ```toml
 //! [surface]
@@ -68,18 +68,18 @@
 //! width = "150 um"              # extent of the grid, with the lens axis at its centre
 //! ```
 //!
-//! [`CaseFile::surface_case`] gives the [`SurfaceCase`]. Height maps are read by [`height_map`],
-//! which says what files it knows.
+//! [`CaseFile::surface_case`] returns the [`SurfaceCase`]. [`height_map`] reads height maps and
+//! documents their formats.
 //!
-//! A [`Key`] says its kind, its words or bounds, its default and what it goes with. All of this
-//! stands in one table, from which files are read and written and errors are worded.
+//! A [`Key`] has a kind, words or bounds, a default, and other keys that it requires. One table
+//! contains all of this; files are read and written and errors are worded from it.
 //!
 //! [`input`] reads files of bounded size.
 //!
 //! A [`study`] is a case with axes along which it is varied; [`StudyFile`] reads it.
 //!
-//! [`CaseFile`] reads a file and takes overrides, [`CaseFile::case`] gives the [`Case`]; every
-//! [`CaseError`] points at the line, or at the override, that is to blame.
+//! [`CaseFile`] reads a file and accepts overrides, and [`CaseFile::case`] returns the [`Case`].
+//! Every [`CaseError`] points at the line or the override that causes it.
 
 mod any_case;
 mod case;

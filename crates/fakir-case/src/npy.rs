@@ -13,7 +13,7 @@ use std::io::{self, Read};
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
-/// Longest header, bytes: a dictionary of a type and a shape takes about 100.
+/// Longest header, bytes: a dictionary of a type and a shape has about 100.
 const LONGEST_HEADER: u32 = 65_536;
 
 /// The header with its prefix is padded to a multiple of this, bytes.
@@ -49,7 +49,7 @@ enum ElementKind {
     Unsigned,
 }
 
-/// Why an array cannot be read.
+/// Reason why an array cannot be read.
 #[derive(Debug)]
 pub(crate) enum NpyError {
     /// The file cannot be read, or ends early.
@@ -106,14 +106,15 @@ impl Header {
         }
         let mut text = vec![0; length as usize];
         data.read_exact(&mut text)?;
-        // Version 1 and 2 are in Latin-1, version 3 in UTF-8: what is not ASCII can only be the name of a field.
+        // Versions 1 and 2 are in Latin-1, version 3 in UTF-8: only the name of a field can contain characters
+        // that are not ASCII.
         let text = String::from_utf8_lossy(&text);
         Self::parse(&text).map_err(|problem| {
             NpyError::Format(format!("its header {:?} {problem}", text.trim_end()))
         })
     }
 
-    /// The header of a dictionary, and otherwise what is wrong with it.
+    /// Parses the header from a dictionary, or returns a description of the error.
     fn parse(text: &str) -> Result<Self, String> {
         let inner = text.trim().strip_prefix('{');
         let inner = inner.and_then(|inner| inner.strip_suffix('}'));
@@ -202,7 +203,7 @@ impl ElementType {
     }
 
     fn value(self, bytes: &[u8]) -> f64 {
-        // The bytes from the least significant one on, in the low end of a word.
+        // The bytes in order of significance, in the low end of a word.
         let mut word = [0; 8];
         word[..self.size].copy_from_slice(bytes);
         if self.is_big_endian {
@@ -242,7 +243,7 @@ pub(crate) fn write(rows: usize, columns: usize, values: &[f64]) -> Vec<u8> {
     bytes
 }
 
-/// What commas separate outside quotes and brackets; nothing after a last comma.
+/// Items separated by commas outside quotes and brackets; nothing follows a trailing comma.
 fn items(text: &str) -> Result<Vec<&str>, String> {
     let (mut items, mut start) = (Vec::new(), 0);
     let (mut depth, mut quote) = (0usize, None);
@@ -302,7 +303,7 @@ fn tuple(value: &str) -> Result<Vec<u64>, String> {
     let lengths = items(inner.ok_or_else(problem)?)?;
     let length = |text: &str| {
         let digits = text.strip_suffix('L').unwrap_or(text);
-        // A sign is no digit.
+        // A sign is not a digit.
         let is_number = digits.bytes().all(|digit| digit.is_ascii_digit());
         is_number.then(|| digits.parse().ok()).flatten()
     };
@@ -486,7 +487,7 @@ mod tests {
         assert!(error.to_string().contains("does not begin with"), "{error}");
     }
 
-    /// What a header announces is not allocated before there are elements.
+    /// The size in a header is not allocated before there are elements.
     #[test]
     fn huge_shapes_and_headers_allocate_nothing() {
         let element = element("<f8").unwrap();

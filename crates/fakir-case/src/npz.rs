@@ -15,7 +15,7 @@ pub(crate) struct Archive {
 
 /// An array of an archive.
 pub(crate) struct PackedArray {
-    /// Its name, without `.npy`.
+    /// Name, without `.npy`.
     pub(crate) name: String,
     place: ZipArchiveEntryWayfinder,
     method: CompressionMethod,
@@ -44,11 +44,11 @@ impl Archive {
         Ok(Self { archive, arrays })
     }
 
-    /// The `.npy` file of an array, unpacked as it is read. At its end the length and the checksum are compared with
+    /// The `.npy` file of an array, unpacked while it is read. At its end, length and checksum are compared with
     /// those in the archive.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// A description of the error.
     pub(crate) fn unpacked(&self, array: &PackedArray) -> Result<Box<dyn Read + '_>, String> {
         if array.is_encrypted {
             return Err("it is encrypted: only arrays without a password are read".to_owned());

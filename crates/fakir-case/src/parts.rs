@@ -1,6 +1,6 @@
-//! The values of all keys as plain fields, before they are put together to a case and checked.
+//! Values of all keys as plain fields, before they are combined into a case and checked.
 //!
-//! The table of keys says which field belongs to which key.
+//! The key table assigns a field to each key.
 
 use fakir::problem::{
     Accuracy, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice,
@@ -8,11 +8,10 @@ use fakir::problem::{
     PlaneLattice, Point, PunchForm, Scatter, ShapedLens, System,
 };
 
-/// The values of all keys. Required values are not numbers until they are set, all others have
-/// their default.
+/// Values of all keys. Required values are NaN until they are set; all others have their defaults.
 #[derive(Debug, Clone)]
 pub(crate) struct Parts {
-    /// Its radius is that of other shapes too.
+    /// The radius applies to other shapes too.
     pub(crate) lens: Lens,
     pub(crate) shape: ShapeParts,
     pub(crate) substrate: Material,
@@ -24,7 +23,7 @@ pub(crate) struct Parts {
     pub(crate) outline: OutlineParts,
 }
 
-/// What the shape of a lens takes besides a radius.
+/// Parameters of a lens shape other than the radius.
 #[derive(Debug, Clone)]
 pub(crate) struct ShapeParts {
     pub(crate) form: ShapeForm,
@@ -39,11 +38,12 @@ pub(crate) struct ShapeParts {
 pub(crate) struct LayerParts {
     pub(crate) thickness: f64,
     pub(crate) base: BaseForm,
-    /// Of an elastic base.
+    /// For an elastic base.
     pub(crate) material: Material,
 }
 
-/// Where pillars stand, and how they differ: of a texture and of a pattern.
+/// Positions of pillars and their differences, for a texture and for a pattern on a general
+/// surface.
 #[derive(Debug, Clone)]
 pub(crate) struct ArrangementParts {
     pub(crate) surface_fraction: f64,
@@ -54,7 +54,7 @@ pub(crate) struct ArrangementParts {
     pub(crate) rotation: f64,
     pub(crate) columns: f64,
     pub(crate) minimum_distance: f64,
-    /// But for the seed, which is a number in a case file.
+    /// Without the seed, which is a number in a case file.
     pub(crate) disorder: Disorder,
     pub(crate) seed: f64,
 }
@@ -79,7 +79,7 @@ pub(crate) struct AdhesionParts {
     pub(crate) floor: FloorSticks,
 }
 
-/// Whether the floor sticks too.
+/// Whether the floor is adhesive too.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct FloorSticks(pub(crate) bool);
 
@@ -135,7 +135,7 @@ pub(crate) struct OutlineParts {
     pub(crate) compliance: OfPattern,
 }
 
-/// The value of a key that must be given, until it is.
+/// Placeholder for a required key that has not been set.
 const NOT_GIVEN: f64 = f64::NAN;
 
 impl Default for Parts {
@@ -222,7 +222,7 @@ impl Default for Parts {
 }
 
 impl Parts {
-    /// The values of a system with a texture, and of the method that solves it. Names of files are left out.
+    /// Values of a system with a texture, and of its method. File names are left out.
     pub(crate) fn of(system: &System, method: Method) -> Self {
         let mut parts = Self {
             substrate: *system.substrate(),
@@ -286,7 +286,7 @@ impl ShapeParts {
         };
     }
 
-    /// The shape that they describe, of a radius; none of a table.
+    /// Lens shape with the given radius; `None` for a table of heights.
     pub(crate) fn shape(&self, radius: f64) -> Option<LensShape> {
         Some(match self.form {
             ShapeForm::Sphere => LensShape::Sphere { radius },
@@ -320,7 +320,7 @@ impl LayerParts {
         };
     }
 
-    /// The layer that they describe; none of a half-space.
+    /// Layer; `None` for a half-space.
     pub(crate) fn layer(&self) -> Option<Layer> {
         if self.thickness.is_nan() {
             return None;
@@ -345,19 +345,19 @@ impl TextureParts {
         });
     }
 
-    /// Whether its pillars are those of a list.
+    /// Whether its pillars are listed.
     pub(crate) fn is_listed(&self) -> bool {
         self.name.0 == ArrangementName::Listed
     }
 
-    /// The lattice that they describe, of the given pitch; none of listed pillars.
+    /// Lattice with the given pitch; `None` for listed pillars.
     pub(crate) fn plane_lattice(&self, pitch: f64) -> Option<PlaneLattice> {
         self.arrangement.plane_lattice(self.name.0, pitch)
     }
 }
 
 impl ArrangementParts {
-    /// Those of equal pillars, whose heights scatter by that law where they are given to scatter.
+    /// Parts of equal pillars; scattered heights follow the given law.
     fn of_heights(heights: Scatter) -> Self {
         Self {
             surface_fraction: NOT_GIVEN,
@@ -375,7 +375,7 @@ impl ArrangementParts {
         }
     }
 
-    /// Those of a lattice, and the name of its form.
+    /// Parts of a lattice, and the name of its form.
     fn set(&mut self, lattice: &PlaneLattice) -> ArrangementName {
         self.lattice = HexagonalLattice {
             pitch: lattice.form.pitch(),
@@ -401,12 +401,12 @@ impl ArrangementParts {
         }
     }
 
-    /// Whether a lattice is not turned, and of equal pillars.
+    /// Whether the lattice is not rotated and its pillars are equal.
     pub(crate) fn is_plain(&self) -> bool {
         self.rotation == 0.0 && self.disorder.is_none() && self.seed == 0.0
     }
 
-    /// How the pillars differ.
+    /// Differences of the pillars.
     pub(crate) fn disorder(&self) -> Disorder {
         let Disorder { heights, missing } = self.disorder;
         let seed = self.seed as u64;
@@ -414,7 +414,7 @@ impl ArrangementParts {
         Disorder { heights, missing }
     }
 
-    /// The lattice of a name and a pitch that they describe; none of pillars in a list or at random.
+    /// Lattice with the given name and pitch; `None` for listed or random pillars.
     pub(crate) fn plane_lattice(&self, name: ArrangementName, pitch: f64) -> Option<PlaneLattice> {
         let (pitch_y, angle) = (self.pitch_y, self.lattice_angle);
         let form = match name {
@@ -440,7 +440,7 @@ impl ArrangementParts {
 }
 
 impl MethodParts {
-    /// The method that they describe.
+    /// The method.
     pub(crate) fn method(&self) -> Method {
         match self.name {
             MethodName::Spectral => Method::Spectral(self.accuracy),
@@ -457,7 +457,7 @@ impl MethodParts {
 
 /// A type whose values are named by words in a case file.
 pub(crate) trait Words: Copy + PartialEq + 'static {
-    /// Each word and what it stands for.
+    /// Each word with its value.
     const WORDS: &'static [(&'static str, Self)];
 
     /// The word of this value.
@@ -472,19 +472,19 @@ pub(crate) trait Words: Copy + PartialEq + 'static {
         named.map(|(_, value)| *value)
     }
 
-    /// All words.
+    /// Returns all words.
     fn all() -> Vec<&'static str> {
         Self::WORDS.iter().map(|(word, _)| *word).collect()
     }
 }
 
-/// A value that is named by one of some words, of whatever type.
+/// A value of any type that is named by one of several words.
 pub(crate) trait Choice {
-    /// All words.
+    /// Returns all words.
     fn words(&self) -> Vec<&'static str>;
     /// The word of the value.
     fn chosen(&self) -> &'static str;
-    /// Makes it the value of another word; whether there is such a word.
+    /// Sets the value of another word; returns whether the word exists.
     fn choose(&mut self, word: &str) -> bool;
 }
 
@@ -542,7 +542,7 @@ impl Words for BaseForm {
     ];
 }
 
-/// What the arrangements of pillars are called.
+/// Names of the arrangements of pillars.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ArrangementName {
     Hexagonal,
@@ -579,7 +579,7 @@ impl Words for OnHeightMap {
     ];
 }
 
-/// Whether the floor is in contact with the lens where that comes down to it.
+/// Whether floor contact is included.
 impl Words for FloorModel {
     const WORDS: &'static [(&'static str, Self)] = &[
         (TRUE_OR_FALSE[0], Self::Contact),
@@ -587,7 +587,7 @@ impl Words for FloorModel {
     ];
 }
 
-/// The words of what is either so or not. In a file they stand without quotes.
+/// Words of a Boolean value. In a file they have no quotes.
 pub(crate) const TRUE_OR_FALSE: [&str; 2] = ["true", "false"];
 
 impl Words for PillarCompliance {
@@ -598,7 +598,8 @@ impl Words for PillarCompliance {
     ];
 }
 
-/// How the pillars of a pattern give way: elastic ones are known as flat cylinders of a texture only.
+/// Compliance of the pillars of a general surface: elastic pillars are available for flat cylinders
+/// of a texture only.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct OfPattern(pub(crate) PillarCompliance);
 
@@ -641,7 +642,7 @@ impl Words for MeshLayout {
         &[("pillars", Self::Pillars), ("pattern", Self::Pattern)];
 }
 
-/// Whether the squares of the method of elements are matched to a flat punch.
+/// Whether the cells of the boundary element method are matched to a flat punch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Cells {
     Matched,

@@ -1,4 +1,4 @@
-//! Tables of pillars: where each stands and, where they differ, how it is made.
+//! Tables of pillars: position and, if they differ, height and diameter of each.
 
 use crate::columns::{Columns, Table, TableError};
 use fakir::problem::{InvalidPillars, ListedPillar, Pillar, PillarList};
@@ -11,15 +11,15 @@ const COLUMNS: Columns<4> = Columns {
     told: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m",
 };
 
-/// Where a table of pillars has their heights and diameters.
+/// Columns of heights and diameters in a table of pillars.
 pub(crate) const HEIGHT: usize = 2;
 pub(crate) const DIAMETER: usize = 3;
 
 /// Reads a table of pillars: values separated by commas under a line with the names of the columns, `x_m` and `y_m`, and optionally
-/// `height_m` and `diameter_m` (m), which are those of the common pillar where they are not given. Lines that begin with `#` are left out.
+/// `height_m` and `diameter_m` (m), whose defaults are those of the common pillar. Lines that begin with `#` are ignored.
 ///
 /// # Errors
-/// A file that cannot be read, columns that are not known or missing, and values that are no numbers, with the line.
+/// A file that cannot be read, unknown or missing columns, and values that are not numbers, with the line.
 pub(crate) fn read_pillars(path: &Path, common: &Pillar) -> Result<Table<4>, TableError> {
     COLUMNS.read(path, otherwise(common))
 }
@@ -28,7 +28,7 @@ fn otherwise(common: &Pillar) -> [f64; 4] {
     [f64::NAN, f64::NAN, common.height, common.diameter]
 }
 
-/// The common pillar of a list: where its height is not given that of the highest one, and where its diameter is not given the mean.
+/// The common pillar of a list: its height defaults to that of the highest pillar, its diameter to the mean.
 pub(crate) fn common_pillar(given: Pillar, list: &PillarList) -> Pillar {
     let pillars = list.pillars();
     let highest = || {
@@ -38,7 +38,7 @@ pub(crate) fn common_pillar(given: Pillar, list: &PillarList) -> Pillar {
             .fold(0.0, f64::max)
     };
     let mean = || {
-        // From the first, so that equal diameters have themselves as their mean, to the bit.
+        // Relative to the first one, so that the mean of equal diameters is exact.
         let first = pillars[0].diameter;
         let excess = pillars.iter().map(|pillar| pillar.diameter - first);
         first + excess.sum::<f64>() / pillars.len() as f64
@@ -57,7 +57,7 @@ pub(crate) fn common_pillar(given: Pillar, list: &PillarList) -> Pillar {
 /// The pillars of a table.
 ///
 /// # Errors
-/// Pillars that cannot stand so, with the line.
+/// Invalid pillars, with the line.
 pub(crate) fn listed(table: &Table<4>) -> Result<PillarList, TableError> {
     let pillar = |[x, y, height, diameter]: &[f64; 4]| ListedPillar {
         centre: [*x, *y],
@@ -108,7 +108,7 @@ pub(crate) fn overlap(
     table.wrong(Some(other), problem)
 }
 
-/// Refuses what rounded tops cannot have: some may have no diameter.
+/// Refuses pillars that rounded tops do not support: some may have no diameter.
 pub(crate) fn check_rounded(table: &Table<4>) -> Result<(), TableError> {
     if table.rows.is_empty() {
         return Err(table.wrong(None, InvalidPillars::Empty.to_string()));

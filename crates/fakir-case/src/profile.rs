@@ -14,7 +14,7 @@ const COLUMNS: Columns<2> = Columns {
 /// outwards. Lines that begin with `#` are left out.
 ///
 /// # Errors
-/// A file that cannot be read, columns that are not known or missing, values that are no numbers, and heights that are no
+/// A file that cannot be read, unknown or missing columns, values that are not numbers, and heights that are not a valid
 /// [`LensProfile`], with the line.
 pub(crate) fn read_profile(path: &Path) -> Result<LensProfile, TableError> {
     let table = COLUMNS.read(path, [f64::NAN; 2])?;

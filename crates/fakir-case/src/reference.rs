@@ -1,4 +1,4 @@
-//! The reference of all keys, made from their table.
+//! The reference of all keys, generated from the key table.
 
 use crate::entries::one_of;
 use crate::idle::{IDLE, Idle};
@@ -8,8 +8,8 @@ use crate::table::Presence;
 use crate::unit::Dimension;
 use std::fmt::Write;
 
-/// All keys of case files as Markdown: for each table of the file a table with what its keys
-/// take, when they must be given, and what they mean.
+/// All keys of case files as Markdown: for each table of the file, the accepted values of its keys,
+/// when they are required, and their meanings.
 #[must_use]
 pub fn reference() -> String {
     let mut text = String::from(HEADER);
@@ -35,7 +35,7 @@ pub fn reference() -> String {
     text
 }
 
-/// What a key takes.
+/// Accepted values of a key.
 fn value(key: Key) -> String {
     match (key.kind(), key.range()) {
         (Kind::Number(Dimension::Number), Some(range)) => range.to_string(),
@@ -45,7 +45,7 @@ fn value(key: Key) -> String {
     }
 }
 
-/// When a key must be given, and what holds otherwise.
+/// When a key is required, and its default otherwise.
 fn presence(key: Key) -> String {
     let presence = match key.row().presence {
         Presence::Required if key.is_of_listed_pillars() => {

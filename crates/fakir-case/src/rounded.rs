@@ -13,36 +13,39 @@ use fakir::problem::{
 };
 use std::f64::consts::PI;
 
-/// The most pillars with rounded tops: all of those that are touched are solved together.
+/// Largest number of pillars with rounded tops: all pillars in contact are solved together.
 const MOST_PILLARS: usize = 20_000;
 
-/// What stands for a rigid plate in a case file: so stiff that a number has no digit left for it.
+/// Modulus of a rigid plate in a case file: so large that its compliance has no effect in double
+/// precision.
 const RIGID: Material = Material {
     young_modulus: 1e30,
     poisson_ratio: 0.5,
 };
 
-/// Pillars with rounded tops, what is pressed onto them, and how well it is to be solved: what a case file with `texture.top_radius` describes.
+/// Pillars with rounded tops, the indenter and the accuracy, as a case file with `texture.top_radius` describes them.
 ///
-/// Indentations count from where the lens or plate is level with the common pillar, `texture.pillar.height` above the floor.
+/// Indentations are measured from the position in which the lens or plate is level with the common pillar,
+/// `texture.pillar.height` above the floor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoundedCase {
-    /// The tops and what is pressed onto them.
+    /// The tops and the indenter.
     pub field: CapField,
-    /// How well contacts are to be solved.
+    /// Accuracy of contacts.
     pub accuracy: Accuracy,
-    /// Height of the common pillar over the floor, m.
+    /// Height of the common pillar above the floor, m.
     pub height: f64,
     compliance: PillarCompliance,
-    /// All keys that were given and their values, as they are written in a case file.
+    /// All given keys and their values, as written in a case file.
     settings: Vec<(Key, String)>,
 }
 
 impl RoundedCase {
-    /// A case of caps on pillars that all have the same radius of curvature. `height` is that of the common pillar, from which caps are raised.
+    /// A case of caps on pillars with the same radius of curvature. `height` is the height of the common pillar, relative to which caps are
+    /// raised.
     ///
     /// # Errors
-    /// Pillars that end below the floor, and give way as columns.
+    /// Pillars that are columns and end below the floor.
     pub fn new(
         field: CapField,
         accuracy: Accuracy,
@@ -94,13 +97,15 @@ impl RoundedCase {
         made.with_heights(&raised)
     }
 
-    /// The case as a case file, commented. It has what was given, a table of pillars by its absolute path; reading it gives the same case, bit for bit.
+    /// The case as a case file with comments. It contains the given keys, with the absolute path of a table of pillars; reading it gives the same case,
+    /// bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
         write_toml(|key| self.value(key))
     }
 
-    /// The case as a case file with the pillars in a table next to it, in the place of what said where they stand.
+    /// The case as a case file with the pillars in a table next to it, which replaces the description of their
+    /// positions.
     #[must_use]
     pub fn to_toml_with_table(&self, name: &str) -> String {
         write_toml(|key| match key {
@@ -121,14 +126,14 @@ impl RoundedCase {
         setting.map(|(_, value)| value.clone())
     }
 
-    /// Height of every pillar over the floor, m.
+    /// Height of every pillar above the floor, m.
     #[must_use]
     pub fn heights(&self) -> Vec<f64> {
         let caps = self.field.caps().iter();
         caps.map(|cap| self.height + cap.raised).collect()
     }
 
-    /// The table that `texture.pillars` reads: where each pillar stands, from the lens axis, its height over the floor, and its diameter where it has one.
+    /// The table for `texture.pillars`: position of every pillar relative to the lens axis, its height above the floor, and its diameter if it has one.
     #[must_use]
     pub fn pillar_table(&self) -> String {
         let caps = self.field.caps();
@@ -146,13 +151,13 @@ impl RoundedCase {
         text
     }
 
-    /// The same case with pillars of other heights over the common level, m.
+    /// The same case with other heights of pillars above the common level, m.
     ///
     /// # Errors
-    /// A height that is no number.
+    /// A height that is not finite.
     ///
     /// # Panics
-    /// If there is not one height for every pillar.
+    /// If the number of heights differs from the number of pillars.
     pub fn with_heights(&self, raised: &[f64]) -> Result<Self, InvalidCaps> {
         let raised = self.field.with_heights(raised)?;
         let modulus = self.field.substrate().young_modulus;
@@ -172,7 +177,7 @@ impl RoundedCase {
     }
 }
 
-/// By how much a pillar is shortened by a unit force, m/N; one without a diameter is not.
+/// Shortening of a pillar by a unit force, m/N; zero without a diameter.
 fn column_compliance(
     compliance: PillarCompliance,
     young_modulus: f64,
@@ -197,8 +202,8 @@ impl CaseFile {
     /// The case with rounded pillar tops that the file and its overrides describe.
     ///
     /// # Errors
-    /// [`CaseError`] for a key that is missing or has a value that cannot be, a lattice without an end, adhesion, another method than the
-    /// spectral one, and pillars that cannot be read or overlap.
+    /// [`CaseError`] for a missing key or an invalid value, an infinite lattice, adhesion, a method other than the spectral one, and
+    /// pillars that cannot be read or that overlap.
     pub fn rounded_case(&self) -> Result<RoundedCase, CaseError> {
         let parts = self.parts(&[Part::Bodies, Part::Texture])?;
         let pillar = parts.texture.pillar;
@@ -270,7 +275,7 @@ impl CaseFile {
         })
     }
 
-    /// Refuses what rounded tops do not have.
+    /// Refuses keys that rounded tops do not support.
     fn refuse_with_rounded(&self, parts: &Parts) -> Result<(), CaseError> {
         self.answers(Question::Press, Solver::Asperities, &self.features(parts))?;
         if parts.method.name != MethodName::Spectral {
@@ -299,7 +304,8 @@ impl CaseFile {
         Ok(())
     }
 
-    /// x and y from the lens axis, height and diameter of the pillars of a lattice, m; none of listed pillars.
+    /// x and y relative to the lens axis, height and diameter of the pillars of a lattice, m; `None` for
+    /// listed pillars.
     fn lattice_pillars(&self, parts: &Parts) -> Result<Option<Vec<[f64; 4]>>, CaseError> {
         let texture = &parts.texture;
         let diameter = texture.pillar.diameter;
@@ -336,7 +342,7 @@ impl CaseFile {
         Ok(None)
     }
 
-    /// Refuses more pillars than are solved together.
+    /// Refuses too many pillars.
     fn check_number(&self, key: Key, pillars: usize) -> Result<(), CaseError> {
         if pillars <= MOST_PILLARS {
             return Ok(());
@@ -348,7 +354,7 @@ impl CaseFile {
             )))
     }
 
-    /// The error for tops that cannot be.
+    /// Error for invalid tops.
     fn no_caps(&self, invalid: &InvalidCaps) -> CaseError {
         match invalid {
             InvalidCaps::Body(invalid) => self.impossible(invalid),

@@ -1,10 +1,10 @@
-//! Errors of the solvers with the keys of the case that they are about.
+//! Errors of the solvers, with the keys of the case that they concern.
 
 use crate::key::Key;
 use fakir::problem::{Feature, Unsupported};
 use fakir::state::SolveError;
 
-/// The text of an error, and behind it the keys of a case that can be changed.
+/// Text of an error, followed by the keys of a case that can be changed.
 ///
 /// ```
 /// use fakir::problem::Unsupported;

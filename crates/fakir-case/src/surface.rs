@@ -1,4 +1,4 @@
-//! Cases with a general surface in place of a texture: a height map, or pillars of any form.
+//! Cases with a general surface instead of a texture: a height map, or pillars of any shape.
 
 use crate::case::write_toml;
 use crate::entries::both_given;
@@ -19,29 +19,30 @@ use fakir::problem::{
 };
 use std::path::{Path, PathBuf};
 
-/// A general surface and what is pressed onto it: what a case file with a `[surface]` describes.
+/// A general surface and its indenter, as a case file with a `[surface]` describes them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceCase {
-    /// What is pressed. It knows no floor where there is a height map without `surface.floor`.
+    /// The system. It has no floor if the surface is a height map without `surface.floor`.
     pub system: SurfaceSystem,
-    /// Where the surface is from.
+    /// Source of the surface.
     pub origin: SurfaceOrigin,
-    /// All keys that were given and their values, as they are written in a case file.
+    /// All given keys and their values, as written in a case file.
     settings: Vec<(Key, String)>,
 }
 
-/// Where a surface is from.
+/// Source of a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SurfaceOrigin {
-    /// From a file of heights, of this path.
+    /// A height map in the given file.
     HeightMap(PathBuf),
-    /// Drawn from the description of its pillars.
+    /// Generated from the description of its pillars.
     Pattern(Pattern),
 }
 
 impl SurfaceCase {
-    /// Whether a wider `surface.grid` shows more of the same surface: that of pillars on a lattice
-    /// does. A height map ends with its data, and on another grid pillars at random stand elsewhere.
+    /// Whether a wider `surface.grid` contains more of the same surface: only for pillars on a
+    /// lattice. A height map ends with its data, and random pillars have other positions on another
+    /// grid.
     #[must_use]
     pub fn can_grow(&self) -> bool {
         match &self.origin {
@@ -52,8 +53,8 @@ impl SurfaceCase {
         }
     }
 
-    /// The case as a case file, commented. It has what was given, a height map by its absolute
-    /// path; reading it gives the same case, bit for bit.
+    /// The case as a case file with comments. It contains the given keys, with the absolute path of
+    /// a height map; reading it gives the same case, bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
         write_toml(|key| {
@@ -63,19 +64,19 @@ impl SurfaceCase {
     }
 }
 
-/// A general surface as one of several that are alike.
+/// A general surface as a representative of similar ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceExample {
-    /// What lies around it.
+    /// Boundary.
     pub boundary: Boundary,
-    /// Whether its pillars stand at random.
+    /// Whether its pillars have random positions.
     pub is_random: bool,
-    /// All keys that were given and their values, as they are written in a case file.
+    /// All given keys and their values, as written in a case file.
     settings: Vec<(Key, String)>,
 }
 
 impl SurfaceExample {
-    /// Whether another is of the same kind, and has the same keys.
+    /// Whether another surface is of the same kind and has the same keys.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let keys = |example: &Self| -> Vec<Key> {
             let settings = example.settings.iter();
@@ -86,17 +87,17 @@ impl SurfaceExample {
             && keys(self) == keys(other)
     }
 
-    /// The value of a key as it is written in a case file, if it was given.
+    /// Value of a key as written in a case file, if given.
     pub(crate) fn value(&self, key: Key) -> Option<String> {
         let setting = self.settings.iter().find(|(given, _)| *given == key);
         setting.map(|(_, value)| value.clone())
     }
 }
 
-/// Least difference of heights of a map that is not flat, m: a hundredth of an atom.
+/// Smallest height difference of a map that is not flat, m: a hundredth of an atom.
 const LOWEST_RELIEF: f64 = 1e-12;
 
-/// Largest difference of heights over the extent of a map: beyond it there are no contacts but of towers that buckle.
+/// Largest height difference over the extent of a map; larger values are implausible.
 const HIGHEST_RELIEF: f64 = 2.0;
 
 /// The number of cells along each side of a grid is a multiple of this, so that the same surface
@@ -112,11 +113,11 @@ impl CaseFile {
 
     /// The case with a general surface that the file and its overrides describe.
     ///
-    /// `memory_limit` is the most memory (bytes) that the surface and the fields on it may take.
+    /// `memory_limit` is the largest memory (bytes) of the surface and the fields on it.
     ///
     /// # Errors
-    /// [`CaseError`] for a key that is missing or has a value that cannot be, a `[texture]` or a
-    /// `[method]`, a height map that cannot be read, or a surface too large for the memory.
+    /// [`CaseError`] for a missing key or an invalid value, a `[texture]` or a `[method]`, a height
+    /// map that cannot be read, or a surface that exceeds the memory limit.
     pub fn surface_case(&self, memory_limit: usize) -> Result<SurfaceCase, CaseError> {
         let (kind, parts) = self.surface_parts()?;
         let SurfaceParts { boundary, .. } = parts.surface;
@@ -164,7 +165,7 @@ impl CaseFile {
         })
     }
 
-    /// What was given of the surface, without drawing or reading it.
+    /// Description of the surface, without generating or reading it.
     pub(crate) fn surface_example(&self) -> Result<SurfaceExample, CaseError> {
         let (kind, parts) = self.surface_parts()?;
         Ok(SurfaceExample {
@@ -182,7 +183,7 @@ impl CaseFile {
         Ok((kind, parts))
     }
 
-    /// Where a table or one of its keys was first set.
+    /// First position of a table or one of its keys.
     fn place_of(&self, table: &str) -> Option<&Place> {
         let header = self.entries.tables.get(table);
         let mut keys = self.entries.keys.iter();
@@ -192,7 +193,7 @@ impl CaseFile {
         })
     }
 
-    /// Refuses a general surface where a texture is wanted, in these words.
+    /// Refuses a general surface where a texture is required, with the given message.
     pub(crate) fn refuse_surface(&self, problem: &str, accepted: &str) -> Result<(), CaseError> {
         match (self.place_of("surface"), self.place_of("texture")) {
             (None, _) => Ok(()),
@@ -329,10 +330,11 @@ impl CaseFile {
         })
     }
 
-    /// Refuses a height map whose heights make no sense beside its extent: their unit is another one.
+    /// Refuses a height map whose heights are implausible relative to its extent, which indicates
+    /// another unit.
     ///
     /// # Errors
-    /// [`CaseError`] with the unit that was probably meant.
+    /// [`CaseError`] with the probable unit.
     pub fn refuse_absurd_heights(&self, case: &SurfaceCase) -> Result<(), CaseError> {
         let SurfaceOrigin::HeightMap(_) = case.origin else {
             return Ok(());
@@ -372,7 +374,7 @@ impl CaseFile {
         }))
     }
 
-    /// The error for a surface that needs more memory than is allowed.
+    /// Error for a surface that exceeds the memory limit.
     fn too_large(&self, key: Key, bytes: f64, limit: usize, what: &str) -> CaseError {
         let limit = limit as f64;
         self.problem(
@@ -387,7 +389,7 @@ impl CaseFile {
         .accepted(format!(
             "make it coarser: cells {:.1} times as large fit, if few of them are touched; or raise \
              the limit",
-            // The factor is rounded up, so that cells of the size that the error names fit the memory.
+            // The factor is rounded up, so that cells of the size in the error fit into the memory.
             ((bytes / limit).sqrt() * 10.0).ceil() / 10.0
         ))
     }
@@ -431,8 +433,8 @@ impl CaseFile {
         Ok(unit.stretched(pitch).into())
     }
 
-    /// Draws the pattern on a grid. Its cells are squares; where the grid is a period of the
-    /// pattern, they are as near to squares as whole cells allow.
+    /// Generates the pattern on a grid. Its cells are squares; if the grid is a period of the
+    /// pattern, they are as close to squares as whole cells allow.
     fn draw(
         &self,
         pattern: &Pattern,
@@ -471,7 +473,7 @@ impl CaseFile {
             .map_err(|invalid| self.impossible_pattern(&invalid))
     }
 
-    /// The error for a pattern that cannot be, at the key that is to blame.
+    /// Error for an invalid pattern, at the key that causes it.
     fn impossible_pattern(&self, invalid: &InvalidPattern) -> CaseError {
         match invalid {
             InvalidPattern::Value {
@@ -518,7 +520,7 @@ impl CaseFile {
         }
     }
 
-    /// All keys that were given and their values, as they are written in a case file.
+    /// All given keys and their values, as written in a case file.
     pub(crate) fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
         for (key, place) in [
             (Key::HeightMap, &mut parts.surface.height_map),
@@ -534,7 +536,7 @@ impl CaseFile {
     }
 }
 
-/// The pillar that some values describe.
+/// Pillar with the given values.
 fn pillar(parts: &OutlineParts) -> PillarShape {
     let &OutlineParts { diameter, drop, .. } = parts;
     PillarShape {
@@ -572,8 +574,8 @@ fn texture_and_surface(surface: &Place, texture: &Place) -> CaseError {
         .accepted("give only one: a hexagonal lattice of discs, or a general surface")
 }
 
-/// A grid of whole periods with the lens axis near its centre. Its borders are where they cut the
-/// fewest pillars, and go through no centre: half way between neighbouring rows of pillars.
+/// A grid of whole periods with the lens axis near its centre. Its borders are half-way between
+/// neighbouring rows of pillars, where they cut the fewest pillars and pass through no centre.
 fn period_grid(
     pattern: &Pattern,
     sides: Point,
@@ -581,7 +583,7 @@ fn period_grid(
 ) -> Result<Grid, fakir::problem::InvalidGrid> {
     let lattice = pattern.arrangement.lattice();
     let rows = match (pattern.period(), lattice) {
-        // Every second row is half a period along.
+        // Every second row is shifted by half a period.
         (Some(period), Some(lattice)) if matches!(lattice.form, LatticeForm::Hexagonal { .. }) => {
             period.map(|side| 0.5 * side)
         }

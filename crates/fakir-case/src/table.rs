@@ -1,7 +1,7 @@
-//! The table of keys: all that is known about each key of a case file, and nowhere else.
+//! The key table: the only definition of every key of a case file.
 //!
-//! From it files are read and written, overrides and requests are taken, errors are worded, and
-//! the [reference](crate::reference) is made. To add a key, add a row.
+//! It controls reading and writing of files, overrides, requests and error messages, and the
+//! [reference](crate::reference) is generated from it. To add a key, add a row.
 
 use crate::parts::{Choice, Parts};
 use crate::unit::{Dimension, format_quantity};
@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use std::fmt;
 use std::ops::Bound::{self, Excluded, Included, Unbounded};
 
-/// Makes the enum of keys, the list of them, and their rows.
+/// Defines the enum of keys, their list, and their rows.
 macro_rules! keys {
     ($($part:ident { $($key:ident = $path:literal is $row:expr;)+ })+) => {
         /// A key of a case file.
@@ -27,22 +27,22 @@ macro_rules! keys {
             pub const ALL: [Self; COUNT] = [$($(Self::$key),+),+];
         }
 
-        /// For each key what it is part of, its path and its row, in the order of [`Key::ALL`].
+        /// Part, path and row of each key, in the order of [`Key::ALL`].
         pub(crate) static TABLE: [(Part, &str, Row); COUNT] =
             [$($((Part::$part, $path, $row)),+),+];
     };
 }
 
-/// What a key is part of. No case has all of them.
+/// Part of a case to which a key belongs. No case has all parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Part {
     /// The two bodies, which every case has.
     Bodies,
-    /// A hexagonal lattice of discs, and the method to solve it with.
+    /// A pattern of round pillars, and its method.
     Texture,
     /// A general surface read from a file.
     HeightMap,
-    /// A general surface with pillars of any form.
+    /// A general surface with pillars of any shape.
     Pattern,
     /// Any general surface.
     Surface,
@@ -52,10 +52,10 @@ const FRACTION: Range = Range::Between(Included(0.0), Excluded(1.0));
 const POISSON: Range = Range::Between(Included(0.0), Included(0.5));
 /// The shapes of a lens that have a radius.
 const ROUND_LENSES: &[&str] = &["sphere", "paraboloid", "cylinder"];
-/// The arrangements of a texture that are lattices, and those that a surface fraction makes.
+/// Arrangements of a texture that are lattices, and those with a surface fraction.
 const PLANE_LATTICES: &[&str] = &["hexagonal", "square", "rectangular", "oblique"];
 const EVEN_LATTICES: &[&str] = &["hexagonal", "square"];
-/// The lattices that random pillars do not have.
+/// Arrangements that are lattices, without random pillars.
 const LATTICES: &[&str] = &["hexagonal", "square"];
 
 #[rustfmt::skip]
@@ -257,7 +257,7 @@ keys! {
         HeightHalfWidth = "surface.height_half_width" is
             fraction("half-width of the heights of pillars, which are uniformly distributed, over the height", |p| &mut p.surface.arrangement.disorder.heights.parameter)
                 .formerly("surface.height_spread").range(FRACTION).optional().of_pattern(Q::HeightHalfWidth);
-        // The whole numbers that a number in a case file holds exactly.
+        // Integers that a number in a case file represents exactly.
         Seed = "surface.seed" is
             number("whole number that decides what is random", |p| &mut p.surface.arrangement.seed)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional();
@@ -346,34 +346,34 @@ keys! {
     }
 }
 
-/// A row of the table of keys. The functions below make one, and its methods add to it.
+/// A row of the key table. The functions below create a row, and its methods add to it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Row {
     /// What it means, in a few words.
     pub(crate) summary: &'static str,
-    /// What a control of it is called, where that is not its name.
+    /// Label of a control, if it differs from the name.
     pub(crate) label: Option<&'static str>,
     /// Its symbol in the paper.
     pub(crate) symbol: Option<&'static str>,
-    /// The usual numbers, from the first to the second, in SI units.
+    /// Usual range, in SI units.
     pub(crate) usual: Option<[f64; 2]>,
-    /// The path that it had before, which is still accepted.
+    /// Deprecated path, which is still accepted.
     pub(crate) former: Option<&'static str>,
-    /// What kind of value it has, which values are allowed, and where the value belongs.
+    /// Kind of its value, valid range, and field.
     pub(crate) field: Field,
-    /// Whether it must be given.
+    /// Whether it is required.
     pub(crate) presence: Presence,
-    /// The key can only be given where this other key has one of these words.
+    /// The key is accepted only if this other key has one of these words.
     pub(crate) goes_with: Option<(Key, &'static [&'static str])>,
-    /// And where this one has one of these.
+    /// And if this one has one of these.
     pub(crate) goes_also_with: Option<(Key, &'static [&'static str])>,
-    /// How the solver calls the quantity, if it checks its value.
+    /// Name of the quantity in the solver, if the solver checks its value.
     pub(crate) quantity: Option<Quantity>,
-    /// How the patterns of pillars call the quantity, if they check its value.
+    /// Name of the quantity in the patterns of pillars, if they check its value.
     pub(crate) pattern_quantity: Option<PatternQuantity>,
 }
 
-/// The kind of a value and its place. The place is used both to write and to read the value.
+/// Kind and field of a value. The field is used both to write and to read the value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Field {
     Number {
@@ -385,49 +385,49 @@ pub(crate) enum Field {
     Text(fn(&mut Parts) -> &mut String),
 }
 
-/// Whether a key must be given.
+/// Whether a key is required.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Presence {
-    /// It must be given.
+    /// It is required.
     Required,
-    /// Otherwise it has the value that [`Parts::default`] has.
+    /// Its default is the value in [`Parts::default`].
     Default,
-    /// It has no value of its own otherwise. The words say what holds then.
+    /// It has no value if left out; the text describes what applies then.
     Otherwise(&'static str),
-    /// Exactly one of it and the other must be given, where both are possible.
+    /// Exactly one of it and the other is required, if both are possible.
     OneOf(Key),
-    /// As `OneOf`, but the two keys stand for different kinds of surfaces, so that an override
-    /// of one does not take the place of the other.
+    /// As `OneOf`, but the two keys belong to different kinds of surfaces, so that an override of
+    /// one does not replace the other.
     EitherSurface(Key),
 }
 
-/// The numbers that a key allows, in SI units.
+/// Valid numbers of a key, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Range {
     /// Every finite number.
     Finite,
-    /// Every finite length but zero.
+    /// Every finite length except zero.
     NotZero,
-    /// Finite and above zero.
+    /// Finite and positive.
     Positive,
     /// Between two numbers.
     Between(Bound<f64>, Bound<f64>),
-    /// Whole numbers from the first to the last.
+    /// Integers from the first to the last.
     Whole(u64, u64),
-    /// Above zero, and at most where neighbouring discs of a hexagonal lattice touch.
+    /// Positive, up to the value at which neighbouring discs of a hexagonal lattice touch.
     SurfaceFraction,
-    /// Above zero and below the value of another key.
+    /// Positive and below the value of another key.
     Below(Key),
     /// From zero to the value of another key.
     UpTo(Key),
     /// At least the value of another key.
     AtLeast(Key),
-    /// A range above zero that depends on several keys, in words.
+    /// A positive range that depends on several keys, as text.
     Words(&'static str),
 }
 
 impl Range {
-    /// The least and the greatest number, as far as they do not depend on other keys.
+    /// Smallest and largest number, as far as they do not depend on other keys.
     pub(crate) fn bounds(self) -> (Bound<f64>, Bound<f64>) {
         match self {
             Self::Finite | Self::NotZero => (Unbounded, Unbounded),
@@ -462,17 +462,17 @@ impl Range {
         value.is_finite() && special && above && below
     }
 
-    /// How an error shows a number that is not allowed.
+    /// Representation of an invalid number in an error.
     pub(crate) fn refused(self, value: f64, dimension: Dimension) -> String {
         match self {
-            // Only what is no number at all, and zero in any unit, can be wrong here.
+            // Only NaN, infinity and zero, in any unit, can be wrong here.
             Self::Finite | Self::NotZero => value.to_string(),
             _ => format_quantity(value, dimension),
         }
     }
 }
 
-/// What a value must be, as in "it must be ...".
+/// Condition for a value, as in "it must be ...".
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -538,7 +538,7 @@ impl Row {
         )
     }
 
-    /// Which numbers are allowed; without it all that are finite.
+    /// Sets the valid range; without it, all finite numbers are valid.
     const fn range(mut self, allowed: Range) -> Self {
         if let Field::Number {
             dimension, place, ..
@@ -557,41 +557,41 @@ impl Row {
         self.range(Range::Positive)
     }
 
-    /// A control of it is called so.
+    /// Sets the label of a control.
     const fn label(mut self, label: &'static str) -> Self {
         self.label = Some(label);
         self
     }
 
-    /// Its symbol in the paper; what follows `_` is lowered.
+    /// Sets its symbol in the paper; the part after `_` is a subscript.
     const fn symbol(mut self, symbol: &'static str) -> Self {
         self.symbol = Some(symbol);
         self
     }
 
-    /// The usual numbers, in SI units, where the allowed ones go much further.
+    /// Sets the usual range, in SI units, if the valid range is much larger.
     const fn usual(mut self, first: f64, last: f64) -> Self {
         self.usual = Some([first, last]);
         self
     }
 
-    /// It had this path before.
+    /// Sets the deprecated path.
     const fn formerly(mut self, path: &'static str) -> Self {
         self.former = Some(path);
         self
     }
 
-    /// It may be left out; it then has the value of [`Parts::default`].
+    /// It may be left out; its default is the value in [`Parts::default`].
     const fn optional(self) -> Self {
         self.presence(Presence::Default)
     }
 
-    /// It may be left out; the words say what holds then.
+    /// It may be left out; the text describes what applies then.
     const fn otherwise(self, words: &'static str) -> Self {
         self.presence(Presence::Otherwise(words))
     }
 
-    /// Exactly one of it and the other is given.
+    /// Exactly one of it and the other is required.
     const fn or(self, other: Key) -> Self {
         self.presence(Presence::OneOf(other))
     }
@@ -601,13 +601,13 @@ impl Row {
         self
     }
 
-    /// It can only be given where another key has one of these words.
+    /// It is accepted only if another key has one of these words.
     const fn with(mut self, choice: Key, words: &'static [&'static str]) -> Self {
         self.goes_with = Some((choice, words));
         self
     }
 
-    /// It can only be given where yet another key has one of these words.
+    /// It is accepted only if a further key has one of these words.
     const fn also_with(mut self, choice: Key, words: &'static [&'static str]) -> Self {
         self.goes_also_with = Some((choice, words));
         self

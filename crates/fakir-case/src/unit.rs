@@ -7,7 +7,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
-/// What a quantity measures, and with it the units it can have.
+/// Dimension of a quantity, which determines its units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// A length, in m.
@@ -22,7 +22,7 @@ pub enum Dimension {
     Stiffness,
     /// An angle, in rad.
     Angle,
-    /// A part of a whole: a plain number, or in per cent.
+    /// A fraction: a plain number, or in per cent.
     Fraction,
     /// A plain number, without a unit.
     Number,
@@ -31,7 +31,7 @@ pub enum Dimension {
 /// A unit of some dimension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unit {
-    /// How it is written, in ASCII.
+    /// Symbol, in ASCII.
     pub symbol: &'static str,
     dimension: Dimension,
     scale: Scale,
@@ -76,7 +76,7 @@ const fn unit(symbol: &'static str, dimension: Dimension, scale: Scale) -> Unit 
     }
 }
 
-/// A unit as it is written here: both Unicode micro signs are read as `u`, and squares may be written `m2`, `m^2` or `m\u{b2}`.
+/// Normalises a unit: both Unicode micro signs are read as `u`, and squares may be written `m2`, `m^2` or `m\u{b2}`.
 fn in_ascii(symbol: &str) -> String {
     symbol
         .replace(['\u{b5}', '\u{3bc}'], "u")
@@ -85,7 +85,7 @@ fn in_ascii(symbol: &str) -> String {
 }
 
 impl Unit {
-    /// The unit written `symbol`, that of the dimension if there is one: `N/m` can be of several.
+    /// The unit with the given symbol, preferably of the given dimension: `N/m` belongs to several.
     fn named(symbol: &str, dimension: Dimension) -> Option<Self> {
         let ascii = in_ascii(symbol);
         let named = || UNITS.into_iter().filter(|unit| unit.symbol == ascii);
@@ -121,7 +121,7 @@ impl Dimension {
         UNITS.into_iter().filter(move |unit| unit.dimension == self)
     }
 
-    /// Symbols of its units, for a person: `"m, mm, um or nm"`.
+    /// Symbols of its units, for messages: `"m, mm, um or nm"`.
     #[must_use]
     pub fn unit_list(self) -> String {
         let symbols: Vec<_> = self.units().map(|unit| unit.symbol).collect();
@@ -146,7 +146,7 @@ impl Dimension {
         }
     }
 
-    /// What the names of its columns and JSON keys end in: `"_m"`; nothing for numbers and fractions.
+    /// Suffix of its columns and JSON keys: `"_m"`; empty for numbers and fractions.
     #[must_use]
     pub fn suffix(self) -> &'static str {
         match self {
@@ -160,7 +160,7 @@ impl Dimension {
         }
     }
 
-    /// What a case file accepts for it, with an example, as advice.
+    /// Advice on what a case file accepts, with an example.
     #[must_use]
     pub fn accepted(self) -> String {
         let (example, si) = match self {
@@ -182,8 +182,8 @@ impl Dimension {
         )
     }
 
-    /// The unit in which `value` (SI) has one to three digits before the point, as far as there
-    /// is one; `None` for numbers and fractions, which are written without.
+    /// The unit in which `value` (SI) has one to three digits before the point, if there is one;
+    /// `None` for numbers and fractions, which have no unit.
     #[must_use]
     pub fn unit_for(self, value: f64) -> Option<Unit> {
         let size = value.abs();
@@ -191,8 +191,8 @@ impl Dimension {
             Scale::PowerOfTen(power) => Some(power),
             Scale::Degrees => None,
         };
-        // A number that six digits round up to the next unit gets that unit.
-        // Of units of one size the first one counts.
+        // A number that is rounded up to the next unit with six digits has that unit. Of equal
+        // units the first one is used.
         let fitting = self
             .units()
             .rev()
@@ -221,24 +221,24 @@ pub(crate) fn with_article(noun: &str) -> String {
     format!("{} {noun}", if vowel { "an" } else { "a" })
 }
 
-/// Beyond this many times the usual numbers, a number without a unit is not plausible.
+/// A number without a unit is implausible beyond this multiple of the usual range.
 const GENEROUS: f64 = 5.0;
 
-/// Suggestions in one error, at most.
+/// Largest number of suggestions in one error.
 const SUGGESTIONS: usize = 2;
 
-/// Why a number without a unit is refused: its reading in SI units is not plausible.
+/// Refusal of a number without a unit that is implausible in SI units.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{read} is not plausible; {advice}")]
 pub struct Implausible {
-    /// How it was read: ``20 m (read from `20`, no unit: SI)``.
+    /// Interpretation: ``20 m (read from `20`, no unit: SI)``.
     pub read: String,
-    /// What was probably meant, and how to write the number that was read.
+    /// Probable meaning, and how to write the number in SI units explicitly.
     pub advice: String,
 }
 
 impl Dimension {
-    /// The usual sizes of a quantity of which only the dimension is known, in SI units; `None` where every number without a unit is
+    /// Usual range of a quantity of which only the dimension is known, in SI units; `None` if every number without a unit is
     /// plausible.
     #[must_use]
     pub fn usual(self) -> Option<[f64; 2]> {
@@ -252,14 +252,13 @@ impl Dimension {
         }
     }
 
-    /// Refuses a number without a unit, written `text`, whose reading in SI units is not plausible for a quantity that usually is between
-    /// two numbers.
+    /// Refuses a number without a unit, written `text`, that is implausible in SI units for a quantity with the given usual range.
     ///
-    /// A forgotten unit makes a modulus too small, as all units in use are larger than a pascal, and every other quantity too large. Zero
-    /// and what is no finite number are left to the checks of ranges.
+    /// A forgotten unit makes a modulus too small, because all common units are larger than a pascal, and every other quantity too large.
+    /// Zero and numbers that are not finite are handled by the checks of ranges.
     ///
     /// # Errors
-    /// [`Implausible`], with what was probably meant.
+    /// [`Implausible`], with the probable meaning.
     pub fn check_bare(self, text: &str, value: f64, usual: [f64; 2]) -> Result<(), Implausible> {
         let generous = [usual[0] / GENEROUS, GENEROUS * usual[1]];
         let is_plausible = match self {
@@ -285,7 +284,8 @@ impl Dimension {
         })
     }
 
-    /// A number with each unit that puts it between two sizes, that nearest to their middle first.
+    /// The number with each unit that places it in a range, in order of distance from the middle of
+    /// the range.
     fn meant(self, text: &str, value: f64, sizes: [f64; 2]) -> Vec<String> {
         let centre = (sizes[0] * sizes[1]).sqrt();
         let mut meant: Vec<(f64, Unit)> = Vec::new();
@@ -304,7 +304,7 @@ impl Dimension {
     }
 }
 
-/// Why a text is not a quantity of the dimension wanted.
+/// Reason why a text is not a quantity of the required dimension.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum QuantityError {
     /// It does not start with a number.
@@ -316,7 +316,7 @@ pub enum QuantityError {
     /// No such unit.
     #[error("\"{unit}\" is not a known unit{}", similar.map(|s| format!(" (did you mean {s}?)")).unwrap_or_default())]
     UnknownUnit {
-        /// What stands after the number.
+        /// Text after the number.
         unit: String,
         /// A unit that differs in case only.
         similar: Option<&'static str>,
@@ -324,17 +324,17 @@ pub enum QuantityError {
     /// A comma where a decimal point should be.
     #[error("\"{0}\" has a comma: write the decimal point as \".\", and no separators")]
     Comma(String),
-    /// A unit of something else.
+    /// A unit of another dimension.
     #[error("{unit} is a unit of {}, not of {}", found.noun(), wanted.noun())]
     WrongDimension {
         /// The unit given.
         unit: &'static str,
-        /// What it measures.
+        /// Its dimension.
         found: Dimension,
-        /// What was wanted.
+        /// Required dimension.
         wanted: Dimension,
     },
-    /// A number without a unit that is not plausible.
+    /// An implausible number without a unit.
     #[error(transparent)]
     Implausible(#[from] Implausible),
 }
@@ -378,8 +378,8 @@ pub fn parse_argument(text: &str, dimension: Dimension) -> Result<f64, QuantityE
     }
 }
 
-/// Reads a command-line argument as [`parse_argument`], and refuses a bare number that is not plausible for a quantity that usually is
-/// between two numbers (SI units).
+/// Reads a command-line argument as [`parse_argument`], and refuses a bare number that is implausible for a quantity with the given
+/// usual range (SI units).
 ///
 /// # Errors
 /// [`QuantityError`].
@@ -396,8 +396,8 @@ pub fn parse_plausible(
     Ok(value)
 }
 
-/// The longest part at the front that is a number, and the rest, both trimmed. A letter directly after a number that is a word, such as
-/// `inf` or `nan`, makes it another word.
+/// Splits a text into the longest leading number and the rest, both trimmed. Words such as `inf` or `nan` are numbers unless a letter
+/// follows directly.
 fn split_number(text: &str) -> Option<(&str, &str)> {
     let is_number = |(number, rest): &(&str, &str)| {
         let is_word =
@@ -412,7 +412,7 @@ fn split_number(text: &str) -> Option<(&str, &str)> {
         .map(|(number, rest)| (number.trim(), rest.trim()))
 }
 
-/// The value of a decimal number in a unit, rounded once. `number` must be one.
+/// Value of a decimal number in a unit, rounded once. `number` must be a valid number.
 fn scaled(number: &str, scale: Scale) -> f64 {
     let value: f64 = number.parse().unwrap_or(f64::NAN);
     let power = match scale {
@@ -420,7 +420,7 @@ fn scaled(number: &str, scale: Scale) -> f64 {
         Scale::PowerOfTen(power) => power,
     };
     let (digits, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
-    // Words such as "inf" have no exponent, and one beyond an i32 makes no sense.
+    // Words such as "inf" have no exponent, and an exponent beyond an i32 is meaningless.
     let Ok(exponent) = exponent.parse::<i32>() else {
         return value;
     };
@@ -429,7 +429,7 @@ fn scaled(number: &str, scale: Scale) -> f64 {
         .unwrap_or(value)
 }
 
-/// Writes a value in SI units so that reading it gives the same bits: `"2.2 mm"`, or a plain
+/// Writes a value in SI units so that reading it returns the same bits: `"2.2 mm"`, or a plain
 /// number.
 #[must_use]
 pub fn format_quantity(value: f64, dimension: Dimension) -> String {
@@ -549,7 +549,7 @@ mod tests {
         assert!(length_of("inf m").is_infinite() && length_of("inf  um").is_infinite());
     }
 
-    /// A forgotten unit: each number with what it probably stands for, of the quantity alone.
+    /// A forgotten unit: each number with its probable meaning, from the quantity alone.
     #[test]
     fn bare_numbers_that_are_not_plausible() {
         let read = |text: &str, dimension: Dimension| {

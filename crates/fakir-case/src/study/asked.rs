@@ -1,9 +1,9 @@
-//! What is asked about the cases of a study, and how axes make them.
+//! Questions of a study, and the combination of axes to cases.
 
 use crate::parts::Words;
 use fakir::problem::{CyclePlan, Load};
 
-/// What is asked about every case.
+/// Question about every case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Asked {
     /// The critical state.
@@ -13,7 +13,7 @@ pub enum Asked {
     Press,
     /// Loading and unloading with adhesion.
     Cycle,
-    /// How a floor that sticks collapses and lets go, by the fast model of a collapsed floor and by closed forms.
+    /// Collapse and detachment of an adhesive floor, by the fast model of a collapsed floor and by closed forms.
     Collapse,
 }
 
@@ -34,7 +34,7 @@ impl Asked {
     }
 }
 
-/// How the axes of a study make its cases.
+/// Combination of the axes of a study to cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Combine {
     /// Every value of an axis with every value of the others; the last axis varies fastest.
@@ -49,13 +49,13 @@ impl Words for Combine {
         &[("product", Self::Product), ("zip", Self::Zip)];
 }
 
-/// What is asked about one case.
+/// Question about one case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Question {
-    /// The contact at a load, or where the floor is reached.
+    /// The contact at a load, or the critical state.
     Contact(Load),
     /// Loading and unloading with adhesion.
     Cycle(CyclePlan),
-    /// How a floor that sticks collapses and lets go.
+    /// Collapse and detachment of an adhesive floor.
     Collapse,
 }

@@ -1,4 +1,4 @@
-//! What a study varies, and over which values.
+//! Variables of a study, and their values.
 
 use crate::file::Measured;
 use crate::key::{Key, Kind, root};
@@ -10,7 +10,7 @@ use strsim::levenshtein;
 /// The value of a variable in a case.
 pub use crate::key::Setting as Coordinate;
 
-/// What an axis of a study varies: a key of the case, or the load that is asked about.
+/// Variable of an axis of a study: a key of the case, or the load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variable {
     /// A key of the case.
@@ -22,7 +22,7 @@ pub enum Variable {
 }
 
 impl Variable {
-    /// How a study names it: `"texture.surface_fraction"`, `"indentation"`.
+    /// Name in a study: `"texture.surface_fraction"`, `"indentation"`.
     #[must_use]
     pub fn path(self) -> &'static str {
         match self {
@@ -32,8 +32,9 @@ impl Variable {
         }
     }
 
-    /// Its name as a column, with its unit: `"substrate.young_modulus_Pa"`. A prescribed load is
-    /// `"load.indentation_m"` or `"load.force_N"`, apart from indentation and force as results.
+    /// Name as a column, with its unit: `"substrate.young_modulus_Pa"`. A prescribed load is
+    /// `"load.indentation_m"` or `"load.force_N"`, which distinguishes it from indentation and
+    /// force as results.
     #[must_use]
     pub fn column(self) -> String {
         match (self, self.dimension()) {
@@ -45,7 +46,7 @@ impl Variable {
         }
     }
 
-    /// What its values measure; `None` if they are words.
+    /// Dimension of its values; `None` if they are words.
     #[must_use]
     pub fn dimension(self) -> Option<Dimension> {
         match self {
@@ -58,7 +59,7 @@ impl Variable {
         }
     }
 
-    /// What its numbers stand for; plain numbers if they are words.
+    /// Meaning of its numbers; plain numbers if they are words.
     pub(crate) fn measured(self) -> Measured {
         match self {
             Self::Key(key) => Measured::by(key),
@@ -70,7 +71,7 @@ impl Variable {
         !matches!(self, Self::Key(_))
     }
 
-    /// The variable that cannot be given together with it.
+    /// The variable that it excludes.
     pub(crate) fn alternative(self) -> Option<Self> {
         match self {
             Self::Key(key) => key.alternative().map(Self::Key),
@@ -79,7 +80,7 @@ impl Variable {
         }
     }
 
-    /// A value of the variable as it is written in TOML.
+    /// A value of the variable as written in TOML.
     pub(crate) fn written(self, value: f64) -> String {
         match self {
             Self::Key(key) => key.written_number(value),
@@ -90,14 +91,14 @@ impl Variable {
         }
     }
 
-    /// Every variable of cases with a general surface, or of those with a texture.
+    /// All variables of cases with a general surface, or with a texture.
     fn all(surface: bool) -> impl Iterator<Item = Self> {
         let keys = Key::ALL.into_iter();
         let keys = keys.filter(move |key| key.is_of_bodies() || key.is_of_surface() == surface);
         keys.map(Self::Key).chain([Self::Indentation, Self::Force])
     }
 
-    /// The variable of that path, or of that last name.
+    /// Returns the variable with that path or last name.
     pub(crate) fn named(name: &str, surface: bool) -> Result<Self, Unnamed> {
         if let Some(variable) = Self::all(surface).find(|variable| variable.is_at(name)) {
             return Ok(variable);
@@ -138,17 +139,17 @@ fn last_part(path: &'static str) -> &'static str {
     path.rsplit_once('.').map_or(path, |(_, name)| name)
 }
 
-/// Why no variable has a name.
+/// Reason why a name is not that of a variable.
 pub(crate) enum Unnamed {
     Unknown(Option<&'static str>),
     Ambiguous(Vec<Variable>),
-    /// A key of a texture where the case has a general surface, or the other way round.
+    /// A key of a texture although the case has a general surface, or vice versa.
     OfTheOther {
         surface: bool,
     },
 }
 
-/// What `name` may have been meant to be: a path, or a last name if that is enough.
+/// Suggestion for a misspelt name: a path, or a last name if that is sufficient.
 fn similar(name: &str, surface: bool) -> Option<&'static str> {
     // The right name in the wrong table is more likely than a misspelling.
     let misplaced = name
@@ -184,22 +185,22 @@ pub(crate) enum Values {
     Range(Range),
 }
 
-/// Numbers from one to another, both included.
+/// Numbers from one to another, both inclusive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Range {
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// How many numbers there are, at least 2.
+    /// Number of values, at least 2.
     pub(crate) points: usize,
     pub(crate) spacing: PointSpacing,
 }
 
-/// How the points of a range are spaced.
+/// Spacing of the points of a range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PointSpacing {
-    /// At equal differences.
+    /// Equal differences.
     Linear,
-    /// At equal ratios.
+    /// Equal ratios.
     Log,
 }
 
@@ -208,7 +209,7 @@ impl Words for PointSpacing {
 }
 
 impl Range {
-    /// The value of a point, the same on every machine.
+    /// Value of a point, identical on every machine.
     fn at(&self, point: usize) -> f64 {
         let last = self.points - 1;
         if point == 0 {
@@ -226,13 +227,13 @@ impl Range {
 }
 
 impl Axis {
-    /// What it varies.
+    /// Variable.
     #[must_use]
     pub fn variable(&self) -> Variable {
         self.variable
     }
 
-    /// How many values it has, at least one.
+    /// Number of values, at least one.
     #[must_use]
     #[allow(clippy::len_without_is_empty)] // it never is
     pub fn len(&self) -> usize {
@@ -259,7 +260,7 @@ impl Axis {
         !matches!(self.values, Values::Words(_))
     }
 
-    /// A value as in a study file: `texture.pitch = "20 um"`.
+    /// A value as written in a study file: `texture.pitch = "20 um"`.
     pub(crate) fn setting(&self, step: usize) -> String {
         let value = match self.value(step) {
             Coordinate::Number(number) => self.variable.written(number),

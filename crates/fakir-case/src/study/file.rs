@@ -11,7 +11,7 @@ use crate::key::{Key, root};
 use crate::unit::format_quantity;
 use fakir::problem::{CyclePlan, Drive, Load};
 
-/// The most cases that a study can have.
+/// Largest number of cases of a study.
 pub const MAXIMUM_CASES: usize = 10_000_000;
 
 /// A study file that has been read, with the overrides applied so far.
@@ -34,12 +34,12 @@ pub(super) struct FixedLoad {
     pub(super) place: Place,
 }
 
-/// An axis and where it was given.
+/// An axis with its position.
 #[derive(Debug, Clone)]
 pub(super) struct Varied {
     pub(super) axis: Axis,
     pub(super) name: Place,
-    /// Where every item of its list stands, or its range as a whole.
+    /// Position of every item of its list, or of its range as a whole.
     pub(super) items: Vec<Place>,
 }
 
@@ -52,16 +52,16 @@ impl Varied {
 /// One case of a study.
 #[derive(Debug, Clone)]
 pub struct StudyCase {
-    /// What is pressed, and how it is solved.
+    /// System and method.
     pub case: StudiedCase,
-    /// What is asked.
+    /// Question.
     pub question: Question,
     /// The value of every axis.
     pub coordinates: Vec<Coordinate>,
 }
 
 impl StudyFile {
-    /// Overrides one key of the case, as [`CaseFile::set`]; not one that is an axis.
+    /// Overrides one key of the case, as [`CaseFile::set`]; an axis cannot be overridden.
     ///
     /// # Errors
     /// [`CaseError`].
@@ -136,7 +136,8 @@ impl StudyFile {
         Ok(cases)
     }
 
-    /// Whether there is a load exactly where one is asked for. `question` is where that is said.
+    /// Checks that there is a load if and only if the question requires one. `question` is its
+    /// position.
     pub(super) fn check_load(&self, question: Option<&Place>) -> Result<(), CaseError> {
         let axis = self
             .varied
@@ -171,7 +172,7 @@ impl StudyFile {
                     "give indentation = \"3 um\" or force = \"20 uN\" in [study], or one of them as an axis",
                 ))
             }
-            // Loads of a cycle say where it turns back; without one it does so at the critical state.
+            // The load of a cycle is its unloading point; the default is the critical state.
             _ => Ok(()),
         }
     }
@@ -205,7 +206,7 @@ impl StudyFile {
         of_keys.map(|(_, step)| step).collect()
     }
 
-    /// Whether a case of a file can be.
+    /// Checks a case of a file.
     fn check(&self, case: StudiedCase) -> Result<(), CaseError> {
         match case {
             StudiedCase::Texture(_) | StudiedCase::Rounded(_) => Ok(()),
@@ -217,7 +218,7 @@ impl StudyFile {
         self.resolve_with(index, |_| true)
     }
 
-    /// Keys that change no answer of any case, in words.
+    /// Warnings about keys without effect in any case.
     pub(super) fn without_effect(&self, cases: usize) -> Vec<String> {
         let is_axis = |key| {
             let mut axes = self.varied.iter();
@@ -249,7 +250,7 @@ impl StudyFile {
             .collect()
     }
 
-    /// The file and the load of a case that only some axes, by number, make different from the case of the file, and its values along these.
+    /// File, load and axis values of a case to which only some axes, by number, are applied.
     fn posed(
         &self,
         index: usize,
@@ -282,7 +283,7 @@ impl StudyFile {
         Ok((file, load, coordinates))
     }
 
-    /// A case that only some axes, by number, make different from the case of the file.
+    /// A case to which only some axes, by number, are applied.
     fn resolve_with(
         &self,
         index: usize,
@@ -307,7 +308,7 @@ impl StudyFile {
         })
     }
 
-    /// Where the methods are varied, the case's keys for others than that of this case.
+    /// If the methods are varied, the keys for methods other than that of this case.
     fn leave_out_idle_keys(&self, file: &mut CaseFile, steps: &[usize]) {
         for (varied, step) in self.varied.iter().zip(steps) {
             let Values::Words(words) = &varied.axis.values else {
@@ -329,7 +330,7 @@ impl StudyFile {
         }
     }
 
-    /// The values of all axes, as in a study file.
+    /// Values of all axes, as in a study file.
     pub(super) fn settings(&self, steps: &[usize]) -> String {
         let axes = self.varied.iter().zip(steps);
         let settings: Vec<_> = axes
@@ -338,9 +339,9 @@ impl StudyFile {
         settings.join(", ")
     }
 
-    /// The error of a case, at an axis, with the combination of values that it comes from.
+    /// Error of a case, at an axis, with the combination of values that causes it.
     pub(super) fn blame(&self, error: CaseError, index: usize) -> CaseError {
-        // What is wrong with or without axes is the fault of the case alone.
+        // An error that also occurs without axes is an error of the case.
         let of_file = StudiedCase::of(self.case.clone(), self.asked);
         if let Err(alone) = of_file.and_then(|case| self.check(case))
             && alone.one_line() == error.one_line()
@@ -356,9 +357,9 @@ impl StudyFile {
         }
         let axes = 0..steps.len();
         let number = match index.checked_sub(1).map(|before| self.steps(before)) {
-            // The slowest axis that changed since the case before, which was good.
+            // The slowest axis that has changed since the previous case, which was valid.
             Some(before) => axes.into_iter().find(|axis| before[*axis] != steps[*axis]),
-            // The axis without which there would be no error.
+            // The axis that causes the error.
             None => axes.into_iter().find(|axis| {
                 let without = self.resolve_with(index, |other| other != *axis);
                 without.and_then(|case| self.check(case.case)).is_ok()

@@ -1,4 +1,4 @@
-//! Study files: a case, and what of it is varied.
+//! Study files: a case, and the axes along which it is varied.
 //!
 //! ```
 //! # let case = fakir_case::Case::example().to_toml();
@@ -19,12 +19,12 @@
 //! # Ok::<(), fakir_case::CaseError>(())
 //! ```
 //!
-//! * The case is in the same file, or `[study]` names its file: `case = "paper-soft.toml"`, sought
-//!   next to the study. An axis takes the place of what the case gives.
-//! * An axis is named by a [`Key`](crate::Key), in full or by its last name where that says which, or
-//!   by `indentation` or `force`. Cases are in the order of the file, the last axis varying fastest.
+//! * The case is in the same file, or `[study]` names its file, such as `case = "paper-soft.toml"`
+//!   next to the study. An axis replaces the value in the case.
+//! * An axis is named by a [`Key`](crate::Key), in full or by its last name if it is unique, or by
+//!   `indentation` or `force`. Cases are in the order of the file; the last axis varies fastest.
 //! * A case with a general `[surface]` has axes over keys of lens, substrate and surface.
-//! * Where `method.name` is an axis, other keys of `[method]` count for the methods that have them.
+//! * If `method.name` is an axis, other keys of `[method]` apply to the methods that have them.
 
 mod asked;
 mod axis;
@@ -50,10 +50,10 @@ use posed::Surfaces;
 use std::fmt::Write;
 
 impl StudyFile {
-    /// The study that the file and its overrides describe, every case of it looked at.
+    /// Builds the study that the file and its overrides describe, and checks all cases.
     ///
     /// # Errors
-    /// [`CaseError`] for axes that do not fit together, and for the first case that cannot be.
+    /// [`CaseError`] for incompatible axes, and for the first invalid case.
     pub fn study(self) -> Result<Study, CaseError> {
         let cases = self.number_of_cases()?;
         let mut examples: Vec<Case> = Vec::new();
@@ -93,7 +93,7 @@ impl StudyFile {
     }
 }
 
-/// A study: a question about many cases, all of which can be.
+/// A study: a question about many valid cases.
 #[derive(Debug, Clone)]
 pub struct Study {
     file: StudyFile,
@@ -111,13 +111,13 @@ pub struct Study {
 }
 
 impl Study {
-    /// What is asked about every case.
+    /// Question about every case.
     #[must_use]
     pub fn asked(&self) -> Asked {
         self.file.asked
     }
 
-    /// How the axes make the cases.
+    /// Combination of the axes to cases.
     #[must_use]
     pub fn combine(&self) -> Combine {
         self.file.combine
@@ -128,7 +128,7 @@ impl Study {
         self.file.varied.iter().map(|varied| &varied.axis)
     }
 
-    /// How many cases it has.
+    /// Number of cases.
     #[must_use]
     pub fn cases(&self) -> usize {
         self.cases
@@ -157,7 +157,7 @@ impl Study {
         axes.map(|(axis, step)| axis.value(step)).collect()
     }
 
-    /// A case in words, as in a study file: `texture.pitch = "10 um", texture.offset = 0.5`.
+    /// Description of a case, as in a study file: `texture.pitch = "10 um", texture.offset = 0.5`.
     ///
     /// # Panics
     /// If there are no more than `index` cases.
@@ -176,14 +176,14 @@ impl Study {
         }
     }
 
-    /// General surfaces of its cases, one of each kind and choice of keys; none of textures.
+    /// General surfaces of its cases, one of each kind and set of keys; empty for textures.
     #[must_use]
     pub fn surfaces(&self) -> &[SurfaceExample] {
         &self.surfaces.examples
     }
 
-    /// Cells of the general surface of a case; 0 of a texture, and of a surface that takes more memory
-    /// than a computation may by default.
+    /// Number of cells of the general surface of a case; 0 for a texture, and for a surface that
+    /// exceeds the default memory limit.
     ///
     /// # Panics
     /// If there are no more than `index` cases.
@@ -193,7 +193,7 @@ impl Study {
         self.surfaces.cells(&self.file.steps_of_keys(index))
     }
 
-    /// The methods that cases with pillars are solved with.
+    /// Methods of cases with pillars.
     #[must_use]
     pub fn methods(&self) -> Vec<Method> {
         let rounded = self.rounded.iter();
@@ -202,7 +202,7 @@ impl Study {
         flat.chain(rounded).collect()
     }
 
-    /// Whether pillar tops stick in any of its cases.
+    /// Whether pillar tops are adhesive in any of its cases.
     #[must_use]
     pub fn has_adhesion(&self) -> bool {
         self.sticks
@@ -214,21 +214,21 @@ impl Study {
         self.layered
     }
 
-    /// What to be careful about: keys that change no answer of any case, each with the reason.
+    /// Warnings: keys without effect in any case, each with the reason.
     #[must_use]
     pub fn without_effect(&self) -> &[String] {
         &self.without_effect
     }
 
-    /// What to be careful about in the study as it is written: deprecated names, and keys [without effect](Self::without_effect).
+    /// Warnings about the study file: deprecated names, and keys [without effect](Self::without_effect).
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let deprecations = self.file.case.deprecations();
         [deprecations.as_slice(), self.without_effect()].concat()
     }
 
-    /// The study as a study file. It depends on the study alone, and reading it gives the same
-    /// study, bit for bit.
+    /// The study as a study file. It depends only on the study; reading it gives the same study,
+    /// bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> &str {
         &self.text
@@ -247,7 +247,8 @@ impl Study {
         {
             let _ = writeln!(text, "{} = {}", variable.path(), variable.written(*value));
         }
-        // What is the default is not written, so that journals of before there were drives can be gone on with.
+        // The default is not written, so that journals from before the introduction of loading modes can be
+        // continued.
         if file.drive != Drive::Displacement {
             let _ = writeln!(text, "drive = \"{}\"", file.drive.name());
         }

@@ -1,4 +1,4 @@
-//! What a case of a study is of: a texture, or a general surface.
+//! Kind of a case of a study: a texture, or a general surface.
 
 use super::asked::Asked;
 use crate::any_case::AnyCase;
@@ -12,20 +12,20 @@ use fakir::problem::Question;
 use fakir::state::Run;
 use std::collections::BTreeMap;
 
-/// What is pressed in a case of a study, and how it is solved.
+/// System of a case of a study, and its method.
 #[derive(Debug, Clone)]
 pub enum StudiedCase {
     /// A texture.
     Texture(Box<Case>),
     /// Pillars with rounded tops.
     Rounded(Box<RoundedCase>),
-    /// A general surface, as the case file that describes it: it is drawn when it is solved, on a grid
-    /// that is wide enough.
+    /// A general surface, as its case file: it is generated when it is solved, on a sufficiently wide
+    /// grid.
     Surface(Box<CaseFile>),
 }
 
 impl StudiedCase {
-    /// The case of a file, of which something can be asked.
+    /// Returns the case of a file and checks that it supports the question.
     pub(super) fn of(file: CaseFile, asked: Asked) -> Result<Self, CaseError> {
         let of_adhesion = matches!(asked, Asked::Cycle | Asked::Collapse);
         let question = match asked {
@@ -33,7 +33,13 @@ impl StudiedCase {
             Asked::Transition => Question::Transition,
             Asked::Cycle | Asked::Collapse => Question::Cycle,
         };
-        let case = match file.any_case(&[Question::Sweep, question])? {
+        file.check_surface(&[Question::Sweep, question])?;
+        // Of pillars a combination without an answer is a row with the reason.
+        let of_pillars = match of_adhesion {
+            true => &[Question::Cycle][..],
+            false => &[],
+        };
+        let case = match file.any_case(of_pillars)? {
             AnyCase::HeightMap(file) => return Ok(Self::Surface(file)),
             AnyCase::Asperities(case) => return Ok(Self::Rounded(case)),
             AnyCase::Pillars(case) => case,
@@ -54,18 +60,18 @@ impl StudiedCase {
     }
 }
 
-/// The general surfaces of a study that were looked at.
+/// The general surfaces of a study that have been checked.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Surfaces {
-    /// One of each kind, and of each choice of keys.
+    /// One of each kind and of each set of keys.
     pub(super) examples: Vec<SurfaceExample>,
-    /// Cells of each surface, by the steps along the axes that are no loads; none of a surface that
-    /// takes more memory than there is by default.
+    /// Number of cells of each surface, by the steps along the axes that are not loads; `None` for
+    /// a surface that exceeds the default memory limit.
     cells: BTreeMap<Vec<usize>, usize>,
 }
 
 impl Surfaces {
-    /// Looks at the surface of a case, if no other case with these steps has had it.
+    /// Checks the surface of a case, unless it was checked in another case with these steps.
     pub(super) fn look(
         &mut self,
         steps: Vec<usize>,
@@ -88,8 +94,8 @@ impl Surfaces {
     }
 }
 
-/// Draws or reads a surface to see whether it can be. One that takes more memory than a computation
-/// may by default is not drawn: the limit of the sweep tells whether it can be solved.
+/// Generates or reads a surface to check it. A surface that exceeds the default memory limit is not
+/// generated: the limit of the sweep decides whether it can be solved.
 pub(super) fn looked_at(
     file: &CaseFile,
     asked: Asked,

@@ -26,8 +26,8 @@ impl StudyFile {
     /// Reads a file, and the case file that it names.
     ///
     /// # Errors
-    /// [`CaseError`] if a file cannot be read, is not UTF-8 or TOML, or has a key that no study
-    /// has, and for axes that cannot be. Cases are looked at by [`study`](Self::study).
+    /// [`CaseError`] if a file cannot be read, is not UTF-8 or TOML, or contains an unknown key,
+    /// and for invalid axes. [`study`](Self::study) checks the cases.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let name = path.display().to_string();
         let bytes = input::read(path, LARGEST_STUDY).map_err(|error| {
@@ -41,8 +41,8 @@ impl StudyFile {
         Self::of_text(&name, &text, &folder)
     }
 
-    /// Reads the contents of a file; `name` is what errors call it. A case file that it names is
-    /// sought in the current folder.
+    /// Reads the contents of a file; `name` is its name in errors. A case file that it names is
+    /// searched for in the current folder.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -162,7 +162,7 @@ fn named_case(folder: &Path, name: &str, place: &Place) -> Result<CaseFile, Case
 #[derive(Default)]
 struct Settings {
     asked: Asked,
-    /// Where the question is given.
+    /// Position of the question.
     question: Option<Place>,
     combine: Combine,
     load: Option<FixedLoad>,
@@ -170,11 +170,11 @@ struct Settings {
     case: Option<(String, Place)>,
 }
 
-/// What moves the lens in a cycle, as it is given.
+/// Loading mode of a cycle, as given.
 #[derive(Default)]
 struct Driven {
     name: Option<(DriveName, Place)>,
-    /// N/m.
+    /// Stiffness, N/m.
     stiffness: Option<(f64, Place)>,
 }
 
@@ -229,7 +229,7 @@ impl Driven {
 
 struct Reader<'s> {
     source: &'s Source,
-    /// Files that axes name are sought there.
+    /// Folder of files that axes name.
     folder: &'s Path,
     /// Whether the case has a general surface.
     surface: bool,
@@ -361,7 +361,7 @@ impl Reader<'_> {
         };
         let mut varied = Vec::new();
         self.collect("", self.table("axes", value)?, &mut varied)?;
-        // Dotted names may stand apart from each other.
+        // Entries with dotted names need not be adjacent.
         varied.sort_by_key(|axis| axis.name.span.start);
         if varied.is_empty() {
             return Err(
@@ -374,7 +374,7 @@ impl Reader<'_> {
         Ok(varied)
     }
 
-    /// The axes of a table, `path` in that of the axes: names with dots are tables in tables.
+    /// Axes of a table at `path` inside the table of the axes: names with dots are nested tables.
     fn collect(
         &self,
         path: &str,
@@ -418,7 +418,7 @@ impl Reader<'_> {
             }
         };
         if let (Variable::Key(Key::HeightMap), Values::Words(names)) = (variable, &mut values) {
-            // A study that is written elsewhere, as in a journal, must find them too.
+            // Paths must also be valid for a study that is written elsewhere, as in a journal.
             for name in names {
                 let path = self.folder.join(&*name);
                 let path = std::path::absolute(&path).unwrap_or(path);
