@@ -14,16 +14,16 @@
 //!
 //! [texture]
 //! lattice = "hexagonal"
-//! surface_fraction = 0.1        # or pitch = "18.07 um": exactly one of them
-//! offset = 0                    # of the lens axis from a pillar centre, in pitches ...
-//! offset_angle = "0 deg"        # ... in this direction from x
+//! surface_fraction = 0.1        # or pitch = "18.07 um"; give exactly one of them
+//! offset = 0                    # distance between lens axis and a pillar centre, in pitches
+//! offset_angle = "0 deg"        # direction of the offset; x points to a second neighbour
 //!
 //! [texture.pillar]
 //! diameter = "6 um"
 //! height = "2.2 um"
 //! compliance = "column"         # or "none"
 //!
-//! [adhesion]                    # may be left out: nothing sticks
+//! [adhesion]                    # may be left out: no adhesion
 //! work = "50 mJ/m2"
 //!
 //! [method]
@@ -46,10 +46,10 @@
 //!
 //! ```toml
 //! [surface]
-//! height_map = "measured.npy"   # sought next to the case file; or .npz, or plain numbers
-//! height_unit = "1 um"          # what a height of 1 in the file stands for; 1 m if left out
-//! cell_size = "0.5 um"          # or width = "100 um", along x: exactly one of them
-//! floor = "0.2 um"              # the floor is what is at or below this height
+//! height_map = "measured.npy"   # next to the case file; or .npz, or plain numbers
+//! height_unit = "1 um"          # unit of the heights in the file; default: 1 m
+//! cell_size = "0.5 um"          # or width = "100 um", along x; give exactly one of them
+//! floor = "0.2 um"              # the surface at or below this height is the floor
 //! ```
 //!
 //! or pillars of any shape and arrangement ([`fakir::problem::pattern`]):
