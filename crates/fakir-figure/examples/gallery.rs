@@ -1,4 +1,4 @@
-//! Every figure, of the paper's lens and pillars, written to the folder given as argument.
+//! Writes every figure, for the paper's lens and pillars, to the folder given as argument.
 
 use fakir::problem::{
     HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What shows single states.
+/// Figures of single states.
 fn states(folder: &Path, surface_fraction: f64, offset: f64) -> Result<(), Box<dyn Error>> {
     let run = Run::default();
     let system = system(2e6, surface_fraction, offset)?;
@@ -140,7 +140,7 @@ fn phases() -> Result<Figure, Box<dyn Error>> {
     }))
 }
 
-/// Critical forces for pillars whose heights are spread by five per cent.
+/// Critical forces for pillars whose heights scatter by five per cent.
 fn spread() -> Result<Figure, Box<dyn Error>> {
     let mut values = Vec::new();
     for k in 0..2000 {
@@ -294,7 +294,7 @@ fn column(
     })
 }
 
-/// Made-up points that show how measured ones look.
+/// Invented points, to show the style of measured points.
 fn measured() -> Vec<Measured> {
     [(0.004, 3.0), (0.012, 9.0), (0.05, 150.0)]
         .into_iter()

@@ -1,10 +1,10 @@
-//! Writes three synthetic measurements in the styles of different instruments into a folder, to try `fakir fit` on. All are of the paper's
-//! intermediate substrate, but of 1.4 MPa, and have normal noise:
+//! Writes three synthetic measurements in the formats of different instruments to a folder, as examples for `fakir fit`. All are for the
+//! paper's intermediate substrate, with a modulus of 1.4 MPa, and have normal noise:
 //!
-//! * `nanoindenter.txt`: a surface fraction of 0.01, loading to 2.4 um and back within 60 s, read in nm and uN, with the contact at 500 nm, a machine
-//!   that gives way by 2 mm/N, and a displacement that drifts by 60 nm in that time; noise 0.3 uN;
-//! * `tester.csv`: a surface fraction of 0.01, approach through the transition to 3.4 um and retraction, read in mm and mN with decimal commas, with
-//!   the contact at 12 um, a machine that gives way by 2 mm/N, and 5 uN read without any force; noise 0.5 uN;
+//! * `nanoindenter.txt`: a surface fraction of 0.01, loading to 2.4 um and back within 60 s, in nm and uN, with the contact point at 500 nm, a
+//!   machine compliance of 2 mm/N, and a displacement drift of 60 nm in that time; noise 0.3 uN;
+//! * `tester.csv`: a surface fraction of 0.01, loading through the transition to 3.4 um and unloading, in mm and mN with decimal commas, with the
+//!   contact point at 12 um, a machine compliance of 2 mm/N, and a reading of 5 uN without any force; noise 0.5 uN;
 //! * `microscope.csv`: a surface fraction of 0.05, forces up to 0.55 mN and contact radii in um; noise 0.3 um.
 //!
 //! `cargo run --example synthetic_instruments examples/fit`
@@ -57,7 +57,7 @@ fn contact(case: &Case, indentation: f64) -> Result<[f64; 2], Box<dyn Error>> {
     Ok([state.force, state.contact_radius])
 }
 
-/// Indentations from 0.3 um before contact to the deepest one, and back to where it began.
+/// Indentations from 0.3 um before contact to the largest one, and back to the start.
 fn there_and_back(deepest: f64, steps: u32) -> Vec<f64> {
     let at = |step: u32| -0.3e-6 + (deepest + 0.3e-6) * f64::from(step) / f64::from(steps);
     (0..=steps).chain((0..steps).rev()).map(at).collect()

@@ -1,6 +1,7 @@
-//! Writes a synthetic loading experiment to standard output, to try `fakir fit` on: the paper's
-//! intermediate substrate at a surface fraction of 0.01, but of 1.4 MPa, read by an instrument that
-//! gives way by 2 mm/N, with the contact at 3 um, and normal noise of 0.5 uN on the force.
+//! Writes a synthetic loading experiment to standard output, as an example for `fakir fit`: the
+//! paper's intermediate substrate at a surface fraction of 0.01, with a modulus of 1.4 MPa. The
+//! machine compliance is 2 mm/N, the contact point is at 3 um, and the normal noise of the force is
+//! 0.5 uN.
 //!
 //! `cargo run -p fakir-inverse --example synthetic_loading > examples/fit/loading.csv`
 

@@ -1,6 +1,7 @@
-//! Writes a synthetic loading and retraction to standard output, to try `fakir fit` on: the paper's intermediate substrate
-//! at a surface fraction of 0.03, but of 1.4 MPa, with tops that stick by 35 mJ/m^2, under a lens that lands beside a
-//! pillar. The instrument has its contact at 3 um, reads 2 uN without any force, and has normal noise of 0.5 uN.
+//! Writes a synthetic measurement of loading and unloading to standard output, as an example for `fakir fit`: the paper's
+//! intermediate substrate at a surface fraction of 0.03, with a modulus of 1.4 MPa and a work of adhesion of 35 mJ/m^2 on
+//! the tops; the lens axis is beside a pillar. The contact point is at 3 um, the reading without any force is 2 uN, and
+//! the normal noise 0.5 uN.
 //!
 //! `cargo run -p fakir-inverse --example synthetic_retraction > examples/fit/retraction.csv`
 
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         file.set(truth)?;
     }
     let case = file.case()?;
-    // The last reading is not beyond the curve by rounding.
+    // Rounding must not move the last reading beyond the curve.
     let plan = CyclePlan {
         turn: Turn::Indentation(TURN * (1.0 + 1e-9)),
         ..CyclePlan::default()
@@ -39,7 +40,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("# Synthetic: crates/fakir-inverse/examples/synthetic_retraction.rs has the truth.");
     println!("branch,displacement_m,force_N");
     for branch in [Branch::Loading, Branch::Unloading] {
-        // From 0.3 um before contact to the turn, and back until long after the last release.
+        // From 0.3 um before contact to the unloading point, and back until long after the last
+        // detachment.
         let readings: Vec<f64> = match branch {
             Branch::Loading => (0..48).rev().map(|k| TURN - STEP * f64::from(k)).collect(),
             Branch::Unloading => (1..72).map(|k| TURN - STEP * f64::from(k)).collect(),
@@ -54,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The force on a branch of a curve that is straight between stations; none outside of contact.
+/// Force on a branch of a curve that is linear between load steps; zero outside the contact.
 fn force_at(stations: &[CycleStation], branch: Branch, indentation: f64) -> f64 {
     let between = |pair: &&[CycleStation]| {
         let ends = [pair[0].indentation, pair[1].indentation];

@@ -1,6 +1,6 @@
-//! What well-formed case files mean, and that they survive writing and reading.
+//! Meaning of valid case files, and their round trip through writing and reading.
 
-// Numbers are read to the last bit.
+// Numbers are read exactly.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use fakir::problem::{
@@ -65,7 +65,7 @@ fn examples_are_the_systems_of_the_paper() {
     assert_eq!(Case::example().system, intermediate);
 }
 
-/// The last name of a key is enough where no other key of such a case has it.
+/// The last name of a key is sufficient if it is unique in such a case.
 #[test]
 fn overrides_by_the_last_name_of_a_key() {
     for (short, whole) in [
@@ -78,7 +78,7 @@ fn overrides_by_the_last_name_of_a_key() {
     }
 }
 
-/// 50 mJ/m^2 is 0.05 J/m^2, whichever way it is written, and without the table nothing sticks.
+/// 50 mJ/m^2 is 0.05 J/m^2 in every notation, and without the table there is no adhesion.
 #[test]
 fn works_of_adhesion() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/adhesive.toml");
@@ -116,11 +116,11 @@ fn works_of_adhesion() {
     );
     assert!(text.contains("\nwork_receding = \"80 mJ/m2\" "), "{text}");
     assert_eq!(parse(&text), case);
-    // Two works of zero stick as little as none, and are read back as they are.
+    // Two works of zero mean no adhesion, and are written and read unchanged.
     let zeros = with(&["adhesion.work=0", "adhesion.work_receding=0"]).unwrap();
     assert!(zeros.system.adhesion().is_none());
     assert_eq!(parse(&zeros.to_toml()), zeros);
-    // Without adhesion all methods will do, and the case is written as ever.
+    // Without adhesion all methods are accepted, and the case is written as before.
     let none = with(&["adhesion.work=0", "method.name=love"]).unwrap();
     assert_eq!(none, with(&["method.name=love"]).unwrap());
     assert!(!none.to_toml().contains("adhesion"));
@@ -217,7 +217,7 @@ fn overrides_take_bare_quantities() {
     assert_eq!(system.substrate().young_modulus, 1e9);
 }
 
-/// Per cent moves the decimal point, so that "29 %" is the decimal number 0.29 to the bit.
+/// Per cent shifts the decimal point, so that "29 %" is exactly the decimal number 0.29.
 #[test]
 fn fractions_are_taken_in_per_cent() {
     for (text, number) in [("3%", "0.03"), ("29 %", "0.29"), ("0.7 %", "0.007")] {
@@ -294,8 +294,8 @@ proptest! {
     }
 }
 
-/// A table that has a height and a diameter for every pillar needs no common ones: indentations count from the highest pillar, and results
-/// are reduced by the mean diameter.
+/// A table with a height and a diameter for every pillar needs no common values: indentations are measured from the highest pillar, and
+/// results are normalised by the mean diameter.
 #[test]
 fn a_table_of_whole_pillars_needs_no_common_one() {
     let folder = tempfile::TempDir::new().unwrap();
@@ -320,7 +320,7 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
     let case = read(&rounded).rounded_case().unwrap();
     assert_eq!(case.height, 2.2e-6);
     assert_eq!(case.heights(), [2e-6, 2.2e-6]);
-    // What is given counts, and has to be possible.
+    // Given values are used and must be valid.
     let given = |setting: &str| {
         let mut file = read(&listed);
         file.set(setting).unwrap();
@@ -337,7 +337,7 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
     let wrong = given("texture.pillar.diameter=nan").unwrap_err();
     assert_eq!(wrong.key_path(), Some("texture.pillar.diameter"));
 
-    // Equal diameters are the common one to the bit, as layers and adhesion take it.
+    // Equal diameters equal the common one exactly, as layers and adhesion require.
     let rows = (0..7).map(|k| format!("{k}e-5,0,1e-6,{:e}\n", 0.1e-6 * 3.0));
     let rows = rows.collect::<String>();
     write(
@@ -347,7 +347,7 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
     let case = read(&listed).case().unwrap();
     assert_eq!(case.system.pillar().diameter, 0.1e-6 * 3.0);
 
-    // A column that is not there is asked for, with what would do.
+    // The error for a missing column names it and the alternatives.
     write("pillars.csv", "x_m,y_m,height_m\n0,0,2e-6\n");
     let told = read(&listed).case().unwrap_err().one_line();
     assert!(

@@ -1,5 +1,5 @@
-//! Height maps from files: what NumPy wrote, files made here after the format's definition
-//! (numpy.lib.format), and files that are wrong.
+//! Height maps from files: files written by NumPy, files generated here from the definition of the
+//! format (numpy.lib.format), and invalid files.
 
 use fakir::problem::HeightMap;
 use fakir_case::height_map::{
@@ -11,7 +11,7 @@ use rawzip::{CompressionMethod, ZipArchiveWriter};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// More than any of these files takes, bytes.
+/// Sufficient memory for all of these files, bytes.
 const MEMORY: usize = 100_000_000;
 
 const SCALE: MapScale = MapScale {
@@ -25,7 +25,7 @@ fn fixture(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// What the fixtures hold: three rows of four columns, `10 row + column` nm.
+/// Content of the fixtures: three rows of four columns, `10 row + column` nm.
 fn check(map: &HeightMap) {
     let grid = map.grid();
     assert_eq!((grid.columns(), grid.rows()), (4, 3));
@@ -50,7 +50,7 @@ fn expect(path: &Path) {
     }
 }
 
-/// A file of this content and name, read; what is wrong with it.
+/// Reads a file with the given content and name, and returns the error.
 fn failure(name: &str, content: &[u8]) -> HeightMapError {
     let folder = tempfile::tempdir().expect("a folder for the test");
     let path = folder.path().join(name);
@@ -79,7 +79,7 @@ fn npy(version: u8, kind: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<
     bytes
 }
 
-/// The values of the fixtures, in the order they are stored in.
+/// Values of the fixtures, in storage order.
 fn values(fortran: bool) -> Vec<i32> {
     (0..12)
         .map(|place| {
@@ -165,7 +165,7 @@ fn rows_of_numbers() {
     for text in [
         "0 1 2 3\n10 11 12 13\n20 21 22 23\n",
         "# heights\r\n0, 1, 2, 3\r\n\r\n10,11,12,13 # second\r\n20;21;22;2.3e1",
-        // The first row of an ESRI ASCII grid is the one of largest y.
+        // The first row of an ESRI ASCII grid has the largest y.
         "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9999\n\
          20 21 22 23\n10 11 12 13\n0 1 2 3\n",
     ] {
@@ -174,7 +174,7 @@ fn rows_of_numbers() {
     }
 }
 
-/// A text, read with what is given of its scale.
+/// Reads a text with the given part of its scale.
 fn read_text(text: impl AsRef<[u8]>, scale: &GivenScale) -> Result<HeightMap, HeightMapError> {
     let folder = tempfile::tempdir().expect("a folder for the test");
     let path = folder.path().join("map.txt");
@@ -182,7 +182,7 @@ fn read_text(text: impl AsRef<[u8]>, scale: &GivenScale) -> Result<HeightMap, He
     read_scaled_map(&path, None, scale, MEMORY)
 }
 
-/// Commas stand for decimal points where blanks or semicolons separate the numbers, and separate them where nothing else does.
+/// Commas are decimal commas if blanks or semicolons separate the numbers; otherwise they are separators.
 #[test]
 fn decimal_commas() {
     let given = SCALE.into();
@@ -209,7 +209,8 @@ fn decimal_commas() {
     }
 }
 
-/// All points of a grid in any order: x is 2 um apart and y 1 um, as the scale has it.
+/// All points of a grid in any order, with a spacing of 2 um along x and 1 um along y, as in the
+/// scale.
 #[test]
 fn lists_of_points() {
     let given = SCALE.into();
@@ -226,7 +227,7 @@ fn lists_of_points() {
     }
     let headed = format!("X Y Z\n{}", points(1.0).join("\n"));
     check(&read_text(headed, &given).unwrap());
-    // The width of the outermost points is as good as that of the cells.
+    // The distance of the outermost points is accepted as the width, as is that of the cells.
     for width in [8.0e-6, 6.0e-6] {
         let scale = GivenScale {
             size: Some(MapSize::Width(width)),
@@ -242,7 +243,7 @@ fn lists_of_points() {
     let unknown = GivenScale::default();
     let error = read_text(points(1.0).join("\n"), &unknown).unwrap_err();
     assert!(matches!(error, HeightMapError::NoSize { .. }), "{error}");
-    // A point too few: three columns, which are a map only where they are short.
+    // One point is missing: three columns, which are a map only if they are short.
     let error = read_text(points(1.0)[1..].join("\n"), &given);
     assert_eq!(error.unwrap().grid().rows(), 11);
     let scattered = (0..200).map(|point| format!("{} {} 1\n", point, (point * point) % 97));
@@ -253,7 +254,7 @@ fn lists_of_points() {
     );
 }
 
-/// What Gwyddion writes before a matrix counts where nothing is given, and must be what is given.
+/// The heading of Gwyddion before a matrix is used if nothing is given; otherwise it must agree.
 #[test]
 fn sizes_that_a_file_states() {
     let rows = "0\t1\t2\t3\n10\t11\t12\t13\n20\t21\t22\t23\n";
@@ -442,8 +443,8 @@ fn wrong_texts_are_named() {
     assert!(matches!(read(&missing), Err(HeightMapError::Read { .. })));
 }
 
-/// An archive of one array of zeros: the header says `shape`, and `doubles` follow, of which almost
-/// nothing is left when they are packed.
+/// An archive of one array of zeros: the header contains `shape`, and `doubles` follow, which are
+/// compressed to almost nothing.
 fn packed_zeros(shape: &str, doubles: usize) -> Vec<u8> {
     archive(CompressionMethod::DEFLATE, |file| {
         file.write_all(&npy(1, "<f8", false, shape, &[])).unwrap();
@@ -477,8 +478,8 @@ fn archive(method: CompressionMethod, write: impl Fn(&mut dyn Write)) -> Vec<u8>
     archive.finish().unwrap()
 }
 
-/// Whether this process runs one test alone; if not, runs it in such a process. Memory is that of a whole process, and
-/// other tests run beside this one.
+/// Whether this process runs a single test; if not, runs the test in a separate process. Memory is measured for a
+/// whole process, and other tests run at the same time.
 fn runs_alone(test: &str) -> bool {
     if std::env::var_os("FAKIR_ONE_TEST").is_some() {
         return true;
@@ -491,15 +492,15 @@ fn runs_alone(test: &str) -> bool {
     false
 }
 
-/// Most memory that this process ever had in use, bytes, where it can be known.
+/// Peak memory of this process, bytes, if available.
 fn most_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     Some(1024 * line.split_whitespace().nth(1)?.parse::<u64>().ok()?)
 }
 
-/// An archive of 0.5 MB that would be 512 MB: refused by what its header says; and one whose header
-/// says little is read no further than that, and refused too.
+/// An archive of 0.5 MB that unpacks to 512 MB is refused because of its header. If the header
+/// states a small size, only that much is read, and the archive is refused too.
 #[test]
 fn what_does_not_fit_the_memory_is_refused_before_it_is_unpacked() {
     if !runs_alone("height_map::what_does_not_fit_the_memory_is_refused_before_it_is_unpacked") {
@@ -523,7 +524,7 @@ fn what_does_not_fit_the_memory_is_refused_before_it_is_unpacked() {
         error.contains("it goes on after its last element"),
         "{error}"
     );
-    // A fifth of what is packed.
+    // A fifth of the unpacked size.
     if let (Some(before), Some(after)) = (before, most_memory()) {
         assert!(after < before + 100_000_000, "{before} {after}");
     }

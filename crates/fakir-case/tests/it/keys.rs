@@ -1,6 +1,6 @@
-//! The table of keys: what it says is what holds.
+//! The key table: its statements are correct.
 
-// Bounds are bounds to the last bit.
+// Bounds are exact.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use fakir_case::unit::Dimension;
@@ -9,14 +9,14 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Bound;
 
-/// Bytes that the surfaces here may take.
+/// Memory limit of the surfaces, bytes.
 const MEMORY: usize = 100_000_000;
 
 const BODIES: &str = "lens = { radius = 1e-3, young_modulus = 2e6, poisson_ratio = 0.5 }
 substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }
 ";
 
-/// A case that has this key, or can have it.
+/// A case that has this key or accepts it.
 fn case_for(key: Key) -> CaseFile {
     let of_height_maps = [Key::HeightUnit, Key::CellSize, Key::MapWidth];
     let surface = if !key.table().starts_with("surface") {
@@ -30,13 +30,13 @@ fn case_for(key: Key) -> CaseFile {
     CaseFile::parse("case.toml", &format!("{BODIES}{surface}")).unwrap()
 }
 
-/// The error for this value of a key, if it is the value that is wrong.
+/// The error for this value of a key, if the value is invalid.
 fn refusal(key: Key, value: f64) -> Option<CaseError> {
     let mut file = case_for(key);
     if key == Key::RecedingWorkOfAdhesion {
         file.set_number(Key::WorkOfAdhesion, 1e-3);
     }
-    // The lens of the example needs no word for it.
+    // The example does not name the shape of the lens.
     if let Some((choice, words)) = key.goes_with().filter(|_| key != Key::LensRadius) {
         file.set(&format!("{choice}={}", words[0])).unwrap();
         if choice == Key::Lattice && !["hexagonal", "listed"].contains(&words[0]) {
@@ -83,7 +83,7 @@ fn refusal(key: Key, value: f64) -> Option<CaseError> {
     (is_the_value && error.problem().starts_with("cannot be")).then_some(error)
 }
 
-/// The ranges of the table are those of the solver and of the patterns, which check most of them.
+/// The ranges of the table equal those of the solver and of the patterns, which check most of them.
 #[test]
 fn bounds_are_those_that_hold() {
     let mut bounds = 0;
@@ -119,7 +119,7 @@ fn bounds_are_those_that_hold() {
     assert!(bounds > 30);
 }
 
-/// A default is the value that the case has where the key is left out.
+/// A default is the value of the case if the key is left out.
 #[test]
 fn defaults_are_those_that_hold() {
     let example = Case::example();
@@ -132,7 +132,7 @@ fn defaults_are_those_that_hold() {
                 continue;
             };
             let others = Key::ALL.into_iter().filter(|other| {
-                // The keys of another method than the default one go with its name.
+                // The keys of a method other than the default one require its name.
                 let choice = other.goes_with().map(|(choice, _)| choice);
                 *other != key && (choice != Some(key) || key == Key::Lattice)
             });
@@ -159,7 +159,7 @@ fn settings_are_not_read_as_text() {
         assert_eq!(error.key_path(), Some("method.name"));
         assert_eq!(error.problem(), format!("\"{text}\" is not known"));
     }
-    // As in a file, no setting takes the place of another.
+    // As in a file, no setting replaces another.
     let both = [(Key::Pitch, Setting::Number(2e-5))];
     let example = Key::ALL
         .into_iter()
@@ -177,7 +177,7 @@ fn the_reference_as_written() {
     insta::assert_snapshot!(reference);
 }
 
-/// The SI unit of the numbers of a key; none of words, fractions and plain numbers.
+/// SI unit of the numbers of a key; `None` for words, fractions and plain numbers.
 fn si_unit(key: Key) -> &'static str {
     match key.dimension() {
         Dimension::Length => "m",
@@ -223,7 +223,7 @@ fn numbers_without_a_unit_are_plausible_or_refused() {
     assert!(judged > 35, "{judged}");
 }
 
-/// A deprecated path is the key in files, overrides and studies, and a warning names the new one.
+/// A deprecated path is accepted in files, overrides and studies, and a warning names the new one.
 #[test]
 fn deprecated_names_are_accepted_with_a_warning() {
     let warning = "texture.height_spread is deprecated: use texture.height_standard_deviation";
@@ -255,7 +255,7 @@ fn deprecated_names_are_accepted_with_a_warning() {
     );
 }
 
-/// What changes nothing is named with the reason, unless it is the default, or counts.
+/// A key without effect is named with the reason, unless it has the default value.
 #[test]
 fn keys_without_effect_are_named() {
     let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
@@ -276,7 +276,7 @@ fn keys_without_effect_are_named() {
     assert!(file.warnings().is_empty());
 }
 
-/// A value that may make sense or not.
+/// A value that may be valid or not.
 fn any_value() -> impl Strategy<Value = Setting> {
     let known: Vec<String> = Key::ALL
         .into_iter()
@@ -295,7 +295,7 @@ fn any_value() -> impl Strategy<Value = Setting> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(10_000))]
 
-    /// Settings are a case, or are refused, just as the same values in a file.
+    /// Settings give the same case, or the same refusal, as the same values in a file.
     #[test]
     fn settings_are_taken_as_in_a_file(
         odd in prop::collection::vec((prop::sample::select(Key::ALL.to_vec()), any_value()), 0..4),
@@ -320,7 +320,7 @@ proptest! {
             let texts = [error.key_path(), Some(error.problem()), error.what_is_accepted()];
             texts.map(|text| text.map(str::to_owned))
         };
-        // As text, in which what is no number is the same as itself.
+        // Compared as text, in which NaN equals NaN.
         let answer = |file: CaseFile| match file.case() {
             Ok(case) => Ok(case.to_toml()),
             Err(error) => Err(told(error)),

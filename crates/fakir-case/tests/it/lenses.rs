@@ -63,7 +63,7 @@ fn shapes_are_read_and_written_to_the_bit() {
         assert_eq!(again.case().unwrap(), case, "{lens}");
         assert_eq!(case.to_file("again").unwrap().case().unwrap(), case);
     }
-    // The sphere needs no word, and is written without one.
+    // The shape of a sphere is not required and not written.
     assert!(!case("radius = '2.2 mm'").to_toml().contains("shape"));
     let LensShape::Profile(profile) = case(&profile).system.lens().shape.clone() else {
         panic!("a profile")
@@ -71,7 +71,7 @@ fn shapes_are_read_and_written_to_the_bit() {
     assert!((profile.apex_radius() / 1e-3 - 1.0).abs() < 1e-9);
 }
 
-/// An override of the shape takes the place of the keys that the new one does not have.
+/// An override of the shape removes the keys that the new shape does not have.
 #[test]
 fn shapes_are_overridden() {
     let mut file = file("radius = '2.2 mm'");

@@ -1,4 +1,4 @@
-//! Every way to get a case file wrong that we have thought of, and what the user is told.
+//! Invalid case files of all known kinds, and their error messages.
 
 use fakir_case::{Case, CaseError, CaseFile, StudyFile};
 use miette::{GraphicalReportHandler, GraphicalTheme};
@@ -32,12 +32,12 @@ fn every_malformed_file_is_explained() {
     }
 }
 
-/// Bytes that the surfaces here may take.
+/// Memory limit of the surfaces, bytes.
 const MEMORY: usize = 100_000_000;
 
 #[test]
 fn every_malformed_surface_is_explained() {
-    // The errors name height maps with their folder, which is to be the same everywhere.
+    // The errors contain the folder of height maps, which must be the same on every machine.
     let folder = Path::new("tests/malformed_surfaces");
     let mut paths: Vec<_> = std::fs::read_dir(folder)
         .unwrap()

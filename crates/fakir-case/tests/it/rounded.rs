@@ -58,7 +58,7 @@ fn a_lattice_of_asperities_under_a_plate() {
     assert_eq!(again, case);
 }
 
-/// Pillars with a diameter have a rim, and give way as columns: 4 h/(pi E d^2).
+/// Pillars with a diameter have a rim and the compliance of columns, 4 h/(pi E d^2).
 #[test]
 fn pillars_with_a_diameter_have_a_rim_and_a_column() {
     let with_rim = format!("{PLATE}{SITES}diameter = \"400 um\"\n");
@@ -66,7 +66,7 @@ fn pillars_with_a_diameter_have_a_rim_and_a_column() {
     assert_eq!(cap.rim_radius.map(f64::to_bits), Some(200e-6f64.to_bits()));
     let column = 4.0 * 200e-6 / (std::f64::consts::PI * 1.5e6 * 400e-6f64.powi(2));
     assert!((cap.column_compliance / column - 1.0).abs() < 1e-14);
-    // A higher pillar gives way by more.
+    // A higher pillar is more compliant.
     let heights = vec![50e-6; 9];
     let raised = rounded(&with_rim).with_heights(&heights).unwrap();
     let cap = raised.field.caps()[0];
@@ -90,7 +90,7 @@ fn heights_in_a_table_are_read_again_to_the_bit() {
         assert!((one.raised - other.raised).abs() < 1e-19);
         assert_eq!(one.apex.map(f64::to_bits), other.apex.map(f64::to_bits));
     }
-    // An overlap is told with the lines of the table.
+    // The error for an overlap names the lines of the table.
     let table = "x_m,y_m,height_m,diameter_m\n0,0,1e-4,4e-4\n1e-4,0,1e-4,4e-4\n";
     std::fs::write(folder.join("pillars.csv"), table).unwrap();
     let told = CaseFile::read(&path).unwrap().rounded_case().unwrap_err();
@@ -167,7 +167,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
     }
 }
 
-/// All that computes flat tops goes through `case`.
+/// All computations of flat tops use `case`.
 #[test]
 fn flat_tops_are_not_computed_in_their_place() {
     let told = |text: &str| file(text).case().unwrap_err().one_line();

@@ -1,4 +1,4 @@
-//! What study files mean.
+//! Meaning of study files.
 
 use fakir::problem::pattern::CrossSection;
 use fakir::problem::{Accuracy, ElementMesh, Grid, Indenter, Load, Method, PunchForm};
@@ -53,7 +53,8 @@ fn axes_that_go_together() {
     assert_eq!(study.coordinates(1)[1], Coordinate::Number(0.5));
 }
 
-/// A key without effect is named once for the study, also where it is an axis, unless any case has its effect.
+/// A key without effect is named once for the study, even if it is an axis, unless it has an effect in some
+/// case.
 #[test]
 fn keys_without_effect_in_any_case_are_named() {
     let words = |tables: &str| study(tables).warnings();
@@ -174,7 +175,7 @@ fn keys_of_methods_count_for_the_methods_that_have_them() {
         let cases = (0..study.cases()).map(|index| texture(&study, index).method);
         Ok(cases.collect())
     };
-    // The example has method.accuracy = "default", which the punch lattice has not.
+    // The example has method.accuracy = "default", which the punch lattice does not accept.
     let axis = "[axes]\n\"method.name\" = [\"punch\", \"homogenised\"]";
     let corrected = Method::Punch(PunchForm::Corrected);
     assert_eq!(methods(axis, &[]), Ok(vec![corrected, Method::Homogenised]));
@@ -256,7 +257,8 @@ fn highest(case: &SurfaceCase) -> u64 {
     case.system.surface().highest().to_bits()
 }
 
-/// Axes are any keys of the case, by their last names too; what is written is the same study.
+/// Any key of the case can be an axis, by its last name too; writing and reading gives the same
+/// study.
 #[test]
 fn cases_with_a_surface_vary_along_its_keys() {
     let tables = "[axes]\npitch = [\"12 um\", \"15 um\"]\n\"surface.pillar.height\" = [\"1 um\", \"2 um\"]\n\
@@ -289,7 +291,7 @@ fn cases_with_a_surface_vary_along_its_keys() {
     }
 }
 
-/// Errors point at the axis that is to blame, in the words of the case.
+/// Errors point at the axis that causes them, with the message of the case.
 #[test]
 fn surfaces_that_cannot_be_are_found_before_anything_is_computed() {
     let refused = |tables: &str, surface: &str| surface_study(tables, surface).unwrap_err();
@@ -303,7 +305,7 @@ fn surfaces_that_cannot_be_are_found_before_anything_is_computed() {
         told.starts_with("study.toml:2:29: surface.pitch: neighbouring pillars overlap"),
         "{told}"
     );
-    // At random the places of pillars are what tells.
+    // For random patterns the positions of the pillars differ.
     let random = PILLARS.replace("square\"\nsurf", "random\"\nsurf");
     let told = refused("[axes]\n\"surface.surface_fraction\" = [0.1, 0.9]", &random);
     assert!(
@@ -314,7 +316,8 @@ fn surfaces_that_cannot_be_are_found_before_anything_is_computed() {
     assert!(told.contains("did you mean surface.pillar.side?"), "{told}");
 }
 
-/// A height map that is an axis is sought next to the study; without a floor there is no transition.
+/// A height map that is an axis is searched for next to the study; without a floor there is no
+/// transition.
 #[test]
 fn maps_are_an_axis_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -353,7 +356,7 @@ fn maps_are_an_axis_too() {
     assert!(told.contains("give the height at or below"), "{told}");
 }
 
-/// A surface that takes more memory than there is by default may be solved with more.
+/// A surface that exceeds the default memory limit can be solved with a larger limit.
 #[test]
 fn memory_is_a_matter_of_the_sweep() {
     let study = surface_study(

@@ -1,6 +1,6 @@
-//! What well-formed cases with a general surface mean, and that they survive writing and reading.
+//! Meaning of valid cases with a general surface, and their round trip through writing and reading.
 
-// Numbers are read to the last bit.
+// Numbers are read exactly.
 #![allow(clippy::float_cmp, clippy::unwrap_used)]
 
 use fakir::problem::pattern::{CrossSection, Pattern, PillarShape, Top};
@@ -60,7 +60,7 @@ fn square_pillars() {
     assert_eq!(surface.grid().cell(), [6e-6 / 16.0; 2]);
     assert_eq!(surface.grid().columns(), 428);
     assert_eq!(surface.highest(), 0.5e-6);
-    // The pillar on the lens axis has all of its cells.
+    // The pillar on the lens axis is complete.
     let tops = surface.grid().centres().zip(surface.heights());
     let central = tops.filter(|([x, y], height)| x.hypot(*y) < 5e-6 && **height > 0.0);
     assert_eq!(central.count(), 256);
@@ -129,7 +129,7 @@ fn every_form_top_and_arrangement() {
     ])
     .unwrap();
     let found = pattern(&case);
-    // Pillars keep at least their own length by default.
+    // By default the distance of pillars is at least their length.
     let area = found.pillar.cross_section.area();
     let places = RandomPlaces {
         disorder: Disorder {
@@ -156,7 +156,7 @@ fn a_choice_replaces_the_keys_of_the_others() {
     for argument in chamfer {
         file.set(argument).unwrap();
     }
-    // The drop goes with a chamfer as well.
+    // The key `drop` is accepted with a chamfer too.
     let case = file.surface_case(MEMORY).unwrap();
     let top = Top::Chamfer {
         width: 1e-6,
@@ -171,7 +171,7 @@ fn a_choice_replaces_the_keys_of_the_others() {
     );
 }
 
-/// Fraction of the cells that are pillar.
+/// Fraction of the cells covered by pillars.
 fn filled(case: &SurfaceCase) -> f64 {
     let heights = case.system.surface().heights();
     heights.iter().filter(|height| **height > 0.0).count() as f64 / heights.len() as f64
@@ -200,7 +200,7 @@ fn a_periodic_lattice_is_whole() {
                 assert!((periods - periods.round()).abs() < 1e-9, "{side}");
                 assert!((side - 60e-6).abs() <= 0.5 * period[axis] * 15e-6);
                 cells *= periods.round();
-                // The lens axis is inside, near the middle.
+                // The lens axis is inside, near the centre.
                 let centre = grid.origin()[axis] + 0.5 * side;
                 assert!(centre.abs() <= (0.5 + 1e-9) * period[axis] * 15e-6);
             }
@@ -244,7 +244,7 @@ fn a_height_map_has_its_size_and_unit() {
     survives(&case);
 }
 
-/// Heights up to 23 on a map of 8 um: no metres, no millimetres and no micrometres.
+/// Heights up to 23 on a map of 8 um cannot be in metres, millimetres or micrometres.
 #[test]
 fn absurd_heights_are_refused_with_the_unit_that_was_meant() {
     let refused = |more: &str| {
@@ -332,7 +332,7 @@ fn height_maps_are_sought_next_to_the_case_file() {
         SurfaceOrigin::HeightMap(folder.path().join("map.txt"))
     );
     survives(&case);
-    // An override is seen from the current folder.
+    // A path in an override is relative to the current folder.
     file.set("surface.height_map=tests/height_maps/savetxt.txt")
         .unwrap();
     assert!(file.surface_case(MEMORY).is_ok());
@@ -387,7 +387,8 @@ fn layers_are_those_of_the_keys() {
     assert_eq!(again.system.layers(), case.system.layers());
 }
 
-/// What is not solved on a surface is refused where it is given, in the file or as an override.
+/// Questions that are not supported on a surface are refused at their position, in the file or in
+/// an override.
 #[test]
 fn bases_without_a_thickness_and_adhesion_are_refused() {
     for (setting, words) in [

@@ -1,4 +1,4 @@
-//! Loading and unloading with adhesion, as the page asks for it.
+//! Loading and unloading with adhesion, as the page requests it.
 
 use crate::running::{Answer, Running, case, question};
 use fakir::problem::CyclePlan;
@@ -15,7 +15,7 @@ fn sticky(surface_fraction: f64, work: &str) -> Value {
     values
 }
 
-/// What the library says of the same.
+/// Result of the library for the same case.
 fn cycle(surface_fraction: f64, work: &str) -> Cycle {
     let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
     file.set(&format!("texture.surface_fraction={surface_fraction}"))
@@ -55,7 +55,7 @@ fn the_cycle_is_that_of_the_library() {
     let critical = answer.line("critical");
     let state = &expected.critical.as_ref().unwrap().contact;
     assert_eq!(critical["critical_force_N"], json!(state.force));
-    // Without adhesion the critical force is another one, by less than a per cent.
+    // Without adhesion the critical force differs by less than one per cent.
     let without = shown["critical_force_without_adhesion_N"].as_f64().unwrap();
     assert!(without > state.force && without < 1.01 * state.force);
     let case = answer.line("case");
@@ -66,7 +66,7 @@ fn the_cycle_is_that_of_the_library() {
     let told = stations(&answer);
     assert_eq!(shown["states"], json!(told.len()));
     assert!(told.len() > 80, "{}", told.len());
-    // The first is the critical state, which is the load that is shown unless another is asked for.
+    // The first is the critical state, which is displayed unless another load is requested.
     assert_eq!(load(&told[0]).to_bits(), 1f64.to_bits());
     assert_eq!(told[0]["floor_contacts_m"].as_array().unwrap().len(), 6);
     let (mut pulls, mut parts, mut at_pull_off) = (0, 0, 0);
@@ -124,7 +124,7 @@ fn the_state_asked_for_comes_first() {
     );
 }
 
-/// Only what is read at every station may depend on where the lens is: in a coarse cycle on which hardly anything sticks too.
+/// Only values of the load steps may depend on the position of the lens, even in a coarse cycle with hardly any adhesion.
 #[test]
 fn a_lens_that_meets_the_floor_first_has_nothing_to_pull() {
     let server = Running::start();
@@ -141,7 +141,7 @@ fn a_lens_that_meets_the_floor_first_has_nothing_to_pull() {
     assert_eq!(shown["states"], json!(stations(&answer).len()));
 }
 
-/// In the words of the library and of the table of keys.
+/// With the messages of the library and of the key table.
 #[test]
 fn works_that_cannot_be_are_refused_at_their_key() {
     let server = Running::start();
@@ -190,7 +190,7 @@ fn works_that_cannot_be_are_refused_at_their_key() {
     assert_eq!(answer.status, 422, "{}", answer.body);
 }
 
-/// To the bit.
+/// Exactly.
 #[test]
 fn no_work_is_no_adhesion() {
     let server = Running::start();
@@ -222,7 +222,8 @@ fn files_of_a_cycle_are_those_of_the_command_line() {
         summary["pull_off_force_N"],
         json!(expected.pull_off.as_ref().unwrap().force)
     );
-    // At the last release nothing is in contact, in the critical state all that the lens has come to is.
+    // At the last detachment nothing is in contact; at the critical state all pillars reached by the
+    // lens are.
     let rows = file(&values, "pillars.csv", 1.0).body.lines().count();
     assert_eq!(rows, 1 + expected.turn.pillars_in_contact);
     assert_eq!(file(&values, "pillars.csv", 2.0).status, 422);

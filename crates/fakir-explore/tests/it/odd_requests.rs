@@ -1,4 +1,5 @@
-//! What a server makes of requests that make no sense. It has a process of its own, as its memory is looked at.
+//! Responses of a server to meaningless requests. The test has a separate process, because its memory is
+//! measured.
 
 use crate::running::{Running, case, question};
 use chacha20::ChaCha8Rng;
@@ -6,7 +7,7 @@ use chacha20::rand_core::{Rng, SeedableRng};
 use serde_json::{Value, json};
 use std::io::{Read, Write};
 
-/// 10,000 requests, of which hardly any makes sense.
+/// 10,000 requests, hardly any of which is valid.
 #[test]
 fn ten_thousand_odd_requests_leave_it_as_it_was() {
     if !runs_alone("odd_requests::ten_thousand_odd_requests_leave_it_as_it_was") {
@@ -71,12 +72,12 @@ fn ten_thousand_odd_requests_leave_it_as_it_was() {
     let answer = server.ask("/api/contact", &question(20_000, &case(0.001)));
     assert_eq!(answer.status, 200);
     if let (Some(Some(first)), Some(Some(last))) = (used.first(), used.last()) {
-        // kB; allocators keep some of what they once had.
+        // kB; allocators retain some memory.
         assert!(*last < first + 30_000, "{used:?}");
     }
 }
 
-/// JSON that is not what is asked for.
+/// JSON with an unexpected content.
 fn odd_json(random: &mut ChaCha8Rng, depth: usize) -> Value {
     match random.next_u32() % if depth < 3 { 8 } else { 6 } {
         0 => Value::Null,
@@ -106,8 +107,8 @@ fn odd_json(random: &mut ChaCha8Rng, depth: usize) -> Value {
     }
 }
 
-/// Whether this process runs one test alone; if not, runs it in such a process. Memory is that of a whole process, and
-/// other tests run beside this one.
+/// Whether this process runs a single test; if not, runs the test in a separate process. Memory is measured for a
+/// whole process, and other tests run at the same time.
 fn runs_alone(test: &str) -> bool {
     if std::env::var_os("FAKIR_ONE_TEST").is_some() {
         return true;
@@ -120,7 +121,7 @@ fn runs_alone(test: &str) -> bool {
     false
 }
 
-/// Memory of this process, kB, where it can be known.
+/// Memory of this process, kB, if available.
 fn resident_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;

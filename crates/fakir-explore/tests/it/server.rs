@@ -1,4 +1,4 @@
-//! The server as whoever finds its port meets it: over real sockets of this machine.
+//! The server as seen from outside, over real sockets of this machine.
 
 use crate::running::{Running, case, options, question};
 use fakir::problem::Method;
@@ -123,7 +123,7 @@ fn answers_are_those_of_the_library() {
     let state = answer.line("state");
     let forces: Vec<f64> = critical.contact.pillars.iter().map(|p| p.force).collect();
     assert_eq!(state["pillar_forces_N"], json!(forces));
-    // The state is drawn before its errors are estimated; then these come too.
+    // The state is sent before its errors are estimated; the errors follow.
     let errors = |summary: &Value| summary["relative_error_estimate"]["force"].clone();
     assert_eq!(errors(&state["summary"]), Value::Null);
     assert_eq!(
@@ -137,10 +137,10 @@ fn answers_are_those_of_the_library() {
     let section = answer.line("section");
     let lowest = section["surface_m"].as_array().unwrap().len();
     assert_eq!(lowest, section["x_m"].as_array().unwrap().len());
-    // By symmetry the floor is touched along x, on both sides of the lens axis.
+    // By symmetry the first floor contacts are along x, on both sides of the lens axis.
     assert_eq!(section["floor_contacts_m"].as_array().unwrap().len(), 2);
 
-    // Half the way from first touch, which is at 0 with a pillar under the lens axis.
+    // Half-way from first contact, which is at 0 with a pillar under the lens axis.
     let mut half = question(2, &case(0.01));
     half["load"] = json!({ "fraction": 0.5 });
     let answer = server.ask("/api/contact", &half);
@@ -155,7 +155,7 @@ fn answers_are_those_of_the_library() {
     assert_eq!(state["summary"]["beyond_transition"], json!(true));
 }
 
-/// A number that the page cannot send, as 1e400, comes as it was typed, or as no value.
+/// A number that the page cannot send, such as 1e400, is sent as typed, or without a value.
 #[test]
 fn values_that_are_no_numbers_are_refused_in_plain_words() {
     let server = Running::start();
@@ -178,7 +178,7 @@ fn values_that_are_no_numbers_are_refused_in_plain_words() {
     assert!(!none.contains("untagged"), "{none}");
 }
 
-/// Past the transition the floor bears its part, unless it is to be ignored.
+/// Past the transition the floor carries load, unless floor contact is ignored.
 #[test]
 fn past_the_transition_the_floor_bears_its_part() {
     let server = Running::start();
@@ -219,7 +219,7 @@ fn past_the_transition_the_floor_bears_its_part() {
     assert!(python.as_str().unwrap().contains("floor_contact=False"));
 }
 
-/// The pillar tops alone come before, as the floor takes longer.
+/// The state with the pillar tops alone is sent first, because the floor takes longer.
 #[test]
 fn the_pillar_tops_alone_come_before_the_floor() {
     let server = Running::start();
@@ -375,7 +375,7 @@ fn the_newest_request_calls_off_those_before() {
     };
     let mut before: Vec<TcpStream> = (1..=6).map(slow).collect();
     std::thread::sleep(Duration::from_millis(200));
-    // An older one that comes late is stale at once.
+    // An older request that arrives late is refused immediately.
     let late = server.ask("/api/contact", &question(3, &case(0.01)));
     assert_eq!(late.status, 409);
     let newest = server.ask("/api/contact", &question(100, &case(0.01)));
@@ -384,10 +384,10 @@ fn the_newest_request_calls_off_those_before() {
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).unwrap();
         let answer = String::from_utf8_lossy(&answer).into_owned();
-        // Estimates may have come, but not the answer.
+        // Estimates may have been sent, but not the result.
         assert!(!answer.contains("\"approximate\":false"), "{answer}");
     }
-    // One whose connection is closed is called off too: then an older one is no longer stale.
+    // A request whose connection is closed is cancelled too; then an older one is accepted again.
     drop(slow(200));
     std::thread::sleep(Duration::from_millis(100));
     let older = || server.ask("/api/contact", &question(150, &case(0.01)));
@@ -397,8 +397,8 @@ fn the_newest_request_calls_off_those_before() {
     }
 }
 
-/// Two hundred connections that never end their request, three times over, each time before the page
-/// is asked for.
+/// Two hundred connections that never complete their request, three times, each time before the page
+/// is requested.
 #[test]
 fn connections_that_say_nothing_keep_nobody_out() {
     let server = Running::start();
@@ -410,7 +410,7 @@ fn connections_that_say_nothing_keep_nobody_out() {
         let half_open: Vec<TcpStream> = (0..200)
             .map(|_| {
                 let mut stream = server.connect();
-                // The server may have closed it for others already.
+                // The server may have closed it in favour of others already.
                 let _ = stream.write_all(b"GET / HTTP/1.1\r\nhost: ");
                 stream
             })
@@ -420,7 +420,7 @@ fn connections_that_say_nothing_keep_nobody_out() {
         assert_eq!(answer.status, 200);
         drop(half_open);
     }
-    // Each time the server used to wait for the ten seconds in which a request has to come.
+    // Without the limit, the server would wait each time for the ten seconds allowed for a request.
     assert!(
         start.elapsed() < Duration::from_secs(15),
         "{:?}",

@@ -1,4 +1,4 @@
-//! Fits of loading and unloading with adhesion, of synthetic data whose truth is known.
+//! Fits of loading and unloading with adhesion to synthetic data with known parameters.
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
@@ -12,7 +12,7 @@ const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);
 const WORK: Parameter = Parameter::Key(Key::WorkOfAdhesion);
 const RECEDING: Parameter = Parameter::Key(Key::RecedingWorkOfAdhesion);
 
-/// What the synthetic data have.
+/// Parameters of the synthetic data.
 const CONTACT_POINT: f64 = 3e-6;
 const COMPLIANCE: f64 = 2e-3;
 const OFFSET: f64 = 4e-6;
@@ -196,7 +196,7 @@ fn a_receding_work_is_told_from_data_of_both_branches() {
         fitted.estimates
     );
     let pull_off = fitted.pull_off.unwrap();
-    // The least of readings 0.1 um apart is not the least of the curve.
+    // The smallest of readings 0.1 um apart is not the minimum of the curve.
     assert!(
         close(pull_off.computed, pull_off.measured, 0.2),
         "{pull_off:?}"
@@ -204,7 +204,7 @@ fn a_receding_work_is_told_from_data_of_both_branches() {
     assert!(pull_off.model_error > 0.0 && pull_off.work_error.is_some_and(|error| error > 0.0));
 }
 
-/// Both branches of a lens that does not stick, with noise: the search comes to zero, or near it.
+/// Both branches without adhesion, with noise: the work of adhesion found is zero or nearly so.
 #[test]
 fn a_work_of_adhesion_that_vanishes_has_a_one_sided_interval() {
     let file = case_file(&[
@@ -250,7 +250,8 @@ fn a_work_of_adhesion_that_vanishes_has_a_one_sided_interval() {
     }
 }
 
-/// The receding work is not less than the other: where the search begins with both equal it moves them together as long as data want it less.
+/// The receding work is not smaller than the other: if the search starts with equal works, it moves them together as long as the data require
+/// a smaller one.
 #[test]
 fn both_works_of_adhesion_are_fitted_from_one_guess() {
     let data = Measurements::new(&small_data(&["adhesion.work_receding=60mJ/m2"], 0.1e-6)).unwrap();
@@ -280,7 +281,7 @@ fn both_works_of_adhesion_are_fitted_from_one_guess() {
     assert!(work.value <= receding.value, "{work:?}");
 }
 
-/// An offset of the force takes no adhesion.
+/// A force offset is not interpreted as adhesion.
 #[test]
 fn an_offset_of_the_force_is_found() {
     let file = case_file(&[
@@ -376,7 +377,7 @@ fn what_the_data_of_adhesion_lack_is_told() {
     );
 }
 
-/// The branches are those of the column, or unloading begins after the largest load.
+/// The branches are those of the column; otherwise unloading begins after the largest load.
 #[test]
 fn branches_are_given_or_found() {
     let found = |branch: &str| -> Vec<Option<Branch>> {

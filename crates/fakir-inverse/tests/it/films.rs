@@ -4,8 +4,8 @@ use fakir::state::Run;
 use fakir_case::{Case, CaseFile, Key};
 use fakir_inverse::design::{Design, Wanted, design, free_keys};
 
-/// Takes the critical force of a film and a lens that are layers on elastic bases, forgets one quantity of them, finds it again; and the thickness of a
-/// film that is not given.
+/// Takes the critical force of a film and a lens that are layers on elastic bases, removes one of their quantities, and finds it again; also the
+/// thickness of a film that is not given.
 #[test]
 #[ignore = "slow: fits on layers"]
 fn layers_are_found_again() {
@@ -66,7 +66,8 @@ fn layers_are_found_again() {
     assert!(told.contains("substrate.base"), "{told}");
 }
 
-/// A film is at least as thick as its pillars are high, a layer as a quarter of their diameter; and the other way round.
+/// A film is at least as thick as its pillars are high, and a layer at least a quarter of their diameter thick; the
+/// bounds also apply to height and diameter.
 #[test]
 fn thicknesses_and_pillars_bound_each_other() {
     use std::ops::Bound::{Included, Unbounded};

@@ -1,4 +1,4 @@
-//! Fits of synthetic data whose truth is known.
+//! Fits of synthetic data with known parameters.
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
@@ -14,12 +14,12 @@ const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);
 const SPECTRAL: &str = "method.name=spectral";
 const LENS: Parameter = Parameter::Key(Key::LensYoungModulus);
 
-/// What the instrument of the synthetic data has.
+/// Parameters of the instrument of the synthetic data.
 const CONTACT_POINT: f64 = 3e-6;
 const COMPLIANCE: f64 = 2e-3;
 
-/// The paper's intermediate substrate at a surface fraction of 0.01: 13 pillars are touched at the
-/// transition. By the homogenised lattice, which is fast, unless overridden.
+/// The paper's intermediate substrate at a surface fraction of 0.01: 13 pillars are in contact at
+/// the transition. The method is the homogenised lattice, which is fast, unless overridden.
 fn case_file(overrides: &[&str]) -> CaseFile {
     let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
     file.set("texture.surface_fraction=0.01").unwrap();
@@ -115,7 +115,7 @@ fn far_starting_values_do() {
 #[test]
 #[ignore = "slow: radii by the spectral method"]
 fn contact_radius_under_a_force_gives_the_modulus() {
-    // Within its error: the radius is known to a part of the pitch.
+    // Within its error: the radius is accurate to a fraction of the pitch.
     let truth = case_file(&[
         "substrate.young_modulus=1.3MPa",
         "texture.surface_fraction=0.05",
@@ -136,7 +136,8 @@ fn contact_radius_under_a_force_gives_the_modulus() {
     assert!(high / low < 1.5, "{low} to {high}");
 }
 
-/// A fit of the modulus to contact radii under forces, with a texture and a lens that only the spectral method solves.
+/// A fit of the modulus to contact radii under forces, with a pattern and a lens that only the spectral method
+/// supports.
 fn fit_of_radii(overrides: &[&str]) -> Fit {
     let kind = |modulus: &str| {
         let common = ["texture.surface_fraction=0.015", SPECTRAL, modulus];
@@ -170,8 +171,8 @@ fn contact_radii_are_fitted_on_any_arrangement_under_any_lens() {
     }
 }
 
-/// A small lens with a force offset of which the search does not know at first, which puts the first contact point far off; the last row is out of reach
-/// of the model with any values.
+/// A small lens with a force offset that is initially unknown, so that the first estimate of the contact point is far off; the last row is outside the
+/// model for any values.
 #[test]
 fn rows_outside_of_the_model_are_named_and_left_out() {
     const FORCE_OFFSET: f64 = 135e-6;
@@ -211,7 +212,7 @@ fn rows_outside_of_the_model_are_named_and_left_out() {
 
 #[test]
 fn moduli_that_force_cannot_tell_apart() {
-    // Without columns the moduli count only by the compliance of both together.
+    // Without columns only the common compliance of both bodies has an effect.
     let file = case_file(&["texture.pillar.compliance=none", "lens.young_modulus=3MPa"]);
     let [displacement, force, _] = loading(&file, &indentations(12));
     let columns = [(Column::Displacement, displacement), (Column::Force, force)];
@@ -240,7 +241,7 @@ fn moduli_that_force_cannot_tell_apart() {
 
 #[test]
 fn what_the_load_does_not_show() {
-    // On a pillar the direction of the offset means nothing.
+    // On a pillar the direction of the offset has no effect.
     let file = case_file(&["texture.offset=0"]);
     let [displacement, force, _] = loading(&file, &indentations(8));
     let columns = [(Column::Displacement, displacement), (Column::Force, force)];
@@ -285,7 +286,7 @@ fn states_past_the_transition_are_left_out_where_the_floor_is_ignored() {
     assert!(close(fitted.estimates[0].value, 2e6, 1e-6));
 }
 
-/// Of states of which most are past the transition.
+/// Most of the states are past the transition.
 #[test]
 fn states_past_the_transition_are_used_with_the_floor() {
     let truth = case_file(&[SPECTRAL, "substrate.young_modulus=1.3MPa"]);
@@ -475,7 +476,7 @@ fn files_and_columns_are_the_same() {
     assert_eq!(file.rows()[1].line, 6);
 }
 
-/// The same two rows, in the styles of instruments.
+/// The same two rows, in the formats of instruments.
 #[test]
 fn tables_of_instruments_are_read() {
     let plain = "displacement_m,force_N\n2.5e-6,1.5e-6\n3.5e-6,-2e-6\n";
@@ -546,7 +547,7 @@ fn columns_are_named_by_hand() {
         3.5e-6f64.to_bits()
     );
     assert!(read.has_times() && second.time == Some(1.0));
-    // By their numbers, without any heading.
+    // Columns by their numbers, without any heading.
     let text = "made by hand\n2.5;7;1,5\n3.5;7;2,5\n".replace('.', ",");
     let by_number = named(&["force=#3 [uN]", "displacement=#1 [um]"]);
     let read = Measurements::from_csv("data", text.as_bytes(), &by_number).unwrap();
@@ -594,7 +595,7 @@ fn branches_are_words_lines_or_motion() {
         branches("z_um,force_uN\n[Approach]\n1,2\n[Retract]\nz_um,force_uN\n1,2\n"),
         both
     );
-    // Segments by number say nothing of the direction: the motion does.
+    // Segment numbers do not contain the direction, which follows from the motion.
     assert_eq!(
         branches("Segment,z_um,force_uN\n1,1,2\n2,1,2\n"),
         [None, None]
@@ -605,7 +606,8 @@ fn branches_are_words_lines_or_motion() {
 fn drifts_are_found() {
     let truth = case_file(&["substrate.young_modulus=1.3MPa"]);
     let [displacement, force, _] = loading(&truth, &indentations(12));
-    // There and back, so that a drift is no contact point: 50 nm and 2 uN over 50 s.
+    // Loading and unloading, so that a drift differs from a contact point: 50 nm and 2 uN over 50
+    // s.
     let times: Vec<f64> = (0..24)
         .map(|k| f64::from(k) * 25.0 / 23.0 + if k < 12 { 0.0 } else { 25.0 })
         .collect();
@@ -642,7 +644,7 @@ fn drifts_are_found() {
     assert!(fitted.misfit.describes_data());
 }
 
-/// Force of 24 rows with noise, and a fit of modulus and contact point with a machine that gives way by `compliance`.
+/// Force of 24 rows with noise, and a fit of modulus and contact point with the machine compliance `compliance`.
 fn noisy_fit(seed: u64, compliance: f64, error: Option<f64>, run: &Run<'_>) -> Fit {
     const NOISE: f64 = 0.5e-6;
     let file = case_file(&[]);
@@ -810,7 +812,8 @@ fn film_fits(overrides: &[&str], seeds: std::ops::Range<u64>) -> Vec<Fit> {
     seeds.map(of_seed).collect()
 }
 
-/// Whether a fit says that it does not describe the data, and that a thickness would mend it.
+/// Whether a fit reports that it does not describe the data, and that a thickness would correct
+/// this.
 fn names_the_film(fitted: &Fit) -> bool {
     let warnings = fitted.warnings().join("\n");
     warnings.contains("does not describe the data") && warnings.contains(" substrate.thickness (p")
@@ -826,7 +829,7 @@ fn films_that_are_left_out_are_named() {
         assert!(fitted.misfit.describes_data(), "{:?}", fitted.misfit);
     }
     for fitted in film_fits(&[], 0..2) {
-        // As a half-space the substrate seems harder.
+        // As a half-space the substrate seems stiffer.
         let [low, _] = fitted.estimates[0].interval.unwrap();
         assert!(low > 2.1e6, "{:?}", fitted.estimates);
         assert!(names_the_film(&fitted), "{:?}", fitted.warnings());
@@ -890,7 +893,7 @@ fn thickness_is_found_with_the_modulus() {
     for (estimate, truth) in fitted.estimates.iter().zip([2e6, 0.2e-3]) {
         assert!(close(estimate.value, truth, 1e-5), "{estimate:?}");
     }
-    // Without a thickness there is nowhere to begin.
+    // Without a thickness there is no initial value.
     let file = film_case(&[]);
     let error = fit(&file, &data, &free, &FitOptions::default(), &Run::default()).unwrap_err();
     assert_eq!(

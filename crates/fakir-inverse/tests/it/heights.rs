@@ -1,11 +1,12 @@
-//! Heights of rounded tops for wanted curves: 64 caps of radius of curvature 526 um on a square lattice under a rigid plate.
+//! Heights of rounded tops for target curves: 64 caps with a radius of curvature of 526 um on a square lattice under a rigid
+//! plate.
 
 use fakir::problem::{Accuracy, Cap, CapField, Indenter, Load, Material};
 use fakir::state::Run;
 use fakir_inverse::heights::{Curve, HeightDesign, HeightDesignError, WantedPoint, design_heights};
 
 const UM: f64 = 1e-6;
-/// Of a reduced modulus of 1 Pa: forces are in um^2.
+/// The reduced modulus is 1 Pa, so that forces are in um^2.
 const FORCE: f64 = 1e-12;
 
 fn field(pitch: f64) -> CapField {
@@ -85,7 +86,8 @@ fn force_of_the_indentation() {
     let design = design(1500.0, Curve::ForceOfIndentation, &wanted);
     assert!(design.largest_residual() < 1e-5 && design.is_reached());
     let last = design.points.last().expect("points");
-    // Interactions take a quarter of the force of independent caps: another program.
+    // Interactions reduce the force by a quarter compared with independent caps: computed with
+    // another program.
     let lost = 1.0 - last.of_independent_design / last.wanted.value;
     assert!((0.15..0.35).contains(&lost), "{lost}");
 }
@@ -149,7 +151,8 @@ fn curves_that_fall_and_areas_out_of_reach_are_refused() {
         stays.to_string().contains("the wanted force does not rise"),
         "{stays}"
     );
-    // Hertz: 64 caps with a 64th of the force each have four times the area of one that bears it all.
+    // Hertz: 64 caps with a 64th of the force each have four times the area of one cap with the whole
+    // force.
     let wide = refused(Curve::AreaOfForce, &[[2e4, 2e5], [3e4, 1e7]]);
     let HeightDesignError::AreaOutOfReach {
         number,

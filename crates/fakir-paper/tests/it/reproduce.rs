@@ -44,8 +44,8 @@ fn slope(points: &[(f64, f64)]) -> f64 {
     products / points.iter().map(|p| (p.0 - mean_x).powi(2)).sum::<f64>()
 }
 
-/// Numbers of the report derived anew from the table of critical states; figures in order; files
-/// where they are said to be.
+/// Numbers of the report are derived again from the table of critical states; figures have no
+/// faults; files are where the report states.
 #[test]
 #[ignore = "slow: the whole study"]
 fn the_report_says_what_the_tables_say() {
@@ -122,7 +122,8 @@ fn the_report_says_what_the_tables_say() {
         .find(|law| law["quantity"] == "critical force" && law["substrate"] == "intermediate")
         .unwrap();
     assert!((number(law, "exponent") - exponent).abs() < 1e-12);
-    // The curve has no noise, so that there is no confidence interval but a distance from the law.
+    // The curve has no noise, so that the deviation from the law is stated instead of a confidence
+    // interval.
     let (mean_x, mean_y) = centre(&points);
     let line = |x: f64| mean_y + exponent * (x - mean_x);
     let away = points.iter().map(|(x, y)| (y - line(*x)).exp_m1());

@@ -49,7 +49,8 @@ fn small() -> Scope {
     }
 }
 
-/// Stopped when some cases are done, it goes on from its journal. Three findings and the scatter of every law are derived anew from the tables.
+/// A study that is stopped after some cases continues from its journal. Three findings and the scatter of every law are derived again from the
+/// tables.
 #[test]
 #[ignore = "slow: the whole study"]
 fn the_report_says_what_the_tables_say() {
@@ -110,7 +111,7 @@ fn the_report_says_what_the_tables_say() {
         read(&folder.join("floor/table.csv")),
         read(&folder.join("tops/table.csv")),
     );
-    // The model beside the case on cells in its range.
+    // The model compared with the case on cells within its range.
     let cells = read(&folder.join("cells/table.csv"));
     let (cells, model) = (typical(&cells, 0.01), typical(&floor, 0.01));
     let [by_model, by_cells] = [model, cells].map(|of| number(of, "floor_lost_indentation_m"));
@@ -140,7 +141,7 @@ fn the_report_says_what_the_tables_say() {
         1e3 * number(floor, "collapse_work_J_per_m2"),
     );
 
-    // Scatter of the laws about the cases, and of the systems that are in none.
+    // Scatter of the cases and of the test systems about the laws.
     let of_laws = cases_of_laws(&made.cases);
     assert!(made.laws.len() >= 4, "{:?}", made.laws);
     for (law, held) in &made.laws {
@@ -160,7 +161,7 @@ fn the_report_says_what_the_tables_say() {
         let root = (squares / freedom).sqrt();
         let scatter = if is_sum { root } else { root.exp_m1() };
         same(&format!("{name}_scatter"), scatter);
-        // Least squares leave nothing along any group.
+        // The residuals of least squares are orthogonal to every group.
         assert!(residuals.iter().sum::<f64>().abs() < 1e-6);
         let held = held.unwrap();
         same(&format!("{name}_held_out_scatter"), held.scatter);
@@ -172,7 +173,7 @@ fn the_report_says_what_the_tables_say() {
             law.largest
         );
     }
-    // A withdrawal and a pull-off by hand.
+    // A withdrawal and a pull-off computed by hand.
     let by_hand =
         1.0 - number(floor, "floor_lost_indentation_m") / number(floor, "critical_indentation_m");
     let case = made.cases.at(Substrate::Intermediate, 0.03, 0.05).unwrap();
@@ -180,7 +181,7 @@ fn the_report_says_what_the_tables_say() {
     let smooth = 1.5 * PI * 0.05 * 2.2e-3;
     assert!((Reduced::PullOff.of(case).unwrap() + pulls[0] / smooth).abs() < 1e-9);
 
-    // Systems that were not in the study at all.
+    // Systems that were not in the study.
     let fresh = fresh(20, 20);
     let (mut told, mut right) = (0, 0);
     for (law, held) in &made.laws {
@@ -198,7 +199,7 @@ fn the_report_says_what_the_tables_say() {
     }
 }
 
-/// So many other systems after so many, asked one by one.
+/// A number of further test systems, solved one by one.
 fn fresh(count: usize, after: usize) -> Vec<FloorCase> {
     use fakir_case::{Case, CaseFile};
     use fakir_paper::adhesion::study::VARIED;
@@ -224,7 +225,8 @@ fn fresh(count: usize, after: usize) -> Vec<FloorCase> {
     systems.into_iter().map(case).collect()
 }
 
-/// Systems with the same groups are the same but for their units: all lengths along the surface by 1.5, heights by 1.3, moduli by 3.
+/// Systems with the same groups are equal except for their units: all lengths along the surface are scaled by 1.5, heights by 1.3,
+/// moduli by 3.
 #[test]
 fn systems_with_the_same_groups_are_the_same() {
     use fakir_case::{Case, CaseFile, Key};

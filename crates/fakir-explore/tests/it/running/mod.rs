@@ -1,4 +1,4 @@
-//! A server of a test's own, and how it is asked.
+//! A separate server for a test, and requests to it.
 
 use fakir::state::CancelToken;
 use fakir_case::Case;
@@ -39,7 +39,7 @@ impl Running {
         }
     }
 
-    /// The number of the next request.
+    /// Number of the next request.
     pub(crate) fn next(&self) -> u64 {
         self.sequence.set(self.sequence.get() + 1);
         self.sequence.get()
@@ -53,10 +53,10 @@ impl Running {
         stream
     }
 
-    /// Sends bytes and reads what comes back until the connection is closed.
+    /// Sends bytes and reads the response until the connection is closed.
     pub(crate) fn exchange(&self, request: &[u8]) -> String {
         let mut stream = self.connect();
-        // Whoever is refused early may be cut off while still sending.
+        // An early refusal may close the connection while the request is still being sent.
         let _ = stream.write_all(request);
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
@@ -88,7 +88,7 @@ impl Running {
         format!("{head}content-length: {}\r\n\r\n{body}", body.len())
     }
 
-    /// Asks as the page does.
+    /// Sends a request as the page does.
     pub(crate) fn ask(&self, path: &str, question: &Value) -> Answer {
         let headers = [
             ("content-type", "application/json"),
@@ -148,7 +148,7 @@ impl Answer {
             .collect()
     }
 
-    /// The last line that has this name.
+    /// The last line with this name.
     pub(crate) fn line(&self, name: &str) -> Value {
         let lines = self.lines();
         let mut named = lines.iter().filter_map(|line| line.get(name));
