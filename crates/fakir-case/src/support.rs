@@ -168,6 +168,20 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
     features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !ignored
 }
 
+/// These features and what goes with them: a tilted plate is a plate, and a floor sticks only where tops do.
+fn whole(features: &[Feature]) -> Vec<Feature> {
+    let mut all = features.to_vec();
+    for (one, other) in [
+        (Feature::TiltedPlate, Feature::Plate),
+        (Feature::AdhesiveFloor, Feature::AdhesiveTops),
+    ] {
+        if all.contains(&one) && !all.contains(&other) {
+            all.push(other);
+        }
+    }
+    all
+}
+
 /// The reasons of a table, by their numbers.
 #[derive(Default)]
 struct Notes(Vec<Unsupported>);
@@ -186,6 +200,7 @@ impl Notes {
         if !can_have(solver, features) {
             return String::new();
         }
+        let features = &whole(features);
         let plain = Question::ALL.into_iter();
         let plain: Vec<Question> = plain
             .filter(|question| question.check(solver, &[]).is_ok())
@@ -257,15 +272,22 @@ pub fn support() -> String {
     }
     text.push('\n');
     for (number, note) in notes.0.iter().enumerate() {
-        let _ = writeln!(text, "{}. {}: {}.", number + 1, note.why, note.instead);
+        let _ = writeln!(
+            text,
+            "{}. {}. Instead: {}.",
+            number + 1,
+            note.why,
+            note.instead
+        );
     }
     text
 }
 
 /// Whether a solver refuses two features together in a question that it answers with each of them.
 fn is_news(solver: Solver, both: [Feature; 2]) -> bool {
-    let refuses =
-        |question: &Question, features: &[Feature]| question.check(solver, features).is_err();
+    let refuses = |question: &Question, features: &[Feature]| {
+        question.check(solver, &whole(features)).is_err()
+    };
     let news = |question: &Question| {
         refuses(question, &both) && both.iter().all(|feature| !refuses(question, &[*feature]))
     };

@@ -235,6 +235,13 @@ impl CaseFile {
             _ => Feature::Profile,
         };
         match Question::Press.check(Solver::HeightMap, &[feature]) {
+            Err(Unsupported { why, .. }) if feature == Feature::Profile => {
+                let plate = format!(
+                    "leave it out; {} = \"plate\" is a level plate",
+                    Key::Indenter
+                );
+                Err(self.problem(key, why).accepted(plate))
+            }
             Err(Unsupported { why, instead, .. }) => Err(self.problem(key, why).accepted(instead)),
             Ok(()) => Ok(()),
         }
