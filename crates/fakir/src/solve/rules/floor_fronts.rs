@@ -76,7 +76,7 @@ const ENCLOSED: f64 = 0.75;
 /// Cells taken back after an advance release so much more than what keeps them.
 const TAKE_BACK: f64 = 1.1;
 
-/// `K` is too high by this along the grid, and too low by as much across its diagonals (the test `intensities_of_round_contacts`).
+/// `K` is too high by this along the grid, and too low by as much across its diagonals (the tests `intensities_of_flat_punches` and `intensities_of_spheres`).
 const ANISOTROPY: f64 = 0.021;
 
 /// A front of the curvature `c`, over cells, leaves rows of the grid by pieces of the length `2 sqrt(2/c)`, the chord one cell high. Such a piece one cell
