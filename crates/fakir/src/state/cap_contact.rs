@@ -99,19 +99,23 @@ impl CapContact {
         self.termination == Termination::Converged
     }
 
-    /// The first number of a solution that is [not resolved](Unresolved), of force, contact area and indentation, where errors are estimated.
+    /// The first number of a solution that is [not resolved](Unresolved), of force, contact area and indentation, where errors are estimated. That of the indentation
+    /// counts relative to it or to the way over which the force rises, whichever is longer: the common level may be anywhere.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
         let error = self.error.filter(|_| self.converged())?;
+        let rise = relative(self.force, self.slopes.force_with_indentation);
+        let depth = self.indentation.abs().max(rise);
         let numbers = [
             ("force", error.force),
             ("contact area", error.area),
-            (
-                "indentation",
-                relative(error.indentation, self.indentation.abs()),
-            ),
+            ("indentation", relative(error.indentation, depth)),
         ];
-        Unresolved::among(numbers, Remedy::AccurateSetting)
+        let remedy = match self.accuracy {
+            Accuracy::Default => Remedy::AccurateSetting,
+            Accuracy::Accurate => Remedy::HigherLoad,
+        };
+        Unresolved::among(numbers, remedy)
     }
 
     /// Number of caps that are touched.

@@ -313,13 +313,15 @@ impl ContactState {
         let floor = self.floor.as_ref();
         let on_floor = floor.map_or(0.0, |floor| floor.force);
         let each = self.pillars.iter().map(|pillar| pillar.force);
-        // Where some pull and others press, a small difference of large forces has a large relative error.
+        // Where some pull and others press, a small difference of large forces has a large relative error. Where nothing is carried nothing is
+        // relative to it: the error of a force of 0 counts whole, and the indentation is that of the first touch.
         let carried = each.chain([on_floor]).map(f64::abs).sum::<f64>();
+        let carries = carried > 0.0;
         let part = relative(self.force.abs(), carried.max(self.force.abs()));
         let known = floor.filter(|floor| floor.error != FloorErrors::UNKNOWN);
-        // At an indentation of 0, and where nothing is known of the floor, none is estimated.
-        let estimated = self.indentation != 0.0 && known.is_some() == floor.is_some();
-        let of_whole = |error: f64| {
+        // Without a force at an indentation of 0, and where nothing is known of the floor, none is estimated.
+        let estimated = (carries || self.indentation != 0.0) && known.is_some() == floor.is_some();
+        let counts = |part: f64, error: f64| {
             if estimated && part * error > LARGEST_ERROR {
                 error
             } else {
@@ -327,8 +329,11 @@ impl ContactState {
             }
         };
         let numbers = [
-            ("force", of_whole(self.error.force)),
-            ("indentation", of_whole(self.error.indentation)),
+            (
+                "force",
+                counts(if carries { part } else { 1.0 }, self.error.force),
+            ),
+            ("indentation", counts(part, self.error.indentation)),
             (
                 "force on the floor",
                 known.map_or(0.0, |floor| floor.error.share),
@@ -338,7 +343,14 @@ impl ContactState {
                 known.map_or(0.0, |floor| floor.error.area),
             ),
         ];
-        Unresolved::among(numbers, self.method.finer())
+        // The fronts of adhesive tops are the same with every accuracy.
+        let has_fronts = floor.is_none() && self.system.adhesion().work > 0.0;
+        let remedy = if has_fronts {
+            Remedy::HigherLoad
+        } else {
+            self.method.finer()
+        };
+        Unresolved::among(numbers, remedy)
     }
 }
 

@@ -355,7 +355,7 @@ impl Cycle {
         self.termination == Termination::Converged
     }
 
-    /// The first number of a solution that is [not resolved](Unresolved), of critical state, pull-off, hysteresis, and of what a floor that sticks does. What is
+    /// The first number of a solution that is [not resolved](Unresolved), of the end of loading, critical state, pull-off, hysteresis, and of what a floor that sticks does. What is
     /// not known of such a floor is not looked at: a warning says it.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
@@ -365,7 +365,13 @@ impl Cycle {
         let errors = &self.errors;
         let of = |there: bool, error: CycleError| if there { error.numerical() } else { 0.0 };
         let critical = self.critical.is_some();
+        // What a floor that sticks does there has its own errors.
+        let turn = self.turn.unresolved().filter(|_| self.turn.floor.is_none());
         let numbers = [
+            (
+                "force at the end of loading",
+                turn.map_or(0.0, |found| found.error),
+            ),
             ("critical force", of(critical, errors.critical_force)),
             (
                 "critical indentation",
@@ -419,6 +425,8 @@ impl Cycle {
     /// What a number that is not resolved needs.
     fn finer(&self) -> Remedy {
         match self.accuracy {
+            // The fronts of adhesive tops are the same with every accuracy.
+            _ if self.floor.is_none() => Remedy::HigherLoad,
             Accuracy::Default => Remedy::AccurateSetting,
             Accuracy::Accurate => Remedy::CollapsedFloor,
         }

@@ -78,11 +78,16 @@ impl Unresolved {
 mod tests {
     use super::Remedy;
     use crate::problem::{
-        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+        ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance,
+        System, Texture,
     };
     use crate::state::{ContactState, ErrorEstimate, FloorErrors, Run, Solution, Termination};
 
     fn pressed(control: Load) -> ContactState {
+        pressed_by(control, Method::default())
+    }
+
+    fn pressed_by(control: Load, method: Method) -> ContactState {
         let pillar = Pillar {
             diameter: 6e-6,
             height: 2.2e-6,
@@ -94,7 +99,7 @@ mod tests {
         };
         let texture = Texture::new(pillar, HexagonalLattice::new(30e-6));
         let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
-        crate::press(&system, control, Method::default(), &Run::default()).unwrap()
+        crate::press(&system, control, method, &Run::default()).unwrap()
     }
 
     #[test]
@@ -133,6 +138,35 @@ mod tests {
         for load in [Load::Indentation(0.0), Load::Force(0.0)] {
             assert!(pressed(load).is_answer());
         }
+    }
+
+    /// The lens touches a pillar between the centres of cells: a force of 0 of which nothing is known.
+    #[test]
+    fn a_force_that_is_not_found_is_no_answer() {
+        let elements = Method::Love(ElementMesh::default());
+        let state = pressed_by(Load::Indentation(1e-12), elements);
+        assert!(state.converged() && state.force <= 0.0);
+        assert!((state.error.force - 1.0).abs() < 1e-12);
+        let found = state.unresolved().unwrap();
+        assert_eq!(
+            (found.quantity, found.remedy),
+            ("force", Remedy::MoreElements)
+        );
+        assert!(pressed_by(Load::Indentation(0.0), elements).is_answer());
+    }
+
+    /// What is carried at an indentation of 0, where some pillars are higher, has an error like any other force.
+    #[test]
+    fn a_force_at_no_indentation_counts() {
+        let state = ContactState {
+            indentation: 0.0,
+            error: ErrorEstimate {
+                force: 0.6,
+                indentation: 0.0,
+            },
+            ..pressed(Load::Indentation(1e-6))
+        };
+        assert_eq!(state.unresolved().unwrap().quantity, "force");
     }
 
     #[test]

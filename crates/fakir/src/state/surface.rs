@@ -98,18 +98,20 @@ impl SurfaceContact {
         self.termination == Termination::Converged
     }
 
-    /// The first number of a solution that is [not resolved](Unresolved), of force, indentation and contact area, where errors are estimated.
+    /// The first number of a solution that is [not resolved](Unresolved), of force, indentation and contact area, where errors are estimated. Of an indentation of 0,
+    /// which only depends on where it is counted from, there is no relative error.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
         let error = self.error.filter(|_| self.converged())?;
-        let of = |value: f64, error: f64| if value == 0.0 { 0.0 } else { error };
+        let of_indentation = if self.indentation == 0.0 {
+            0.0
+        } else {
+            error.indentation
+        };
         let numbers = [
-            ("force", of(self.force, error.force)),
-            ("indentation", of(self.indentation, error.indentation)),
-            (
-                "contact area",
-                of(self.contact_area, self.area_error.unwrap_or(0.0)),
-            ),
+            ("force", error.force),
+            ("indentation", of_indentation),
+            ("contact area", self.area_error.unwrap_or(0.0)),
         ];
         Unresolved::among(numbers, Remedy::SmallerCells)
     }

@@ -26,8 +26,9 @@
 //! The contact is solved on cells four times and twice as large first, which gives a start, and
 //! the error estimate is the difference of the last two, or that of the first two if that
 //! is larger: elements converge in proportion to their size at least, so that this is twice what is left, but
-//! pillars of a few cells do so unsteadily, and on [round tops](SurfaceSystem::with_round_tops) it is tripled. Measured heights are averaged on the larger cells, so that it contains the
-//! effect of the smallest wavelengths.
+//! pillars of a few cells do so unsteadily, and on [round tops](SurfaceSystem::with_round_tops) it is
+//! tripled. Measured heights are averaged on the larger cells, so that it contains the effect of the
+//! smallest wavelengths.
 //!
 //! A contact area is a number of whole cells. Its error is estimated in the same way, and is never less than
 //! a part of the cells along the edge of the contact, which are counted whole or not at all.
@@ -88,7 +89,15 @@ impl SurfaceSystem {
             solved = Some((level, pressed));
         }
         let (level, pressed) = solved.ok_or(SolveError::NoFloor)?;
-        let changes = changes(&history);
+        let mut changes = changes(&history);
+        if let (Load::Indentation(indentation), Some([force, _, area, ..])) =
+            (control, &mut changes)
+            && level.contact_area() <= 0.0
+            && level.is_touched_between_centres(indentation)
+        {
+            // Nothing is known of what cells miss.
+            (*force, *area) = (1.0, 1.0);
+        }
         let safety = self.round_tops().map_or(1.0, |_| SAFETY_ON_DISCS);
         let error = changes.map(|[force, indentation, ..]| ErrorEstimate {
             force: match control {
@@ -191,8 +200,13 @@ fn changes<const COUNT: usize>(history: &[[f64; COUNT]]) -> Option<[f64; COUNT]>
 mod tests {
     use super::*;
     use crate::problem::{Grid, HeightMap, Indenter, Lens, Material};
+    use crate::state::Solution;
 
     fn contact() -> SurfaceContact {
+        pressed(0.1e-6)
+    }
+
+    fn pressed(indentation: f64) -> SurfaceContact {
         let material = Material::new(2e6, 0.5);
         let lens = Indenter::Lens(Lens {
             radius: 1e-3,
@@ -201,8 +215,35 @@ mod tests {
         let grid = Grid::centred(32, 32, 1.25e-6).unwrap();
         let flat = HeightMap::from_height(grid, |_| 0.0).unwrap();
         let system = SurfaceSystem::new(lens, material, flat, Boundary::FreeSpace).unwrap();
-        let load = Load::Indentation(0.1e-6);
+        let load = Load::Indentation(indentation);
         system.press(load, &Run::default()).unwrap()
+    }
+
+    /// The lens comes down between the centres of four cells.
+    #[test]
+    fn a_contact_that_cells_miss_is_no_answer() {
+        for (indentation, is_answer) in [(0.0, true), (1e-10, false)] {
+            let contact = pressed(indentation);
+            assert!(contact.force <= 0.0 && contact.contact_area <= 0.0);
+            assert_eq!(contact.is_answer(), is_answer, "{indentation:e}");
+        }
+        let found = pressed(1e-10).unresolved().unwrap();
+        assert_eq!((found.quantity, found.error), ("force", 1.0));
+    }
+
+    /// As where something is in contact on larger cells only.
+    #[test]
+    fn an_error_of_nothing_counts() {
+        let error = Some(ErrorEstimate {
+            force: 1.0,
+            indentation: 0.0,
+        });
+        let contact = SurfaceContact {
+            force: 0.0,
+            error,
+            ..contact()
+        };
+        assert_eq!(contact.unresolved().unwrap().quantity, "force");
     }
 
     #[test]

@@ -400,6 +400,24 @@ impl<'a> Level<'a> {
         self.loaded().count() as f64 * self.surface.grid().cell_area()
     }
 
+    /// Whether the undeformed lens is below a part of a cell at an indentation, where it may not be below its centre.
+    pub(super) fn is_touched_between_centres(&self, indentation: f64) -> bool {
+        let Indenter::Lens(lens) = self.system.indenter() else {
+            return false;
+        };
+        let (grid, highest) = (self.surface.grid(), self.system.surface().highest());
+        let [width, height] = grid.cell();
+        self.surface
+            .heights()
+            .iter()
+            .enumerate()
+            .any(|(cell, top)| {
+                let [x, y] = from_axis(self.system, grid, cell);
+                let nearest = [x.abs() - 0.5 * width, y.abs() - 0.5 * height].map(|at| at.max(0.0));
+                lens.sag(nearest[0].hypot(nearest[1])) + (highest - top) < indentation
+            })
+    }
+
     /// What the floor carries, if it is known which part of the surface that is.
     pub(super) fn on_floor(&self) -> Share {
         let shares = self.system.floor().map(|floor| self.shares(floor));
