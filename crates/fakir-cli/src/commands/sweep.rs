@@ -27,9 +27,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
     stop_on_interrupt(cancel.clone());
     let study = read(arguments)?;
     if !arguments.quiet {
-        for warning in study.warnings() {
-            tell(&format!("warning: {warning}"));
-        }
+        warn_of_study(&study);
     }
     let start = Instant::now();
     let mut bar = Bar::new(arguments.quiet);
@@ -84,6 +82,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
 pub(crate) fn merge(arguments: &Merge) -> Result<Status, Failure> {
     let folder = &arguments.folder;
     let summary = fakir_study::merge(folder, &arguments.shards, arguments.existing())?;
+    warn_of_study(&summary.study);
     warn(&summary.damaged, true);
     standard::print(&if arguments.json {
         object(&summary, Some(folder), None)
@@ -99,6 +98,13 @@ fn object(summary: &Summary, folder: Option<&Path>, wall_time: Option<f64>) -> S
     match &summary.study.warnings()[..] {
         [] => object,
         warnings => with_case_warnings(&object, warnings),
+    }
+}
+
+/// Names what of a study has no effect.
+fn warn_of_study(study: &Study) {
+    for warning in study.warnings() {
+        tell(&format!("warning: {warning}"));
     }
 }
 

@@ -322,6 +322,21 @@ fn failures_are_counted_and_keep_their_rows() {
     assert_eq!(json["failed"], 2);
     assert_eq!(json["rows"][1]["load.indentation_m"], 1e-6);
     assert_eq!(json["problems"][1]["case"], 5);
+
+    // Shards that are merged say the same.
+    for shard in ["1/2", "2/2"] {
+        let folder = shard.replace('/', "-of-");
+        bench.run(&["sweep", "press.toml", "--shard", shard, "--output", &folder]);
+    }
+    let merged = bench.run(&["merge", "merged", "1-of-2", "2-of-2"]);
+    assert_eq!(merged.status, Some(1), "{}", merged.stderr);
+    assert!(
+        merged
+            .stdout
+            .contains("case 2 (method.name = \"homogenised\""),
+        "{}",
+        merged.stdout
+    );
 }
 
 #[test]
@@ -421,6 +436,16 @@ fn a_key_without_effect_is_named_once() {
     assert_eq!(summary["case_warnings"], serde_json::json!([words]));
     let plain = bench.run(&["sweep", "study.toml", "--json"]);
     assert!(plain.stderr.is_empty() && !plain.stdout.contains("case_warnings"));
+    // Also as shards are merged.
+    for shard in ["1/2", "2/2"] {
+        let folder = shard.replace('/', "-of-");
+        let own = ["sweep", "study.toml", "--shard", shard, "--output", &folder];
+        bench.run(&[&own[..], &angle].concat());
+    }
+    let merged = bench.run(&["merge", "merged", "1-of-2", "2-of-2", "--json"]);
+    assert_eq!(merged.status, Some(0), "{}", merged.stderr);
+    assert_eq!(merged.stderr, format!("warning: {words}\n"));
+    assert!(merged.stdout.contains("case_warnings"), "{}", merged.stdout);
 }
 
 /// Thicknesses and what films rest on are axes like others. Under the critical force a film gives way less the thinner it is, and less where it is bonded.
