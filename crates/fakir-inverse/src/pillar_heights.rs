@@ -5,7 +5,7 @@ use crate::heights::{
     Curve, DesignedPoint, HeightDesign, HeightDesignError, WantedPoint, design_heights,
 };
 use fakir::problem::{Cap, CapField};
-use fakir::state::{CapContact, Run, SolveError};
+use fakir::state::{CapContact, Run, Solution, SolveError, Termination, Unresolved};
 use fakir_case::RoundedCase;
 use fakir_study::{Column, Table, Values};
 
@@ -28,8 +28,20 @@ pub struct PillarHeights {
     pub design: HeightDesign,
     /// Largest estimated relative error of the values over all loads; `None` without an estimate.
     pub relative_error: Option<f64>,
+    /// The first load (N or m) under which a number of the contact is not resolved, with that number.
+    pub unresolved: Option<(f64, Unresolved)>,
     /// The contact under the largest load.
     pub last: CapContact,
+}
+
+impl Solution for PillarHeights {
+    fn termination(&self) -> Termination {
+        self.last.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        self.unresolved.map(|(_, unresolved)| unresolved)
+    }
 }
 
 /// Errors of a design of pillars.
@@ -95,7 +107,7 @@ pub fn design_pillars(
         round += 1;
     };
     let mut errors = Vec::new();
-    let mut last = None;
+    let (mut last, mut unresolved) = (None, None);
     for point in &mut design.points {
         let load = point.wanted.load;
         let contact = made.field.press(curve.control(load), made.accuracy, run);
@@ -112,6 +124,7 @@ pub fn design_pillars(
             Curve::AreaOfForce | Curve::AreaOfIndentation => error.area,
             Curve::ForceOfIndentation => error.force,
         }));
+        unresolved = unresolved.or_else(|| Some((load, contact.unresolved()?)));
         last = Some(contact);
     }
     let errors: Option<Vec<f64>> = errors.into_iter().collect();
@@ -120,6 +133,7 @@ pub fn design_pillars(
         curve,
         design,
         relative_error: errors.map(|errors| errors.into_iter().fold(0.0, f64::max)),
+        unresolved,
         last: last.ok_or(HeightDesignError::NoPoints)?,
     })
 }

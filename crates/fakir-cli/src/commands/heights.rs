@@ -9,6 +9,7 @@ use crate::report::rounded::{case_line, method_line};
 use crate::report::state::QuantityList;
 use crate::report::table::{Column, table};
 use crate::session::Session;
+use fakir::state::Solution;
 use fakir_case::CaseFile;
 use fakir_case::unit::Dimension;
 use fakir_figure::{DesignedCurve, DesignedQuantity, DesignedValues, cap_map, designed_curve};
@@ -21,7 +22,7 @@ use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::record::RoundedAnswer;
-use fakir_study::result::{json, rounded_warnings};
+use fakir_study::result::{control_words, json, rounded_warnings};
 use fakir_study::workshop::Relief;
 use std::time::Instant;
 
@@ -53,6 +54,7 @@ pub(crate) fn run(
         height: case.height,
         contact: &found.last,
     });
+    warnings.extend(unresolved_before_last(&found));
     if let Some(error) = question.height_error {
         warnings.extend(large_scatter(&found, error));
     }
@@ -82,13 +84,21 @@ pub(crate) fn run(
         provenance,
         tables,
         warnings,
-        converged: true,
+        converged: found.is_answer(),
         strained: Vec::new(),
     };
     Ok(Designed {
         report,
         found: found.design.is_reached(),
     })
+}
+
+/// Why the heights are no answer, if that is so under another load than the largest, of which [`rounded_warnings`] are.
+fn unresolved_before_last(found: &PillarHeights) -> Option<String> {
+    let (load, unresolved) = found.unresolved?;
+    let largest = found.design.points.last()?.wanted.load;
+    let words = control_words(found.curve.control(load));
+    (load < largest).then(|| format!("{words}: {unresolved}"))
 }
 
 /// The failure, at its line of the wanted curve if it is one of its points.

@@ -212,6 +212,47 @@ fn what_no_heights_have_is_status_3_with_the_nearest() {
     );
 }
 
+/// A contact that leans on the rim of its pillar has a stated error of the area above a half.
+#[test]
+fn a_stated_error_above_a_half_is_no_answer() {
+    let bench = bench();
+    bench.write("curve.csv", "indentation_um,area_um2\n5,20000\n");
+    let leaning = [
+        "lens.shape=sphere",
+        "lens.radius=5mm",
+        "texture.pitch=300um",
+        "texture.columns=1",
+        "texture.offset=0.5",
+        "texture.top_radius=12mm",
+        "texture.pillar.height=2mm",
+        "texture.pillar.diameter=220um",
+        "texture.pillar.compliance=none",
+    ];
+    let set = leaning.map(|setting| ["--set", setting]).concat();
+    let outcome = bench.run(&[&DESIGN[..], &["--json"], &set[..]].concat());
+    assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
+    // Not even kept quiet.
+    assert!(
+        outcome
+            .stderr
+            .contains("warning: the contact area is not resolved"),
+        "{}",
+        outcome.stderr
+    );
+    let result: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let stated = result["design"]["relative_error_estimate"].as_f64();
+    assert!(stated.is_some_and(|stated| stated > 0.5), "{stated:?}");
+    // Also if it is so under a load before the largest.
+    bench.write(
+        "curve.csv",
+        "indentation_um,area_um2\n3,10968.279\n5,20049.112\n",
+    );
+    let outcome = bench.run(&[&DESIGN[..], &set[..]].concat());
+    assert_eq!(outcome.status, Some(1), "{}", outcome.stdout);
+    let told = "warning: contact at an indentation of 3 um: the contact area is not resolved";
+    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+}
+
 #[test]
 fn what_makes_no_sense_is_status_2() {
     let bench = bench();

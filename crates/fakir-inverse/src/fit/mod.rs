@@ -160,7 +160,7 @@ pub struct FittedRow {
     /// Whether the model has this state; otherwise there are no computed values, and [`Fit::not_modelled`] contains
     /// the reason.
     pub modelled: bool,
-    /// Whether the contact was solved.
+    /// Whether the contact was solved, and its numbers are resolved.
     pub converged: bool,
 }
 

@@ -10,7 +10,7 @@ use super::radius::smooth_radius;
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Adhesion, CyclePlan, Drive, Load, Method, Turn};
-use fakir::state::{Branch, ContactState, Cycle, Gradient, Run, SolveError};
+use fakir::state::{Branch, ContactState, Cycle, Gradient, Run, Solution, SolveError};
 use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -903,7 +903,7 @@ impl<'a> Model<'a> {
             smooth_radius: smooth_radius(&contact),
             smallest_floor_gap: Some(contact.smallest_floor_gap),
             past_transition: contact.smallest_floor_gap < 0.0,
-            converged: contact.converged(),
+            converged: contact.is_answer(),
             ..State::without_contact(contact.indentation)
         })
     }

@@ -82,7 +82,9 @@ impl Fit {
         warnings.extend(self.cycle.as_ref().map_or(Vec::new(), cycle_warnings));
         let unsolved = self.rows.iter().filter(|row| !row.converged).count();
         if unsolved > 0 {
-            warnings.push(format!("{unsolved} contacts did not converge"));
+            warnings.push(format!(
+                "{unsolved} contacts did not converge or are not resolved"
+            ));
         }
         if self.termination != Termination::Converged {
             warnings.push(format!("the fit {}", self.termination.description()));
