@@ -52,6 +52,10 @@ const RIM_DEGREE_ERROR: f64 = 1.3;
 const LEVEL_ERROR: f64 = 0.03;
 const LEVEL_ERROR_OF_LOOP: f64 = 0.015;
 
+/// What the levels of fronts [leave open](Path::left_open) is at one load the difference between a disc and the front that takes its place, and grows on the
+/// way by up to 1.7 times: of contacts without adhesion, against the spectral method.
+const LEFT_OPEN: f64 = 2.0;
+
 /// The first window of a floor that sticks reaches so many distances of pillars beyond the first patch.
 const FIRST_WINDOW: f64 = 1.5;
 
@@ -338,13 +342,13 @@ impl<'a> Loading<'a> {
         let indentation = path.indentation();
         let radius = path.contact_radius();
         let force = path.force();
-        let partly = if path.inside.is_some() {
-            0.0
-        } else {
-            partly_borne(&pillars)
-        };
-        let error = if termination == Termination::Converged {
-            let share = relative(PARTIAL_ERROR * partly / scene.force(), force);
+        let error = if termination == Termination::Converged && !path.is_below_first_level() {
+            let share = if path.inside.is_some() {
+                0.0
+            } else {
+                let [levels, shapes] = self.errors_of_parts(&pillars, force * scene.force());
+                levels.max(shapes)
+            };
             let [degree, _] = self.degree_errors();
             ErrorEstimate {
                 force: degree + share,
@@ -387,6 +391,17 @@ impl<'a> Loading<'a> {
             )
         };
         floor_gap(scene, state, indentation, lowest)
+    }
+
+    /// Relative errors of a force (N) by tops in partial contact: by the levels of their fronts, and by the shapes of these.
+    fn errors_of_parts(&self, pillars: &[PillarState], force: f64) -> [f64; 2] {
+        let borne = partly_borne(pillars);
+        let left_open = if borne > 0.0 {
+            LEFT_OPEN * self.path.left_open * self.path.scene.force()
+        } else {
+            0.0
+        };
+        [left_open, PARTIAL_ERROR * borne].map(|error| relative(error, force))
     }
 
     fn warnings(&self, contact_ratio: f64) -> Vec<Warning> {
@@ -576,25 +591,32 @@ impl Loading<'_> {
         let of_floor =
             |error: fn(&StuckFloorErrors) -> f64| self.floor.map_or(0.0, |it| error(&it.errors));
         let of_critical = critical.map_or([0.0; 2], |critical| {
-            let borne = PARTIAL_ERROR * partly_borne(&critical.contact.pillars);
-            let share = relative(borne, critical.contact.force);
-            [share, INDENTATION_SHARE * share]
+            self.errors_of_parts(&critical.contact.pillars, critical.contact.force)
         });
-        let [critical_force, critical_indentation] = of_critical.map(|fronts| CycleError {
-            degree,
-            fronts,
-            ..CycleError::default()
+        let [critical_force, critical_indentation] = [1.0, INDENTATION_SHARE].map(|part| {
+            let [levels, fronts] = of_critical.map(|error| part * error);
+            CycleError {
+                degree,
+                levels,
+                fronts,
+                ..CycleError::default()
+            }
         });
         // The rim of one top that is in contact as a whole, or a disc inside it, is held by nothing else.
         let whole = self.path.strongest.as_ref().is_some_and(|pull| {
             let [top] = pull.tops.as_slice() else {
                 return false;
             };
-            top.domain.is_full() || top.disc.is_some()
+            top.domain.is_full() || top.has_free_disc()
         });
+        let left_open = LEFT_OPEN * self.path.left_open * self.path.scene.force();
         let columns = self.leaning();
-        let pull_off_force = pull_off.map_or_else(CycleError::default, |_| CycleError {
-            levels: if whole { 0.0 } else { LEVEL_ERROR },
+        let pull_off_force = pull_off.map_or_else(CycleError::default, |pull| CycleError {
+            levels: if whole {
+                0.0
+            } else {
+                LEVEL_ERROR.max(relative(left_open, pull.force))
+            },
             rim_angles: ANGLE_ERROR,
             degree: rim,
             fronts: if whole { 0.0 } else { FRONT_ERROR }.max(of_floor(|it| it.pull_off_force)),

@@ -9,6 +9,7 @@
 
 mod disc;
 mod inside;
+mod levels;
 mod records;
 
 pub(crate) use self::records::{End, Energies, Held, HeldTop, Station, Stop, TopEvent};
@@ -133,6 +134,8 @@ pub(crate) struct Path<'a> {
     pub(crate) stations: Vec<Station>,
     pub(crate) events: Vec<TopEvent>,
     pub(crate) energies: Energies,
+    /// Force that the levels of fronts leave open while tops are in contact in part.
+    pub(crate) left_open: f64,
     pub(crate) strongest: Option<StrongestPull>,
     /// Why there is no solution, if there is none.
     failed: Option<Termination>,
@@ -181,6 +184,7 @@ impl<'a> Path<'a> {
             stations: Vec::new(),
             events: Vec::new(),
             energies: Energies::default(),
+            left_open: 0.0,
             strongest: None,
             failed: None,
         };
@@ -286,6 +290,9 @@ impl<'a> Path<'a> {
                     Some(stop) => return Ok(stop),
                     None => continue,
                 }
+            }
+            if course == Course::Unloading && self.counts() == [1, 1] && self.recede_inside()? {
+                continue;
             }
             let longest = self.longest_step(course);
             if self.floor.is_some() {
@@ -606,7 +613,12 @@ impl<'a> Path<'a> {
         let start = [self.indentation(), self.force()];
         let energy = self.elastic_energy();
         let floor = self.floor.as_ref().map_or(0.0, StuckFloor::area);
-        self.cascade_from(course, start, energy, floor)
+        let is_first = course == Course::Loading && self.counts()[0] == 0;
+        let changes = self.cascade_from(course, start, energy, floor)?;
+        if is_first && changes > 0 {
+            self.open_by_first_contact();
+        }
+        Ok(changes)
     }
 
     /// The same from a state of this indentation and force, elastic energy, and area of the floor in contact, of which some of the floor may have

@@ -4,10 +4,11 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use fakir::problem::{
-    Adhesion, Base, CyclePlan, Drive, FloorModel, Layer, Lens, LensShape, ListedPillar, Load,
-    Material, Method, Pillar, PillarCompliance, PillarList, ShapedLens, System, Texture, Turn,
+    Accuracy, Adhesion, Base, CyclePlan, Drive, FloorModel, Layer, Lens, LensShape, ListedPillar,
+    Load, Material, Method, Pillar, PillarCompliance, PillarList, ShapedLens, System, Texture,
+    Turn,
 };
-use fakir::state::{Cycle, PillarStatus, Run, Termination};
+use fakir::state::{ContactState, Cycle, PillarStatus, Run, Solution, Termination};
 use fakir::theory::adhesion::{
     StickySphere, sphere_pull_off_by_force, sticky_sphere, sticky_sphere_at_indentation,
 };
@@ -210,6 +211,91 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
     let pull = cycle.pull_off.as_ref().unwrap().force;
     assert!((pull / expected - 1.0).abs() < 1e-3, "{pull} {expected}");
     assert!(cycle.certificate().unwrap() < 1e-2);
+}
+
+/// A lens axis so far from the middle of the top, in its radii, that the disc comes to the rim on one side first. There are fronts from there on.
+fn beside(part: f64, work: f64) -> System {
+    sticky(2.0 * TOP, work, [part * TOP, 0.0])
+}
+
+const TOP: f64 = 30e-6;
+
+/// Whether a force differs from another by less than its stated error, or is no answer.
+#[track_caller]
+fn covered(contact: &ContactState, expected: f64, margin: f64) -> bool {
+    let off = (contact.force - expected).abs();
+    let stated = contact.error.force * contact.force.abs();
+    assert!(
+        off <= stated + margin || !contact.is_answer(),
+        "{:e} for {expected:e}: {off:e} beside {stated:e}",
+        contact.force
+    );
+    contact.is_answer()
+}
+
+/// The contact without adhesion is solved on nodes; with so little of it the force is the same. Axes are on the top, at its rim and beyond.
+#[test]
+fn a_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
+    const WORK: f64 = 1e-7;
+    let run = Run::default();
+    let mut answers = 0;
+    for part in [0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0, 1.1, 1.6] {
+        let at_rim = ((1.0 - part) * TOP).powi(2);
+        for times in [1.02, 1.1, 1.7, 4.0, 16.0] {
+            let depth = if part < 1.0 {
+                times * at_rim / LENS
+            } else {
+                0.5 * at_rim / LENS + times * 10e-9
+            };
+            let load = Load::Indentation(depth.min(0.6e-6));
+            let accurate = Method::Spectral(Accuracy::Accurate);
+            let without = fakir::press(&beside(part, 0.0), load, accurate, &run).unwrap();
+            let with = fakir::press(&beside(part, WORK), load, Method::default(), &run).unwrap();
+            let margin = without.error.force * without.force + 10.0 * WORK * LENS;
+            answers += usize::from(covered(&with, without.force, margin));
+        }
+    }
+    println!("{answers} answers");
+    assert!(answers > 22, "{answers}");
+}
+
+/// At the rim the force is still that of the disc, by K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971).
+#[test]
+fn a_sticking_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
+    let run = Run::default();
+    let mut answers = 0;
+    for work in [1e-5, 3e-4, 1e-3, 5e-3] {
+        for part in [0.1, 0.2, 0.4, 0.6, 0.8, 0.9] {
+            let system = beside(part, work);
+            let modulus = system.reduced_modulus();
+            let at_rim = sticky_sphere(modulus, LENS, work, (1.0 - part) * TOP);
+            if at_rim.indentation <= 0.0 {
+                continue;
+            }
+            for beyond in [1e-12, 1e-10] {
+                let load = Load::Indentation(at_rim.indentation + beyond);
+                let contact = fakir::press(&system, load, Method::default(), &run).unwrap();
+                // The disc grows on a little, and a sphere is no paraboloid.
+                let margin = 1e-3 * at_rim.force.abs() + 4.0 * modulus * TOP * beyond;
+                answers += usize::from(covered(&contact, at_rim.force, margin));
+            }
+            // Pulled off again it is the same disc, whatever it grew to.
+            let natural = sphere_pull_off_by_force(modulus, LENS, work);
+            if natural.radius < 0.9 * (1.0 - part) * TOP {
+                let cycle = cycle(&system, 1.1 * at_rim.indentation, Drive::Displacement);
+                if !cycle.is_answer() {
+                    continue;
+                }
+                let pull = cycle.pull_off.as_ref().unwrap().force;
+                let error = &cycle.errors.pull_off_force;
+                let stated = error.numerical() + error.model();
+                let off = (pull / natural.force - 1.0).abs();
+                assert!(off < stated + 1e-3, "{work} {part}: {off} {stated}");
+            }
+        }
+    }
+    println!("{answers} answers");
+    assert!(answers > 10, "{answers}");
 }
 
 fn layered(diameter: f64, layer: Option<Layer>) -> System {

@@ -6,7 +6,7 @@
 //! the rim of the last top in contact detaches.
 
 use super::Path;
-use super::disc::{CENTRED, Edge, InsideTop};
+use super::disc::{AT_RIM, CENTRED, Edge, InsideTop};
 use super::records::{Change, End, Stop};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::roots;
@@ -17,9 +17,6 @@ use crate::solve::rules::patch::{Patch, PatchSolver};
 use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::{SolveError, Stage};
 use std::convert::Infallible;
-
-/// A disc that detaches within this part of the radius of the top detaches at the rim.
-const AT_RIM: f64 = 1e-3;
 
 /// A disc is followed so much beyond the largest contact that a lens may have.
 const FARTHER: f64 = 1.01;
@@ -142,9 +139,10 @@ impl Path<'_> {
             .with_held(inside.largest, sag, [alpha, beta], own)
     }
 
-    /// Where the rim of the one top in contact is about to detach, and a disc inside it would not: that disc. Returns whether it is so.
+    /// Where the rim of the one top in contact is about to detach, and a disc inside it would not: that disc. A front gives way to the disc as soon as that
+    /// is nowhere at the rim. Returns whether it is so.
     pub(super) fn recede_inside(&mut self) -> Result<bool, SolveError> {
-        if self.counts() != [1, 0] || self.floor.is_some() {
+        if self.counts()[0] != 1 || self.floor.is_some() {
             return Ok(false);
         }
         let Some(mut inside) = self.top_under_axis() else {
@@ -153,9 +151,7 @@ impl Path<'_> {
         let Some(pillar) = self.sites.find(inside.index) else {
             return Ok(false);
         };
-        if !self.tops.domains[pillar].is_full() {
-            return Ok(false);
-        }
+        let before = self.tops.domains[pillar];
         // The energy is that of the present loads.
         self.find_loads();
         let sag = self.sag_at();
@@ -167,10 +163,16 @@ impl Path<'_> {
         let measure = |patch: &Patch| self.held_by(&inside, patch);
         // A whole rim that detaches leaves a disc, or nothing where that is not stable. A rim that does so on one side leaves a front.
         let is_stable = least < (1.0 - AT_RIM) * inside.largest && measure(&edge.at(least)) <= held;
-        if !(inside.is_centred() || is_stable) {
+        let is_at_rim = measure(&edge.at(inside.largest)) < held;
+        let recedes = if before.is_full() {
+            inside.is_centred() || is_stable
+        } else {
+            is_stable && !is_at_rim
+        };
+        if !recedes {
             return Ok(false);
         }
-        let patch = if measure(&edge.at(inside.largest)) < held {
+        let patch = if is_at_rim {
             self.pinned_at_rim(&inside, &sag, held)
         } else if !is_stable {
             edge.at(inside.largest)
@@ -179,13 +181,18 @@ impl Path<'_> {
         };
         drop(sag);
         let area = patch.radius * patch.radius;
+        let is_centred = inside.is_centred();
         inside.patch = patch;
         self.tops.domains[pillar] = Domain::OUT;
         self.solve_unit()?;
         self.solve_present(Course::Unloading)?;
         self.move_disc(inside);
         if is_stable {
-            self.account_disc(Course::Unloading, start, energy, [1.0, area]);
+            let parts = [self.tops.fronts.part(before.level), area];
+            self.account_disc(Course::Unloading, start, energy, parts);
+            if !is_centred {
+                self.open_by_change(start);
+            }
         } else {
             self.detach_disc()?;
         }
@@ -205,6 +212,10 @@ impl Path<'_> {
         let [before, after] = parts;
         if (after - before).abs() <= NO_CHANGE {
             change.tops.clear();
+        }
+        if course == Course::Unloading && !inside.is_centred() {
+            // On the way there were fronts, or would be.
+            change.tops.iter_mut().for_each(|top| top.levels = 1);
         }
         self.account(course, start, energy, &change);
     }
@@ -437,6 +448,7 @@ impl Path<'_> {
         self.account(Course::Loading, start, energy, &change);
         if !fills {
             self.cascade(Course::Loading)?;
+            self.open_by_change(start);
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! What a path holds, where it ends, and what it records on the way.
 
+use super::disc::{AT_RIM, CENTRED};
 use crate::problem::Point;
 use crate::solve::floor::FloorPoint;
 use crate::solve::rules::fronts::{Course, Domain};
@@ -107,6 +108,16 @@ pub(crate) struct HeldTop {
     pub(crate) coefficients: Vec<f64>,
     /// The radius of the disc around the lens axis that the coefficients are of, if that is in contact and not a part up to a front.
     pub(crate) disc: Option<f64>,
+}
+
+impl HeldTop {
+    /// Whether a disc inside the rim is in contact that is nowhere at the rim, or all around.
+    pub(crate) fn has_free_disc(&self) -> bool {
+        let from_centre = self.centre[0].hypot(self.centre[1]);
+        self.disc.is_some_and(|radius| {
+            from_centre < CENTRED || radius < (1.0 - AT_RIM) * (1.0 - from_centre)
+        })
+    }
 }
 
 /// The strongest pull so far on unloading.
