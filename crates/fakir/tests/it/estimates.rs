@@ -1,8 +1,8 @@
 //! Systems on which estimates once were too small.
 
 use fakir::problem::{
-    Accuracy, ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar,
-    PillarCompliance, PunchForm, System, Texture,
+    Accuracy, ElementMesh, HexagonalLattice, Lens, ListedPillar, Load, Material, Method, Pillar,
+    PillarCompliance, PillarList, PunchForm, System, Texture,
 };
 use fakir::state::{ContactState, Run};
 
@@ -179,4 +179,38 @@ fn slivers_beside_a_pillar_in_a_dense_texture() {
     let [_, indentation] = over_estimates(&default, &accurate);
     assert!(indentation <= 1.0, "{indentation}");
     assert!(default.error.indentation < 1e-3);
+}
+
+/// A gap of 0.9 % of the diameter: the modes of the pressure decay slowly from degree to degree.
+#[test]
+fn two_pillars_that_nearly_touch() {
+    // By elements: 1.1552689e-6 N with 64 cells across a pillar, 1.1552718e-6 N with 128.
+    const FORCE: f64 = 1.155_272e-6;
+    const MARGIN: f64 = 3e-6;
+    let pillar = Pillar {
+        diameter: 6e-6,
+        height: 2e-6,
+        compliance: PillarCompliance::None,
+    };
+    let listed = [-0.5045, 0.5045].map(|place| ListedPillar {
+        centre: [place * pillar.diameter, 0.0],
+        diameter: pillar.diameter,
+        height: pillar.height,
+    });
+    let list = PillarList::new(listed.to_vec()).expect("two pillars");
+    let lens = Lens {
+        radius: 2e-3,
+        material: Material::new(70e9, 0.2),
+    };
+    let texture = Texture::new(pillar, list);
+    let system = System::new(lens, Material::new(1e6, 0.5), texture).expect("a valid system");
+    for accuracy in [Accuracy::Default, Accuracy::Accurate] {
+        let load = Load::Indentation(100e-9);
+        let method = Method::Spectral(accuracy);
+        let state = fakir::press(&system, load, method, &Run::default()).expect("a contact");
+        let off = (state.force / FORCE - 1.0).abs();
+        let stated = state.error.force;
+        assert!(off < stated + MARGIN, "{off:e} beside {stated:e}");
+        assert!(stated < 1e-3, "{stated:e}");
+    }
 }
