@@ -135,6 +135,7 @@ fn every_malformed_override_is_explained() {
         ("empty value", &["lens.radius="]),
         ("wrong unit", &["lens.radius=2 MPa"]),
         ("negative", &["texture.pillar.height=-1um"]),
+        ("number too large", &["lens.radius=1e400 um"]),
         ("above half", &["lens.poisson_ratio = 0.6"]),
         ("word for a number", &["texture.surface_fraction=dense"]),
         ("unknown method", &["method.name=fem"]),
