@@ -428,10 +428,10 @@ static RULES: &[Rule] = &[
     ),
     rule(
         &[Question::Fields],
-        &[Solver::Homogenised],
+        &[Solver::Elements, Solver::Homogenised],
         &[],
-        "the homogenised lattice has no single pillars, and so no maps",
-        "use another method",
+        "this method has no maps of pressure, gap and displacement",
+        "use the spectral method or the punch lattice",
     ),
     rule(
         ANY,
