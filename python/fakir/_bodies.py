@@ -109,11 +109,38 @@ def layer_of(values: Mapping[str, Any], part: str) -> LayerOptions:
     return {"thickness": thickness}
 
 
+LayerNumbers = tuple[float, str, list[float] | None]
+
+
+def layer_numbers(body: object) -> LayerNumbers | None:
+    """Thickness, base, and modulus and Poisson's ratio of an elastic base; nothing of a half-space."""
+    if not isinstance(body, _Body) or body.thickness is None:
+        return None
+    match body.base:
+        case ElasticBase() as base:
+            return body.thickness, "elastic", [base.young_modulus, base.poisson_ratio]
+        case word:
+            return body.thickness, word, None
+
+
+def layer_options(layer: LayerNumbers | None) -> LayerOptions:
+    """The options of a body with such numbers."""
+    match layer:
+        case None:
+            return {}
+        case (thickness, "elastic", [modulus, ratio]):
+            return {"thickness": thickness, "base": ElasticBase(modulus, ratio)}
+        case (thickness, "frictionless", _):
+            return {"thickness": thickness, "base": "frictionless"}
+        case (thickness, *_):
+            return {"thickness": thickness}
+
+
 def refuse_layers(lens: object, substrate: Substrate) -> None:
     """Where both bodies are half-spaces."""
     for part, body in (("lens", lens), ("substrate", substrate)):
         if isinstance(body, _Body) and body.thickness is not None:
-            raise ValueError(f"{part}.thickness is known to System only: leave it out here")
+            raise ValueError(f"{part}.thickness is not known here: leave it out")
 
 
 @dataclass(frozen=True, init=False)

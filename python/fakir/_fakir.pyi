@@ -314,6 +314,7 @@ class Surface:
         lens: Sequence[float] | None,
         plate: Sequence[float] | None,
         substrate: Sequence[float],
+        layers: Sequence[tuple[float, str, Sequence[float] | None] | None],
         periodic: bool,
         floor: float | None,
     ) -> Surface: ...
@@ -342,6 +343,8 @@ class Surface:
     def plate(self) -> list[float] | None: ...
     @property
     def substrate(self) -> list[float]: ...
+    @property
+    def layers(self) -> list[tuple[float, str, list[float] | None] | None]: ...
 
 @final
 class SurfaceContact(Answer):

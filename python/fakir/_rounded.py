@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _fakir
-from ._bodies import Lens, Substrate
+from ._bodies import Lens, Substrate, refuse_layers
 from ._design import SEED
 from ._format import Row, engineering
 from ._numbers import RoundedPressNumbers
@@ -89,6 +89,7 @@ class RoundedTops:
         compliance: Literal["column", "none"] = "column",
         accuracy: Literal["default", "accurate"] = "default",
     ) -> None:
+        refuse_layers(indenter, substrate)
         lens, plate, of_substrate = bodies(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')

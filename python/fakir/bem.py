@@ -7,6 +7,7 @@ is a part of the surface, so that the contact goes on past the transition.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _fakir
-from ._bodies import Lens, Substrate, refuse_layers
+from ._bodies import Lens, LayerNumbers, Substrate, layer_numbers, layer_options
 from ._format import Row, engineering, remark
 from ._loading import Loading, checked_path, in_order
 from ._numbers import SurfacePressNumbers, SurfaceTransitionNumbers
@@ -62,7 +63,6 @@ def bodies(
     """The numbers of a lens or a plate, one of which is none, and of a half-space."""
     if not isinstance(indenter, (Lens, Plate)):
         raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
-    refuse_layers(indenter, substrate)
     of_substrate = [substrate.young_modulus, substrate.poisson_ratio]
     if indenter.young_modulus is None or indenter.poisson_ratio is None:
         return None, None, of_substrate
@@ -72,11 +72,15 @@ def bodies(
     return None, material, of_substrate
 
 
-def bodies_of(system: _fakir.Surface | _fakir.Rounded) -> tuple[Lens | Plate, Substrate]:
-    """The indenter and the half-space of such numbers."""
+def bodies_of(
+    system: _fakir.Surface | _fakir.Rounded,
+    layers: Sequence[LayerNumbers | None] = (None, None),
+) -> tuple[Lens | Plate, Substrate]:
+    """The indenter and the substrate of such numbers."""
     lens, plate = system.lens, system.plate
-    indenter = Plate(*(plate or [])) if lens is None else Lens(*lens)
-    return indenter, Substrate(*system.substrate)
+    film, of_lens = (layer_options(layer) for layer in layers)
+    indenter = Plate(*(plate or [])) if lens is None else Lens(*lens, **of_lens)
+    return indenter, Substrate(*system.substrate, **film)
 
 
 class Surface:
@@ -91,7 +95,7 @@ class Surface:
     indenter
         A `Lens` or a `Plate`.
     substrate
-        The elastic half-space under the surface.
+        The elastic body under the surface, a half-space or a film.
     cell_size, width
         Side of a cell, or extent along x (m): exactly one of them, none for an object that knows.
     floor
@@ -142,6 +146,7 @@ class Surface:
                 cell,
                 origin,
                 *bodies(indenter, substrate),
+                [layer_numbers(substrate), layer_numbers(indenter)],
                 bool(periodic),
                 None if floor is None else finite(floor, "length", "floor"),
             )
@@ -187,7 +192,7 @@ class Surface:
 
     def _hold(self, surface: _fakir.Surface) -> None:
         self._surface, self.periodic = surface, surface.periodic
-        self.indenter, self.substrate = bodies_of(surface)
+        self.indenter, self.substrate = bodies_of(surface, surface.layers)
         self.heights = surface.heights()
         rows, columns = self.heights.shape
         self.x = surface.origin[0] + surface.cell[0] * (np.arange(columns, dtype=np.float64) + 0.5)

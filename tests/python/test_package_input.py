@@ -207,3 +207,40 @@ def test_spread_draws_what_the_command_line_draws(tmp_path):
     )
     drawn = fakir.spread(fakir.System.from_file(case), {"texture.pillar.height": "3%"})
     assert drawn.to_dict()["spread"] == json.loads(told.stdout)["spread"]
+
+
+def test_bodies_of_a_height_map_can_have_a_thickness() -> None:
+    """A film on glass is stiffer than a half-space, and a case file gives the same bodies as Python does."""
+    lens = fakir.Lens("1 mm", "2 MPa", 0.5)
+    heights = np.zeros((48, 48))
+    thin = fakir.Substrate("2 MPa", 0.5, thickness="10 um")
+    soft = fakir.Substrate("2 MPa", 0.5, thickness="10 um", base=fakir.ElasticBase("2 MPa", 0.5))
+    half_space = fakir.Substrate("2 MPa", 0.5)
+
+    def force(substrate: fakir.Substrate) -> float:
+        surface = fakir.bem.Surface(heights, lens, substrate, cell_size="1 um")
+        assert surface.substrate == substrate
+        return surface.press(indentation="0.2 um").force
+
+    assert force(thin) > 1.05 * force(half_space)
+    # A film on a half-space of the same material is a half-space.
+    assert abs(force(soft) / force(half_space) - 1.0) < 1e-3
+    case = """
+        lens = { radius = "1 mm", young_modulus = "2 MPa", poisson_ratio = 0.5 }
+        [substrate]
+        young_modulus = "2 MPa"
+        poisson_ratio = 0.5
+        thickness = "10 um"
+        [surface]
+        arrangement = "square"
+        pitch = "20 um"
+        [surface.pillar]
+        side = "6 um"
+        cross_section = "square"
+        height = "1 um"
+        [surface.grid]
+        width = "60 um"
+    """
+    assert fakir.bem.Surface.from_toml(case).substrate == thin
+    with pytest.raises(ValueError, match="thickness is not known here"):
+        fakir.RoundedTops([0.0], [0.0], "1 um", "0.5 mm", lens, thin)

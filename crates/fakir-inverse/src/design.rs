@@ -18,7 +18,7 @@
 
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{CyclePlan, Feature, Load, Method, Question};
+use fakir::problem::{CyclePlan, Load, Method, Question};
 use fakir::state::{ContactState, CriticalState, Cycle, Run, Solution, SolveError};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseError, CaseFile, Key};
@@ -519,18 +519,15 @@ pub fn design(
         return Err(DesignError::NotPositive(wanted));
     }
     let first = first_value(file, free)?;
-    let case = with(file, free, first)?;
-    if wanted.is_pull_off() && case.system.adhesion().is_none() {
-        return Err(DesignError::NoAdhesion);
-    }
     let asked = match wanted.is_share() {
         true => &[Question::FloorShare, Question::Design][..],
         false => &[Question::Design],
     };
-    let features = Feature::of(&case.system);
-    for question in asked {
-        let answered = question.check(case.method.into(), &features);
-        answered.map_err(SolveError::from)?;
+    let mut tried = file.clone();
+    tried.set_number(free, first);
+    let case = tried.case_for(asked)?;
+    if wanted.is_pull_off() && case.system.adhesion().is_none() {
+        return Err(DesignError::NoAdhesion);
     }
     let mut search = Search {
         file,

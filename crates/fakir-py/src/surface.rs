@@ -8,7 +8,7 @@ use crate::error::{
 use crate::load::{load, load_or_critical, path};
 use crate::watched::{Options, watched};
 use fakir::problem::{
-    Boundary, Floor, Grid, HeightMap, Indenter, Lens, Material, Point, SurfaceSystem,
+    Base, Boundary, Floor, Grid, HeightMap, Indenter, Layer, Lens, Material, Point, SurfaceSystem,
 };
 use fakir::state::Run;
 use fakir_case::CaseFile;
@@ -43,6 +43,7 @@ impl Surface {
         lens: Option<[f64; 3]>,
         plate: Option<[f64; 2]>,
         substrate: [f64; 2],
+        layers: [Option<LayerNumbers>; 2],
         periodic: bool,
         floor: Option<f64>,
     ) -> PyResult<Self> {
@@ -63,6 +64,8 @@ impl Surface {
             Boundary::FreeSpace
         };
         let system = SurfaceSystem::new(indenter, material(substrate), map, boundary);
+        let [film, of_lens] = layers.map(|layer| layer.map(layer_of));
+        let system = system.and_then(|system| system.with_layers(film, of_lens));
         let system = system.map_err(value_error)?;
         Ok(Self {
             system: match floor {
@@ -174,6 +177,33 @@ impl Surface {
         let material = self.system.substrate();
         [material.young_modulus, material.poisson_ratio]
     }
+
+    /// The substrate and the lens as layers, where they are no half-spaces.
+    #[getter]
+    fn layers(&self) -> [Option<LayerNumbers>; 2] {
+        self.system.layers().map(|layer| layer.map(numbers_of))
+    }
+}
+
+/// Thickness (m), what the back rests on, and modulus and Poisson's ratio of an elastic base.
+type LayerNumbers = (f64, String, Option<[f64; 2]>);
+
+fn layer_of((thickness, base, material): LayerNumbers) -> Layer {
+    let base = match (base.as_str(), material) {
+        ("elastic", Some([modulus, ratio])) => Base::Elastic(Material::new(modulus, ratio)),
+        ("frictionless", _) => Base::Frictionless,
+        _ => Base::Rigid,
+    };
+    Layer { thickness, base }
+}
+
+fn numbers_of(layer: &Layer) -> LayerNumbers {
+    let (base, material) = match layer.base {
+        Base::Rigid => ("rigid", None),
+        Base::Frictionless => ("frictionless", None),
+        Base::Elastic(base) => ("elastic", Some([base.young_modulus, base.poisson_ratio])),
+    };
+    (layer.thickness, base.to_owned(), material)
 }
 
 /// Pillars of the cells, and their compliances.

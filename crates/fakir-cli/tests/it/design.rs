@@ -273,7 +273,7 @@ fn what_makes_no_sense_is_status_2() {
                 ],
             ]
             .concat(),
-            "needs method.name = \"spectral\"",
+            "the method \"punch\": this method leaves the floor out",
         ),
         (
             &["design", &case, "--tolerance", "texture.pillar.height=0%"],
