@@ -232,19 +232,26 @@ impl CaseFile {
         };
         let feature = match key.table() {
             "adhesion" => Feature::AdhesiveTops,
-            _ => Feature::Profile,
-        };
-        match Question::Press.check(Solver::HeightMap, &[feature]) {
-            Err(Unsupported { why, .. }) if feature == Feature::Profile => {
-                let plate = format!(
-                    "leave it out; {} = \"plate\" is a level plate",
-                    Key::Indenter
-                );
-                Err(self.problem(key, why).accepted(plate))
+            "lens" => Feature::Profile,
+            table => {
+                return Err(self
+                    .problem(key, format!("[{table}] belongs to a [texture]"))
+                    .accepted("leave it out, or describe round pillars as a [texture]"));
             }
-            Err(Unsupported { why, instead, .. }) => Err(self.problem(key, why).accepted(instead)),
-            Ok(()) => Ok(()),
-        }
+        };
+        let Err(Unsupported { why, instead, .. }) =
+            Question::Press.check(Solver::HeightMap, &[feature])
+        else {
+            return Ok(());
+        };
+        let accepted = match feature {
+            Feature::Profile => format!(
+                "leave it out; {} = \"plate\" is a level plate",
+                Key::Indenter
+            ),
+            _ => instead.to_owned(),
+        };
+        Err(self.problem(key, why).accepted(accepted))
     }
 
     /// Whether the surface is a height map or a pattern; refuses the keys of the other.

@@ -112,15 +112,12 @@ pub(crate) const LATTICES: [&str; 4] = ["hexagonal", "square", "rectangular", "o
 /// pillars.
 pub(crate) fn is_on_page(key: Key) -> bool {
     let of_other_arrangements = [Key::Pillars, Key::AxisX, Key::AxisY, Key::TopRadius];
-    let of_other_lenses = [
-        Key::LensShape,
-        Key::LensAngle,
-        Key::LensTilt,
-        Key::LensTiltDirection,
-        Key::LensProfile,
-    ];
+    let goes_with_shape = key
+        .goes_with()
+        .is_some_and(|(choice, _)| choice == Key::LensShape);
+    let is_of_other_lenses = key == Key::LensShape || goes_with_shape;
     let is_of_other_bases = key.is_of_layers() && !is_thickness(key);
-    !of_other_arrangements.contains(&key) && !of_other_lenses.contains(&key) && !is_of_other_bases
+    !of_other_arrangements.contains(&key) && !is_of_other_lenses && !is_of_other_bases
 }
 
 /// Whether a key is the thickness of a body, which is a half-space unless it is given.

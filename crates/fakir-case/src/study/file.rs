@@ -300,7 +300,7 @@ impl StudyFile {
             }),
             Asked::Collapse => Question::Collapse,
         };
-        let case = StudiedCase::of(file, self.asked)?;
+        let case = StudiedCase::of(&file, self.asked)?;
         Ok(StudyCase {
             case,
             question,
@@ -342,7 +342,7 @@ impl StudyFile {
     /// Error of a case, at an axis, with the combination of values that causes it.
     pub(super) fn blame(&self, error: CaseError, index: usize) -> CaseError {
         // An error that also occurs without axes is an error of the case.
-        let of_file = StudiedCase::of(self.case.clone(), self.asked);
+        let of_file = StudiedCase::of(&self.case, self.asked);
         if let Err(alone) = of_file.and_then(|case| self.check(case))
             && alone.one_line() == error.one_line()
         {

@@ -26,7 +26,7 @@ pub enum StudiedCase {
 
 impl StudiedCase {
     /// Returns the case of a file and checks that it supports the question.
-    pub(super) fn of(file: CaseFile, asked: Asked) -> Result<Self, CaseError> {
+    pub(super) fn of(file: &CaseFile, asked: Asked) -> Result<Self, CaseError> {
         let of_adhesion = matches!(asked, Asked::Cycle | Asked::Collapse);
         let question = match asked {
             Asked::Press => Question::Press,

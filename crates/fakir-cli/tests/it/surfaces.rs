@@ -576,16 +576,15 @@ fn adhesion_is_refused() {
         ("approach", &[]),
         ("verify", &load),
     ] {
-        for key in ["adhesion.work=1J/m2"] {
-            let output = fakir(command, &case, &[arguments, &["--set", key]].concat());
-            let told = text(&output.stderr);
-            assert_eq!(output.status.code(), Some(2), "{command} {key}: {told}");
-            assert!(output.stdout.is_empty());
-            assert!(
-                told.contains("adhesion") && told.contains("leave"),
-                "{told}"
-            );
-        }
+        let key = "adhesion.work=1J/m2";
+        let output = fakir(command, &case, &[arguments, &["--set", key]].concat());
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command} {key}: {told}");
+        assert!(output.stdout.is_empty());
+        assert!(
+            told.contains("adhesion") && told.contains("leave"),
+            "{told}"
+        );
     }
 }
 

@@ -52,7 +52,8 @@ impl Kind {
     }
 
     /// Whether it is a part of another answer, of which there are many.
-    pub(super) fn is_a_row(self) -> bool {
+    #[must_use]
+    pub fn is_a_row(self) -> bool {
         matches!(
             self,
             Self::Loading | Self::SurfaceLoading | Self::RoundedLoading

@@ -63,7 +63,7 @@ fn place() -> [Named<Place>; 2] {
     ]
 }
 
-impl<'a> Recorded for LoadingState<&'a ContactState> {
+impl Recorded for LoadingState<&ContactState> {
     const KIND: Kind = Kind::Loading;
 
     fn rows() -> Vec<Named<Self>> {
@@ -140,7 +140,7 @@ impl<'a> Recorded for LoadingState<&'a ContactState> {
     }
 }
 
-impl<'a> Recorded for LoadingState<SurfaceAnswer<'a, SurfaceContact>> {
+impl Recorded for LoadingState<SurfaceAnswer<'_, SurfaceContact>> {
     const KIND: Kind = Kind::SurfaceLoading;
 
     fn rows() -> Vec<Named<Self>> {
@@ -206,7 +206,7 @@ impl<'a> Recorded for LoadingState<SurfaceAnswer<'a, SurfaceContact>> {
     }
 }
 
-impl<'a> Recorded for LoadingState<RoundedAnswer<'a>> {
+impl Recorded for LoadingState<RoundedAnswer<'_>> {
     const KIND: Kind = Kind::RoundedLoading;
 
     fn rows() -> Vec<Named<Self>> {

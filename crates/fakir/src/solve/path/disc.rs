@@ -1,6 +1,6 @@
 //! The disc of contact inside the rim of one top, and its edge in equilibrium.
 
-use super::records::{Change, ChangedTop, HeldTop};
+use super::records::{CENTRED, Change, ChangedTop, HeldTop};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::roots;
 use crate::problem::Point;
@@ -10,12 +10,6 @@ use crate::solve::rules::patch::{Patch, PatchSolver};
 use crate::state::Run;
 use std::convert::Infallible;
 use std::f64::consts::PI;
-
-/// A lens axis so near the middle of a top, in its radii, is there: the disc fills the top.
-pub(super) const CENTRED: f64 = 1e-6;
-
-/// A disc that detaches within this part of the radius at which it comes to the rim detaches there.
-pub(super) const AT_RIM: f64 = 1e-3;
 
 /// The smallest radius at which a disc is followed, over the largest: without adhesion it bears the third power of that then.
 const SMALLEST: f64 = 1e-6;

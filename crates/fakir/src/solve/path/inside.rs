@@ -6,8 +6,8 @@
 //! the rim of the last top in contact detaches.
 
 use super::Path;
-use super::disc::{AT_RIM, CENTRED, Edge, InsideTop};
-use super::records::{Change, End, Stop};
+use super::disc::{Edge, InsideTop};
+use super::records::{AT_RIM, CENTRED, Change, End, Stop};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::roots;
 use crate::problem::pillar_field::ListedPillar;

@@ -1,11 +1,16 @@
 //! What a path holds, where it ends, and what it records on the way.
 
-use super::disc::{AT_RIM, CENTRED};
 use crate::problem::Point;
 use crate::solve::floor::FloorPoint;
 use crate::solve::rules::fronts::{Course, Domain};
 use crate::solve::rules::stuck_floor::FloorStation;
 use crate::state::Termination;
+
+/// A lens axis so near the middle of a top, in its radii, is there: the disc fills the top.
+pub(super) const CENTRED: f64 = 1e-6;
+
+/// A disc that detaches within this part of the radius at which it comes to the rim detaches there.
+pub(super) const AT_RIM: f64 = 1e-3;
 
 /// What is held while tops change.
 #[derive(Debug, Clone, Copy, PartialEq)]
