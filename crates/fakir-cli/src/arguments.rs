@@ -29,9 +29,10 @@ Exit status:
   1    a solution did not converge, an estimated relative error is above 0.5, cases of a sweep
        failed, verify found a disagreement or cannot tell, or with --strict a limit of the model is
        strained or a fit does not describe the data; the result is still printed and saved
-  2    bad input: arguments, case file, or a file that cannot be read or written
-  3    no answer: the contact is too large for the lens, for the surface or for memory, the method
-       does not apply, or numbers became infinite
+  2    bad input: arguments, case file, a combination that is not supported, or a file that cannot be
+       read or written
+  3    no answer: the contact is too large for the lens, for the surface or for memory, the pattern
+       is too dense for the method, or numbers became infinite
   130  interrupted by Ctrl-C; nothing is saved, but a sweep keeps its journal";
 
 #[derive(Debug, Parser)]

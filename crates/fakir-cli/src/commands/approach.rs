@@ -127,7 +127,7 @@ fn point(row: &Record) -> LoadingPoint {
         force: row.number("force_N").unwrap_or(f64::NAN),
         floor_force: row.number("floor_force_N"),
         contact_radius: row.number("contact_radius_m"),
-        pillars: pillars.map(|pillars| [pillars, partial.unwrap_or_default()]),
+        pillars: pillars.zip(partial).map(|(all, partial)| [all, partial]),
         without_floor: row
             .number("smallest_floor_gap_m")
             .is_some_and(|gap| gap < 0.0),
