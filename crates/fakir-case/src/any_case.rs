@@ -18,6 +18,17 @@ pub enum AnyCase {
     HeightMap(Box<CaseFile>),
 }
 
+impl AnyCase {
+    /// The case of pillars with flat tops, if it is one.
+    #[must_use]
+    pub fn texture(&self) -> Option<&Case> {
+        match self {
+            Self::Pillars(case) => Some(case),
+            Self::Asperities(_) | Self::HeightMap(_) => None,
+        }
+    }
+}
+
 impl CaseFile {
     /// The case, if all of these questions have an answer for it.
     ///

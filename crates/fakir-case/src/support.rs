@@ -46,10 +46,7 @@ impl CaseFile {
         let given = |key: &Key| self.entry(*key).is_some();
         let of_kind = match solver {
             Solver::Asperities => Some(Key::TopRadius),
-            Solver::HeightMap => None,
-            Solver::Spectral | Solver::Punch | Solver::Elements | Solver::Homogenised => {
-                Some(Key::MethodName)
-            }
+            _ => method_name(solver).map(|_| Key::MethodName),
         };
         let of_layers = || {
             let mut keys = self.entries.keys.keys().copied();
@@ -61,11 +58,11 @@ impl CaseFile {
         };
         let in_the_way = keys_of(&unsupported).find(given).or_else(of_layers);
         // What a method does not do is said with its name.
-        let why = match solver {
-            Solver::Punch | Solver::Elements | Solver::Homogenised => {
-                format!("the method {}: {why}", heading(solver).replace('`', "\""))
+        let why = match method_name(solver) {
+            Some(method) if solver != Solver::Spectral => {
+                format!("the method \"{method}\": {why}")
             }
-            Solver::Spectral | Solver::Asperities | Solver::HeightMap => why.to_owned(),
+            _ => why.to_owned(),
         };
         match in_the_way.or(of_kind) {
             Some(key) => Err(self.problem(key, why).accepted(instead)),
@@ -103,14 +100,22 @@ impl CaseFile {
 }
 
 /// What the table calls a solver.
-fn heading(solver: Solver) -> &'static str {
-    match solver {
-        Solver::Spectral => "`spectral`",
-        Solver::Punch => "`punch`",
-        Solver::Elements => "`love`",
-        Solver::Homogenised => "`homogenised`",
+fn heading(solver: Solver) -> String {
+    let other = match solver {
         Solver::Asperities => "rounded tops",
-        Solver::HeightMap => "`[surface]`",
+        _ => "`[surface]`",
+    };
+    method_name(solver).map_or_else(|| other.to_owned(), |method| format!("`{method}`"))
+}
+
+/// The name in `method.name` of a solver of pillars with flat tops.
+fn method_name(solver: Solver) -> Option<&'static str> {
+    match solver {
+        Solver::Spectral => Some("spectral"),
+        Solver::Punch => Some("punch"),
+        Solver::Elements => Some("love"),
+        Solver::Homogenised => Some("homogenised"),
+        Solver::Asperities | Solver::HeightMap => None,
     }
 }
 

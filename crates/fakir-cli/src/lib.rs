@@ -92,11 +92,16 @@ fn run(command: &Command) -> Result<Status, Failure> {
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
             let (plan, saves) = (options.plan()?, options.case.output.is_some());
-            let asked = &[Question::Cycle];
-            answer_of_pillars(command, &options.case, &file, asked, move |case| {
-                let range = options.adhesion.of(case)?;
-                commands::cycle::run(case, plan, range, saves, &session)
-            })
+            answer_of_pillars(
+                command,
+                &options.case,
+                &file,
+                Question::Cycle,
+                move |case| {
+                    let range = options.adhesion.of(case)?;
+                    commands::cycle::run(case, plan, range, saves, &session)
+                },
+            )
         }
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
@@ -113,18 +118,24 @@ fn run(command: &Command) -> Result<Status, Failure> {
         }
         Command::Theory(options) => {
             let file = read_case(&options.case)?;
-            let asked = &[Question::Theory];
-            answer_of_pillars(command, &options.case, &file, asked, move |case| {
-                commands::theory::run(case, options.adhesion.of(case)?)
-            })
+            answer_of_pillars(
+                command,
+                &options.case,
+                &file,
+                Question::Theory,
+                move |case| commands::theory::run(case, options.adhesion.of(case)?),
+            )
         }
         Command::Compare(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let file = read_case(&options.case)?;
-            let asked = &[Question::Compare];
-            answer_of_pillars(command, &options.case, &file, asked, move |case| {
-                commands::compare::run(case, &session)
-            })
+            answer_of_pillars(
+                command,
+                &options.case,
+                &file,
+                Question::Compare,
+                move |case| commands::compare::run(case, &session),
+            )
         }
         Command::Design(options) => design(command, options),
         Command::Fit(options) => fit(command, options),
@@ -190,18 +201,24 @@ fn answer(
     deliver(command, options, file.warnings(), || ask(&case))
 }
 
-/// The same of questions that only pillars with flat tops have an answer to.
+/// The same of a question that only pillars with flat tops have an answer to.
 fn answer_of_pillars(
     command: &Command,
     options: &CaseArguments,
     file: &CaseFile,
-    questions: &[Question],
+    question: Question,
     ask: impl FnOnce(&Case) -> Result<Report, Failure>,
 ) -> Result<Status, Failure> {
-    // What other surfaces do not have is said here.
-    file.any_case(questions)?;
-    let case = file.case()?;
+    let case = texture(file, question)?;
     deliver(command, options, file.warnings(), || ask(&case))
+}
+
+/// The case of pillars with flat tops, if a question has an answer for it.
+fn texture(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
+    match file.any_case(&[question])? {
+        AnyCase::Pillars(case) => Ok(case),
+        AnyCase::Asperities(_) | AnyCase::HeightMap(_) => Err(failure::not_answered(question)),
+    }
 }
 
 /// Asks (a session in `ask` ends with it, and clears its progress away), and delivers the report:
@@ -268,6 +285,5 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
             file
         }
     };
-    file.any_case(&[Question::Explore])?;
-    Ok(file.case()?)
+    Ok(*texture(&file, Question::Explore)?)
 }

@@ -523,9 +523,7 @@ pub fn design(
         true => &[Question::FloorShare, Question::Design][..],
         false => &[Question::Design],
     };
-    let mut tried = file.clone();
-    tried.set_number(free, first);
-    let case = tried.case_for(asked)?;
+    let case = changed(file, free, first).case_for(asked)?;
     if wanted.is_pull_off() && case.system.adhesion().is_none() {
         return Err(DesignError::NoAdhesion);
     }
@@ -578,10 +576,15 @@ enum Ending {
 }
 
 /// Sets a key of the case to a value in SI units.
-pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseError> {
+fn changed(file: &CaseFile, key: Key, value: f64) -> CaseFile {
     let mut file = file.clone();
     file.set_number(key, value);
-    file.case()
+    file
+}
+
+/// The case with such a value.
+pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseError> {
+    changed(file, key, value).case()
 }
 
 /// Start: the value in the case file, or a value in proportion to the others.

@@ -184,11 +184,7 @@ impl RoundedContact {
 
 impl RoundedContact {
     fn answer(&self) -> RoundedAnswer<'_> {
-        RoundedAnswer {
-            field: &self.case.field,
-            height: self.case.height,
-            contact: &self.contact,
-        }
+        RoundedAnswer::of(&self.case, &self.contact)
     }
 }
 

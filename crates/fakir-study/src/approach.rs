@@ -284,11 +284,11 @@ impl Loadable for RoundedCase {
     }
 
     fn state(&self, state: LoadingState<&CapContact>) -> Record {
-        Record::of(&state.of(answer_of(self, state.answer)))
+        Record::of(&state.of(RoundedAnswer::of(self, state.answer)))
     }
 
     fn warnings(&self, contact: &CapContact) -> Vec<String> {
-        rounded_warnings(answer_of(self, contact))
+        rounded_warnings(RoundedAnswer::of(self, contact))
     }
 
     fn head(&self) -> Object {
@@ -297,15 +297,6 @@ impl Loadable for RoundedCase {
 
     fn critical(&self, _: &Critical<CapContact>, _: f64) -> Object {
         Object::default()
-    }
-}
-
-/// A contact with what was asked about.
-fn answer_of<'a>(case: &'a RoundedCase, contact: &'a CapContact) -> RoundedAnswer<'a> {
-    RoundedAnswer {
-        field: &case.field,
-        height: case.height,
-        contact,
     }
 }
 

@@ -4,8 +4,8 @@
 //! once.
 
 use fakir::problem::{Method, System};
-use fakir_case::Study;
-use fakir_case::study::{Axis, Combine, StudiedCase};
+use fakir_case::study::{Axis, Combine};
+use fakir_case::{AnyCase, Study};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
@@ -166,9 +166,9 @@ pub(crate) fn longest_first(
     let costed = |cases: Range<usize>| {
         let middle = usize::midpoint(cases.start, cases.end);
         let cost = match study.case(middle).case {
-            StudiedCase::Texture(case) => cost(&case.system, case.method),
-            StudiedCase::Rounded(case) => case.field.caps().len() as f64,
-            StudiedCase::Surface(_) => study.cells(middle).max(1) as f64,
+            AnyCase::Pillars(case) => cost(&case.system, case.method),
+            AnyCase::Asperities(case) => case.field.caps().len() as f64,
+            AnyCase::HeightMap(_) => study.cells(middle).max(1) as f64,
         };
         Costed { cases, cost }
     };

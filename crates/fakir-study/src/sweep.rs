@@ -8,8 +8,8 @@ use crate::record::{Record, RoundedAnswer};
 use crate::surfaces::{self, SurfaceError};
 use fakir::problem::Load;
 use fakir::state::{CancelToken, Run, Solution, SolveError, Termination, Threads};
-use fakir_case::Study;
-use fakir_case::study::{Question, StudiedCase, StudyCase};
+use fakir_case::study::{Question, StudyCase};
+use fakir_case::{AnyCase, Study};
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -250,31 +250,27 @@ impl<'a> SharedSweep<'a> {
             ..Run::default()
         };
         let (of_texture, control) = match (&case.case, case.question) {
-            (StudiedCase::Texture(texture), Question::Contact(control)) => (texture, control),
-            (StudiedCase::Texture(texture), Question::Cycle(plan)) => {
+            (AnyCase::Pillars(texture), Question::Contact(control)) => (texture, control),
+            (AnyCase::Pillars(texture), Question::Cycle(plan)) => {
                 let cycle = fakir::cycle(&texture.system, plan, texture.method, &run)?;
                 return Ok((Answer::Numbers(Record::of(&cycle)), cycle.problem()));
             }
-            (StudiedCase::Rounded(rounded), Question::Contact(load)) => {
+            (AnyCase::Asperities(rounded), Question::Contact(load)) => {
                 let contact = rounded.field.press(load, rounded.accuracy, &run)?;
-                let answer = RoundedAnswer {
-                    field: &rounded.field,
-                    height: rounded.height,
-                    contact: &contact,
-                };
+                let answer = RoundedAnswer::of(rounded, &contact);
                 return Ok((Answer::Numbers(Record::of(&answer)), contact.problem()));
             }
-            (StudiedCase::Surface(file), Question::Contact(control)) => {
+            (AnyCase::HeightMap(file), Question::Contact(control)) => {
                 return surfaces::answer(file, control, &run);
             }
-            (StudiedCase::Texture(texture), Question::Collapse) => {
+            (AnyCase::Pillars(texture), Question::Collapse) => {
                 let (collapsed, termination) = collapse(&texture.system, texture.method, &run)?;
                 let problem = (termination != Termination::Converged)
                     .then(|| termination.description().to_owned());
                 return Ok((Answer::Collapse(Box::new(collapsed)), problem));
             }
             (
-                StudiedCase::Surface(_) | StudiedCase::Rounded(_),
+                AnyCase::HeightMap(_) | AnyCase::Asperities(_),
                 Question::Cycle(_) | Question::Collapse,
             ) => {
                 unreachable!("studies refuse adhesion on other surfaces")

@@ -2,7 +2,8 @@
 
 use super::asked::{Asked, Combine, Question};
 use super::axis::{Axis, Coordinate, Values, Variable};
-use super::posed::{StudiedCase, looked_at};
+use super::posed::looked_at;
+use crate::any_case::AnyCase;
 use crate::entries::{Entry, STUDY_TABLES, Value, both_given};
 use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::file::{CaseFile, quantity};
@@ -53,7 +54,7 @@ impl Varied {
 #[derive(Debug, Clone)]
 pub struct StudyCase {
     /// System and method.
-    pub case: StudiedCase,
+    pub case: AnyCase,
     /// Question.
     pub question: Question,
     /// The value of every axis.
@@ -207,10 +208,10 @@ impl StudyFile {
     }
 
     /// Checks a case of a file.
-    fn check(&self, case: StudiedCase) -> Result<(), CaseError> {
+    fn check(&self, case: AnyCase) -> Result<(), CaseError> {
         match case {
-            StudiedCase::Texture(_) | StudiedCase::Rounded(_) => Ok(()),
-            StudiedCase::Surface(file) => looked_at(&file, self.asked).map(drop),
+            AnyCase::Pillars(_) | AnyCase::Asperities(_) => Ok(()),
+            AnyCase::HeightMap(file) => looked_at(&file, self.asked).map(drop),
         }
     }
 
@@ -300,7 +301,7 @@ impl StudyFile {
             }),
             Asked::Collapse => Question::Collapse,
         };
-        let case = StudiedCase::of(&file, self.asked)?;
+        let case = AnyCase::studied(&file, self.asked)?;
         Ok(StudyCase {
             case,
             question,
@@ -342,7 +343,7 @@ impl StudyFile {
     /// Error of a case, at an axis, with the combination of values that causes it.
     pub(super) fn blame(&self, error: CaseError, index: usize) -> CaseError {
         // An error that also occurs without axes is an error of the case.
-        let of_file = StudiedCase::of(&self.case, self.asked);
+        let of_file = AnyCase::studied(&self.case, self.asked);
         if let Err(alone) = of_file.and_then(|case| self.check(case))
             && alone.one_line() == error.one_line()
         {

@@ -35,8 +35,8 @@ mod read;
 pub use asked::{Asked, Combine, Question};
 pub use axis::{Axis, Coordinate, Variable};
 pub use file::{MAXIMUM_CASES, StudyCase, StudyFile};
-pub use posed::StudiedCase;
 
+use crate::any_case::AnyCase;
 use crate::case::{Case, write_tables};
 use crate::error::CaseError;
 use crate::parts::Words;
@@ -63,15 +63,15 @@ impl StudyFile {
         for index in 0..cases {
             let blame = |error| self.blame(error, index);
             match self.resolve(index).map_err(blame)?.case {
-                StudiedCase::Texture(case) => {
+                AnyCase::Pillars(case) => {
                     sticks |= !case.system.adhesion().is_none();
                     layered |= case.system.has_layers();
                     if examples.iter().all(|example| example.method != case.method) {
                         examples.push(*case);
                     }
                 }
-                StudiedCase::Rounded(case) => rounded = rounded.or(Some(case)),
-                StudiedCase::Surface(file) => {
+                AnyCase::Asperities(case) => rounded = rounded.or(Some(case)),
+                AnyCase::HeightMap(file) => {
                     let steps = self.steps_of_keys(index);
                     surfaces.look(steps, &file, self.asked).map_err(blame)?;
                 }

@@ -1,32 +1,18 @@
-//! Kind of a case of a study: a texture, or a general surface.
+//! Cases of a study: what they can be asked, and their general surfaces.
 
 use super::asked::Asked;
 use crate::any_case::AnyCase;
-use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
-use crate::rounded::RoundedCase;
 use crate::surface::SurfaceExample;
 use fakir::problem::Question;
 use fakir::state::Run;
 use std::collections::BTreeMap;
 
-/// System of a case of a study, and its method.
-#[derive(Debug, Clone)]
-pub enum StudiedCase {
-    /// A texture.
-    Texture(Box<Case>),
-    /// Pillars with rounded tops.
-    Rounded(Box<RoundedCase>),
-    /// A general surface, as its case file: it is generated when it is solved, on a sufficiently wide
-    /// grid.
-    Surface(Box<CaseFile>),
-}
-
-impl StudiedCase {
-    /// Returns the case of a file and checks that it supports the question.
-    pub(super) fn of(file: &CaseFile, asked: Asked) -> Result<Self, CaseError> {
+impl AnyCase {
+    /// Returns the case of a file of a study and checks that it supports the question.
+    pub(super) fn studied(file: &CaseFile, asked: Asked) -> Result<Self, CaseError> {
         let of_adhesion = matches!(asked, Asked::Cycle | Asked::Collapse);
         let question = match asked {
             Asked::Press => Question::Press,
@@ -39,23 +25,12 @@ impl StudiedCase {
             true => &[Question::Cycle][..],
             false => &[],
         };
-        let case = match file.any_case(of_pillars)? {
-            AnyCase::HeightMap(file) => return Ok(Self::Surface(file)),
-            AnyCase::Asperities(case) => return Ok(Self::Rounded(case)),
-            AnyCase::Pillars(case) => case,
-        };
-        if of_adhesion && case.system.adhesion().is_none() {
-            return Err(file.without_adhesion());
-        }
-        Ok(Self::Texture(case))
-    }
-
-    /// The case with a texture, if it is one.
-    #[must_use]
-    pub fn texture(&self) -> Option<&Case> {
-        match self {
-            Self::Texture(case) => Some(case),
-            Self::Rounded(_) | Self::Surface(_) => None,
+        let case = file.any_case(of_pillars)?;
+        match case.texture() {
+            Some(case) if of_adhesion && case.system.adhesion().is_none() => {
+                Err(file.without_adhesion())
+            }
+            _ => Ok(case),
         }
     }
 }

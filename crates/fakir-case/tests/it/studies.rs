@@ -3,8 +3,10 @@
 use fakir::problem::pattern::CrossSection;
 use fakir::problem::{Accuracy, ElementMesh, Grid, Indenter, Load, Method, PunchForm};
 use fakir_case::height_map::to_npy;
-use fakir_case::study::{Asked, Axis, Coordinate, Question, StudiedCase, Variable};
-use fakir_case::{Case, CaseFile, Key, Study, StudyFile, SurfaceCase, SurfaceKind, SurfaceOrigin};
+use fakir_case::study::{Asked, Axis, Coordinate, Question, Variable};
+use fakir_case::{
+    AnyCase, Case, CaseFile, Key, Study, StudyFile, SurfaceCase, SurfaceKind, SurfaceOrigin,
+};
 
 /// A study of the example case.
 fn study(tables: &str) -> Study {
@@ -247,7 +249,7 @@ const PILLARS: &str = "[surface]\narrangement = \"square\"\nsurface_fraction = 0
     [surface.grid]\nwidth = \"60 um\"\ncells_per_diameter = 8";
 
 fn drawn(study: &Study, index: usize) -> SurfaceCase {
-    let StudiedCase::Surface(file) = study.case(index).case else {
+    let AnyCase::HeightMap(file) = study.case(index).case else {
         panic!("a surface")
     };
     file.surface_case(100_000_000).unwrap()

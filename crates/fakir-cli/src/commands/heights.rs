@@ -49,11 +49,7 @@ pub(crate) fn run(
     let found = found.map_err(|error| located(error, &target))?;
     let wall_time = start.elapsed().as_secs_f64();
     let case = &found.case;
-    let mut warnings = rounded_warnings(RoundedAnswer {
-        field: &case.field,
-        height: case.height,
-        contact: &found.last,
-    });
+    let mut warnings = rounded_warnings(RoundedAnswer::of(case, &found.last));
     warnings.extend(unresolved_before_last(&found));
     if let Some(error) = question.height_error {
         warnings.extend(large_scatter(&found, error));

@@ -36,11 +36,7 @@ pub(crate) fn press(
         &[Topic::RoundedTops],
         case.to_toml(),
     );
-    let answer = RoundedAnswer {
-        field: &case.field,
-        height: case.height,
-        contact: &contact,
-    };
+    let answer = RoundedAnswer::of(case, &contact);
     let mut tables = maps.table(|| rounded_pillars(answer).some_csv("pillars.csv"));
     if maps != Maps::None {
         tables.extend(saved(cap_map(&case.field, &contact), &provenance));

@@ -6,6 +6,7 @@ use super::object::Object;
 use super::surface::indenter_name;
 use fakir::problem::CapField;
 use fakir::state::{CapContact, CapErrors, CapState, PillarStatus};
+use fakir_case::RoundedCase;
 
 /// A contact with rounded tops, and what was asked about.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +22,17 @@ pub struct RoundedAnswer<'a> {
 /// What contacts with rounded tops leave out.
 const LEFT_OUT: &[&str] = &["floor", "adhesion"];
 
-impl RoundedAnswer<'_> {
+impl<'a> RoundedAnswer<'a> {
+    /// A contact of a case.
+    #[must_use]
+    pub fn of(case: &'a RoundedCase, contact: &'a CapContact) -> Self {
+        Self {
+            field: &case.field,
+            height: case.height,
+            contact,
+        }
+    }
+
     /// Whether the floor, this far under the level that indentations count from, is certainly not reached: pressure only moves it away.
     pub(crate) fn floor_is_out_of_reach(&self) -> bool {
         self.contact.indentation < self.height

@@ -40,16 +40,14 @@ fn table(kind: Kind) -> String {
 /// The JSON Schema (draft 7) of `--json` and `summary.json` of `press`, `transition` and `approach`, for every kind of surface, and of `cycle`: one definition a kind.
 #[must_use]
 pub fn schema() -> Value {
-    let definitions: Map<String, Value> = Kind::ALL
+    let mut definitions: Map<String, Value> = Kind::ALL
         .iter()
         .map(|kind| (kind.name().to_owned(), of_kind(*kind)))
         .collect();
-    let mut definitions = definitions;
     definitions.insert("approach".to_owned(), approach());
-    let reference = |name: &str| json!({"$ref": format!("#/definitions/{name}")});
     let answers = Kind::ALL.into_iter().filter(|kind| !kind.is_a_row());
     let answers = answers.map(Kind::name).chain(["approach"]);
-    let kinds: Vec<Value> = answers.map(reference).collect();
+    let kinds: Vec<Value> = answers.map(definition).collect();
     json!({
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "Results of fakir",
@@ -59,18 +57,21 @@ pub fn schema() -> Value {
     })
 }
 
+/// A reference to a definition of the schema.
+fn definition(name: &str) -> Value {
+    json!({"$ref": format!("#/definitions/{name}")})
+}
+
 /// A loading: its states, and the critical state if there is one.
 fn approach() -> Value {
-    let one_of = |kinds: &[Kind]| -> Vec<Value> {
-        let names = kinds.iter().map(|kind| kind.name());
-        names
-            .map(|name| json!({"$ref": format!("#/definitions/{name}")}))
-            .collect()
-    };
+    let of = |kind: Kind| definition(kind.name());
     let states = Kind::ALL.into_iter().filter(|kind| kind.is_a_row());
-    let states = one_of(&states.collect::<Vec<Kind>>());
-    let mut critical = one_of(&[Kind::Transition, Kind::SurfaceTransition]);
-    critical.push(json!({"type": "null"}));
+    let states: Vec<Value> = states.map(of).collect();
+    let critical = [
+        of(Kind::Transition),
+        of(Kind::SurfaceTransition),
+        json!({"type": "null"}),
+    ];
     json!({
         "type": "object",
         "required": ["method", "critical", "states", "converged", "wall_time_s", "fakir_version"],
@@ -179,7 +180,8 @@ fn of_entry(entry: &Entry) -> Value {
     let of = match entry.of {
         Type::Number => json!({"type": ["number", "null"]}),
         Type::Count => json!({"type": ["integer", "null"], "minimum": 0}),
-        Type::Flag => json!({"type": ["boolean", "null"]}),
+        Type::Flag if entry.optional => json!({"type": ["boolean", "null"]}),
+        Type::Flag => json!({"type": "boolean"}),
         Type::Word => json!({"type": ["string", "null"]}),
         Type::Words => json!({"type": "array", "items": {"type": "string"}}),
         Type::Point => json!({

@@ -232,11 +232,7 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
             .field
             .press(load, case.accuracy, &run)
             .map_err(refused)?;
-        let answer = RoundedAnswer {
-            field: &case.field,
-            height: case.height,
-            contact: &contact,
-        };
+        let answer = RoundedAnswer::of(&case, &contact);
         // And where the force acts: it turns with the lattice.
         let pillars = case.field.caps().iter().zip(&contact.caps);
         let moment: f64 = pillars.map(|(cap, state)| cap.apex[0] * state.force).sum();

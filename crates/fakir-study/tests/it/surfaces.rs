@@ -2,8 +2,8 @@
 //! of single cases.
 
 use fakir::state::Run;
-use fakir_case::study::{Question, StudiedCase};
-use fakir_case::{CaseFile, Study, StudyFile};
+use fakir_case::study::Question;
+use fakir_case::{AnyCase, CaseFile, Study, StudyFile};
 use fakir_study::provenance::Provenance;
 use fakir_study::surfaces::on_wide_enough_a_grid;
 use fakir_study::{Existing, Options, Row, Shard, TABLES, Table, Values, merge, sweep, sweep_into};
@@ -38,8 +38,8 @@ fn numbers(table: &Table, name: &str) -> Vec<Option<f64>> {
 
 fn file(study: &Study, index: usize) -> CaseFile {
     match study.case(index).case {
-        StudiedCase::Surface(file) => *file,
-        StudiedCase::Texture(_) | StudiedCase::Rounded(_) => panic!("a surface"),
+        AnyCase::HeightMap(file) => *file,
+        AnyCase::Pillars(_) | AnyCase::Asperities(_) => panic!("a surface"),
     }
 }
 
