@@ -5,9 +5,9 @@
 
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
-    Adhesion, Boundary, Cap, CapField, CyclePlan, Drive, Floor, Grid, HeightMap, HexagonalLattice,
-    Indenter, Lens, Load, Material, Method, Pillar, PillarCompliance, SurfaceSystem, System,
-    Texture, Turn,
+    Adhesion, Asperity, AsperityArray, Boundary, CyclePlan, Floor, Grid, HeightMap,
+    HexagonalLattice, Indenter, Lens, Load, LoadingMode, Material, Method, Pillar,
+    PillarCompliance, SurfaceSystem, System, Texture, UnloadingPoint,
 };
 use fakir::state::{ContactState, CriticalState, Run};
 use fakir::theory::closed_forms;
@@ -17,10 +17,10 @@ use fakir_figure::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, DesignedCurve, DesignedQuantity,
     DesignedValues, Figure, FigureError, FittedCurve, FittedLoad, FittedPoint, FittedQuantity,
     Histogram, LineChart, LoadingPoint, Measured, PhaseDiagram, ProfileState, RESOLUTION, Section,
-    SectionDetail, Series, Style, SurfaceState, Text, View, approach, cap_map, critical_curves,
-    cycle_curve, designed_curve, fit_curves, floor_gap_map, floor_pressure_map, histogram,
-    lattice_sums, lines, phase_diagram, phase_point, pillar_pressure, pressure_map, profiles,
-    release_map, surface_gap_map, surface_pressure_map, surface_profiles, top_view,
+    SectionDetail, Series, Style, SurfaceState, Text, View, approach, asperity_map,
+    critical_curves, cycle_curve, designed_curve, fit_curves, floor_gap_map, floor_pressure_map,
+    histogram, lattice_sums, lines, phase_diagram, phase_point, pillar_pressure, pressure_map,
+    profiles, release_map, surface_gap_map, surface_pressure_map, surface_profiles, top_view,
 };
 use png::{ColorType, Decoder};
 use resvg::tiny_skia::{Pixmap, Transform};
@@ -635,13 +635,13 @@ fn contacts_with_surfaces() {
 #[test]
 fn rounded_tops() {
     let field = |rim: Option<f64>| {
-        let cap = |k: u32| Cap {
+        let asperity = |k: u32| Asperity {
             rim_radius: rim,
-            ..Cap::new([1e-4 * f64::from(k % 3), 1e-4 * f64::from(k / 3)], 1e-4)
+            ..Asperity::new([1e-4 * f64::from(k % 3), 1e-4 * f64::from(k / 3)], 1e-4)
                 .raised_by(-4e-7 * f64::from(k))
         };
-        let caps = (0..9).map(cap).collect();
-        CapField::new(Indenter::Flat(None), Material::new(2e6, 0.5), caps).unwrap()
+        let asperities = (0..9).map(asperity).collect();
+        AsperityArray::new(Indenter::Flat(None), Material::new(2e6, 0.5), asperities).unwrap()
     };
     let map = |rim| {
         let field = field(rim);
@@ -652,7 +652,7 @@ fn rounded_tops() {
             None,
             &Run::default(),
         );
-        cap_map(&field, &contact.unwrap())
+        asperity_map(&field, &contact.unwrap())
     };
     use DesignedQuantity as Q;
     let curve = |load, value, scatter: Option<f64>| {
@@ -696,11 +696,11 @@ fn cycles() {
     };
     let plan = CyclePlan::default();
     let by_force = CyclePlan {
-        drive: Drive::Force,
+        drive: LoadingMode::Force,
         ..plan
     };
     let early = CyclePlan {
-        turn: Turn::Indentation(0.5e-6),
+        turn: UnloadingPoint::Indentation(0.5e-6),
         ..plan
     };
     for (system, plan) in [

@@ -1,9 +1,9 @@
 //! A case of any kind of surface.
 
+use crate::asperities::AsperityCase;
 use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
-use crate::rounded::RoundedCase;
 use crate::support::SurfaceKind;
 use fakir::problem::{Question, Solver};
 
@@ -13,7 +13,7 @@ pub enum AnyCase {
     /// Pillars with flat tops.
     Pillars(Box<Case>),
     /// Pillars with rounded tops.
-    Asperities(Box<RoundedCase>),
+    Asperities(Box<AsperityCase>),
     /// A height map, as the case file that describes it: it is drawn when it is solved, on a grid that is wide enough.
     HeightMap(Box<CaseFile>),
 }
@@ -38,7 +38,7 @@ impl CaseFile {
         self.check_surface(questions)?;
         match self.surface_kind() {
             SurfaceKind::Pillars => Ok(AnyCase::Pillars(Box::new(self.case_for(questions)?))),
-            SurfaceKind::Asperities => Ok(AnyCase::Asperities(Box::new(self.rounded_case()?))),
+            SurfaceKind::Asperities => Ok(AnyCase::Asperities(Box::new(self.asperity_case()?))),
             SurfaceKind::HeightMap => Ok(AnyCase::HeightMap(Box::new(self.clone()))),
         }
     }

@@ -82,6 +82,7 @@
 //! Every [`CaseError`] points at the line or the override that causes it.
 
 mod any_case;
+mod asperities;
 mod case;
 mod columns;
 mod entries;
@@ -99,7 +100,6 @@ mod parts;
 pub mod pillars;
 mod profile;
 mod reference;
-mod rounded;
 mod solve_error;
 pub mod study;
 mod support;
@@ -108,12 +108,12 @@ mod table;
 pub mod unit;
 
 pub use any_case::AnyCase;
+pub use asperities::AsperityCase;
 pub use case::Case;
 pub use error::CaseError;
 pub use file::CaseFile;
 pub use key::{Key, Kind, Setting};
 pub use reference::reference;
-pub use rounded::RoundedCase;
 pub use solve_error::with_keys;
 pub use study::{Study, StudyFile};
 pub use support::{SurfaceKind, support};

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::report::maps::Maps;
 use crate::session::{RunArguments, memory};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use fakir::problem::{CyclePlan, Drive, Load, Question};
+use fakir::problem::{CyclePlan, Load, LoadingMode, Question};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
@@ -435,9 +435,9 @@ impl Cycle {
             LoadingEnd::CriticalOr(indentation) => Load::Indentation(indentation),
         };
         let drive = match (self.machine_stiffness, self.drive) {
-            (Some(stiffness), _) => Drive::Machine(stiffness),
-            (None, HeldLoad::Displacement) => Drive::Displacement,
-            (None, HeldLoad::Force) => Drive::Force,
+            (Some(stiffness), _) => LoadingMode::Machine(stiffness),
+            (None, HeldLoad::Displacement) => LoadingMode::Displacement,
+            (None, HeldLoad::Force) => LoadingMode::Force,
         };
         Ok(CyclePlan {
             turn: turn.into(),

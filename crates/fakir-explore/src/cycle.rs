@@ -7,7 +7,7 @@ use crate::jobs::{Failure, Way, Worker};
 use crate::request::{self, without_adhesion};
 use fakir::problem::{CyclePlan, Point, System};
 use fakir::state::{
-    Branch, ContactState, CriticalState, Cycle, CycleStation, HeldContact, Passage, PillarStatus,
+    Branch, ContactState, CriticalState, Cycle, CycleLoadStep, HeldContact, Passage, PillarStatus,
     Progress, Run, Stage,
 };
 use fakir_case::Case;
@@ -91,7 +91,7 @@ impl SolvedCycle {
         let plan = CyclePlan::default();
         let cycle = fakir::follow_cycle(&case.system, plan, case.method, &run, &follower)?;
         drop(run);
-        let loading = |station: &CycleStation| station.branch == Branch::Loading;
+        let loading = |station: &CycleLoadStep| station.branch == Branch::Loading;
         let turn = cycle.stations.iter().rposition(loading).unwrap_or(0);
         let keeper = keeper.into_inner().unwrap_or_else(PoisonError::into_inner);
         let at_turn = cycle.critical.as_ref().map(|_| turn);
@@ -296,7 +296,7 @@ struct Told {
     curve: Vec<CurveStation>,
     sent: Instant,
     /// Current position of the lens.
-    at: Option<CycleStation>,
+    at: Option<CycleLoadStep>,
     /// Iterations of the jump onto the floor so far.
     rounds: f64,
     /// Time at which the cycle was solved and only its errors remained.
@@ -379,7 +379,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    fn pass(&self, station: &CycleStation) {
+    fn pass(&self, station: &CycleLoadStep) {
         let mut told = unpoisoned(&self.told);
         told.at = Some(*station);
         told.curve.push(CurveStation {
@@ -501,14 +501,14 @@ struct Shown<'a> {
 }
 
 #[derive(Serialize)]
-struct StationLine {
-    station: StationState,
+struct LoadStepLine {
+    station: LoadStepState,
 }
 
 /// The contact at a load step.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
-struct StationState {
+struct LoadStepState {
     /// Index in `stations` of the summary.
     place: usize,
     /// Position on the path: 0 at first contact, 1 at the unloading point, 2 at the last
@@ -570,7 +570,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
     });
     page.tell_texts();
     for (place, load) in solved.nearest_first(request.load.fraction) {
-        worker.send(&StationLine {
+        worker.send(&LoadStepLine {
             station: station_state(&solved, place, load, worker)?,
         });
     }
@@ -582,12 +582,12 @@ fn station_state(
     place: usize,
     load: f64,
     worker: &Worker,
-) -> Result<StationState, Failure> {
+) -> Result<LoadStepState, Failure> {
     let state = solved.state(place);
     let floor_contact = solved.floor_contact(place);
     // The width is the same for all states of the path.
     let half_width = Cut::half_width(&solved.cycle.turn);
-    Ok(StationState {
+    Ok(LoadStepState {
         place,
         load,
         pillars: answers::indices(&state),

@@ -7,8 +7,8 @@
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
-use fakir::problem::{CyclePlan, Turn};
-use fakir::state::{Branch, CycleStation, Run};
+use fakir::problem::{CyclePlan, UnloadingPoint};
+use fakir::state::{Branch, CycleLoadStep, Run};
 use fakir_case::{Case, CaseFile};
 use rand_distr::{Distribution, Normal};
 
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let case = file.case()?;
     // Rounding must not move the last reading beyond the curve.
     let plan = CyclePlan {
-        turn: Turn::Indentation(TURN * (1.0 + 1e-9)),
+        turn: UnloadingPoint::Indentation(TURN * (1.0 + 1e-9)),
         ..CyclePlan::default()
     };
     let cycle = fakir::cycle(&case.system, plan, case.method, &Run::default())?;
@@ -57,8 +57,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Force on a branch of a curve that is linear between load steps; zero outside the contact.
-fn force_at(stations: &[CycleStation], branch: Branch, indentation: f64) -> f64 {
-    let between = |pair: &&[CycleStation]| {
+fn force_at(stations: &[CycleLoadStep], branch: Branch, indentation: f64) -> f64 {
+    let between = |pair: &&[CycleLoadStep]| {
         let ends = [pair[0].indentation, pair[1].indentation];
         pair[1].branch == branch
             && ends[0].min(ends[1]) <= indentation

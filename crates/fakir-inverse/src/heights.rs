@@ -1,24 +1,24 @@
 //! Heights of rounded tops for a target curve: area over force, force over indentation, or area over indentation.
 //!
-//! The search starts from heights for caps without interactions. They follow an exponential distribution, for which the area is proportional to the force (J. A. Greenwood
-//! and J. B. P. Williamson, Proc. R. Soc. Lond. A 295, 300 (1966)), truncated so that every cap is in contact under the largest load, because a cap without contact does
+//! The search starts from heights for asperities without interactions. They follow an exponential distribution, for which the area is proportional to the force (J. A. Greenwood
+//! and J. B. P. Williamson, Proc. R. Soc. Lond. A 295, 300 (1966)), truncated so that every asperity is in contact under the largest load, because an asperity without contact does
 //! not affect the curve. They are assigned to the positions at random. Least squares on the relative differences at all loads adapts them to the target curve, first
 //! without interactions, in closed form, then with interactions and the exact derivatives of every contact. Caps that are not in contact under the largest load are raised
 //! until they are. If a search ends before the curve is met, others follow from more random heights, and the closest result is returned. There are usually fewer loads
-//! than caps: of all equivalent changes the smallest is made.
+//! than asperities: of all equivalent changes the smallest is made.
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::numerics::dense::{Lu, Matrix};
-use fakir::problem::{Accuracy, Cap, CapField, Indenter, InvalidCaps, Load};
-use fakir::state::{CapContact, Run, SolveError};
+use fakir::problem::{Accuracy, Asperity, AsperityArray, Indenter, InvalidCaps, Load};
+use fakir::state::{AsperityContact, Run, SolveError};
 use std::f64::consts::PI;
 
-/// Largest number of least-squares steps, for independent caps and with interactions.
+/// Largest number of least-squares steps, for independent asperities and with interactions.
 const INDEPENDENT_STEPS: usize = 200;
 const STEPS: usize = 60;
 
-/// Largest number of searches, and number of starts of each for independent caps.
+/// Largest number of searches, and number of starts of each for independent asperities.
 const SEARCHES: usize = 4;
 const STARTS: usize = 16;
 
@@ -36,15 +36,15 @@ const REACHED: f64 = 1e-5;
 const WORTHWHILE: f64 = 1e-2;
 const PATIENCE: usize = 4;
 
-/// Largest number of times that caps without contact are raised.
+/// Largest number of times that asperities without contact are raised.
 const LIFTS: usize = 8;
 
-/// Fractions of the largest overlap: limit of the change of a height in the first step, and distance by which a cap is
+/// Fractions of the largest overlap: limit of the change of a height in the first step, and distance by which an asperity is
 /// raised beyond contact.
 const FIRST_STEP: f64 = 0.05;
 const LIFTED: f64 = 0.02;
 
-/// Fraction of the largest load at which the last cap of the start comes into contact.
+/// Fraction of the largest load at which the last asperity of the start comes into contact.
 const TOUCHED_AT: f64 = 0.9;
 
 /// For exponential heights of scale `s`, the area over the force, times the reduced modulus, is `sqrt(pi
@@ -101,7 +101,7 @@ impl Curve {
 
     /// The value of a contact.
     #[must_use]
-    pub fn value(self, contact: &CapContact) -> f64 {
+    pub fn value(self, contact: &AsperityContact) -> f64 {
         match self {
             Self::AreaOfForce | Self::AreaOfIndentation => contact.area,
             Self::ForceOfIndentation => contact.force,
@@ -121,7 +121,7 @@ pub struct WantedPoint {
 /// Designed heights and their values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightDesign {
-    /// Height of every cap above the common level, m. For area over force, where a common shift has no effect, the highest cap is on that
+    /// Height of every asperity above the common level, m. For area over force, where a common shift has no effect, the highest asperity is on that
     /// level.
     pub heights: Vec<f64>,
     /// Values at every load.
@@ -141,7 +141,7 @@ pub struct DesignedPoint {
     pub of_independent_design: f64,
     /// Value of these heights in the model without interactions.
     pub independent: f64,
-    /// Number of caps in contact.
+    /// Number of asperities in contact.
     pub touched: usize,
     /// Root of the sum of squares of the derivatives of the value with respect to all heights, m^2/m or N/m: standard deviation of the value per standard
     /// deviation of independent height errors.
@@ -150,7 +150,7 @@ pub struct DesignedPoint {
 
 impl DesignedPoint {
     /// Relative standard deviation of the value if all heights have independent errors of the given standard deviation (m). The errors must be so
-    /// small that no cap comes into contact or detaches.
+    /// small that no asperity comes into contact or detaches.
     #[must_use]
     pub fn scatter(&self, height_error: f64) -> f64 {
         self.with_heights * height_error / self.value
@@ -178,13 +178,13 @@ impl HeightDesign {
         (squares.sum::<f64>() / self.points.len() as f64).sqrt()
     }
 
-    /// Whether the curve is met at all loads, to 1e-5. Otherwise these are the closest heights found: the target curve is unattainable with these caps.
+    /// Whether the curve is met at all loads, to 1e-5. Otherwise these are the closest heights found: the target curve is unattainable with these asperities.
     #[must_use]
     pub fn is_reached(&self) -> bool {
         self.largest_residual() <= REACHED
     }
 
-    /// Number of caps that are in contact at some load.
+    /// Number of asperities that are in contact at some load.
     #[must_use]
     pub fn touched(&self) -> usize {
         let touched = self.points.iter().map(|point| point.touched);
@@ -200,7 +200,7 @@ impl HeightDesign {
         }
         let rms = 100.0 * self.rms_residual();
         format!(
-            "the curve is out of reach of these caps: the nearest found is off by {rms:.2} % (root of the mean square) and {largest:.2} % at most"
+            "the curve is out of reach of these asperities: the nearest found is off by {rms:.2} % (root of the mean square) and {largest:.2} % at most"
         )
     }
 }
@@ -244,11 +244,11 @@ pub enum HeightDesignError {
         /// The value, which is not larger.
         value: f64,
     },
-    /// An area under a force that is unattainable with these caps for any heights.
+    /// An area under a force that is unattainable with these asperities for any heights.
     #[error(
-        "an area of {value:e} m^2 is wanted under a force of {load:e} N: whatever their heights, these {caps} caps have from \
+        "an area of {value:e} m^2 is wanted under a force of {load:e} N: whatever their heights, these {asperities} asperities have from \
          {least:.4e} m^2, where one bears it all, to {most:.4e} m^2, where all bear the same; other areas take another radius of curvature, \
-         another number of caps or another modulus"
+         another number of asperities or another modulus"
     )]
     AreaOutOfReach {
         /// Index of the point, from 0.
@@ -257,8 +257,8 @@ pub enum HeightDesignError {
         load: f64,
         /// The wanted area, m^2.
         value: f64,
-        /// Number of caps.
-        caps: usize,
+        /// Number of asperities.
+        asperities: usize,
         /// Smallest possible area, m^2.
         least: f64,
         /// Largest possible area, m^2.
@@ -268,21 +268,21 @@ pub enum HeightDesignError {
     #[error(transparent)]
     Caps(#[from] InvalidCaps),
     /// The start cannot be solved.
-    #[error("the heights that independent caps would need cannot be solved: {0}")]
+    #[error("the heights that independent asperities would need cannot be solved: {0}")]
     Start(#[source] SolveError),
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,
 }
 
-/// Finds heights of the caps of a field for a target curve. The given heights are ignored. The assignment of heights to positions, which affects the result by about
+/// Finds heights of the asperities of a field for a target curve. The given heights are ignored. The assignment of heights to positions, which affects the result by about
 /// one per cent, is random with a seed.
 ///
 /// # Errors
 /// See [`HeightDesignError`]. An unattainable curve is not an error: see
 /// [`HeightDesign::is_reached`].
 pub fn design_heights(
-    field: &CapField,
+    field: &AsperityArray,
     curve: Curve,
     wanted: &[WantedPoint],
     seed: u64,
@@ -354,7 +354,7 @@ pub fn design_heights(
     });
     let mut heights = designed.heights;
     if curve == Curve::AreaOfForce {
-        // A common shift has no effect: the highest cap defines the common level.
+        // A common shift has no effect: the highest asperity defines the common level.
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         heights.iter_mut().for_each(|height| *height -= highest);
     }
@@ -365,7 +365,7 @@ pub fn design_heights(
     })
 }
 
-/// One search: heights for independent caps, their values with interactions, and the heights found from there.
+/// One search: heights for independent asperities, their values with interactions, and the heights found from there.
 struct Search<'a> {
     alone: Fitted<'a>,
     of_independent_design: Vec<f64>,
@@ -411,7 +411,7 @@ struct Row {
     value: f64,
     slopes: Vec<f64>,
     touched: usize,
-    /// Gaps of the caps without contact, m.
+    /// Gaps of the asperities without contact, m.
     gaps: Vec<f64>,
 }
 
@@ -456,7 +456,7 @@ impl<'a> Fitted<'a> {
         self.largest() <= EXACT
     }
 
-    /// Minimises the residuals. When they no longer decrease, caps without contact are raised, if there are any, and the search continues; the best result
+    /// Minimises the residuals. When they no longer decrease, asperities without contact are raised, if there are any, and the search continues; the best result
     /// is returned. `rows` are the rows of the initial heights, if they are known.
     fn least_squares(
         mut self,
@@ -487,7 +487,7 @@ impl<'a> Fitted<'a> {
         Ok(self)
     }
 
-    /// Gauss-Newton method with a trust region. The area has a kink where a cap comes into contact, so that a step may have to increase the sum of squares to pass it: a
+    /// Gauss-Newton method with a trust region. The area has a kink where an asperity comes into contact, so that a step may have to increase the sum of squares to pass it: a
     /// step is accepted if the sum is below those of a few previous steps.
     fn descend(
         &mut self,
@@ -555,9 +555,10 @@ impl<'a> Fitted<'a> {
     /// Smallest changes that remove the residuals within the trust region, and the remaining sum of squares in linear approximation.
     fn step(&self, trusted: f64) -> Option<(Vec<f64>, f64)> {
         let residuals = Self::residuals(self.wanted, &self.rows);
-        let slope = |k: usize, cap: usize| self.rows[k].slopes[cap] / self.wanted[k].value;
-        let (count, caps) = (residuals.len(), self.heights.len());
-        let slopes = Matrix::from_fn(count, caps, slope);
+        let slope =
+            |k: usize, asperity: usize| self.rows[k].slopes[asperity] / self.wanted[k].value;
+        let (count, asperities) = (residuals.len(), self.heights.len());
+        let slopes = Matrix::from_fn(count, asperities, slope);
         let transposed = slopes.transposed();
         let matrix = &slopes * &transposed;
         let most = (0..count).map(|k| matrix[(k, k)]).fold(0.0, f64::max);
@@ -582,7 +583,7 @@ impl<'a> Fitted<'a> {
         None
     }
 
-    /// Raises the caps that are not in contact under the largest load, if there are any.
+    /// Raises the asperities that are not in contact under the largest load, if there are any.
     fn lifted(&self, overlap: f64) -> Option<Vec<f64>> {
         let last = self.rows.last()?;
         let away = |gap: &f64| *gap > 0.0;
@@ -603,18 +604,18 @@ impl<'a> Fitted<'a> {
 
 /// Caps with interactions.
 struct Interacting<'a> {
-    field: &'a CapField,
+    field: &'a AsperityArray,
     curve: Curve,
     wanted: &'a [WantedPoint],
     /// Last contact at every load.
-    last: Vec<CapContact>,
+    last: Vec<AsperityContact>,
     run: &'a Run<'a>,
 }
 
 impl Interacting<'_> {
     fn rows(&mut self, heights: &[f64]) -> Result<Result<Vec<Row>, SolveError>, HeightDesignError> {
         let field = self.field.with_heights(heights)?;
-        let mut contacts: Vec<CapContact> = Vec::with_capacity(self.wanted.len());
+        let mut contacts: Vec<AsperityContact> = Vec::with_capacity(self.wanted.len());
         for (number, wanted) in self.wanted.iter().enumerate() {
             let control = self.curve.control(wanted.load);
             let near = self.last.get(number).or(contacts.last());
@@ -634,12 +635,12 @@ impl Interacting<'_> {
         Ok(Ok(rows))
     }
 
-    fn row(&self, contact: &CapContact) -> Row {
+    fn row(&self, contact: &AsperityContact) -> Row {
         let slopes = &contact.slopes;
-        let caps = 0..contact.caps.len();
+        let asperities = 0..contact.asperities.len();
         let slopes = match self.curve {
-            Curve::AreaOfForce => caps
-                .map(|cap| slopes.area_with_height_at_force(cap))
+            Curve::AreaOfForce => asperities
+                .map(|asperity| slopes.area_with_height_at_force(asperity))
                 .collect(),
             Curve::ForceOfIndentation => slopes.force_with_height.clone(),
             Curve::AreaOfIndentation => slopes.area_with_height.clone(),
@@ -648,7 +649,11 @@ impl Interacting<'_> {
             value: self.curve.value(contact),
             slopes,
             touched: contact.touched(),
-            gaps: contact.caps.iter().map(|cap| cap.gap).collect(),
+            gaps: contact
+                .asperities
+                .iter()
+                .map(|asperity| asperity.gap)
+                .collect(),
         }
     }
 }
@@ -657,10 +662,10 @@ impl Interacting<'_> {
 struct Independent {
     curve: Curve,
     modulus: f64,
-    caps: Vec<Lone>,
+    asperities: Vec<Lone>,
 }
 
-/// A single cap.
+/// A single asperity.
 struct Lone {
     /// Height of the lens above it relative to its axis, m.
     sunk: f64,
@@ -670,16 +675,16 @@ struct Lone {
     compliance: f64,
 }
 
-/// Force and area of a cap with their derivatives.
+/// Force and area of an asperity with their derivatives.
 type Pressed = [[f64; 2]; 2];
 
 impl Lone {
-    fn new(cap: &Cap, lens_radius: f64) -> Self {
-        let square = cap.apex[0].powi(2) + cap.apex[1].powi(2);
+    fn new(asperity: &Asperity, lens_radius: f64) -> Self {
+        let square = asperity.apex[0].powi(2) + asperity.apex[1].powi(2);
         Self {
-            sunk: 0.5 * square / (lens_radius + cap.top_radius),
-            curvature: cap.top_radius.recip() + lens_radius.recip(),
-            compliance: cap.column_compliance,
+            sunk: 0.5 * square / (lens_radius + asperity.top_radius),
+            curvature: asperity.top_radius.recip() + lens_radius.recip(),
+            compliance: asperity.column_compliance,
         }
     }
 
@@ -714,7 +719,7 @@ impl Lone {
 }
 
 impl Independent {
-    fn new(field: &CapField, curve: Curve) -> Self {
+    fn new(field: &AsperityArray, curve: Curve) -> Self {
         let radius = match field.indenter() {
             Indenter::Lens(lens) => lens.radius,
             Indenter::Flat(_) => f64::INFINITY,
@@ -722,22 +727,22 @@ impl Independent {
         Self {
             curve,
             modulus: field.reduced_modulus(),
-            caps: field
-                .caps()
+            asperities: field
+                .asperities()
                 .iter()
-                .map(|cap| Lone::new(cap, radius))
+                .map(|asperity| Lone::new(asperity, radius))
                 .collect(),
         }
     }
 
-    /// Refuses areas that are unattainable under a force. Without interactions the area on a cap is `pi (3 F_n/(4 E* k_n))^(2/3)` (Hertz). The sum of
-    /// these areas is largest if the forces are proportional to `k_n^-2`, and smallest if the cap with the largest curvature carries the whole load.
+    /// Refuses areas that are unattainable under a force. Without interactions the area on an asperity is `pi (3 F_n/(4 E* k_n))^(2/3)` (Hertz). The sum of
+    /// these areas is largest if the forces are proportional to `k_n^-2`, and smallest if the asperity with the largest curvature carries the whole load.
     /// Interactions change them by some per cent.
     fn check_areas(&self, wanted: &[WantedPoint]) -> Result<(), HeightDesignError> {
         if self.curve != Curve::AreaOfForce {
             return Ok(());
         }
-        let curvatures = || self.caps.iter().map(|cap| cap.curvature);
+        let curvatures = || self.asperities.iter().map(|asperity| asperity.curvature);
         let sharpest = curvatures().fold(0.0, f64::max);
         let widest: f64 = curvatures().map(|curvature| curvature.powi(-2)).sum();
         for (number, WantedPoint { load, value }) in wanted.iter().copied().enumerate() {
@@ -749,7 +754,7 @@ impl Independent {
                     number,
                     load,
                     value,
-                    caps: self.caps.len(),
+                    asperities: self.asperities.len(),
                     least,
                     most,
                 });
@@ -760,8 +765,8 @@ impl Independent {
 
     fn total(&self, overlaps: impl Iterator<Item = f64>) -> Pressed {
         let mut total = [[0.0; 2]; 2];
-        for (cap, overlap) in self.caps.iter().zip(overlaps) {
-            let pressed = cap.pressed(overlap, self.modulus);
+        for (asperity, overlap) in self.asperities.iter().zip(overlaps) {
+            let pressed = asperity.pressed(overlap, self.modulus);
             for (total, pressed) in total.iter_mut().flatten().zip(pressed.iter().flatten()) {
                 *total += pressed;
             }
@@ -769,7 +774,7 @@ impl Independent {
         total
     }
 
-    /// Heights for caps without interactions, and the largest overlap under the largest load, m: the first exact ones, or the closest of several starts. If
+    /// Heights for asperities without interactions, and the largest overlap under the largest load, m: the first exact ones, or the closest of several starts. If
     /// the first start is random, all are.
     fn design<'w>(
         &self,
@@ -811,7 +816,7 @@ impl Independent {
         at_random: bool,
         random: &mut ChaCha12Rng,
     ) -> (Vec<f64>, f64) {
-        let count = self.caps.len();
+        let count = self.asperities.len();
         let mut shift = || {
             if at_random {
                 (random.next_u64() >> 11) as f64 * 2f64.powi(-53)
@@ -830,7 +835,10 @@ impl Independent {
             Curve::AreaOfForce => {
                 let ratios = wanted.iter().map(|point| point.value / point.load);
                 let ratio = self.modulus * ratios.sum::<f64>() / wanted.len() as f64;
-                let radii = self.caps.iter().map(|cap| cap.curvature.recip());
+                let radii = self
+                    .asperities
+                    .iter()
+                    .map(|asperity| asperity.curvature.recip());
                 let radius = radii.sum::<f64>() / count as f64;
                 let scale = steepness * EXPONENTIAL * radius / (ratio * ratio);
                 let depths = |most: f64| -> Vec<f64> {
@@ -866,15 +874,17 @@ impl Independent {
         for k in (1..count).rev() {
             order.swap(k, (random.next_u64() % (k as u64 + 1)) as usize);
         }
-        let heights = self.caps.iter().zip(order);
-        let heights = heights.map(|(cap, place)| cap.sunk - depths[place]);
+        let heights = self.asperities.iter().zip(order);
+        let heights = heights.map(|(asperity, place)| asperity.sunk - depths[place]);
         (heights.collect(), overlap)
     }
 
     fn rows(&self, wanted: &[WantedPoint], heights: &[f64]) -> Vec<Row> {
         let mut indentation = f64::NEG_INFINITY;
-        let tops = self.caps.iter().zip(heights);
-        let tops: Vec<f64> = tops.map(|(cap, height)| height - cap.sunk).collect();
+        let tops = self.asperities.iter().zip(heights);
+        let tops: Vec<f64> = tops
+            .map(|(asperity, height)| height - asperity.sunk)
+            .collect();
         let highest = tops.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let rows = wanted.iter().map(|point| {
             indentation = match self.curve {
@@ -883,9 +893,10 @@ impl Independent {
             };
             let overlaps = tops.iter().map(|top| indentation + top);
             let [force, area] = self.total(overlaps.clone());
-            let pressed = self.caps.iter().zip(overlaps.clone());
-            let slopes = pressed.map(|(cap, overlap)| {
-                let [of_force, of_area] = cap.pressed(overlap, self.modulus).map(|part| part[1]);
+            let pressed = self.asperities.iter().zip(overlaps.clone());
+            let slopes = pressed.map(|(asperity, overlap)| {
+                let [of_force, of_area] =
+                    asperity.pressed(overlap, self.modulus).map(|part| part[1]);
                 match self.curve {
                     Curve::AreaOfForce if force[1] > 0.0 => of_area - area[1] / force[1] * of_force,
                     Curve::AreaOfForce => 0.0,
@@ -909,7 +920,7 @@ impl Independent {
     /// Indentation under a force, starting from a smaller one.
     fn lowered(&self, tops: &[f64], load: f64, from: f64) -> f64 {
         let force = |indentation: f64| self.total(tops.iter().map(|top| indentation + top))[0];
-        let (mut low, mut step) = (from, self.caps[0].curvature.recip() * 1e-6);
+        let (mut low, mut step) = (from, self.asperities[0].curvature.recip() * 1e-6);
         while force(low + step)[0] < load {
             low += step;
             step *= 2.0;

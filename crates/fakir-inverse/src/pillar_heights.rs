@@ -4,9 +4,9 @@
 use crate::heights::{
     Curve, DesignedPoint, HeightDesign, HeightDesignError, WantedPoint, design_heights,
 };
-use fakir::problem::{Cap, CapField};
-use fakir::state::{CapContact, Run, Solution, SolveError, Termination, Unresolved};
-use fakir_case::RoundedCase;
+use fakir::problem::{Asperity, AsperityArray};
+use fakir::state::{AsperityContact, Run, Solution, SolveError, Termination, Unresolved};
+use fakir_case::AsperityCase;
 use fakir_study::{Column, Table, Values};
 
 /// Largest number of repetitions of the search (the compliance of a pillar depends on its height), and the relative change of compliance
@@ -21,7 +21,7 @@ const ROOM: f64 = 1.05;
 #[derive(Debug, Clone)]
 pub struct PillarHeights {
     /// The case with their heights.
-    pub case: RoundedCase,
+    pub case: AsperityCase,
     /// Kind of target curve.
     pub curve: Curve,
     /// Result. The values are those of the designed pillars.
@@ -31,7 +31,7 @@ pub struct PillarHeights {
     /// The first load (N or m) under which a number of the contact is not resolved, with that number.
     pub unresolved: Option<(f64, Unresolved)>,
     /// The contact under the largest load.
-    pub last: CapContact,
+    pub last: AsperityContact,
 }
 
 impl Solution for PillarHeights {
@@ -80,7 +80,7 @@ pub enum PillarHeightsError {
 /// # Errors
 /// See [`PillarHeightsError`].
 pub fn design_pillars(
-    case: &RoundedCase,
+    case: &AsperityCase,
     curve: Curve,
     wanted: &[WantedPoint],
     seed: u64,
@@ -138,12 +138,14 @@ pub fn design_pillars(
     })
 }
 
-fn have_same_columns(one: &CapField, other: &CapField) -> bool {
-    let pairs = one.caps().iter().zip(other.caps());
-    pairs.into_iter().all(|(one, other): (&Cap, &Cap)| {
-        let [a, b] = [one, other].map(|cap| cap.column_compliance);
-        (a - b).abs() <= SAME_COMPLIANCE * a.max(b)
-    })
+fn have_same_columns(one: &AsperityArray, other: &AsperityArray) -> bool {
+    let pairs = one.asperities().iter().zip(other.asperities());
+    pairs
+        .into_iter()
+        .all(|(one, other): (&Asperity, &Asperity)| {
+            let [a, b] = [one, other].map(|asperity| asperity.column_compliance);
+            (a - b).abs() <= SAME_COMPLIANCE * a.max(b)
+        })
 }
 
 impl PillarHeights {
@@ -159,7 +161,7 @@ impl PillarHeights {
     /// Result as a sentence.
     #[must_use]
     pub fn statement(&self) -> String {
-        let pillars = self.case.field.caps().len();
+        let pillars = self.case.field.asperities().len();
         format!(
             "{pillars} heights for the {}: {}",
             self.curve.words(),

@@ -1,7 +1,7 @@
 //! A system and a method: what a case file describes.
 
+use crate::asperities::Asperities;
 use crate::error::{PYTHON, case_error, value_error, warn_of_deprecations};
-use crate::rounded::Rounded;
 use crate::surface::Surface;
 use fakir::problem::{Arrangement, ListedPillar, PillarList};
 use fakir_case::unit::{Dimension, parse_argument};
@@ -146,14 +146,16 @@ impl From<fakir_case::Case> for Case {
 pub(crate) enum Described {
     Texture(Case),
     Surface(Surface),
-    Rounded(Rounded),
+    Asperities(Asperities),
 }
 
 impl Described {
     fn of(file: CaseFile, overrides: &[String], rounded: bool) -> PyResult<Self> {
         match file.surface_kind() {
             SurfaceKind::HeightMap => Surface::of(file, overrides, None).map(Self::Surface),
-            SurfaceKind::Asperities if rounded => Rounded::of(file, overrides).map(Self::Rounded),
+            SurfaceKind::Asperities if rounded => {
+                Asperities::of(file, overrides).map(Self::Asperities)
+            }
             SurfaceKind::Asperities | SurfaceKind::Pillars => {
                 Case::of(file, overrides).map(Self::Texture)
             }

@@ -165,7 +165,7 @@ pub(crate) fn cite(
         });
     }
     if let Some(designed) = rounded {
-        topics.push(Topic::RoundedTops);
+        topics.push(Topic::Asperities);
         topics.extend(designed.then_some(Topic::DesignedHeights));
     }
     for topic in cases.iter().flat_map(|case| Topic::of_case(&case.case)) {

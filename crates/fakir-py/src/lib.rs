@@ -8,13 +8,13 @@
 #![allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]
 
 mod answer;
+mod asperities;
 mod case;
 mod command;
 mod design;
 mod error;
 mod fit;
 mod load;
-mod rounded;
 mod state;
 mod study;
 mod surface;
@@ -28,6 +28,8 @@ mod _fakir {
     #[pymodule_export]
     use super::answer::{Answer, record};
     #[pymodule_export]
+    use super::asperities::{Asperities, AsperityContact, design_heights, press_rounded};
+    #[pymodule_export]
     use super::case::{Case, dimension, parse_case, parse_quantity, read_case};
     #[pymodule_export]
     use super::command::command;
@@ -35,8 +37,6 @@ mod _fakir {
     use super::design::{cite, design, parse_deviation, sampling_defaults, spread};
     #[pymodule_export]
     use super::fit::{Data, Fitted, fit};
-    #[pymodule_export]
-    use super::rounded::{Rounded, RoundedContact, design_heights, press_rounded};
     #[pymodule_export]
     use super::state::{
         Critical, Cycle, State, approach, check_points, compare, cycle, gradient, press,

@@ -6,7 +6,7 @@ use crate::error::{approach_error, solve_error};
 use crate::load::{load, load_or_critical, path};
 use crate::study::columns;
 use crate::watched::{Options, watched};
-use fakir::problem::{CyclePlan, Drive, ElementMesh, Method, Point};
+use fakir::problem::{CyclePlan, ElementMesh, LoadingMode, Method, Point};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::record::GradientObject;
 use fakir_study::result::{
@@ -285,9 +285,9 @@ pub(crate) fn cycle(
     options: Options,
 ) -> PyResult<Py<Cycle>> {
     let drive = match (drive, machine_stiffness) {
-        (_, Some(stiffness)) => Drive::Machine(stiffness),
-        ("force", None) => Drive::Force,
-        _ => Drive::Displacement,
+        (_, Some(stiffness)) => LoadingMode::Machine(stiffness),
+        ("force", None) => LoadingMode::Force,
+        _ => LoadingMode::Displacement,
     };
     let plan = CyclePlan {
         turn: load_or_critical(to, to_force).into(),

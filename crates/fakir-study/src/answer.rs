@@ -37,7 +37,7 @@ pub(crate) fn kind_of(study: &Study) -> Option<Kind> {
     match (study.asked(), study.surface_kind()) {
         (Asked::Transition, Pillars | Asperities) => Some(Kind::Transition),
         (Asked::Transition, HeightMap) => Some(Kind::SurfaceTransition),
-        (Asked::Press, Asperities) => Some(Kind::RoundedPress),
+        (Asked::Press, Asperities) => Some(Kind::AsperityPress),
         (Asked::Press, Pillars) => Some(Kind::Press),
         (Asked::Press, HeightMap) => Some(Kind::SurfacePress),
         (Asked::Cycle, _) => Some(Kind::Cycle),

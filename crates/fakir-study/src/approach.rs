@@ -2,15 +2,15 @@
 
 use crate::numbers::{DIGITS, with_unit};
 use crate::record::{
-    LoadingState, Object, Place, Record, RoundedAnswer, SurfaceAnswer, rounded_head, surface_head,
+    AsperityAnswer, LoadingState, Object, Place, Record, SurfaceAnswer, asperity_head, surface_head,
 };
-use crate::result::{self, rounded_warnings, warnings};
+use crate::result::{self, asperity_warnings, warnings};
 use fakir::problem::{Feature, Load, Method, Question, Solver, SurfaceSystem, System};
 use fakir::state::{
-    CapContact, Contact, ContactState, Critical, CriticalState, Run, Solution, SolveError,
+    AsperityContact, Contact, ContactState, Critical, CriticalState, Run, Solution, SolveError,
     SurfaceContact, SurfaceTransition,
 };
-use fakir_case::RoundedCase;
+use fakir_case::AsperityCase;
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
 
@@ -263,14 +263,14 @@ impl Loadable for SurfaceSystem {
 }
 
 /// Pillars with rounded tops.
-impl Loadable for RoundedCase {
-    type Contact = CapContact;
+impl Loadable for AsperityCase {
+    type Contact = AsperityContact;
 
-    fn press(&self, control: Load, run: &Run<'_>) -> Result<CapContact, SolveError> {
+    fn press(&self, control: Load, run: &Run<'_>) -> Result<AsperityContact, SolveError> {
         self.field.press(control, self.accuracy, run)
     }
 
-    fn transition(&self, _: &Run<'_>) -> Result<Option<Critical<CapContact>>, SolveError> {
+    fn transition(&self, _: &Run<'_>) -> Result<Option<Critical<AsperityContact>>, SolveError> {
         Ok(None)
     }
 
@@ -283,19 +283,19 @@ impl Loadable for RoundedCase {
         -self.field.highest()
     }
 
-    fn state(&self, state: LoadingState<&CapContact>) -> Record {
-        Record::of(&state.of(RoundedAnswer::of(self, state.answer)))
+    fn state(&self, state: LoadingState<&AsperityContact>) -> Record {
+        Record::of(&state.of(AsperityAnswer::of(self, state.answer)))
     }
 
-    fn warnings(&self, contact: &CapContact) -> Vec<String> {
-        rounded_warnings(RoundedAnswer::of(self, contact))
+    fn warnings(&self, contact: &AsperityContact) -> Vec<String> {
+        asperity_warnings(AsperityAnswer::of(self, contact))
     }
 
     fn head(&self) -> Object {
-        rounded_head(&self.field)
+        asperity_head(&self.field)
     }
 
-    fn critical(&self, _: &Critical<CapContact>, _: f64) -> Object {
+    fn critical(&self, _: &Critical<AsperityContact>, _: f64) -> Object {
         Object::default()
     }
 }

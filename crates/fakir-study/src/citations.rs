@@ -34,7 +34,7 @@ pub enum Topic {
     /// Bodies of finite thickness.
     Layers,
     /// Rounded pillar tops.
-    RoundedTops,
+    Asperities,
     /// Heights of rounded tops for a wanted curve.
     DesignedHeights,
     /// Elements of constant pressure on a height map.
@@ -78,7 +78,7 @@ impl Topic {
         let floor = (study.asked() == Asked::Collapse).then_some(Self::StuckFloor);
         let layers = study.has_layers().then_some(Self::Layers);
         let is_rounded = study.surface_kind() == SurfaceKind::Asperities;
-        let rounded = is_rounded.then_some(Self::RoundedTops);
+        let rounded = is_rounded.then_some(Self::Asperities);
         textures
             .chain(adhesion)
             .chain(floor)
@@ -269,7 +269,7 @@ impl Topic {
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
             Self::Layers => vec!["layers"],
-            Self::RoundedTops => vec!["rounded_tops"],
+            Self::Asperities => vec!["rounded_tops"],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
                 let around = if *periodic { "periodic" } else { "free_space" };
@@ -369,7 +369,7 @@ mod tests {
                 Topic::StuckFloor,
                 Topic::ClosedForms,
                 Topic::Layers,
-                Topic::RoundedTops,
+                Topic::Asperities,
                 Topic::DesignedHeights,
                 surface(true, false),
                 surface(false, true),

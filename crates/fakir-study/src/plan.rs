@@ -167,7 +167,7 @@ pub(crate) fn longest_first(
         let middle = usize::midpoint(cases.start, cases.end);
         let cost = match study.case(middle).case {
             AnyCase::Pillars(case) => cost(&case.system, case.method),
-            AnyCase::Asperities(case) => case.field.caps().len() as f64,
+            AnyCase::Asperities(case) => case.field.asperities().len() as f64,
             AnyCase::HeightMap(_) => study.cells(middle).max(1) as f64,
         };
         Costed { cases, cost }

@@ -6,7 +6,7 @@ use crate::record::{Record, SurfaceAnswer};
 use fakir::numerics::convergence::larger;
 use fakir::problem::{ElementMesh, Load, Method};
 use fakir::state::{ErrorEstimate, Run, Solution, SolveError, SurfaceContact};
-use fakir::{Difference, Doubt, Verdict};
+use fakir::{Difference, InconclusiveReason, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
 
@@ -152,7 +152,7 @@ impl SurfaceVerification {
                     ..ElementMesh::default()
                 });
                 let termination = answer.termination;
-                let failed = Doubt::NotConverged {
+                let failed = InconclusiveReason::NotConverged {
                     method,
                     termination,
                 };
@@ -161,7 +161,7 @@ impl SurfaceVerification {
         );
         let allowed = larger(self.force.allowed, self.indentation.allowed);
         if failed.is_none() && allowed.is_nan() {
-            let name = Verdict::CannotTell(Doubt::NoDigits { allowed }).name();
+            let name = Verdict::CannotTell(InconclusiveReason::NoDigits { allowed }).name();
             let reason = "there are too few cells to estimate the error";
             return (name, Some(reason.to_owned()));
         }

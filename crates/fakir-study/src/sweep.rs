@@ -4,7 +4,7 @@ use crate::answer::{Answer, Row};
 use crate::collapsed::collapse;
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
-use crate::record::{Record, RoundedAnswer};
+use crate::record::{AsperityAnswer, Record};
 use crate::surfaces::{self, SurfaceError};
 use fakir::problem::Load;
 use fakir::state::{CancelToken, Run, Solution, SolveError, Termination, Threads};
@@ -257,7 +257,7 @@ impl<'a> SharedSweep<'a> {
             }
             (AnyCase::Asperities(rounded), Question::Contact(load)) => {
                 let contact = rounded.field.press(load, rounded.accuracy, &run)?;
-                let answer = RoundedAnswer::of(rounded, &contact);
+                let answer = AsperityAnswer::of(rounded, &contact);
                 return Ok((Answer::Numbers(Record::of(&answer)), contact.problem()));
             }
             (AnyCase::HeightMap(file), Question::Contact(control)) => {

@@ -2,7 +2,7 @@
 //!
 //! A pillar is what is above the floor of the paraboloid that its top is, inside its diameter if it has one.
 
-use fakir::problem::{Cap, CapField, Grid, Point};
+use fakir::problem::{Asperity, AsperityArray, Grid, Point};
 use fakir_case::height_map::to_npy;
 use fakir_figure::grey_map;
 use std::f64::consts::TAU;
@@ -29,14 +29,14 @@ struct Pillar {
 }
 
 impl Pillar {
-    fn new(cap: &Cap, common: f64) -> Self {
-        let height = common + cap.raised;
-        let foot = (2.0 * cap.top_radius * height.max(0.0)).sqrt();
+    fn new(asperity: &Asperity, common: f64) -> Self {
+        let height = common + asperity.raised;
+        let foot = (2.0 * asperity.top_radius * height.max(0.0)).sqrt();
         Self {
-            centre: cap.apex,
+            centre: asperity.apex,
             height,
-            top_radius: cap.top_radius,
-            reach: cap.rim_radius.map_or(foot, |rim| rim.min(foot)),
+            top_radius: asperity.top_radius,
+            reach: asperity.rim_radius.map_or(foot, |rim| rim.min(foot)),
         }
     }
 
@@ -66,13 +66,13 @@ pub struct HeightPicture {
 }
 
 impl Relief {
-    /// The surface of caps on pillars of a common height (m).
+    /// The surface of asperities on pillars of a common height (m).
     #[must_use]
-    pub fn new(field: &CapField, common: f64) -> Self {
+    pub fn new(field: &AsperityArray, common: f64) -> Self {
         let pillars: Vec<Pillar> = field
-            .caps()
+            .asperities()
             .iter()
-            .map(|cap| Pillar::new(cap, common))
+            .map(|asperity| Pillar::new(asperity, common))
             .collect();
         let margin = pillars
             .iter()
@@ -258,11 +258,15 @@ mod tests {
     use std::f64::consts::PI;
 
     fn relief(rim: Option<f64>) -> Relief {
-        let caps = [[-1e-4, 0.0], [1e-4, 0.0]].map(|apex| Cap {
+        let asperities = [[-1e-4, 0.0], [1e-4, 0.0]].map(|apex| Asperity {
             rim_radius: rim,
-            ..Cap::new(apex, 1e-4)
+            ..Asperity::new(apex, 1e-4)
         });
-        let field = CapField::new(Indenter::Flat(None), Material::new(1e6, 0.5), caps.to_vec());
+        let field = AsperityArray::new(
+            Indenter::Flat(None),
+            Material::new(1e6, 0.5),
+            asperities.to_vec(),
+        );
         Relief::new(&field.unwrap(), 1e-5)
     }
 

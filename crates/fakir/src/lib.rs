@@ -80,4 +80,4 @@ pub mod theory;
 mod verify;
 
 pub use method::{cycle, follow_cycle, gradient, press, press_to_floor_shares, transition};
-pub use verify::{Difference, Doubt, Verdict, Verification, verify};
+pub use verify::{Difference, InconclusiveReason, Verdict, Verification, verify};

@@ -240,7 +240,7 @@ fn with_layer_warnings(mut state: ContactState) -> ContactState {
         let response = theory::layer::LayerResponse::new(&lens.material, layer);
         let shift = -response.shift() * lens.material.plane_strain_compliance() * force
             / (std::f64::consts::PI * layer.thickness);
-        let reduction = theory::layer::cap_reduction(layer.thickness / radius);
+        let reduction = theory::layer::asperity_reduction(layer.thickness / radius);
         if shift > 0.0 {
             let deeper = reduction.map(|reduction| reduction * shift);
             warnings.push(Warning::FlatLens { deeper });

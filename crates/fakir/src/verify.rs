@@ -45,13 +45,13 @@ pub enum Verdict {
     /// They differ by more than their error estimates allow: one of them, or an estimate, is wrong.
     Disagree,
     /// Their answers cannot be compared.
-    CannotTell(Doubt),
+    CannotTell(InconclusiveReason),
 }
 
 impl Verdict {
     /// What is to be said of the differences between two answers, of which one may have `failed`.
     #[must_use]
-    pub fn of(failed: Option<Doubt>, differences: &[Difference]) -> Self {
+    pub fn of(failed: Option<InconclusiveReason>, differences: &[Difference]) -> Self {
         let allowed = differences.iter().map(|difference| difference.allowed);
         let allowed = allowed.fold(0.0, larger);
         if let Some(doubt) = failed {
@@ -59,7 +59,7 @@ impl Verdict {
         } else if !differences.iter().all(Difference::is_allowed) {
             Self::Disagree
         } else if within(NO_DIGITS, allowed) {
-            Self::CannotTell(Doubt::NoDigits { allowed })
+            Self::CannotTell(InconclusiveReason::NoDigits { allowed })
         } else {
             Self::Agree
         }
@@ -77,7 +77,7 @@ impl Verdict {
 
     /// Why it cannot be told, if it cannot.
     #[must_use]
-    pub fn doubt(self) -> Option<Doubt> {
+    pub fn doubt(self) -> Option<InconclusiveReason> {
         match self {
             Self::CannotTell(doubt) => Some(doubt),
             Self::Agree | Self::Disagree => None,
@@ -88,7 +88,7 @@ impl Verdict {
 /// Why two answers cannot be compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub enum Doubt {
+pub enum InconclusiveReason {
     /// One of them is no solution.
     NotConverged {
         /// By which method.
@@ -103,7 +103,7 @@ pub enum Doubt {
     },
 }
 
-impl std::fmt::Display for Doubt {
+impl std::fmt::Display for InconclusiveReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NotConverged {
@@ -168,7 +168,7 @@ impl Verification {
     pub fn verdict(&self) -> Verdict {
         let mut answers = std::iter::once(&self.spectral).chain(&self.elements);
         let failed = answers.find(|state| !state.converged());
-        let failed = failed.map(|state| Doubt::NotConverged {
+        let failed = failed.map(|state| InconclusiveReason::NotConverged {
             method: state.method,
             termination: state.termination,
         });
@@ -409,7 +409,7 @@ mod tests {
         assert!(coarse.converged() && exact.converged());
         assert!((coarse.force / exact.force - 1.0).abs() < 0.01);
         let doubt = verification.verdict().doubt();
-        assert!(matches!(doubt, Some(Doubt::NoDigits { .. })));
+        assert!(matches!(doubt, Some(InconclusiveReason::NoDigits { .. })));
         assert!(!verification.agrees());
     }
 
@@ -442,7 +442,7 @@ mod tests {
         vague.force.allowed = 1.1;
         assert!(matches!(
             vague.verdict(),
-            Verdict::CannotTell(Doubt::NoDigits { .. })
+            Verdict::CannotTell(InconclusiveReason::NoDigits { .. })
         ));
         let mut undefined = good;
         undefined.force.relative = f64::NAN;
@@ -465,7 +465,7 @@ mod tests {
         assert!(verification.spectral.force > 0.0);
         assert!(matches!(
             verification.verdict(),
-            Verdict::CannotTell(Doubt::NoDigits { .. })
+            Verdict::CannotTell(InconclusiveReason::NoDigits { .. })
         ));
     }
 }

@@ -10,7 +10,7 @@ use crate::file::{CaseFile, quantity};
 use crate::idle::{IDLE, Idle, without_effect_words};
 use crate::key::{Key, root};
 use crate::unit::format_quantity;
-use fakir::problem::{CyclePlan, Drive, Load};
+use fakir::problem::{CyclePlan, Load, LoadingMode};
 
 /// Largest number of cases of a study.
 pub const MAXIMUM_CASES: usize = 10_000_000;
@@ -23,7 +23,7 @@ pub struct StudyFile {
     pub(super) asked: Asked,
     pub(super) combine: Combine,
     pub(super) load: Option<FixedLoad>,
-    pub(super) drive: Drive,
+    pub(super) drive: LoadingMode,
     pub(super) varied: Vec<Varied>,
 }
 

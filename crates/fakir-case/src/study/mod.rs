@@ -37,14 +37,14 @@ pub use axis::{Axis, Coordinate, Variable};
 pub use file::{MAXIMUM_CASES, StudyCase, StudyFile};
 
 use crate::any_case::AnyCase;
+use crate::asperities::AsperityCase;
 use crate::case::{Case, write_tables};
 use crate::error::CaseError;
 use crate::parts::Words;
-use crate::rounded::RoundedCase;
 use crate::support::SurfaceKind;
 use crate::surface::SurfaceExample;
 use crate::unit::{Dimension, format_quantity};
-use fakir::problem::{Drive, Load, Method};
+use fakir::problem::{Load, LoadingMode, Method};
 use file::FixedLoad;
 use posed::Surfaces;
 use std::fmt::Write;
@@ -104,7 +104,7 @@ pub struct Study {
     sticks: bool,
     layered: bool,
     /// The first case, if pillars have rounded tops.
-    rounded: Option<Box<RoundedCase>>,
+    rounded: Option<Box<AsperityCase>>,
     surfaces: Surfaces,
     without_effect: Vec<String>,
     text: String,
@@ -249,7 +249,7 @@ impl Study {
         }
         // The default is not written, so that journals from before the introduction of loading modes can be
         // continued.
-        if file.drive != Drive::Displacement {
+        if file.drive != LoadingMode::Displacement {
             let _ = writeln!(text, "drive = \"{}\"", file.drive.name());
         }
         if let Some(stiffness) = file.drive.stiffness() {

@@ -13,7 +13,7 @@ use crate::input::{self, LARGEST_STUDY};
 use crate::key::{Key, is_table, join, names_in, nearest};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity, with_article};
-use fakir::problem::Drive;
+use fakir::problem::LoadingMode;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -173,19 +173,19 @@ struct Settings {
 /// Loading mode of a cycle, as given.
 #[derive(Default)]
 struct Driven {
-    name: Option<(DriveName, Place)>,
+    name: Option<(LoadingModeName, Place)>,
     /// Stiffness, N/m.
     stiffness: Option<(f64, Place)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum DriveName {
+enum LoadingModeName {
     Displacement,
     Force,
     Machine,
 }
 
-impl Words for DriveName {
+impl Words for LoadingModeName {
     const WORDS: &'static [(&'static str, Self)] = &[
         ("displacement", Self::Displacement),
         ("force", Self::Force),
@@ -194,7 +194,7 @@ impl Words for DriveName {
 }
 
 impl Driven {
-    fn drive(self, asked: Asked) -> Result<Drive, CaseError> {
+    fn drive(self, asked: Asked) -> Result<LoadingMode, CaseError> {
         const DRIVE: &str = "study.drive";
         const STIFFNESS: &str = "study.machine_stiffness";
         let of_cycles = |place: &Place, path: &str| {
@@ -212,10 +212,14 @@ impl Driven {
             }
         }
         match (self.name, self.stiffness) {
-            (None | Some((DriveName::Displacement, _)), None) => Ok(Drive::Displacement),
-            (Some((DriveName::Force, _)), None) => Ok(Drive::Force),
-            (Some((DriveName::Machine, _)), Some((stiffness, _))) => Ok(Drive::Machine(stiffness)),
-            (Some((DriveName::Machine, place)), None) => {
+            (None | Some((LoadingModeName::Displacement, _)), None) => {
+                Ok(LoadingMode::Displacement)
+            }
+            (Some((LoadingModeName::Force, _)), None) => Ok(LoadingMode::Force),
+            (Some((LoadingModeName::Machine, _)), Some((stiffness, _))) => {
+                Ok(LoadingMode::Machine(stiffness))
+            }
+            (Some((LoadingModeName::Machine, place)), None) => {
                 Err(CaseError::at(&place, "a machine has a stiffness")
                     .key(DRIVE)
                     .accepted("give machine_stiffness = \"100 N/m\" too"))

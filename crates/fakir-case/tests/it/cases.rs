@@ -317,7 +317,7 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
     assert_eq!(case.system.pillar().height, 2.2e-6);
     assert!((case.system.pillar().diameter / 5e-6 - 1.0).abs() < 1e-15);
     assert_eq!(parse(&case.to_toml()), case);
-    let case = read(&rounded).rounded_case().unwrap();
+    let case = read(&rounded).asperity_case().unwrap();
     assert_eq!(case.height, 2.2e-6);
     assert_eq!(case.heights(), [2e-6, 2.2e-6]);
     // Given values are used and must be valid.
@@ -355,8 +355,8 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
         "{told}"
     );
     assert!(told.contains("a column diameter_m in "), "{told}");
-    assert!(read(&rounded).rounded_case().is_ok());
+    assert!(read(&rounded).asperity_case().is_ok());
     write("pillars.csv", "x_m,y_m,diameter_m\n0,0,2e-6\n");
-    let told = read(&rounded).rounded_case().unwrap_err().one_line();
+    let told = read(&rounded).asperity_case().unwrap_err().one_line();
     assert!(told.contains("a column height_m in "), "{told}");
 }

@@ -2,11 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod asperities;
 mod cases;
 mod height_map;
 mod keys;
 mod lenses;
 mod malformed;
-mod rounded;
 mod studies;
 mod surfaces;

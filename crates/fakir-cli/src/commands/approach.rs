@@ -4,8 +4,8 @@ use super::surface::on_wide_enough_a_grid;
 use crate::failure::Failure;
 use crate::numbers::digits;
 use crate::report::Report;
+use crate::report::asperities::{case_line, method_line};
 use crate::report::figures::of_loading;
-use crate::report::rounded::{case_line, method_line};
 use crate::report::state::{further_on, loading_remark, radius_digits, texture_line};
 use crate::report::surface;
 use crate::report::table::{Column, table};
@@ -60,7 +60,7 @@ pub(crate) fn run(
                 case: case_line(case),
                 method: method_line(case.accuracy),
             };
-            let topics = [Topic::RoundedTops];
+            let topics = [Topic::Asperities];
             let provenance =
                 Provenance::new(path.words(), words.method.clone(), &topics, case.to_toml());
             Ok(report(&**case, found, &words, provenance, saves))

@@ -76,10 +76,10 @@ fn of_file(path: &Path) -> Result<CiteJson, Failure> {
             CiteJson::new("elements on a surface", &[topic(&case)])
         }
         SurfaceKind::Asperities => {
-            file.rounded_case()?;
+            file.asperity_case()?;
             CiteJson::new(
                 "the spectral method on rounded pillar tops",
-                &[Topic::RoundedTops],
+                &[Topic::Asperities],
             )
         }
         SurfaceKind::Pillars => {

@@ -9,8 +9,8 @@ use crate::report::state::{
 };
 use crate::report::table::{Column, table};
 use crate::session::Session;
-use fakir::problem::{Adhesion, CyclePlan, Drive};
-use fakir::state::{Branch, Cycle, CycleError, CycleEventKind, CycleStation, HeldFloor, Solution};
+use fakir::problem::{Adhesion, CyclePlan, LoadingMode};
+use fakir::state::{Branch, Cycle, CycleError, CycleEventKind, CycleLoadStep, HeldFloor, Solution};
 use fakir_case::Case;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_figure::{cycle_curve, release_map};
@@ -18,7 +18,7 @@ use fakir_study::citations::Topic;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{
-    CycleSummary, EventRow, FloorRow, StationRow, csv, cycle_warnings, json, pillars_of,
+    CycleSummary, EventRow, FloorRow, LoadStepRow, csv, cycle_warnings, json, pillars_of,
 };
 use std::time::Instant;
 
@@ -50,7 +50,7 @@ pub(crate) fn run(
     if saves {
         tables.push(csv(
             "cycle.csv",
-            cycle.stations.iter().map(StationRow::from),
+            cycle.stations.iter().map(LoadStepRow::from),
         ));
         tables.push(csv("events.csv", cycle.events.iter().map(EventRow::from)));
         if cycle.floor.is_some() {
@@ -112,11 +112,11 @@ fn adhesion_words(adhesion: Adhesion) -> String {
     )
 }
 
-fn drive_words(drive: Drive) -> String {
+fn drive_words(drive: LoadingMode) -> String {
     match drive {
-        Drive::Displacement => "under a prescribed indentation".to_owned(),
-        Drive::Force => "under a prescribed force".to_owned(),
-        Drive::Machine(stiffness) => format!(
+        LoadingMode::Displacement => "under a prescribed indentation".to_owned(),
+        LoadingMode::Force => "under a prescribed force".to_owned(),
+        LoadingMode::Machine(stiffness) => format!(
             "by a machine of {}",
             format_quantity(stiffness, Dimension::Stiffness)
         ),
@@ -129,7 +129,7 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
     let first = cycle
         .first_contact
         .and_then(|place| cycle.stations.get(place));
-    if let Some(CycleStation {
+    if let Some(CycleLoadStep {
         indentation, force, ..
     }) = first
     {

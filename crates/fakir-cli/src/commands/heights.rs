@@ -5,14 +5,14 @@ use crate::commands::design::Designed;
 use crate::failure::Failure;
 use crate::numbers::{LENGTH_DIGITS, seconds, significant, with_unit};
 use crate::report::Report;
-use crate::report::rounded::{case_line, method_line};
+use crate::report::asperities::{case_line, method_line};
 use crate::report::state::QuantityList;
 use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::state::Solution;
 use fakir_case::CaseFile;
 use fakir_case::unit::Dimension;
-use fakir_figure::{DesignedCurve, DesignedQuantity, DesignedValues, cap_map, designed_curve};
+use fakir_figure::{DesignedCurve, DesignedQuantity, DesignedValues, asperity_map, designed_curve};
 use fakir_inverse::HeightsSummary;
 use fakir_inverse::heights::{DesignedPoint, HeightDesignError};
 use fakir_inverse::pillar_heights::{PillarHeights, PillarHeightsError, design_pillars};
@@ -21,8 +21,8 @@ use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
-use fakir_study::record::RoundedAnswer;
-use fakir_study::result::{control_words, json, rounded_warnings};
+use fakir_study::record::AsperityAnswer;
+use fakir_study::result::{asperity_warnings, control_words, json};
 use fakir_study::workshop::Relief;
 use std::time::Instant;
 
@@ -35,7 +35,7 @@ pub(crate) fn run(
     saves: bool,
     session: &Session,
 ) -> Result<Designed, Failure> {
-    let case = file.rounded_case()?;
+    let case = file.asperity_case()?;
     let target = Target::read(question.target)?;
     let start = Instant::now();
     session.part("heights");
@@ -49,7 +49,7 @@ pub(crate) fn run(
     let found = found.map_err(|error| located(error, &target))?;
     let wall_time = start.elapsed().as_secs_f64();
     let case = &found.case;
-    let mut warnings = rounded_warnings(RoundedAnswer::of(case, &found.last));
+    let mut warnings = asperity_warnings(AsperityAnswer::of(case, &found.last));
     warnings.extend(unresolved_before_last(&found));
     if let Some(error) = question.height_error {
         warnings.extend(large_scatter(&found, error));
@@ -61,7 +61,7 @@ pub(crate) fn run(
             question.seed
         ),
         method_line(case.accuracy),
-        &[Topic::RoundedTops, Topic::DesignedHeights],
+        &[Topic::Asperities, Topic::DesignedHeights],
         case.to_toml_with_table(PILLARS),
     );
     let mut tables = Vec::new();
@@ -89,7 +89,7 @@ pub(crate) fn run(
     })
 }
 
-/// Why the heights are no answer, if that is so under another load than the largest, of which [`rounded_warnings`] are.
+/// Why the heights are no answer, if that is so under another load than the largest, of which [`asperity_warnings`] are.
 fn unresolved_before_last(found: &PillarHeights) -> Option<String> {
     let (load, unresolved) = found.unresolved?;
     let largest = found.design.points.last()?.wanted.load;
@@ -117,9 +117,15 @@ fn located(error: PillarHeightsError, target: &Target) -> Failure {
 
 /// What to be careful about if errors of the heights are as large as contacts are deep: then they scatter values by more, or less, than the derivatives say.
 fn large_scatter(found: &PillarHeights, height_error: f64) -> Option<String> {
-    let caps = found.case.field.caps().iter().zip(&found.last.caps);
+    let asperities = found
+        .case
+        .field
+        .asperities()
+        .iter()
+        .zip(&found.last.asperities);
     // The overlap of a contact by Hertz is the square of its radius over that of curvature.
-    let depths = caps.map(|(cap, state)| state.radius * state.radius / cap.top_radius);
+    let depths =
+        asperities.map(|(asperity, state)| state.radius * state.radius / asperity.top_radius);
     let deepest = depths.fold(0.0, f64::max);
     (height_error > 0.1 * deepest).then(|| {
         format!(
@@ -160,7 +166,7 @@ fn files(found: &PillarHeights, height_error: Option<f64>, provenance: &Provenan
         points: points.collect(),
     };
     files.extend(saved(designed_curve(&curve), provenance));
-    files.extend(saved(cap_map(&case.field, &found.last), provenance));
+    files.extend(saved(asperity_map(&case.field, &found.last), provenance));
     files
 }
 

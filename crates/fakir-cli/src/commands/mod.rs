@@ -1,6 +1,7 @@
 //! One module for each command: what it asks the library, and its report.
 
 pub(crate) mod approach;
+pub(crate) mod asperities;
 pub(crate) mod cite;
 pub(crate) mod compare;
 pub(crate) mod cycle;
@@ -14,7 +15,6 @@ pub(crate) mod installed;
 pub(crate) mod press;
 pub(crate) mod reproduce;
 pub(crate) mod results;
-pub(crate) mod rounded;
 pub(crate) mod surface;
 pub(crate) mod sweep;
 pub(crate) mod theory;

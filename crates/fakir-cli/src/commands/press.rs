@@ -1,6 +1,6 @@
 //! `fakir press`: the contact under a load.
 
-use super::{rounded, surface};
+use super::{asperities, surface};
 use crate::arguments::Press;
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
@@ -30,7 +30,7 @@ pub(crate) fn run(case: &AnyCase, options: &Press, session: &Session) -> Result<
             let with_gradient = options.gradient.question().is_some();
             of_pillars(case, load, range, with_gradient, maps, session)
         }
-        AnyCase::Asperities(case) => rounded::press(case, load, maps, session),
+        AnyCase::Asperities(case) => asperities::press(case, load, maps, session),
         AnyCase::HeightMap(file) => surface::press(file, load, maps, session),
     }
 }

@@ -1,8 +1,8 @@
 //! What a command hands back, ready to be printed and saved.
 
+pub(crate) mod asperities;
 pub(crate) mod figures;
 pub(crate) mod maps;
-pub(crate) mod rounded;
 pub(crate) mod state;
 pub(crate) mod surface;
 pub(crate) mod table;

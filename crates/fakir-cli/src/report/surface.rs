@@ -7,7 +7,7 @@ use super::{Report, figures};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use fakir::problem::pattern::{CrossSection, Pattern};
 use fakir::problem::{Arrangement, Boundary, Indenter, Load, Point};
-use fakir::state::{Regime, Shares, Solution, SurfaceContact, SurfaceTransition};
+use fakir::state::{LoadSharing, Regime, Solution, SurfaceContact, SurfaceTransition};
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
@@ -270,7 +270,7 @@ fn add_area(list: &mut QuantityList, contact: &SurfaceContact) {
     }
 }
 
-fn add_shares(list: &mut QuantityList, shares: &Shares, contact: &SurfaceContact) {
+fn add_shares(list: &mut QuantityList, shares: &LoadSharing, contact: &SurfaceContact) {
     let known = contact
         .error
         .map_or(AREA_DIGITS, |error| digits(error.force));

@@ -206,7 +206,7 @@ fn what_no_heights_have_is_status_3_with_the_nearest() {
     assert!(
         outcome
             .stdout
-            .contains("out of reach of these caps: the nearest found"),
+            .contains("out of reach of these asperities: the nearest found"),
         "{}",
         outcome.stdout
     );
@@ -326,7 +326,7 @@ fn what_makes_no_sense_is_status_2() {
     }
 }
 
-/// A single cap under a plate is Hertz's contact: F = 4/3 E* sqrt(R) zeta^(3/2), A = pi R zeta.
+/// A single asperity under a plate is Hertz's contact: F = 4/3 E* sqrt(R) zeta^(3/2), A = pi R zeta.
 #[test]
 fn one_rounded_top_is_a_contact_of_hertz() {
     let bench = bench();
@@ -422,7 +422,7 @@ fn the_floor_and_wide_contacts_are_said() {
     );
 }
 
-/// A loading of a single cap is Hertz's, F = 4/3 E* sqrt(R) zeta^(3/2), and ends where it is told to, as there is no critical state.
+/// A loading of a single asperity is Hertz's, F = 4/3 E* sqrt(R) zeta^(3/2), and ends where it is told to, as there is no critical state.
 #[test]
 fn a_loading_of_rounded_tops() {
     let bench = bench();

@@ -10,7 +10,7 @@ use crate::scene::{Colour, Item};
 use crate::series::{Marker, Series, Style};
 use crate::unit::Unit;
 use fakir::problem::{Method, PlacedPillar};
-use fakir::state::{Branch, Cycle, CycleEventKind, CycleStation, PullOff};
+use fakir::state::{Branch, Cycle, CycleEventKind, CycleLoadStep, PullOff};
 use std::collections::{BTreeMap, HashSet};
 
 /// A point in SI units: indentation (m), and force (N) or a number.
@@ -30,7 +30,7 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
             given: stations.len(),
         });
     }
-    let sizes = |value: fn(&CycleStation) -> f64| {
+    let sizes = |value: fn(&CycleLoadStep) -> f64| {
         let values = stations.iter().map(|station| value(station).abs());
         values.fold(0.0, f64::max)
     };
@@ -43,7 +43,7 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
         charts.push(pull_off_chart(cycle, pull_off, x(), across));
         heights.push(122.0);
     }
-    let mut of_branches = |name: &str, value: &dyn Fn(&CycleStation) -> f64| {
+    let mut of_branches = |name: &str, value: &dyn Fn(&CycleLoadStep) -> f64| {
         let series = BRANCHES.map(|(branch, _, style)| {
             let on_branch = stations.iter().filter(|station| station.branch == branch);
             let points = on_branch.map(|station| [across.of(station.indentation), value(station)]);
@@ -54,7 +54,7 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
     };
     of_branches("pillars in contact", &|it| it.pillars_in_contact as f64);
     if cycle.floor.is_some() {
-        let area = |station: &CycleStation| station.floor.map_or(0.0, |floor| floor.area);
+        let area = |station: &CycleLoadStep| station.floor.map_or(0.0, |floor| floor.area);
         of_branches("area on the floor (µm²)", &|it| 1e12 * area(it));
     }
     let figure = Grid {

@@ -1,7 +1,7 @@
 //! The figures.
 
 pub(crate) mod approach;
-pub(crate) mod cap_map;
+pub(crate) mod asperity_map;
 pub(crate) mod critical_curves;
 pub(crate) mod cycle;
 pub(crate) mod designed_curve;

@@ -1,6 +1,6 @@
 //! The curve of a cycle of loading and unloading with adhesion, and its averages over intervals.
 
-use fakir::problem::Drive;
+use fakir::problem::LoadingMode;
 use fakir::state::{Branch, Cycle};
 
 /// A point of the curve.
@@ -43,7 +43,7 @@ impl Curve {
             let stations = cycle.stations.iter().filter(move |s| s.branch == branch);
             stations.map(|station| Place {
                 position: match cycle.plan.drive {
-                    Drive::Force => station.force,
+                    LoadingMode::Force => station.force,
                     _ => station.indentation + compliance * station.force,
                 },
                 indentation: station.indentation,

@@ -9,7 +9,7 @@ use super::parameter::Parameter;
 use super::radius::smooth_radius;
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
-use fakir::problem::{Adhesion, CyclePlan, Drive, Load, Method, Turn};
+use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, UnloadingPoint};
 use fakir::state::{Branch, ContactState, Cycle, Gradient, Run, Solution, SolveError};
 use fakir_case::{Case, CaseFile, Key};
 use rayon::prelude::*;
@@ -676,34 +676,37 @@ impl<'a> Model<'a> {
             let least = Adhesion::new(Adhesion::SMALLEST_WORK);
             system = system.with_adhesion(least).map_err(SolveError::from)?;
         }
-        let solve = |turn: Turn, drive: Drive, retract: bool| -> Result<_, SolveError> {
-            let plan = CyclePlan {
-                turn,
-                drive,
-                retract,
+        let solve =
+            |turn: UnloadingPoint, drive: LoadingMode, retract: bool| -> Result<_, SolveError> {
+                let plan = CyclePlan {
+                    turn,
+                    drive,
+                    retract,
+                };
+                self.solved.fetch_add(1, Ordering::Relaxed);
+                let cycle = fakir::cycle(&system, plan, settings.case.method, &self.single)?;
+                Ok((Curve::new(&cycle, compliance), cycle))
             };
-            self.solved.fetch_add(1, Ordering::Relaxed);
-            let cycle = fakir::cycle(&system, plan, settings.case.method, &self.single)?;
-            Ok((Curve::new(&cycle, compliance), cycle))
-        };
         let retract = self.branches.contains(&Branch::Unloading);
         let solved = match position {
-            Position::None => solve(Turn::Force(largest), Drive::Force, retract),
-            _ if compliance == 0.0 => {
-                solve(Turn::Indentation(largest), Drive::Displacement, retract)
-            }
+            Position::None => solve(UnloadingPoint::Force(largest), LoadingMode::Force, retract),
+            _ if compliance == 0.0 => solve(
+                UnloadingPoint::Indentation(largest),
+                LoadingMode::Displacement,
+                retract,
+            ),
             _ => {
                 let drive = if compliance > 0.0 {
-                    Drive::Machine(1.0 / compliance)
+                    LoadingMode::Machine(1.0 / compliance)
                 } else {
-                    Drive::Displacement
+                    LoadingMode::Displacement
                 };
                 // The lens moves less than the crosshead because of the machine compliance. The unloading point is
                 // therefore on the curve of a loading to that crosshead position.
                 let far = largest + (-compliance).max(0.0) * 2.0 * self.largest_force();
-                let (loading, _) = solve(Turn::Indentation(far), drive, false)?;
+                let (loading, _) = solve(UnloadingPoint::Indentation(far), drive, false)?;
                 let turn = loading.at(Branch::Loading, largest).indentation;
-                solve(Turn::Indentation(turn), drive, retract)
+                solve(UnloadingPoint::Indentation(turn), drive, retract)
             }
         };
         Ok(Some(solved?))

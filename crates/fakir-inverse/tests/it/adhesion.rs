@@ -2,7 +2,7 @@
 
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
-use fakir::problem::{CyclePlan, Drive, Turn};
+use fakir::problem::{CyclePlan, LoadingMode, UnloadingPoint};
 use fakir::state::{Branch, Cycle, Run, Termination};
 use fakir_case::{Case, CaseFile, Key};
 use fakir_inverse::fit::{Column, Fit, FitOptions, Measurements, Parameter, fit};
@@ -29,10 +29,10 @@ fn case_file(overrides: &[&str]) -> CaseFile {
     file
 }
 
-fn cycle(file: &CaseFile, drive: Drive) -> Cycle {
+fn cycle(file: &CaseFile, drive: LoadingMode) -> Cycle {
     let case = file.case().unwrap();
     let plan = CyclePlan {
-        turn: Turn::Indentation(3.5e-6),
+        turn: UnloadingPoint::Indentation(3.5e-6),
         drive,
         retract: true,
     };
@@ -110,8 +110,8 @@ const TRUTHS: [f64; 4] = [0.03, 2e6, CONTACT_POINT, OFFSET];
 /// How often the intervals hold the truth, and the works of adhesion that were found.
 fn draws(offset: &str, step: f64, noise: f64, compliance: f64, count: u64) -> ([u64; 4], Vec<f64>) {
     let drive = match compliance > 0.0 {
-        true => Drive::Machine(1.0 / compliance),
-        false => Drive::Displacement,
+        true => LoadingMode::Machine(1.0 / compliance),
+        false => LoadingMode::Displacement,
     };
     let exact = readings(&cycle(&case_file(&[offset]), drive), compliance, step);
     let (mut inside, mut works) = ([0; 4], Vec::new());
@@ -173,7 +173,7 @@ fn small_data(overrides: &[&str], step: f64) -> Vec<(Column, Vec<f64>)> {
     );
     let case = file.case().unwrap();
     let plan = CyclePlan {
-        turn: Turn::Indentation(2.4e-6),
+        turn: UnloadingPoint::Indentation(2.4e-6),
         ..CyclePlan::default()
     };
     let cycle = fakir::cycle(&case.system, plan, case.method, &Run::default()).unwrap();

@@ -1,7 +1,7 @@
-//! Heights of rounded tops for target curves: 64 caps with a radius of curvature of 526 um on a square lattice under a rigid
+//! Heights of rounded tops for target curves: 64 asperities with a radius of curvature of 526 um on a square lattice under a rigid
 //! plate.
 
-use fakir::problem::{Accuracy, Cap, CapField, Indenter, Load, Material};
+use fakir::problem::{Accuracy, Asperity, AsperityArray, Indenter, Load, Material};
 use fakir::state::Run;
 use fakir_inverse::heights::{Curve, HeightDesign, HeightDesignError, WantedPoint, design_heights};
 
@@ -9,13 +9,13 @@ const UM: f64 = 1e-6;
 /// The reduced modulus is 1 Pa, so that forces are in um^2.
 const FORCE: f64 = 1e-12;
 
-fn field(pitch: f64) -> CapField {
+fn field(pitch: f64) -> AsperityArray {
     let place = |k: usize| pitch * UM * (k as f64 - 3.5);
-    let caps = (0..64).map(|k| Cap::new([place(k % 8), place(k / 8)], 526.0 * UM));
-    CapField::new(
+    let asperities = (0..64).map(|k| Asperity::new([place(k % 8), place(k / 8)], 526.0 * UM));
+    AsperityArray::new(
         Indenter::Flat(None),
         Material::new(1.0, 0.0),
-        caps.collect(),
+        asperities.collect(),
     )
     .expect("a field")
 }
@@ -86,7 +86,7 @@ fn force_of_the_indentation() {
     let design = design(1500.0, Curve::ForceOfIndentation, &wanted);
     assert!(design.largest_residual() < 1e-5 && design.is_reached());
     let last = design.points.last().expect("points");
-    // Interactions reduce the force by a quarter compared with independent caps: computed with
+    // Interactions reduce the force by a quarter compared with independent asperities: computed with
     // another program.
     let lost = 1.0 - last.of_independent_design / last.wanted.value;
     assert!((0.15..0.35).contains(&lost), "{lost}");
@@ -151,20 +151,20 @@ fn curves_that_fall_and_areas_out_of_reach_are_refused() {
         stays.to_string().contains("the wanted force does not rise"),
         "{stays}"
     );
-    // Hertz: 64 caps with a 64th of the force each have four times the area of one cap with the whole
+    // Hertz: 64 asperities with a 64th of the force each have four times the area of one asperity with the whole
     // force.
     let wide = refused(Curve::AreaOfForce, &[[2e4, 2e5], [3e4, 1e7]]);
     let HeightDesignError::AreaOutOfReach {
         number,
         least,
         most,
-        caps,
+        asperities,
         ..
     } = wide
     else {
         panic!("{wide}")
     };
-    assert_eq!((number, caps), (1, 64));
+    assert_eq!((number, asperities), (1, 64));
     assert!((most / least - 4.0).abs() < 1e-12);
     let one = std::f64::consts::PI * (0.75 * 3e4 * 526.0f64).powf(2.0 / 3.0);
     assert!((least / (one * FORCE) - 1.0).abs() < 1e-12);

@@ -3,7 +3,7 @@
 use super::contact::ending;
 use super::named::{Kind, Named, Recorded};
 use fakir::problem::Method;
-use fakir::state::{Critical, Cycle, CycleError, CycleStation, FloorResolution, HeldFloor};
+use fakir::state::{Critical, Cycle, CycleError, CycleLoadStep, FloorResolution, HeldFloor};
 use fakir::theory::adhesion::kendall_pull_off;
 
 /// The errors of one figure, which a cycle may not have.
@@ -76,12 +76,12 @@ fn parting(cycle: &Cycle) -> f64 {
     cycle.system.adhesion().receding() * areas.fold(0.0, f64::max)
 }
 
-fn first_contact(cycle: &Cycle) -> Option<&CycleStation> {
+fn first_contact(cycle: &Cycle) -> Option<&CycleLoadStep> {
     cycle.stations.get(cycle.first_contact?)
 }
 
 /// The floor after the jump onto it, and the state then.
-fn jump(cycle: &Cycle) -> Option<(&CycleStation, HeldFloor)> {
+fn jump(cycle: &Cycle) -> Option<(&CycleLoadStep, HeldFloor)> {
     cycle.floor?;
     let [_, after] = cycle.floor_jump()?;
     Some((after, after.floor?))

@@ -1,8 +1,8 @@
 //! The tables of all kinds of answers.
 
+use super::asperities::AsperityAnswer;
 use super::loading::LoadingState;
 use super::named::{Entry, Kind, Recorded};
-use super::rounded::RoundedAnswer;
 use super::surface::SurfaceAnswer;
 use std::sync::LazyLock;
 
@@ -13,11 +13,11 @@ impl Kind {
         Self::Transition,
         Self::SurfacePress,
         Self::SurfaceTransition,
-        Self::RoundedPress,
+        Self::AsperityPress,
         Self::Cycle,
         Self::Loading,
         Self::SurfaceLoading,
-        Self::RoundedLoading,
+        Self::AsperityLoading,
     ];
 
     /// Its name in journals and in the schema.
@@ -28,11 +28,11 @@ impl Kind {
             Self::Transition => "transition",
             Self::SurfacePress => "surface_press",
             Self::SurfaceTransition => "surface_transition",
-            Self::RoundedPress => "rounded_press",
+            Self::AsperityPress => "asperity_press",
             Self::Cycle => "cycle",
             Self::Loading => "loading",
             Self::SurfaceLoading => "surface_loading",
-            Self::RoundedLoading => "rounded_loading",
+            Self::AsperityLoading => "asperity_loading",
         }
     }
 
@@ -43,11 +43,11 @@ impl Kind {
             Self::Transition => "A critical state",
             Self::SurfacePress => "A contact with a height map",
             Self::SurfaceTransition => "A critical state with a height map",
-            Self::RoundedPress => "A contact with rounded tops",
+            Self::AsperityPress => "A contact with rounded tops",
             Self::Cycle => "A cycle",
             Self::Loading => "A state of a loading",
             Self::SurfaceLoading => "A state of a loading of a height map",
-            Self::RoundedLoading => "A state of a loading of rounded tops",
+            Self::AsperityLoading => "A state of a loading of rounded tops",
         }
     }
 
@@ -56,7 +56,7 @@ impl Kind {
     pub fn is_a_row(self) -> bool {
         matches!(
             self,
-            Self::Loading | Self::SurfaceLoading | Self::RoundedLoading
+            Self::Loading | Self::SurfaceLoading | Self::AsperityLoading
         )
     }
 
@@ -74,13 +74,13 @@ impl Kind {
                 Kind::SurfaceTransition => {
                     of::<SurfaceAnswer<'_, fakir::state::SurfaceTransition>>()
                 }
-                Kind::RoundedPress => of::<RoundedAnswer<'_>>(),
+                Kind::AsperityPress => of::<AsperityAnswer<'_>>(),
                 Kind::Cycle => of::<fakir::state::Cycle>(),
                 Kind::Loading => of::<LoadingState<&fakir::state::ContactState>>(),
                 Kind::SurfaceLoading => {
                     of::<LoadingState<SurfaceAnswer<'_, fakir::state::SurfaceContact>>>()
                 }
-                Kind::RoundedLoading => of::<LoadingState<RoundedAnswer<'_>>>(),
+                Kind::AsperityLoading => of::<LoadingState<AsperityAnswer<'_>>>(),
             })
         });
         &ALL[self as usize]

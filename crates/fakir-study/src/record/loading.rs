@@ -1,10 +1,12 @@
 //! The states of a loading: the rows of its table.
 
+use super::asperities::{AsperityAnswer, largest};
 use super::contact::of_floor;
 use super::named::{Kind, Named, Recorded};
-use super::rounded::{RoundedAnswer, largest};
 use super::surface::SurfaceAnswer;
-use fakir::state::{CapContact, CapErrors, ContactState, FloorContact, Solution, SurfaceContact};
+use fakir::state::{
+    AsperityContact, AsperityErrors, ContactState, FloorContact, Solution, SurfaceContact,
+};
 
 /// A state of a loading.
 #[derive(Debug, Clone, Copy)]
@@ -206,44 +208,45 @@ impl Recorded for LoadingState<SurfaceAnswer<'_, SurfaceContact>> {
     }
 }
 
-impl Recorded for LoadingState<RoundedAnswer<'_>> {
-    const KIND: Kind = Kind::RoundedLoading;
+impl Recorded for LoadingState<AsperityAnswer<'_>> {
+    const KIND: Kind = Kind::AsperityLoading;
 
     fn rows() -> Vec<Named<Self>> {
-        let contact = |rows: Vec<Named<CapContact>>| {
+        let contact = |rows: Vec<Named<AsperityContact>>| {
             rows.into_iter()
                 .map(|row| row.of_part(|it: &Self| it.answer.contact))
         };
-        let error = |of: fn(&CapErrors) -> f64| move |it: &CapContact| it.error.as_ref().map(of);
+        let error =
+            |of: fn(&AsperityErrors) -> f64| move |it: &AsperityContact| it.error.as_ref().map(of);
         let mut rows: Vec<Named<Self>> = contact(vec![
-            indentation(|it: &CapContact| it.indentation),
-            force(|it: &CapContact| it.force),
+            indentation(|it: &AsperityContact| it.indentation),
+            force(|it: &AsperityContact| it.force),
             Named::number(
                 "contact_area_m2",
                 "area of all contacts",
-                |it: &CapContact| it.area,
+                |it: &AsperityContact| it.area,
             )
             .symbol("A"),
             Named::number_if_any(
                 "contact_radius_m",
                 "contact radius; `null` under a plate",
-                |it: &CapContact| it.contact_radius,
+                |it: &AsperityContact| it.contact_radius,
             )
             .symbol("a"),
             Named::count(
                 "pillars_in_contact",
                 "number of pillars in contact",
-                CapContact::touched,
+                AsperityContact::touched,
             ),
             Named::number(
                 "largest_pillar_force_N",
                 "largest force on a pillar",
-                |it: &CapContact| largest(it, |cap| cap.force),
+                |it: &AsperityContact| largest(it, |asperity| asperity.force),
             ),
             Named::number(
                 "stiffness_N_per_m",
                 "change of the force with the indentation",
-                |it: &CapContact| it.slopes.force_with_indentation,
+                |it: &AsperityContact| it.slopes.force_with_indentation,
             ),
             Named::number_if_any(
                 "force_error_estimate",

@@ -6,6 +6,7 @@
 //! A row's *path* is its place in the JSON object, with a dot between an object and a name in it; the last name ends in the SI unit.
 //! In tables the column is named by the path with underscores for dots, with `relative_error_estimate` first, and a point has two columns.
 
+mod asperities;
 mod contact;
 mod cycle;
 mod gradient;
@@ -15,10 +16,11 @@ mod loading;
 mod named;
 mod numbers;
 mod object;
-mod rounded;
 mod schema;
 mod surface;
 
+pub use asperities::AsperityAnswer;
+pub(crate) use asperities::asperity_head;
 pub use contact::of_floor;
 pub use gradient::GradientObject;
 pub use limit::LimitObject;
@@ -26,8 +28,6 @@ pub use loading::{LoadingState, Place};
 pub use named::{Entry, Kind, Named, Recorded, SCHEMA_VERSION, Type, Value};
 pub use numbers::Record;
 pub use object::Object;
-pub use rounded::RoundedAnswer;
-pub(crate) use rounded::rounded_head;
 pub use schema::{reference, schema};
 pub(crate) use surface::{METHOD, boundary_name, surface_head};
 pub use surface::{SurfaceAnswer, indenter_name};

@@ -302,7 +302,7 @@ pub enum Kind {
     /// The critical state with a height map.
     SurfaceTransition,
     /// A contact with rounded tops.
-    RoundedPress,
+    AsperityPress,
     /// A cycle of loading and unloading.
     Cycle,
     /// A state of a loading of pillars.
@@ -310,7 +310,7 @@ pub enum Kind {
     /// A state of a loading of a height map.
     SurfaceLoading,
     /// A state of a loading of rounded tops.
-    RoundedLoading,
+    AsperityLoading,
 }
 
 impl Type {

@@ -122,7 +122,7 @@ fn of_kind(kind: Kind) -> Value {
         ("case_warnings", words.clone()),
     ];
     let limits =
-        (kind != Kind::RoundedPress).then(|| ("limits", json!({"type": "array", "items": limit})));
+        (kind != Kind::AsperityPress).then(|| ("limits", json!({"type": "array", "items": limit})));
     let rows = json!({"type": "array", "items": {"type": "object"}});
     let of_cycle = [
         ("stations", rows.clone()),

@@ -3,13 +3,13 @@
 use super::warnings_of;
 use crate::VERSION;
 use crate::record::{LimitObject, Object, SCHEMA_VERSION};
-use fakir::state::{Cycle, CycleEvent, CycleStation, HeldFloor};
+use fakir::state::{Cycle, CycleEvent, CycleLoadStep, HeldFloor};
 use serde::Serialize;
 
 /// A point of the curve of force over indentation, which is linear between one and the next: a row of `cycle.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
-pub struct StationRow {
+pub struct LoadStepRow {
     /// `loading` or `unloading`.
     pub branch: &'static str,
     /// Indentation, m; negative where the lens pulls at the tops above their height.
@@ -28,8 +28,8 @@ pub struct StationRow {
     pub events: usize,
 }
 
-impl From<&CycleStation> for StationRow {
-    fn from(station: &CycleStation) -> Self {
+impl From<&CycleLoadStep> for LoadStepRow {
+    fn from(station: &CycleLoadStep) -> Self {
         Self {
             branch: station.branch.name(),
             indentation_m: station.indentation,
@@ -112,7 +112,7 @@ pub struct FloorRow {
 }
 
 impl FloorRow {
-    fn new(station: usize, state: &CycleStation, floor: &HeldFloor) -> Self {
+    fn new(station: usize, state: &CycleLoadStep, floor: &HeldFloor) -> Self {
         Self {
             station,
             branch: state.branch.name(),
@@ -217,7 +217,7 @@ pub struct CycleSummary {
     #[serde(skip_serializing_if = "Option::is_none")]
     floor: Option<FloorObject>,
     limits: Vec<LimitObject>,
-    stations: Vec<StationRow>,
+    stations: Vec<LoadStepRow>,
     events: Vec<EventRow>,
     warnings: Vec<String>,
     wall_time_s: f64,
@@ -233,7 +233,7 @@ impl CycleSummary {
             numbers: Object::of(cycle),
             floor: FloorObject::new(cycle),
             limits: LimitObject::all(cycle.limits(None)),
-            stations: cycle.stations.iter().map(StationRow::from).collect(),
+            stations: cycle.stations.iter().map(LoadStepRow::from).collect(),
             events: cycle.events.iter().map(EventRow::from).collect(),
             warnings: cycle_warnings(cycle),
             wall_time_s: wall_time,

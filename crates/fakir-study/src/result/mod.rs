@@ -6,20 +6,20 @@
 
 mod adhesion;
 mod approach;
+mod asperities;
 mod compare;
 mod cycle;
 mod pillars;
-mod rounded;
 mod sweep;
 mod theory;
 mod verify;
 
 pub use adhesion::{ANNULI_ALONE, AdhesionObject, PullOffRow, StuckFloorObject};
 pub use approach::{ApproachSummary, approach_table};
+pub use asperities::{asperity_pillars, asperity_warnings, left_out_words};
 pub use compare::{CompareSummary, MethodRow};
-pub use cycle::{CycleSummary, EventRow, FloorRow, StationRow, cycle_warnings};
+pub use cycle::{CycleSummary, EventRow, FloorRow, LoadStepRow, cycle_warnings};
 pub use pillars::{pillars, pillars_of};
-pub use rounded::{left_out_words, rounded_pillars, rounded_warnings};
 pub use sweep::SweepSummary;
 pub use theory::{
     CoefficientRow, Constants, CurveRow, FormulaRow, SumRow, TheorySummary, constants,
@@ -27,7 +27,7 @@ pub use theory::{
 pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
-use crate::record::{GradientObject, Object, RoundedAnswer, SurfaceAnswer};
+use crate::record::{AsperityAnswer, GradientObject, Object, SurfaceAnswer};
 use fakir::problem::Load;
 use fakir::state::{
     Contact, ContactState, CriticalState, SurfaceContact, SurfaceTransition, Termination,
@@ -158,6 +158,6 @@ pub fn surface_transition(answer: &SurfaceAnswer<'_, SurfaceTransition>, wall_ti
 
 /// A contact with rounded tops.
 #[must_use]
-pub fn rounded_press(answer: RoundedAnswer<'_>, wall_time: f64) -> Object {
+pub fn asperity_press(answer: AsperityAnswer<'_>, wall_time: f64) -> Object {
     Object::of(&answer).timed(wall_time)
 }

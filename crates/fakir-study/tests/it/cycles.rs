@@ -1,6 +1,6 @@
 //! Sweeps of loading and unloading with adhesion.
 
-use fakir::problem::{CyclePlan, Drive, Turn};
+use fakir::problem::{CyclePlan, LoadingMode, UnloadingPoint};
 use fakir::state::Run;
 use fakir::theory::adhesion::kendall_pull_off;
 use fakir_case::{Case, Study, StudyFile};
@@ -165,7 +165,7 @@ fn shards_and_resumed_sweeps_give_the_same_files() {
     }
 }
 
-/// Turn and drive of the study are those of every cycle.
+/// UnloadingPoint and drive of the study are those of every cycle.
 #[test]
 fn cycles_turn_and_are_driven_as_the_study_says() {
     let study = study(
@@ -181,8 +181,8 @@ fn cycles_turn_and_are_driven_as_the_study_says() {
     };
     assert_eq!(critical, &[None, None]);
     let plan = CyclePlan {
-        turn: Turn::Indentation(1e-6),
-        drive: Drive::Machine(20.0),
+        turn: UnloadingPoint::Indentation(1e-6),
+        drive: LoadingMode::Machine(20.0),
         retract: true,
     };
     let case = study.case(1).case;

@@ -5,7 +5,7 @@ use fakir::problem::{CyclePlan, Load};
 use fakir::state::{Run, SolveError};
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile, Key, Kind, Setting};
-use fakir_study::record::{Record, RoundedAnswer, SurfaceAnswer};
+use fakir_study::record::{AsperityAnswer, Record, SurfaceAnswer};
 use serde_json::Value;
 use std::cell::RefCell;
 use std::path::Path;
@@ -227,15 +227,17 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
         };
     }
     if file.is_rounded() {
-        let case = file.rounded_case().map_err(|e| e.one_line())?;
+        let case = file.asperity_case().map_err(|e| e.one_line())?;
         let contact = case
             .field
             .press(load, case.accuracy, &run)
             .map_err(refused)?;
-        let answer = RoundedAnswer::of(&case, &contact);
+        let answer = AsperityAnswer::of(&case, &contact);
         // And where the force acts: it turns with the lattice.
-        let pillars = case.field.caps().iter().zip(&contact.caps);
-        let moment: f64 = pillars.map(|(cap, state)| cap.apex[0] * state.force).sum();
+        let pillars = case.field.asperities().iter().zip(&contact.asperities);
+        let moment: f64 = pillars
+            .map(|(asperity, state)| asperity.apex[0] * state.force)
+            .sum();
         return Ok([numbers(&Record::of(&answer)), vec![moment]].concat());
     }
     let asked = match question {

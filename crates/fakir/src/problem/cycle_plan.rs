@@ -7,9 +7,9 @@ use super::quantity::{InvalidQuantity, Quantity, Requirement};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CyclePlan {
     /// Where loading ends.
-    pub turn: Turn,
+    pub turn: UnloadingPoint,
     /// What is held while tops snap into contact and out of it.
-    pub drive: Drive,
+    pub drive: LoadingMode,
     /// Whether the lens is pulled off again.
     pub retract: bool,
 }
@@ -17,7 +17,7 @@ pub struct CyclePlan {
 /// Where loading ends. With a floor that is neither ignored nor [sticks](crate::problem::Adhesion::floor) it ends at the critical state at the latest:
 /// what follows with tops that stick alone is not solved. On a floor that sticks the critical indentation itself, the part 1, is where the lens has jumped onto it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Turn {
+pub enum UnloadingPoint {
     /// At this part of the critical indentation, above 0 and at most 1.
     Critical(f64),
     /// At an indentation, m.
@@ -28,7 +28,7 @@ pub enum Turn {
 
 /// What drives the lens. Between events all are the same; they differ in what happens at one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Drive {
+pub enum LoadingMode {
     /// The indentation is held.
     Displacement,
     /// The force is held.
@@ -40,14 +40,14 @@ pub enum Drive {
 impl Default for CyclePlan {
     fn default() -> Self {
         Self {
-            turn: Turn::Critical(1.0),
-            drive: Drive::Displacement,
+            turn: UnloadingPoint::Critical(1.0),
+            drive: LoadingMode::Displacement,
             retract: true,
         }
     }
 }
 
-impl From<Load> for Turn {
+impl From<Load> for UnloadingPoint {
     fn from(load: Load) -> Self {
         match load {
             Load::Indentation(indentation) => Self::Indentation(indentation),
@@ -57,7 +57,7 @@ impl From<Load> for Turn {
     }
 }
 
-impl Drive {
+impl LoadingMode {
     /// The name used in case files and results.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -82,13 +82,13 @@ impl CyclePlan {
     /// What is planned, if it can be; `length` and `modulus` as for [`Load::checked`].
     pub(crate) fn checked(self, length: f64, modulus: f64) -> Result<Self, InvalidQuantity> {
         let turn = match self.turn {
-            Turn::Critical(part) => {
-                Turn::Critical(Requirement::PartOfWhole.check(Quantity::CriticalPart, part)?)
-            }
-            Turn::Indentation(indentation) => Load::Indentation(indentation)
+            UnloadingPoint::Critical(part) => UnloadingPoint::Critical(
+                Requirement::PartOfWhole.check(Quantity::CriticalPart, part)?,
+            ),
+            UnloadingPoint::Indentation(indentation) => Load::Indentation(indentation)
                 .checked(length, modulus)?
                 .into(),
-            Turn::Force(force) => Load::Force(force).checked(length, modulus)?.into(),
+            UnloadingPoint::Force(force) => Load::Force(force).checked(length, modulus)?.into(),
         };
         if let Some(stiffness) = self.drive.stiffness() {
             Requirement::Positive.check(Quantity::MachineStiffness, stiffness)?;

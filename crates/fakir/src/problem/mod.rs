@@ -17,7 +17,7 @@
 
 pub(crate) mod adhesion;
 pub(crate) mod arrangement;
-pub(crate) mod cap_field;
+pub(crate) mod asperity_array;
 pub(crate) mod column;
 pub(crate) mod cycle_plan;
 pub(crate) mod dispatch;
@@ -45,9 +45,9 @@ pub use arrangement::{
     Arrangement, InvalidPillars, LatticeForm, ListedPillar, PillarList, PlacedPillar, PlaneLattice,
     RandomPlaces,
 };
-pub use cap_field::{Cap, CapField, InvalidCaps};
+pub use asperity_array::{Asperity, AsperityArray, InvalidCaps};
 pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS, Pillar, PillarCompliance};
-pub use cycle_plan::{CyclePlan, Drive, Turn};
+pub use cycle_plan::{CyclePlan, LoadingMode, UnloadingPoint};
 pub use dispatch::{Feature, Question, Solver, Unsupported};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
 pub use height_map::{HeightMap, InvalidHeightMap, PillarColumns};

@@ -78,10 +78,10 @@ pub enum Quantity {
     MachineStiffness,
     /// Range of the attraction, m.
     AttractionRange,
-    /// Coordinate of the highest point of a cap, m.
-    CapPlace,
-    /// Height of a cap over the common level, m.
-    CapHeight,
+    /// Coordinate of the highest point of an asperity, m.
+    AsperityPlace,
+    /// Height of an asperity over the common level, m.
+    AsperityHeight,
     /// Radius of curvature of a rounded top, m.
     TopRadius,
     /// Radius of the pillar under a rounded top, m.
@@ -141,8 +141,8 @@ impl fmt::Display for Quantity {
             Self::CriticalPart => "part of the critical indentation",
             Self::MachineStiffness => "stiffness of the machine",
             Self::AttractionRange => "range of the attraction",
-            Self::CapPlace => "place of a cap",
-            Self::CapHeight => "height of a cap",
+            Self::AsperityPlace => "place of an asperity",
+            Self::AsperityHeight => "height of an asperity",
             Self::TopRadius => "top radius",
             Self::RimRadius => "radius of a rim",
             Self::ColumnCompliance => "compliance of a column",

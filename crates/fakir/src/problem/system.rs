@@ -133,7 +133,7 @@ impl System {
     /// The same system with bodies of finite thickness, the substrate and the lens; those without a layer are half-spaces. Indentations are
     /// then the approach of their backs.
     ///
-    /// A lens counts as a flat layer: [`cap_reduction`](crate::theory::layer::cap_reduction) tells how much stiffer that is than a cap.
+    /// A lens counts as a flat layer: [`asperity_reduction`](crate::theory::layer::asperity_reduction) tells how much stiffer that is than an asperity.
     ///
     /// # Errors
     /// Thicknesses and moduli of bases must be positive and finite, Poisson's ratios between 0 and 0.5; a film must not be thinner than the

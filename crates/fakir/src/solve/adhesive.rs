@@ -4,7 +4,7 @@ use super::assembled::floor_gap;
 use super::estimate::unknowns_only;
 use super::floor::FloorPoint;
 use super::mixed::patches;
-use super::path::{End, Held, HeldTop, Path, Station, Stop, TopEvent};
+use super::path::{End, Held, HeldTop, LoadStep, Path, Stop, TopEvent};
 use super::rules::fronts::{Course, Fronts, Works};
 use super::spectral::degrees;
 use super::stuck_errors::{Figures, PLAIN, VARIATIONS};
@@ -13,14 +13,15 @@ use crate::halfspace::disc::basis::{BasisEvaluator, TILT_MODE, UNIT_FORCE, degre
 use crate::numerics::vector::dot;
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Accuracy, CyclePlan, Drive, FloorModel, Load, Method, PillarCompliance, System, Turn,
+    Accuracy, CyclePlan, FloorModel, Load, LoadingMode, Method, PillarCompliance, System,
+    UnloadingPoint,
 };
 use crate::state::contact::contact_warnings;
 use crate::state::fields::{Disc, HeldPart};
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
-    CycleEventKind, CycleStation, ErrorEstimate, Fields, FloorContact, FloorErrors,
+    CycleEventKind, CycleLoadStep, ErrorEstimate, Fields, FloorContact, FloorErrors,
     FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
     PullOff, Run, SolveError, StuckFloorErrors, Termination, Warning,
 };
@@ -79,7 +80,7 @@ pub(crate) fn press(
         Load::FloorContact => End::Floor,
     };
     let route = Route {
-        drive: Drive::Displacement,
+        drive: LoadingMode::Displacement,
         end,
         jumps: false,
         retract: false,
@@ -118,13 +119,13 @@ pub(crate) fn cycle(
         }
     };
     let end = match plan.turn {
-        Turn::Critical(part) if part < 1.0 => {
+        UnloadingPoint::Critical(part) if part < 1.0 => {
             let critical = press(system, Load::FloorContact, accuracy, run)?;
             End::Indentation(part * critical.indentation / scene.length)
         }
-        Turn::Critical(_) => End::Floor,
-        Turn::Indentation(indentation) => End::Indentation(indentation / scene.length),
-        Turn::Force(force) => End::Force(force / scene.force()),
+        UnloadingPoint::Critical(_) => End::Floor,
+        UnloadingPoint::Indentation(indentation) => End::Indentation(indentation / scene.length),
+        UnloadingPoint::Force(force) => End::Force(force / scene.force()),
     };
     let route = Route {
         drive: plan.drive,
@@ -139,7 +140,7 @@ pub(crate) fn cycle(
 /// Which path is asked for.
 #[derive(Clone, Copy)]
 struct Route {
-    drive: Drive,
+    drive: LoadingMode,
     /// Where loading ends.
     end: End,
     /// Whether a path that ends at a floor that sticks goes up to the state after the jump onto it.
@@ -218,7 +219,7 @@ impl<'a> Loading<'a> {
         system: &'a System,
         scene: &'a Scene,
         accuracy: Accuracy,
-        drive: Drive,
+        drive: LoadingMode,
         run: &'a Run<'a>,
     ) -> Result<Self, SolveError> {
         let adhesion = system.adhesion();
@@ -230,9 +231,11 @@ impl<'a> Loading<'a> {
         let degree = degrees(accuracy, scene).coupling;
         let fronts = Fronts::new(degree, scene.field.column(), works, true);
         let held = match drive {
-            Drive::Displacement => Held::Indentation,
-            Drive::Force => Held::Force,
-            Drive::Machine(stiffness) => Held::Crosshead(stiffness * scene.length / scene.force()),
+            LoadingMode::Displacement => Held::Indentation,
+            LoadingMode::Force => Held::Force,
+            LoadingMode::Machine(stiffness) => {
+                Held::Crosshead(stiffness * scene.length / scene.force())
+            }
         };
         Ok(Self {
             system,
@@ -482,12 +485,12 @@ impl Loaded<'_> {
         let path = &loading.path;
         let scene = path.scene;
         let (metres, newtons) = (scene.length, scene.force());
-        let stations: Vec<CycleStation> = path
+        let stations: Vec<CycleLoadStep> = path
             .stations
             .iter()
             .map(|station| {
                 let floor = events_before(events_before_floor, station);
-                CycleStation {
+                CycleLoadStep {
                     events: station.events + floor,
                     ..in_si(scene, station)
                 }
@@ -663,7 +666,7 @@ fn leaning_error(tops: &[HeldTop], rocking: f64) -> f64 {
 }
 
 /// Whether the floor had been reached before a station.
-fn events_before(floor: Option<usize>, station: &Station) -> usize {
+fn events_before(floor: Option<usize>, station: &LoadStep) -> usize {
     let after_floor = |events: usize| {
         station.events > events || (station.events == events && station.course == Course::Unloading)
     };
@@ -793,8 +796,8 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
 }
 
 /// A station as it is handed out.
-fn in_si(scene: &Scene, station: &Station) -> CycleStation {
-    CycleStation {
+fn in_si(scene: &Scene, station: &LoadStep) -> CycleLoadStep {
+    CycleLoadStep {
         branch: branch(station.course),
         indentation: station.indentation * scene.length,
         force: station.force * scene.force(),
@@ -834,9 +837,9 @@ fn relative(error: f64, value: f64) -> f64 {
 }
 
 /// Where the force first rises through zero on loading, with something in contact.
-fn zero_load(stations: &[CycleStation]) -> Option<f64> {
+fn zero_load(stations: &[CycleLoadStep]) -> Option<f64> {
     let loading = stations.iter().filter(|s| s.branch == Branch::Loading);
-    let touched: Vec<&CycleStation> = loading.filter(|s| s.pillars_in_contact > 0).collect();
+    let touched: Vec<&CycleLoadStep> = loading.filter(|s| s.pillars_in_contact > 0).collect();
     if let Some(first) = touched.first()
         && first.force >= 0.0
     {

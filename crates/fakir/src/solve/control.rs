@@ -1,7 +1,7 @@
-//! The indentation that meets what is wanted with the frozen contact. Here loads are in units of the solvers.
+//! The indentation that meets what is wanted with the linearized contact. Here loads are in units of the solvers.
 
 use super::floor::FloorPoint;
-use super::frozen::FrozenContact;
+use super::linearized::LinearizedContact;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::numerics::convergence::within;
 use crate::problem::Load;
@@ -41,14 +41,14 @@ impl Target {
         }
     }
 
-    /// The indentation at which the frozen contact meets it, with the floor point that decides it, if one does.
+    /// The indentation at which the linearized contact meets it, with the floor point that decides it, if one does.
     /// `lowest` is the lowest point of the floor, where that is what is to be reached. `None` if no indentation does.
     ///
     /// A floor share is met to first order. What the floor bears over what the tops bear goes as a power of how far the lens is past the
     /// transition that falls slowly, from 3/2, so that a step is one of logarithms.
     pub(crate) fn close<O: Coupling>(
         self,
-        contact: &FrozenContact<'_, O>,
+        contact: &LinearizedContact<'_, O>,
         lowest: Option<FloorPoint>,
     ) -> Option<(f64, Option<FloorPoint>)> {
         match self {
@@ -80,7 +80,7 @@ impl Target {
     /// indentation by less than its rounding it does not.
     pub(crate) fn is_met<O: Coupling>(
         self,
-        contact: &FrozenContact<'_, O>,
+        contact: &LinearizedContact<'_, O>,
         tolerance: f64,
     ) -> bool {
         let meets = |value: f64, wanted: f64| within((value - wanted).abs(), tolerance * wanted);
@@ -98,12 +98,12 @@ pub(crate) fn log_of_odds(part: f64) -> f64 {
 }
 
 /// What the floor bears, over the force.
-pub(crate) fn share_of<O: Coupling>(contact: &FrozenContact<'_, O>) -> f64 {
+pub(crate) fn share_of<O: Coupling>(contact: &LinearizedContact<'_, O>) -> f64 {
     contact.floor_force() / contact.force()
 }
 
 /// The change with the indentation of the logarithm of what the floor bears over what the tops bear.
-pub(crate) fn slope_of_odds<O: Coupling>(contact: &FrozenContact<'_, O>) -> f64 {
+pub(crate) fn slope_of_odds<O: Coupling>(contact: &LinearizedContact<'_, O>) -> f64 {
     let [force, stiffness] = [contact.floor_force(), contact.floor_stiffness()];
     stiffness / force - (contact.stiffness() - stiffness) / (contact.force() - force)
 }

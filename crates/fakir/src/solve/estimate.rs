@@ -10,7 +10,7 @@
 //!   them at first order, on partially touched ones as their own solution has them;
 //! * at the floor point, the modes of partially touched pillars beyond that degree.
 
-use super::frozen::Response;
+use super::linearized::Response;
 use super::newton::{Newton, Outcome};
 use super::rules::tops::COSTLY_PILLARS;
 use super::rules::unilateral::{LocalSolver, PillarTop};

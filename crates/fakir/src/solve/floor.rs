@@ -3,7 +3,7 @@
 //! With the pressure linear in the indentation, `c = zeta c1 + c0`, the floor gap
 //! `Delta(x) = h + f(x) + w(x) - zeta` vanishes at `x` for
 //! `zeta(x) = (h + f + w0)/(1 - w1)`; the smallest of these over the floor is the critical
-//! indentation for frozen contact. With `c1 = 0` the same function is the gap plus `zeta`.
+//! indentation for linearized contact. With `c1 = 0` the same function is the gap plus `zeta`.
 
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};

@@ -1,6 +1,6 @@
 //! The pressure on the floor of one grid as the start on another.
 
-use super::frozen::FrozenContact;
+use super::linearized::LinearizedContact;
 use super::rules::floor::FloorCells;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::floor::grid::FloorGrid;
@@ -14,7 +14,10 @@ pub(super) struct FloorPressures {
 }
 
 impl FloorPressures {
-    pub(super) fn of(cells: &FloorCells<'_>, contact: &FrozenContact<'_, impl Coupling>) -> Self {
+    pub(super) fn of(
+        cells: &FloorCells<'_>,
+        contact: &LinearizedContact<'_, impl Coupling>,
+    ) -> Self {
         let scale = cells.unit_cell().recip();
         let coefficients = contact.floor_coefficients().iter();
         let coefficients = coefficients.zip(contact.floor_unit_coefficients());

@@ -7,17 +7,17 @@
 
 pub(crate) mod adhesive;
 pub(crate) mod answers;
+pub(crate) mod asperities;
 pub(crate) mod assembled;
-pub(crate) mod caps;
 pub mod collapsed_floor;
 pub(crate) mod control;
 pub mod elements;
 pub(crate) mod estimate;
 pub(crate) mod floor;
 mod floor_start;
-mod frozen;
 pub(crate) mod gradient;
 pub mod homogenised;
+mod linearized;
 mod mixed;
 pub(crate) mod newton;
 mod outside;

@@ -1,15 +1,15 @@
 //! Semismooth Newton method for all pillars of some sites, with exact solutions on each, and for the floor between them.
 //!
-//! A step [freezes](super::frozen) the states of the pillars and of the floor's cells, solves for the response of all, closes the indentation
+//! A step [freezes](super::linearized) the states of the pillars and of the floor's cells, solves for the response of all, closes the indentation
 //! by what is [wanted](Target), and lets the [rules](super::rules) say from the loads which states come next. It ends when none
-//! changes. The derivative of a pillar's solution is the `P` of its frozen state, so that this is Newton's method on
+//! changes. The derivative of a pillar's solution is the `P` of its linearized state, so that this is Newton's method on
 //! the solutions of all pillars.
 
 use super::control::Target;
 use super::floor::{
     Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
-use super::frozen::{FrozenContact, Response, Source};
+use super::linearized::{LinearizedContact, Response, Source};
 use super::rules::floor::{FloorCells, Places};
 use super::rules::groups::{GroupedTops, Groups};
 use super::rules::tops::{COSTLY_PILLARS, Change, Tops};
@@ -228,7 +228,7 @@ pub(crate) struct Newton<'a> {
     pub(crate) tops: Tops,
     /// The floor's cells; none as long as it is not touched, or is to be ignored.
     pub(crate) cells: Option<FloorCells<'a>>,
-    pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
+    pub(crate) contact: LinearizedContact<'a, SurfaceCoupling<'a>>,
     /// Pillars up to this distance from the lens axis are coupled with the floor.
     reach: f64,
     /// Of the floor's last grid.
@@ -268,7 +268,7 @@ impl<'a> Newton<'a> {
             cells: None,
             reach: 0.0,
             kernels: None,
-            contact: FrozenContact::new(run, coupling, pair.modes().len(), own_load),
+            contact: LinearizedContact::new(run, coupling, pair.modes().len(), own_load),
             tops,
             exterior: Exterior::new(degree).with_layers(&scene.layers),
             copies,
@@ -658,7 +658,7 @@ impl<'a> Newton<'a> {
         Ok(solved == Judgement::Good)
     }
 
-    /// Response of all places to a given load, with their states frozen.
+    /// Response of all places to a given load, with their states linearized.
     pub(crate) fn respond_to(
         &mut self,
         load: &[f64],

@@ -1,6 +1,6 @@
 //! Loading and unloading with adhesion: an exact path of events.
 //!
-//! With what every top has in contact [frozen](super::frozen) all is linear in the indentation, so that the next indentation at which a
+//! With what every top has in contact [linearized](super::linearized) all is linear in the indentation, so that the next indentation at which a
 //! top changes follows in closed form ([`next_event`](StickyTops::next_event)). There all tops that change do, which changes the
 //! loads on the others: a *cascade*, at a fixed indentation, or force, or crosshead of a machine. In a cascade changes in the sense of
 //! the course come first (more contact on loading, less on unloading); a top that has made one does not go back, and a front turns
@@ -12,14 +12,14 @@ mod inside;
 mod levels;
 mod records;
 
-pub(crate) use self::records::{End, Energies, Held, HeldTop, Station, Stop, TopEvent};
+pub(crate) use self::records::{End, Energies, Held, HeldTop, LoadStep, Stop, TopEvent};
 
 use self::disc::InsideTop;
 use self::records::{Change, ChangedTop, StrongestPull};
 use super::floor::{
     Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
-use super::frozen::{FrozenContact, Remainder, Rule, Source};
+use super::linearized::{LinearizedContact, Remainder, Rule, Source};
 use super::rules::floor::Places;
 use super::rules::floor_fronts::FloorMove;
 use super::rules::fronts::{Course, Domain, Fronts, Works};
@@ -113,7 +113,7 @@ pub(crate) struct Path<'a> {
     projector: LensProjector,
     pub(crate) sites: Sites,
     pub(crate) tops: StickyTops,
-    pub(crate) contact: FrozenContact<'a, SurfaceCoupling<'a>>,
+    pub(crate) contact: LinearizedContact<'a, SurfaceCoupling<'a>>,
     /// The floor as far as it is in contact, if it sticks.
     pub(crate) floor: Option<StuckFloor<'a>>,
     /// The disc inside a top that alone is in contact, if it is. All tops count as out of contact then.
@@ -131,7 +131,7 @@ pub(crate) struct Path<'a> {
     /// Loads on all tops at the present indentation, and their change with it.
     loads: Vec<f64>,
     along: Vec<f64>,
-    pub(crate) stations: Vec<Station>,
+    pub(crate) stations: Vec<LoadStep>,
     pub(crate) events: Vec<TopEvent>,
     pub(crate) energies: Energies,
     /// Force that the levels of fronts leave open while tops are in contact in part.
@@ -170,7 +170,7 @@ impl<'a> Path<'a> {
             tops: StickyTops::new(fronts, &sites),
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],
-            contact: FrozenContact::new(run, coupling, modes, own_load),
+            contact: LinearizedContact::new(run, coupling, modes, own_load),
             floor: None,
             inside: None,
             sites,
@@ -395,7 +395,7 @@ impl<'a> Path<'a> {
         Ok(())
     }
 
-    /// How far the indentation goes to an end along the frozen response.
+    /// How far the indentation goes to an end along the linearized response.
     fn distance(&self, sign: f64, end: End) -> f64 {
         match end {
             End::Indentation(indentation) => sign * (indentation - self.indentation()),
@@ -422,7 +422,7 @@ impl<'a> Path<'a> {
         });
     }
 
-    /// Goes along the frozen response.
+    /// Goes along the linearized response.
     fn advance(&mut self, step: f64) {
         let force = self.force();
         self.contact.move_to(self.indentation() + step);
@@ -447,7 +447,7 @@ impl<'a> Path<'a> {
     }
 
     fn record(&mut self, course: Course) {
-        let station = Station {
+        let station = LoadStep {
             course,
             indentation: self.indentation(),
             force: self.force(),
@@ -820,7 +820,7 @@ impl<'a> Path<'a> {
         let coupling = LatticeCoupling::of_sites(&sites, &self.pair, self.run.workers());
         let coupling = SurfaceCoupling::of_tops(coupling);
         let own_load = own_load(self.scene, &self.projector, &sites, modes);
-        let mut contact = FrozenContact::new(self.run, coupling, modes, own_load);
+        let mut contact = LinearizedContact::new(self.run, coupling, modes, own_load);
         let pressures = self.floor_pressures();
         let [present, unit] = self.contact.parts();
         let before = |pillar: usize| self.sites.find(sites.index(pillar));
@@ -872,7 +872,7 @@ impl<'a> Path<'a> {
         (lowest.indentation <= self.indentation() + step).then_some(lowest)
     }
 
-    /// The lowest point of the floor along the frozen response.
+    /// The lowest point of the floor along the linearized response.
     pub(crate) fn lowest_floor(&self) -> Option<FloorPoint> {
         let floor = self.uncovered(self.contact_radius());
         self.with_discs(|discs| FloorSearch::default().lowest(&floor, discs, &self.run.cancel))

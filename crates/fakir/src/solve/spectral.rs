@@ -410,7 +410,7 @@ mod tests {
     use crate::numerics::neighbours::tests::random_discs;
     use crate::problem::pillar_field::{PillarBody, PillarList};
     use crate::problem::{Lens, Material};
-    use crate::solve::frozen::{FrozenContact, Source};
+    use crate::solve::linearized::{LinearizedContact, Source};
     use crate::solve::rules::groups::{GroupedTops, Groups};
     use crate::solve::rules::tops::Tops;
     use std::sync::Arc;
@@ -461,7 +461,7 @@ mod tests {
         let mut tops = Tops::new(&scene.lens, sites, top, degree);
         tops.touch_within(f64::INFINITY);
         let own_load = vec![0.0; tops.sites.len() * mode_count(degree)];
-        let mut contact = FrozenContact::new(run, coupling, mode_count(degree), own_load);
+        let mut contact = LinearizedContact::new(run, coupling, mode_count(degree), own_load);
         let mut groups = grouped.then(|| Groups::new(&tops, workers).unwrap());
         let mut places = GroupedTops::new(&tops, groups.as_mut());
         let solved = contact.solve(&mut places, Source::Unit, 1e-11).unwrap();

@@ -1,6 +1,6 @@
 //! The floor that sticks, on the [path](super::path) of loading and unloading.
 //!
-//! With the tops and the floor cells in contact frozen all is one linear problem, with pressures of either sign. After every step of the
+//! With the tops and the floor cells in contact linearized all is one linear problem, with pressures of either sign. After every step of the
 //! indentation, at a fixed one, the [fronts](super::rules::floor_fronts) on the floor move a cell at a time as long as they release more energy than it
 //! takes, together with the tops. States before that are none: on loading the lens enters the floor in them.
 
@@ -293,7 +293,7 @@ mod tests {
     use super::*;
     use crate::problem::scaled::Scene;
     use crate::problem::{HexagonalLattice, PillarCompliance};
-    use crate::solve::frozen::Source;
+    use crate::solve::linearized::Source;
     use crate::solve::path::{End, Energies, Held, Stop};
     use crate::solve::rules::floor_fronts::tests::tables;
     use crate::solve::rules::fronts::{Fronts, Works};

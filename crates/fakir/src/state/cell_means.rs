@@ -240,7 +240,7 @@ impl Block {
         }
     }
 
-    /// Shares the forces of cells whose middle is not in contact among the nearest whose middle is, if any.
+    /// LoadSharing the forces of cells whose middle is not in contact among the nearest whose middle is, if any.
     fn gather(&mut self, disc: &Disc, density: &mut Density<'_>, columns: &Cells, rows: &Cells) {
         let places: Vec<(Point, f64)> = self
             .cells()

@@ -105,9 +105,9 @@ pub enum Warning {
     },
     /// Elastic pillars also lean under a moment, which this method leaves out.
     LeaningLeftOut,
-    /// The lens is a layer, and counts as a flat one: a spherical cap as thick in its middle is softer.
+    /// The lens is a layer, and counts as a flat one: a spherical asperity as thick in its middle is softer.
     FlatLens {
-        /// By how much more a cap comes down under this force, m; none where the lens is nearly half a sphere, for which that is not known.
+        /// By how much more an asperity comes down under this force, m; none where the lens is nearly half a sphere, for which that is not known.
         deeper: Option<f64>,
     },
     /// A layer is thinner than two diameters of a pillar: how the pillars join it is left out.
@@ -168,7 +168,7 @@ impl std::fmt::Display for Warning {
             ),
             Self::FlatLens { deeper: Some(deeper) } => write!(
                 f,
-                "the lens counts as a flat layer: a spherical cap as thick in its middle is softer, and comes down by about {deeper:.1e} m more \
+                "the lens counts as a flat layer: a spherical asperity as thick in its middle is softer, and comes down by about {deeper:.1e} m more \
                  under this force"
             ),
             Self::FlatLens { deeper: None } => f.write_str(

@@ -31,7 +31,7 @@ impl Branch {
 
 /// A point of the curve of force over indentation. Between one and the next the force is linear, so that these are the whole curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CycleStation {
+pub struct CycleLoadStep {
     /// Which branch it is on.
     pub branch: Branch,
     /// Indentation, m; negative where the lens pulls at the tops above their height.
@@ -221,7 +221,7 @@ pub struct Passage<'a> {
     /// Its place in [`Cycle::stations`].
     pub place: usize,
     /// The station.
-    pub station: CycleStation,
+    pub station: CycleLoadStep,
     pub(crate) held: &'a dyn Fn() -> HeldContact,
 }
 
@@ -300,7 +300,7 @@ pub struct Cycle {
     /// How finely.
     pub accuracy: Accuracy,
     /// The curve of force over indentation in its order; two at one indentation where contacts snap.
-    pub stations: Vec<CycleStation>,
+    pub stations: Vec<CycleLoadStep>,
     /// What changed, in order.
     pub events: Vec<CycleEvent>,
     /// The first station with something in contact.
@@ -337,14 +337,14 @@ pub struct Cycle {
 impl Cycle {
     /// The jump onto a floor that sticks: the stations before and after it, at one indentation.
     #[must_use]
-    pub fn floor_jump(&self) -> Option<[&CycleStation; 2]> {
+    pub fn floor_jump(&self) -> Option<[&CycleLoadStep; 2]> {
         let after = self.stations.iter().position(|s| s.floor.is_some())?;
         Some([&self.stations[after.checked_sub(1)?], &self.stations[after]])
     }
 
     /// The last station with a contact with a floor that sticks, and the one after it.
     #[must_use]
-    pub fn floor_lost(&self) -> Option<[&CycleStation; 2]> {
+    pub fn floor_lost(&self) -> Option<[&CycleLoadStep; 2]> {
         let last = self.stations.iter().rposition(|s| s.floor.is_some())?;
         Some([&self.stations[last], self.stations.get(last + 1)?])
     }
@@ -474,7 +474,7 @@ impl Cycle {
     /// if it is known.
     #[must_use]
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
-        let reach = |s: &CycleStation| {
+        let reach = |s: &CycleLoadStep| {
             s.floor
                 .map_or(0.0, |floor| floor.radius)
                 .max(s.contact_radius)

@@ -16,7 +16,7 @@ pub(crate) enum Hold {
 /// A contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Disc {
-    pub(crate) cap: usize,
+    pub(crate) asperity: usize,
     pub(crate) centre: Point,
     pub(crate) radius: f64,
     pub(crate) hold: Hold,
@@ -26,13 +26,13 @@ pub(crate) struct Disc {
 #[derive(Debug, Clone)]
 pub(crate) struct Contacts {
     pub(crate) indentation: f64,
-    /// Those that are touched, by rising cap.
+    /// Those that are touched, by rising asperity.
     pub(crate) discs: Vec<Disc>,
     /// Of every disc so many.
     pub(crate) moments: Vec<f64>,
-    /// Of every cap, the point where it is next to be touched.
+    /// Of every asperity, the point where it is next to be touched.
     pub(crate) nearest: Vec<Point>,
-    /// Of every cap that is not touched, the gap there.
+    /// Of every asperity that is not touched, the gap there.
     pub(crate) gaps: Vec<f64>,
 }
 

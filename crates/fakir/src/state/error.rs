@@ -185,12 +185,12 @@ pub enum SolveError {
     },
     /// Contacts on rounded tops that grow into each other.
     #[error(
-        "the contacts of caps {0} and {1} (counted from 0) merge at an indentation of about {indentation:.4e} m and a force of \
-         {force:.4e} N, beyond which they are no discs: lower the load, or move the caps apart", .caps[0], .caps[1]
+        "the contacts of asperities {0} and {1} (counted from 0) merge at an indentation of about {indentation:.4e} m and a force of \
+         {force:.4e} N, beyond which they are no discs: lower the load, or move the asperities apart", .asperities[0], .asperities[1]
     )]
     ContactsMerge {
         /// Which ones.
-        caps: [usize; 2],
+        asperities: [usize; 2],
         /// The indentation up to which they are apart, m.
         indentation: f64,
         /// The force up to which they are apart, N.
@@ -198,12 +198,12 @@ pub enum SolveError {
     },
     /// A rounded top so tilted against the lens that it is touched at its rim.
     #[error(
-        "cap {cap} (counted from 0) would be touched at the rim of its pillar, {rim_radius:.3e} m from its highest point, where it is \
-         no cap: give it a smaller radius of curvature, or a wider pillar"
+        "asperity {asperity} (counted from 0) would be touched at the rim of its pillar, {rim_radius:.3e} m from its highest point, where it is \
+         no asperity: give it a smaller radius of curvature, or a wider pillar"
     )]
     TouchedAtRim {
         /// Which one.
-        cap: usize,
+        asperity: usize,
         /// Radius of its pillar, m.
         rim_radius: f64,
     },

@@ -7,7 +7,7 @@
 //! pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
 //! indentation at which it vanishes somewhere.
 
-pub(crate) mod cap_contact;
+pub(crate) mod asperity_contact;
 mod cell_means;
 pub(crate) mod checked;
 pub(crate) mod contact;
@@ -26,11 +26,11 @@ mod shared;
 pub(crate) mod surface;
 
 pub use crate::numerics::workers::{CancelToken, Threads};
-pub use cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
+pub use asperity_contact::{AsperityContact, AsperityErrors, AsperitySlopes, AsperityState};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{
-    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleStation,
+    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleLoadStep,
     FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PullOff, StuckFloorErrors,
 };
 pub use error::SolveError;
@@ -42,4 +42,4 @@ pub use resolution::{LARGEST_ERROR, Remedy, Unresolved};
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::{Contact, Solution};
-pub use surface::{Certificate, Share, Shares, SurfaceContact, SurfaceTransition};
+pub use surface::{DualityGap, LoadSharing, Share, SurfaceContact, SurfaceTransition};

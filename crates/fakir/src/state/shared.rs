@@ -1,6 +1,6 @@
 //! What all results have in common, and all contacts, pillar by pillar or cell by cell.
 
-use super::cap_contact::CapContact;
+use super::asperity_contact::AsperityContact;
 use super::contact::{ContactState, Termination, Warning};
 use super::cycle::Cycle;
 use super::resolution::Unresolved;
@@ -67,13 +67,13 @@ impl Solution for SurfaceContact {
     }
 }
 
-impl Solution for CapContact {
+impl Solution for AsperityContact {
     fn termination(&self) -> Termination {
         self.termination
     }
 
     fn unresolved(&self) -> Option<Unresolved> {
-        CapContact::unresolved(self)
+        AsperityContact::unresolved(self)
     }
 }
 
@@ -123,7 +123,7 @@ impl Contact for SurfaceContact {
     }
 }
 
-impl Contact for CapContact {
+impl Contact for AsperityContact {
     fn indentation(&self) -> f64 {
         self.indentation
     }

@@ -30,11 +30,11 @@ pub struct SurfaceContact {
     /// Gap between the two deformed surfaces, m. Infinite beyond the equator of the lens.
     pub gap: Vec<f64>,
     /// What tops and floor bear, where it is known which part of the surface is the [floor](crate::problem::Floor).
-    pub shares: Option<Shares>,
+    pub shares: Option<LoadSharing>,
     /// Smallest gap to the floor, m, and where it is, m: between the centres of cells too, where these are of one height; likewise.
     pub nearest_floor: Option<(f64, Point)>,
     /// How well the contact conditions are met.
-    pub certificate: Certificate,
+    pub certificate: DualityGap,
     /// Estimated relative errors from the size of the cells, zero of what was prescribed; none where the surface has too few
     /// cells, or a periodic one an odd number of them, to compare with cells twice as large.
     pub error: Option<ErrorEstimate>,
@@ -141,7 +141,7 @@ pub type SurfaceTransition = Critical<SurfaceContact>;
 
 /// How the load is shared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Shares {
+pub struct LoadSharing {
     /// What is not floor.
     pub tops: Share,
     /// The floor.
@@ -159,7 +159,7 @@ pub struct Share {
 
 /// How well pressures meet the contact conditions. Pressures are never negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Certificate {
+pub struct DualityGap {
     /// Upper bound of the energy error over the elastic energy; see the
     /// [solver](crate::solve::elements::solver).
     pub energy_bound: f64,

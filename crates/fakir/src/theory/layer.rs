@@ -141,8 +141,8 @@ impl Layers {
     }
 }
 
-/// Thickness of a spherical cap over its radius, and by how much its shift is smaller than that of the flat layer as thick as its middle:
-/// finite elements of an incompressible cap bonded on its flat side, to 2 % of themselves.
+/// Thickness of a spherical asperity over its radius, and by how much its shift is smaller than that of the flat layer as thick as its middle:
+/// finite elements of an incompressible asperity bonded on its flat side, to 2 % of themselves.
 const CAPS: [[f64; 2]; 7] = [
     [0.0, 0.0],
     [0.136, 0.019],
@@ -153,10 +153,10 @@ const CAPS: [[f64; 2]; 7] = [
     [0.909, 0.28],
 ];
 
-/// By which part of itself the shift `Psi_0` of a spherical cap, bonded on its flat side, is smaller than that of a flat layer as thick as
-/// its middle: interpolated between finite elements of incompressible caps. None beyond them, where the cap is nearly half a sphere.
+/// By which part of itself the shift `Psi_0` of a spherical asperity, bonded on its flat side, is smaller than that of a flat layer as thick as
+/// its middle: interpolated between finite elements of incompressible asperities. None beyond them, where the asperity is nearly half a sphere.
 #[must_use]
-pub fn cap_reduction(thickness_over_radius: f64) -> Option<f64> {
+pub fn asperity_reduction(thickness_over_radius: f64) -> Option<f64> {
     let place = CAPS
         .windows(2)
         .find(|ends| (ends[0][0]..=ends[1][0]).contains(&thickness_over_radius))?;

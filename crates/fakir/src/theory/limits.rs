@@ -15,11 +15,11 @@ use std::f64::consts::PI;
 /// Force on a pillar over that under which it buckles from which on small imperfections are no longer small: half of it doubles them.
 const LARGEST_BUCKLING: f64 = 0.5;
 
-/// Contact radius over the thickness of a lens from which on a flat layer is doubtful: caps were compared with it by finite elements up to 0.4.
+/// Contact radius over the thickness of a lens from which on a flat layer is doubtful: asperities were compared with it by finite elements up to 0.4.
 const WIDEST_ON_LENS: f64 = 1.0;
 
-/// Thickness of a spherical cap over its radius from which on it is nearly half a sphere, and a flat layer no longer stands for it: finite elements
-/// make it softer by a tenth of what it shifts, and by a quarter near the radius ([`cap_reduction`](super::layer::cap_reduction)).
+/// Thickness of a spherical asperity over its radius from which on it is nearly half a sphere, and a flat layer no longer stands for it: finite elements
+/// make it softer by a tenth of what it shifts, and by a quarter near the radius ([`asperity_reduction`](super::layer::asperity_reduction)).
 const THICKEST_CAP: f64 = 0.5;
 
 /// Cells in contact below which elements do not resolve it: a disc of four across, the fewest that a pillar can have.
@@ -47,7 +47,7 @@ impl ContactState {
     /// * `pillar_compliance`: by which part a lone pillar gives way otherwise than an elastic one, where that is known. Near the transition the force changes by up to
     ///   four times as much. Of elastic pillars `elastic_pillar_error` instead: the largest error of a critical force that was found.
     /// * Of bodies that are layers: `contact_radius_over_lens_thickness` and `contact_radius_over_substrate_thickness`, of which the latter has no threshold, as a flat
-    ///   film is solved however thin it is; `lens_thickness_over_radius`, from 0.5 on doubtful for a cap; `indentation_over_thickness` of the thinnest
+    ///   film is solved however thin it is; `lens_thickness_over_radius`, from 0.5 on doubtful for an asperity; `indentation_over_thickness` of the thinnest
     ///   layer; and `thickness_over_diameter` of the thinnest layer and the widest pillar, doubtful below 2.
     /// * `substrate_thickness_of_one_percent_m` and the like, of bodies that are half-spaces: a thickness at which the indentation under this force would be that much smaller, on a rigid back
     ///   ([`Layers::shift`]).

@@ -2,9 +2,9 @@
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{
-    Accuracy, Adhesion, CyclePlan, Disorder, Drive, ElementMesh, FloorModel, HexagonalLattice,
-    LatticeForm, Lens, ListedPillar, Load, Material, Method, PillarCompliance, PillarList,
-    PlaneLattice, PunchForm, Quantity, Scatter, System, Turn,
+    Accuracy, Adhesion, CyclePlan, Disorder, ElementMesh, FloorModel, HexagonalLattice,
+    LatticeForm, Lens, ListedPillar, Load, LoadingMode, Material, Method, PillarCompliance,
+    PillarList, PlaneLattice, PunchForm, Quantity, Scatter, System, UnloadingPoint,
 };
 use fakir::state::{
     CancelToken, Cycle, CycleEventKind, PillarState, PillarStatus, Progress, Run, SolveError,
@@ -53,12 +53,12 @@ fn a_lone_top_pulls_as_a_flat_punch() {
         let system = system.with_adhesion(Adhesion::new(work)).unwrap();
         let expected = pull_off_under_lens(system.reduced_modulus(), 3e-6, work, lens.radius);
         for drive in [
-            Drive::Displacement,
-            Drive::Force,
-            Drive::Machine(1.0),
-            Drive::Machine(1e-3 * system.reduced_modulus() * 3e-6),
+            LoadingMode::Displacement,
+            LoadingMode::Force,
+            LoadingMode::Machine(1.0),
+            LoadingMode::Machine(1e-3 * system.reduced_modulus() * 3e-6),
         ] {
-            let turn = Turn::Indentation(1e-7);
+            let turn = UnloadingPoint::Indentation(1e-7);
             let cycle = cycle(
                 &system,
                 CyclePlan {
@@ -181,7 +181,7 @@ fn a_floor_that_sticks_is_lost_later_than_it_came() {
     let adhesion = Adhesion::new(0.01).with_floor();
     let system = sticky(0.03, 0.0, 0.0).with_adhesion(adhesion).unwrap();
     let plan = CyclePlan {
-        turn: Turn::Indentation(4.158e-6),
+        turn: UnloadingPoint::Indentation(4.158e-6),
         ..CyclePlan::default()
     };
     let cycle = fakir::cycle(&system, plan, Method::default(), &Run::default()).unwrap();
@@ -227,10 +227,10 @@ fn the_pull_does_not_depend_on_what_drives_the_lens() {
     ] {
         let system = sticky(0.03, offset, 0.0).with_adhesion(adhesion).unwrap();
         let pulls = [
-            Drive::Displacement,
-            Drive::Force,
-            Drive::Machine(10.0),
-            Drive::Machine(1e3),
+            LoadingMode::Displacement,
+            LoadingMode::Force,
+            LoadingMode::Machine(10.0),
+            LoadingMode::Machine(1e3),
         ]
         .map(|drive| {
             let cycle = cycle(
@@ -376,15 +376,15 @@ fn cycles_turn_where_they_are_told_to() {
         };
         cycle(&system, plan)
     };
-    let critical = turned(Turn::Critical(1.0));
-    let half = turned(Turn::Critical(0.5));
+    let critical = turned(UnloadingPoint::Critical(1.0));
+    let half = turned(UnloadingPoint::Critical(0.5));
     let indentation = critical.turn.indentation;
     assert!((half.turn.indentation / indentation - 0.5).abs() < 1e-12);
     assert!(half.critical.is_none() && half.separation.is_none() && half.pull_off.is_none());
-    let forced = turned(Turn::Force(1e-4));
+    let forced = turned(UnloadingPoint::Force(1e-4));
     assert!((forced.turn.force / 1e-4 - 1.0).abs() < 1e-9);
     // The floor is in the way.
-    let stopped = turned(Turn::Indentation(2.0 * indentation));
+    let stopped = turned(UnloadingPoint::Indentation(2.0 * indentation));
     assert!(stopped.stopped_by_floor && !critical.stopped_by_floor);
     assert_eq!(stopped.turn.force.to_bits(), critical.turn.force.to_bits());
     // Where the floor comes first, nothing sticks.
@@ -437,10 +437,10 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
     }
     assert!(fakir::verify(&sticky, Load::FloorContact, ElementMesh::default(), &run).is_err());
     for (plan, quantity) in [
-        (Turn::Critical(1.5), Quantity::CriticalPart),
-        (Turn::Critical(0.0), Quantity::CriticalPart),
-        (Turn::Indentation(-1e-6), Quantity::Indentation),
-        (Turn::Force(f64::NAN), Quantity::Force),
+        (UnloadingPoint::Critical(1.5), Quantity::CriticalPart),
+        (UnloadingPoint::Critical(0.0), Quantity::CriticalPart),
+        (UnloadingPoint::Indentation(-1e-6), Quantity::Indentation),
+        (UnloadingPoint::Force(f64::NAN), Quantity::Force),
     ]
     .map(|(turn, quantity)| {
         let plan = CyclePlan {
@@ -452,7 +452,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
     .into_iter()
     .chain([(
         CyclePlan {
-            drive: Drive::Machine(0.0),
+            drive: LoadingMode::Machine(0.0),
             ..CyclePlan::default()
         },
         Quantity::MachineStiffness,
@@ -742,9 +742,9 @@ fn square_lattices_pull_alike_however_they_are_driven() {
         let system = sticky_on(lattice, PillarCompliance::Column, 0.02);
         let stiffness = system.reduced_modulus() * 3e-6;
         let drives = [
-            Drive::Displacement,
-            Drive::Force,
-            Drive::Machine(0.3 * stiffness),
+            LoadingMode::Displacement,
+            LoadingMode::Force,
+            LoadingMode::Machine(0.3 * stiffness),
         ];
         let pulls = drives.map(|drive| {
             let plan = CyclePlan {
@@ -791,7 +791,7 @@ fn heights_shift_what_sticks() {
         )
     };
     let turn = |indentation: f64| CyclePlan {
-        turn: Turn::Indentation(indentation),
+        turn: UnloadingPoint::Indentation(indentation),
         ..CyclePlan::default()
     };
     let level = cycle(&raised(0.0), turn(1.5e-6));
@@ -830,7 +830,7 @@ fn one_listed_pillar_pulls_as_a_flat_punch() {
     let system = system.with_adhesion(Adhesion::new(0.05)).unwrap();
     let expected = pull_off_under_lens(system.reduced_modulus(), 3e-6, 0.05, lens.radius);
     let plan = CyclePlan {
-        turn: Turn::Indentation(1e-7),
+        turn: UnloadingPoint::Indentation(1e-7),
         ..CyclePlan::default()
     };
     let found = pull_off(&cycle(&system, plan));

@@ -4,9 +4,9 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use fakir::problem::{
-    Accuracy, Adhesion, Base, CyclePlan, Drive, FloorModel, Layer, Lens, LensShape, ListedPillar,
-    Load, Material, Method, Pillar, PillarCompliance, PillarList, ShapedLens, System, Texture,
-    Turn,
+    Accuracy, Adhesion, Base, CyclePlan, FloorModel, Layer, Lens, LensShape, ListedPillar, Load,
+    LoadingMode, Material, Method, Pillar, PillarCompliance, PillarList, ShapedLens, System,
+    Texture, UnloadingPoint,
 };
 use fakir::state::{ContactState, Cycle, PillarStatus, Run, Solution, Termination};
 use fakir::theory::adhesion::{
@@ -51,9 +51,9 @@ fn sticky(diameter: f64, work: f64, centre: [f64; 2]) -> System {
     system.with_adhesion(Adhesion::new(work)).unwrap()
 }
 
-fn cycle(system: &System, depth: f64, drive: Drive) -> Cycle {
+fn cycle(system: &System, depth: f64, drive: LoadingMode) -> Cycle {
     let plan = CyclePlan {
-        turn: Turn::Indentation(depth),
+        turn: UnloadingPoint::Indentation(depth),
         drive,
         ..CyclePlan::default()
     };
@@ -118,7 +118,11 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
         let natural = sphere_pull_off_by_force(modulus, LENS, work);
         let radius = (0.5 * diameter).min(natural.radius);
         let expected = sticky_sphere(modulus, LENS, work, radius).force;
-        for drive in [Drive::Displacement, Drive::Force, Drive::Machine(10.0)] {
+        for drive in [
+            LoadingMode::Displacement,
+            LoadingMode::Force,
+            LoadingMode::Machine(10.0),
+        ] {
             let cycle = cycle(&system, 1e-6, drive);
             let pull = cycle.pull_off.as_ref().unwrap();
             let off = (pull.force / expected - 1.0).abs();
@@ -126,7 +130,7 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
             let error = cycle.errors.pull_off_force.numerical() + (radius / LENS).powi(2);
             assert!(off < error, "{diameter:e} {drive:?}: {off:e}, {error:e}");
         }
-        let cycle = cycle(&system, 1e-6, Drive::Displacement);
+        let cycle = cycle(&system, 1e-6, LoadingMode::Displacement);
         let certificate = cycle.certificate().unwrap();
         assert!(certificate < 1e-2, "{diameter:e}: {certificate:e}");
         // The last contact is that from which a sphere detaches at its indentation, unless the rim detaches before.
@@ -180,7 +184,7 @@ fn an_adhesive_contact_anywhere_inside_a_top() {
     let expected = middle.fields.as_ref().unwrap().pressure([0.0; 2]);
     assert!((centre.pressure([0.0; 2]) / expected - 1.0).abs() < 1e-6);
     let system = sticky(400e-6, work, [60e-6, -50e-6]);
-    let cycle = cycle(&system, depth, Drive::Displacement);
+    let cycle = cycle(&system, depth, LoadingMode::Displacement);
     let pull = cycle.pull_off.as_ref().unwrap().force;
     let expected = sphere_pull_off_by_force(system.reduced_modulus(), LENS, work).force;
     assert!((pull / expected - 1.0).abs() < 1e-3, "{pull} {expected}");
@@ -198,7 +202,7 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
         .with_adhesion(adhesion)
         .unwrap();
     let modulus = system.reduced_modulus();
-    let cycle = cycle(&system, depth, Drive::Displacement);
+    let cycle = cycle(&system, depth, LoadingMode::Displacement);
     let turn = sticky_sphere_at_indentation(modulus, LENS, advancing, depth)
         .unwrap()
         .unwrap();
@@ -282,7 +286,7 @@ fn a_sticking_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
             // Pulled off again it is the same disc, whatever it grew to.
             let natural = sphere_pull_off_by_force(modulus, LENS, work);
             if natural.radius < 0.9 * (1.0 - part) * TOP {
-                let cycle = cycle(&system, 1.1 * at_rim.indentation, Drive::Displacement);
+                let cycle = cycle(&system, 1.1 * at_rim.indentation, LoadingMode::Displacement);
                 if !cycle.is_answer() {
                     continue;
                 }

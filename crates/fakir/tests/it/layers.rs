@@ -12,7 +12,7 @@ use fakir::problem::{
     Texture,
 };
 use fakir::state::{ContactState, Gradient, Run, SolveError, Warning};
-use fakir::theory::layer::{LayerResponse, Layers, cap_reduction};
+use fakir::theory::layer::{LayerResponse, Layers, asperity_reduction};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -344,18 +344,18 @@ fn thick_layers_are_half_spaces() {
 fn caps_are_softer_than_flat_layers() {
     // beta = -q Psi_0/pi, for the beta of the table, whose error is 2e-4.
     let flat = -LayerResponse::new(&Material::new(1e6, 0.5), &Layer::new(1.0)).shift() / PI;
-    for [case, value, _] in rows("cap minus flat layer") {
+    for [case, value, _] in rows("asperity minus flat layer") {
         let beta: f64 = value.parse().unwrap();
-        let q = cap_reduction(case.split("t0/R=").nth(1).unwrap().parse().unwrap()).unwrap();
+        let q = asperity_reduction(case.split("t0/R=").nth(1).unwrap().parse().unwrap()).unwrap();
         assert!((q * flat - beta).abs() < 2e-3, "{case}");
     }
-    assert!(cap_reduction(1.2).is_none() && cap_reduction(f64::NAN).is_none());
-    assert!(cap_reduction(0.0).unwrap().abs() < 1e-300);
+    assert!(asperity_reduction(1.2).is_none() && asperity_reduction(f64::NAN).is_none());
+    assert!(asperity_reduction(0.0).unwrap().abs() < 1e-300);
 }
 
 #[test]
 fn what_layers_leave_out_is_said() {
-    // A cap of 1 mm under a radius of 2.2 mm: q = 9.1 % of the shift (LAYER.md), in zeta 0.2 % at a surface fraction of 0.03.
+    // A asperity of 1 mm under a radius of 2.2 mm: q = 9.1 % of the shift (LAYER.md), in zeta 0.2 % at a surface fraction of 0.03.
     let lens = layered(0.03, 0.0, None, Some(Layer::new(1e-3)));
     let state = transition(&lens, Accuracy::Default);
     let [
@@ -779,11 +779,16 @@ fn the_homogenised_lattice_is_as_good_on_layers() {
         let exact = transition(system, Accuracy::Default);
         100.0 * (critical.contact.force / exact.force - 1.0)
     };
-    let cap = Some(Layer::new(1e-3));
+    let asperity = Some(Layer::new(1e-3));
     for (phi, expected) in [(0.01, -6.6), (0.03, -3.5), (0.1, -0.8)] {
         let without = off(&layered(phi, 0.0, None, None));
         assert!((without - expected).abs() < 0.15, "{phi} {without}");
-        for (thickness, lens) in [(1e-3, None), (0.5e-3, cap), (0.2e-3, None), (0.1e-3, cap)] {
+        for (thickness, lens) in [
+            (1e-3, None),
+            (0.5e-3, asperity),
+            (0.2e-3, None),
+            (0.1e-3, asperity),
+        ] {
             let with = off(&layered(phi, 0.0, Some(Layer::new(thickness)), lens));
             assert!(
                 (with - without).abs() < 0.5,

@@ -4,7 +4,7 @@
 
 mod adhesion;
 mod arrangements;
-mod caps;
+mod asperities;
 mod common;
 mod contact_edge;
 mod dispatch;

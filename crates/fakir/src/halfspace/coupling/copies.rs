@@ -1,7 +1,7 @@
 //! Pillars that rotations and reflections about the lens axis make of each other: what one of them does, the others do, turned and mirrored.
 
 use super::sites::Sites;
-use crate::halfspace::disc::basis::{Mode, Turn};
+use crate::halfspace::disc::basis::{Mode, UnloadingPoint};
 use crate::problem::symmetry::Symmetry;
 
 /// Which pillars are images of each other.
@@ -82,8 +82,9 @@ impl Copies {
     }
 
     /// What the symmetries do to the coefficients of modes.
-    fn turns(&self, modes: &[Mode]) -> Vec<Turn> {
-        let of = |symmetry: &Symmetry| Turn::new(modes, symmetry.angle, symmetry.reflected);
+    fn turns(&self, modes: &[Mode]) -> Vec<UnloadingPoint> {
+        let of =
+            |symmetry: &Symmetry| UnloadingPoint::new(modes, symmetry.angle, symmetry.reflected);
         self.symmetries.iter().map(of).collect()
     }
 
@@ -105,7 +106,11 @@ impl Copies {
     /// The means of coefficients over images, for all of them.
     pub(crate) fn average(&self, modes: &[Mode], coefficients: &mut [f64]) {
         let count = modes.len();
-        let turns: Vec<Turn> = self.turns(modes).into_iter().map(Turn::inverse).collect();
+        let turns: Vec<UnloadingPoint> = self
+            .turns(modes)
+            .into_iter()
+            .map(UnloadingPoint::inverse)
+            .collect();
         let part = (self.symmetries.len() as f64).recip();
         let mut means = vec![0.0; self.own.len() * count];
         let mut back = vec![0.0; count];

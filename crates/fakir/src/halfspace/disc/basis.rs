@@ -77,18 +77,18 @@ pub(crate) fn modes(degree: usize) -> Vec<Mode> {
 /// The coefficients of what an expansion becomes when it is turned by an angle (rad).
 pub(crate) fn turn(coefficients: &mut [f64], angle: f64) {
     let modes = modes(degree_with(coefficients.len()));
-    Turn::new(&modes, angle, false).apply(coefficients);
+    UnloadingPoint::new(&modes, angle, false).apply(coefficients);
 }
 
 /// What a rotation, after a reflection along y or none, makes of the coefficients of modes.
 #[derive(Debug, Clone)]
-pub(crate) struct Turn {
+pub(crate) struct UnloadingPoint {
     reflected: bool,
     /// The number of every mode that goes as a cosine, which that of the sine follows, with cosine and sine of the angle by which its order turns.
     cosines: Vec<(usize, [f64; 2])>,
 }
 
-impl Turn {
+impl UnloadingPoint {
     /// By an angle (rad).
     pub(crate) fn new(modes: &[Mode], angle: f64, reflected: bool) -> Self {
         let are_cosines = |(_, mode): &(usize, &Mode)| mode.order > 0 && !mode.sine;

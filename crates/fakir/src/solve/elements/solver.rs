@@ -10,7 +10,7 @@
 //! surfaces; its gradient `v = Wp + s - zeta` is the gap. Under a force `F` they minimise the
 //! same without `zeta` among all `p >= 0` with `A Σp = F`, and `zeta` is the multiplier.
 //!
-//! # Certificate
+//! # DualityGap
 //!
 //! For any `p >= 0` and any lower bound `m` of `v`, the energy of `p` at the indentation
 //! `zeta + m` is at most `A Σ p (v - m)` above the minimum: the duality gap, since `W` is
@@ -35,7 +35,7 @@
 use crate::halfspace::elements::Operator;
 use crate::numerics::convergence::{Judgement, judge, larger, largest, smaller, within};
 use crate::numerics::workers::CancelToken;
-use crate::state::{Certificate, Termination};
+use crate::state::{DualityGap, Termination};
 
 pub use crate::problem::load::Prescribed;
 
@@ -71,7 +71,7 @@ pub struct ElementContact {
     /// Force, N.
     pub force: f64,
     /// How well the contact conditions are met.
-    pub certificate: Certificate,
+    pub certificate: DualityGap,
     /// Why the iteration ended.
     pub termination: Termination,
     /// Products with the operator.
@@ -189,7 +189,7 @@ struct Iteration<'a, O: ?Sized> {
     /// Residual times preconditioned residual, of the last iteration.
     slope: f64,
     products: usize,
-    certificate: Certificate,
+    certificate: DualityGap,
     indentation: f64,
 }
 
@@ -226,7 +226,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             mean_gap: 0.0,
             slope: 0.0,
             products: 0,
-            certificate: Certificate {
+            certificate: DualityGap {
                 energy_bound: f64::INFINITY,
                 interpenetration: 0.0,
                 gap_under_pressure: 0.0,
@@ -345,7 +345,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             Prescribed::Force(_) => 0.0,
         };
         let bound = larger(weighted - sum * (self.indentation - depth - missed), 0.0);
-        self.certificate = Certificate {
+        self.certificate = DualityGap {
             energy_bound: if work > 0.0 {
                 2.0 * bound / work
             } else if depth > 0.0 {

@@ -12,7 +12,7 @@ use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Point, S
 use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::limit::DOUBTFUL_CONTACT;
 use crate::state::{
-    Certificate, Progress, Run, Share, Shares, SolveError, Stage, SurfaceContact, Termination,
+    DualityGap, LoadSharing, Progress, Run, Share, SolveError, Stage, SurfaceContact, Termination,
     Warning,
 };
 use std::f64::consts::PI;
@@ -63,7 +63,7 @@ struct FloorCells<'a> {
 pub(super) struct Pressed {
     pub(super) indentation: f64,
     pub(super) force: f64,
-    certificate: Certificate,
+    certificate: DualityGap,
     termination: Termination,
     /// The cell in which the floor was reached, if that was sought.
     floor_cell: Option<usize>,
@@ -568,8 +568,8 @@ impl<'a> Level<'a> {
     }
 
     /// What the floor bears, and the rest of the surface.
-    fn shares(&self, floor: Floor) -> Shares {
-        let mut shares = Shares::default();
+    fn shares(&self, floor: Floor) -> LoadSharing {
+        let mut shares = LoadSharing::default();
         let area = self.surface.grid().cell_area();
         for cell in self.loaded() {
             let share = if floor.contains(&self.surface, cell) {

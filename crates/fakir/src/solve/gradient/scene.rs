@@ -1,6 +1,6 @@
 //! Derivatives of a solved state with respect to what its scene is made of, exact as long as no pillar changes its state.
 //!
-//! With the states frozen the moments obey `A m = b` with a symmetric `A = S + C`, on tops touched in part within the moments that leave their
+//! With the states linearized the moments obey `A m = b` with a symmetric `A = S + C`, on tops touched in part within the moments that leave their
 //! nodes without pressure at zero. So a change of the scene that changes the load by `db` and the operator by `dA` changes a result `w·m` by
 //!
 //! ```text

@@ -34,7 +34,7 @@ impl Held {
 
 /// A state on the path, in units of the solvers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Station {
+pub(crate) struct LoadStep {
     pub(crate) course: Course,
     pub(crate) indentation: f64,
     pub(crate) force: f64,

@@ -1,4 +1,4 @@
-//! How the mean pressures of all tops in contact go together: a preconditioner for the [frozen contact](super::super::frozen) of
+//! How the mean pressures of all tops in contact go together: a preconditioner for the [linearized contact](super::super::linearized) of
 //! tops that change a few at a time.
 //!
 //! With `D` the compliances `P_00` of the tops and `B_00` what a force on one does to the mean displacement of another, the mean

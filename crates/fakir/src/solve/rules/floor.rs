@@ -1,6 +1,6 @@
-//! Floor cells that are pressed and not pulled: the second rule of the [frozen contact](super::super::frozen).
+//! Floor cells that are pressed and not pulled: the second rule of the [linearized contact](super::super::linearized).
 //!
-//! The state of a cell is whether it bears pressure. With these frozen the cells that do follow the lens, and the others bear nothing.
+//! The state of a cell is whether it bears pressure. With these linearized the cells that do follow the lens, and the others bear nothing.
 //! [`update`](FloorCells::update) lets go of cells that are pulled, and takes in those that the lens would enter.
 //!
 //! What one cell does to the others has an inverse of positive diagonal and, nearly, negative entries beside it. So after one step that
@@ -12,7 +12,7 @@ use crate::numerics::convergence::{larger, within};
 use crate::numerics::workers::Workers;
 use crate::problem::scaled::Scene;
 use crate::problem::{Cells, LensShape, Point};
-use crate::solve::frozen::Rule;
+use crate::solve::linearized::Rule;
 use rayon::ThreadPool;
 
 /// Pressure below zero, relative to the largest, and gap below zero, relative to the sides of a cell, that are rounding.

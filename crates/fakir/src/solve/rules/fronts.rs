@@ -412,7 +412,7 @@ impl Fronts {
         rows.all(|row| sum(row, load) >= -critical)
     }
 
-    /// What a top does under its load, all others frozen: its front goes on until it neither advances nor recedes.
+    /// What a top does under its load, all others linearized: its front goes on until it neither advances nor recedes.
     pub(crate) fn march(&self, domain: Domain, load: &[f64]) -> Domain {
         if !self.partial {
             return self.march_whole(domain, load);

@@ -11,7 +11,7 @@ use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
 use crate::numerics::workers::Workers;
 use crate::problem::Point;
-use crate::solve::frozen::Rule;
+use crate::solve::linearized::Rule;
 use std::f64::consts::PI;
 
 /// Pillars of a group at the most, if all groups are to be no more than that.
@@ -21,7 +21,7 @@ const GROUPS: usize = 3000;
 /// With fewer pillars each by itself does.
 const FEW: usize = 400;
 
-/// The groups of the pillars with their states frozen.
+/// The groups of the pillars with their states linearized.
 pub(crate) struct Groups {
     /// Of every pillar.
     group: Vec<u32>,

@@ -1,4 +1,4 @@
-//! Pillar tops that stick, all of some sites, as a rule of the [frozen contact](super::super::frozen): each with its
+//! Pillar tops that stick, all of some sites, as a rule of the [linearized contact](super::super::linearized): each with its
 //! [front](super::fronts).
 
 use super::coarse::Coarse;
@@ -6,7 +6,7 @@ use super::fronts::{Course, Domain, Fronts, Line};
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::mode_count;
 use crate::numerics::workers::Workers;
-use crate::solve::frozen::Rule;
+use crate::solve::linearized::Rule;
 
 /// Pillars a thread takes at a time, at the least.
 const PILLARS: usize = 400;

@@ -1,7 +1,7 @@
-//! Pillar tops that are pressed and not pulled, all sites: the first rule of the [frozen contact](super::super::frozen).
+//! Pillar tops that are pressed and not pulled, all sites: the first rule of the [linearized contact](super::super::linearized).
 //!
 //! The state of a top is whether it is untouched, touched in full, or in part; in part, also which of its nodes or cells bear
-//! pressure. With these frozen the top answers linearly to its load. [`update`](Tops::update) solves every top under its load as it is and
+//! pressure. With these linearized the top answers linearly to its load. [`update`](Tops::update) solves every top under its load as it is and
 //! takes over its state.
 
 use super::rim::{Motion, Rim};
@@ -14,7 +14,7 @@ use crate::numerics::convergence::larger;
 use crate::numerics::vector::{dot, subtract};
 use crate::numerics::workers::Workers;
 use crate::problem::{Point, ShapedLens};
-use crate::solve::frozen::Rule;
+use crate::solve::linearized::Rule;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -79,7 +79,7 @@ pub(crate) struct Change {
     /// Pillars whose state is another, and floor cells.
     pub(crate) pillars: usize,
     pub(crate) cells: usize,
-    /// Largest difference between the coefficients of the tops' own solutions and those of the frozen contact, relative to
+    /// Largest difference between the coefficients of the tops' own solutions and those of the linearized contact, relative to
     /// the largest coefficient.
     pub(crate) mismatch: f64,
     /// Pillars without a solution.
@@ -375,7 +375,7 @@ impl Tops {
         gap
     }
 
-    /// Solves every pillar under its incident load, and takes over its state. `coefficients` are those of the frozen contact. Pillars farther from the lens
+    /// Solves every pillar under its incident load, and takes over its state. `coefficients` are those of the linearized contact. Pillars farther from the lens
     /// axis than `farthest`, if there is such a distance, are not touched, whatever is asked of them.
     pub(crate) fn update(
         &mut self,

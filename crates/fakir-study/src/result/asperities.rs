@@ -2,10 +2,10 @@
 
 use super::warnings_of;
 use crate::numbers::{LENGTH_DIGITS, significant, with_unit};
-use crate::record::RoundedAnswer;
+use crate::record::AsperityAnswer;
 use crate::table::{Column, Table, Values};
-use fakir::problem::Cap;
-use fakir::state::CapState;
+use fakir::problem::Asperity;
+use fakir::state::AsperityState;
 use fakir_case::unit::Dimension;
 
 /// Part of the radius of curvature up to which a contact on a rounded top counts as small.
@@ -13,7 +13,7 @@ const SMALL_CONTACT: f64 = 0.3;
 
 /// What is left out, in words.
 #[must_use]
-pub fn left_out_words(answer: RoundedAnswer<'_>) -> &'static str {
+pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
     if answer.floor_is_out_of_reach() {
         "left out: adhesion; the floor is out of reach"
     } else {
@@ -23,8 +23,8 @@ pub fn left_out_words(answer: RoundedAnswer<'_>) -> &'static str {
 
 /// What to be careful about.
 #[must_use]
-pub fn rounded_warnings(answer: RoundedAnswer<'_>) -> Vec<String> {
-    let RoundedAnswer {
+pub fn asperity_warnings(answer: AsperityAnswer<'_>) -> Vec<String> {
+    let AsperityAnswer {
         field,
         height,
         contact,
@@ -39,8 +39,9 @@ pub fn rounded_warnings(answer: RoundedAnswer<'_>) -> Vec<String> {
             with_unit(height, Dimension::Length, LENGTH_DIGITS)
         ));
     }
-    let pairs = field.caps().iter().zip(&contact.caps);
-    let part = pairs.map(|(cap, state): (&Cap, &CapState)| state.radius / cap.top_radius);
+    let pairs = field.asperities().iter().zip(&contact.asperities);
+    let part = pairs
+        .map(|(asperity, state): (&Asperity, &AsperityState)| state.radius / asperity.top_radius);
     let part = part.fold(0.0, f64::max);
     if part > SMALL_CONTACT {
         words.push(format!(
@@ -54,33 +55,34 @@ pub fn rounded_warnings(answer: RoundedAnswer<'_>) -> Vec<String> {
 
 /// Every pillar of a contact with rounded tops: `pillars.csv`.
 #[must_use]
-pub fn rounded_pillars(answer: RoundedAnswer<'_>) -> Table {
-    let RoundedAnswer {
+pub fn asperity_pillars(answer: AsperityAnswer<'_>) -> Table {
+    let AsperityAnswer {
         field,
         height,
         contact,
     } = answer;
-    let caps = field.caps();
-    let numbers = |name: &str, of: &dyn Fn(&Cap, &CapState) -> f64| Column {
+    let asperities = field.asperities();
+    let numbers = |name: &str, of: &dyn Fn(&Asperity, &AsperityState) -> f64| Column {
         name: name.to_owned(),
         values: Values::Numbers(
-            caps.iter()
-                .zip(&contact.caps)
-                .map(|(cap, state)| Some(of(cap, state)))
+            asperities
+                .iter()
+                .zip(&contact.asperities)
+                .map(|(asperity, state)| Some(of(asperity, state)))
                 .collect(),
         ),
     };
-    let status = contact.caps.iter();
+    let status = contact.asperities.iter();
     Table {
         columns: vec![
-            numbers("x_m", &|cap, _| cap.apex[0]),
-            numbers("y_m", &|cap, _| cap.apex[1]),
-            numbers("height_m", &|cap, _| height + cap.raised),
+            numbers("x_m", &|asperity, _| asperity.apex[0]),
+            numbers("y_m", &|asperity, _| asperity.apex[1]),
+            numbers("height_m", &|asperity, _| height + asperity.raised),
             Column {
                 name: "status".to_owned(),
                 values: Values::Words(
                     status
-                        .map(|cap| Some(cap.status.name().to_owned()))
+                        .map(|asperity| Some(asperity.status.name().to_owned()))
                         .collect(),
                 ),
             },

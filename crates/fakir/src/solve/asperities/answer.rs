@@ -7,8 +7,10 @@ use super::newton::{self, Settled, Trouble};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
 use crate::numerics::dense::Lu;
 use crate::problem::load::Prescribed;
-use crate::problem::{Accuracy, Cap, CapField, Load, Quantity, Requirement};
-use crate::state::cap_contact::{CapContact, CapErrors, CapSlopes, CapState};
+use crate::problem::{Accuracy, Asperity, AsperityArray, Load, Quantity, Requirement};
+use crate::state::asperity_contact::{
+    AsperityContact, AsperityErrors, AsperitySlopes, AsperityState,
+};
 use crate::state::discs::{Contacts, Hold};
 use crate::state::{PillarStatus, Run, SolveError, Termination};
 use std::f64::consts::PI;
@@ -57,24 +59,27 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(field: &CapField) -> Self {
-        let radii = field.caps().iter().map(|cap| cap.top_radius);
+    fn new(field: &AsperityArray) -> Self {
+        let radii = field
+            .asperities()
+            .iter()
+            .map(|asperity| asperity.top_radius);
         let units = Units {
             length: radii.fold(0.0, f64::max),
             pressure: field.reduced_modulus(),
         };
-        let scaled = |cap: &Cap| Cap {
-            apex: cap.apex.map(|x| x / units.length),
-            raised: cap.raised / units.length,
-            top_radius: cap.top_radius / units.length,
-            rim_radius: cap.rim_radius.map(|radius| radius / units.length),
-            column_compliance: cap.column_compliance * units.pressure * units.length,
+        let scaled = |asperity: &Asperity| Asperity {
+            apex: asperity.apex.map(|x| x / units.length),
+            raised: asperity.raised / units.length,
+            top_radius: asperity.top_radius / units.length,
+            rim_radius: asperity.rim_radius.map(|radius| radius / units.length),
+            column_compliance: asperity.column_compliance * units.pressure * units.length,
         };
         let shape = Shape {
             radius: field.lens_radius() / units.length,
         };
         Self {
-            layout: Layout::new(field.caps().iter().map(scaled).collect(), shape),
+            layout: Layout::new(field.asperities().iter().map(scaled).collect(), shape),
             units,
         }
     }
@@ -100,9 +105,9 @@ impl Bench {
     ) -> Result<(Settled, Termination), SolveError> {
         let (settled, termination) = match found {
             Found::Settled(settled) => (settled, Termination::Converged),
-            Found::Merging(caps, contacts) => {
+            Found::Merging(asperities, contacts) => {
                 return Err(SolveError::ContactsMerge {
-                    caps,
+                    asperities,
                     indentation: contacts.indentation * self.units.length,
                     force: equations.force(&contacts) * self.units.force(),
                 });
@@ -128,10 +133,10 @@ impl Bench {
                 lens_radius: lens_radius * self.units.length,
             });
         }
-        if let Some(cap) = equations.touched_at_rim(&settled.contacts) {
+        if let Some(asperity) = equations.touched_at_rim(&settled.contacts) {
             return Err(SolveError::TouchedAtRim {
-                cap,
-                rim_radius: equations.rim(cap) * self.units.length,
+                asperity,
+                rim_radius: equations.rim(asperity) * self.units.length,
             });
         }
         Ok((settled, termination))
@@ -144,16 +149,16 @@ impl Bench {
         settled: Settled,
         termination: Termination,
         accuracy: Accuracy,
-    ) -> CapContact {
+    ) -> AsperityContact {
         let Units { length, .. } = self.units;
         let size = equations.modes();
         let contacts = settled.contacts;
         let slopes = equations.slopes(&contacts, settled.factors.as_ref());
-        let mut caps: Vec<CapState> = contacts
+        let mut asperities: Vec<AsperityState> = contacts
             .nearest
             .iter()
             .zip(&contacts.gaps)
-            .map(|(place, gap)| CapState {
+            .map(|(place, gap)| AsperityState {
                 status: PillarStatus::Untouched,
                 centre: place.map(|x| x * length),
                 radius: 0.0,
@@ -162,7 +167,7 @@ impl Bench {
             })
             .collect();
         for (number, disc) in contacts.discs.iter().enumerate() {
-            caps[disc.cap] = CapState {
+            asperities[disc.asperity] = AsperityState {
                 status: match disc.hold {
                     Hold::Whole => PillarStatus::Full,
                     Hold::Free | Hold::Leaning { .. } => PillarStatus::Partial,
@@ -176,14 +181,14 @@ impl Bench {
         let area: f64 = contacts.discs.iter().map(|disc| disc.radius.powi(2)).sum();
         let lens = self.layout.shape.radius.is_finite();
         let stiffness = self.units.pressure * length;
-        CapContact {
+        AsperityContact {
             accuracy,
             indentation: contacts.indentation * length,
             force: equations.force(&contacts) * self.units.force(),
             area: PI * area * length * length,
             contact_radius: lens.then(|| reach(&contacts) * length),
-            caps,
-            slopes: CapSlopes {
+            asperities,
+            slopes: AsperitySlopes {
                 force_with_indentation: slopes[0].iter().sum::<f64>() * stiffness,
                 area_with_indentation: slopes[1].iter().sum::<f64>() * length,
                 force_with_height: slopes[0].iter().map(|slope| slope * stiffness).collect(),
@@ -221,7 +226,7 @@ impl Equations<'_> {
             let area = disc.radius * disc.radius;
             totals[0] += moments[0];
             totals[1] += area;
-            let curvature = self.layout.summits[disc.cap].curvature;
+            let curvature = self.layout.summits[disc.asperity].curvature;
             let uneven = moments[4].hypot(moments[5]) * second / (oval * disc.radius);
             let uneven = uneven / (0.5 * curvature * area);
             let mut doubt = OVAL.map(|part| part * uneven * uneven);
@@ -241,9 +246,9 @@ impl Equations<'_> {
         [doubts[0] / totals[0], doubts[1] / totals[1]]
     }
 
-    /// The changes of force and area with the height of every cap, at the same indentation.
+    /// The changes of force and area with the height of every asperity, at the same indentation.
     pub(crate) fn slopes(&self, contacts: &Contacts, factors: Option<&Lu>) -> [Vec<f64>; 2] {
-        let mut slopes = [0, 1].map(|_| vec![0.0; self.layout.caps.len()]);
+        let mut slopes = [0, 1].map(|_| vec![0.0; self.layout.asperities.len()]);
         let Some(factors) = factors else {
             return slopes;
         };
@@ -251,7 +256,7 @@ impl Equations<'_> {
         for (slopes, mut adjoint) in slopes.iter_mut().zip(self.rows_of_totals(contacts)) {
             factors.solve_transposed(&mut adjoint);
             for (disc, mean) in contacts.discs.iter().zip(adjoint.iter().step_by(size)) {
-                slopes[disc.cap] = UNIT_FORCE * mean;
+                slopes[disc.asperity] = UNIT_FORCE * mean;
             }
         }
         slopes
@@ -270,23 +275,23 @@ fn with_modes(contacts: &Contacts, from: usize, to: usize) -> Contacts {
     }
 }
 
-impl CapField {
+impl AsperityArray {
     /// The contact under what is prescribed, with an error estimate.
     ///
     /// The pressure on a contact has degree 2 under [`Accuracy::Default`] and 4 under [`Accuracy::Accurate`]; the estimate has what degrees higher by
     /// two differ by, and what contacts lack that are ovals and not discs, from how much their curvature along one axis differs from that along the other.
     ///
     /// # Errors
-    /// A load that cannot be, contacts that merge ([`SolveError::ContactsMerge`]), a cap touched at its rim
+    /// A load that cannot be, contacts that merge ([`SolveError::ContactsMerge`]), an asperity touched at its rim
     /// ([`SolveError::TouchedAtRim`]), contact too large for the lens or the memory allowed, or interruption. [`Load::FloorContact`] is
-    /// [`SolveError::NoFloor`]: there is none under the caps. A solution that did not converge is not an error: it says so in
-    /// [`CapContact::termination`].
+    /// [`SolveError::NoFloor`]: there is none under the asperities. A solution that did not converge is not an error: it says so in
+    /// [`AsperityContact::termination`].
     pub fn press(
         &self,
         control: Load,
         accuracy: Accuracy,
         run: &Run<'_>,
-    ) -> Result<CapContact, SolveError> {
+    ) -> Result<AsperityContact, SolveError> {
         let bench = Bench::new(self);
         let target = bench.target(control)?;
         let mut contact = self.solve(&bench, target, (accuracy, None), run)?;
@@ -296,7 +301,7 @@ impl CapField {
         contact.checked()
     }
 
-    /// The contact under what is prescribed without an error estimate, from one that is `near` if there is any: of a field with caps in the same places,
+    /// The contact under what is prescribed without an error estimate, from one that is `near` if there is any: of a field with asperities in the same places,
     /// and of the same accuracy, such as under a load that differs little.
     ///
     /// # Errors
@@ -305,13 +310,13 @@ impl CapField {
         &self,
         control: Load,
         accuracy: Accuracy,
-        near: Option<&CapContact>,
+        near: Option<&AsperityContact>,
         run: &Run<'_>,
-    ) -> Result<CapContact, SolveError> {
+    ) -> Result<AsperityContact, SolveError> {
         let bench = Bench::new(self);
         let target = bench.target(control)?;
-        let is_alike = |near: &&CapContact| {
-            near.accuracy == accuracy && near.contacts.nearest.len() == self.caps().len()
+        let is_alike = |near: &&AsperityContact| {
+            near.accuracy == accuracy && near.contacts.nearest.len() == self.asperities().len()
         };
         let near = near.filter(is_alike).map(|near| &*near.contacts);
         self.solve(&bench, target, (accuracy, near), run)?.checked()
@@ -323,7 +328,7 @@ impl CapField {
         target: Prescribed,
         (accuracy, near): (Accuracy, Option<&Contacts>),
         run: &Run<'_>,
-    ) -> Result<CapContact, SolveError> {
+    ) -> Result<AsperityContact, SolveError> {
         let mut equations = Equations::new(&bench.layout, degree(accuracy));
         let found = equations.find(target, near, run)?;
         let (settled, termination) = bench.found(&mut equations, found)?;
@@ -335,12 +340,12 @@ impl Bench {
     /// The error estimate of a contact; none if the contact of a higher degree is not found.
     fn estimate(
         &self,
-        contact: &CapContact,
+        contact: &AsperityContact,
         target: Prescribed,
         run: &Run<'_>,
-    ) -> Result<Option<CapErrors>, SolveError> {
+    ) -> Result<Option<AsperityErrors>, SolveError> {
         if contact.contacts.discs.is_empty() {
-            return Ok(Some(CapErrors::default()));
+            return Ok(Some(AsperityErrors::default()));
         }
         let low = degree(contact.accuracy);
         let mut fine = Equations::new(&self.layout, low + 2);
@@ -355,7 +360,7 @@ impl Bench {
         let [force, area] = coarse.shape_errors(&contact.contacts);
         let stiffness = contact.slopes.force_with_indentation;
         let relative = |a: f64, b: f64| (a / b - 1.0).abs();
-        let mut errors = CapErrors {
+        let mut errors = AsperityErrors {
             force: DEGREES * relative(fine.force, contact.force) + force,
             area: DEGREES * relative(fine.area, contact.area) + area,
             indentation: DEGREES * (fine.indentation - contact.indentation).abs()

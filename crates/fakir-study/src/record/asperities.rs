@@ -4,28 +4,28 @@ use super::contact::{ending, load};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
 use super::surface::indenter_name;
-use fakir::problem::CapField;
-use fakir::state::{CapContact, CapErrors, CapState, PillarStatus};
-use fakir_case::RoundedCase;
+use fakir::problem::AsperityArray;
+use fakir::state::{AsperityContact, AsperityErrors, AsperityState, PillarStatus};
+use fakir_case::AsperityCase;
 
 /// A contact with rounded tops, and what was asked about.
 #[derive(Debug, Clone, Copy)]
-pub struct RoundedAnswer<'a> {
+pub struct AsperityAnswer<'a> {
     /// The pillars.
-    pub field: &'a CapField,
+    pub field: &'a AsperityArray,
     /// Height of the common pillar, m.
     pub height: f64,
     /// The contact.
-    pub contact: &'a CapContact,
+    pub contact: &'a AsperityContact,
 }
 
 /// What contacts with rounded tops leave out.
 const LEFT_OUT: &[&str] = &["floor", "adhesion"];
 
-impl<'a> RoundedAnswer<'a> {
+impl<'a> AsperityAnswer<'a> {
     /// A contact of a case.
     #[must_use]
-    pub fn of(case: &'a RoundedCase, contact: &'a CapContact) -> Self {
+    pub fn of(case: &'a AsperityCase, contact: &'a AsperityContact) -> Self {
         Self {
             field: &case.field,
             height: case.height,
@@ -39,12 +39,12 @@ impl<'a> RoundedAnswer<'a> {
     }
 }
 
-pub(super) fn largest(contact: &CapContact, of: impl Fn(&CapState) -> f64) -> f64 {
-    contact.caps.iter().map(of).fold(0.0, f64::max)
+pub(super) fn largest(contact: &AsperityContact, of: impl Fn(&AsperityState) -> f64) -> f64 {
+    contact.asperities.iter().map(of).fold(0.0, f64::max)
 }
 
 /// What is known of the contact alone.
-fn contact() -> Vec<Named<CapContact>> {
+fn contact() -> Vec<Named<AsperityContact>> {
     let [force, indentation, radius] = load();
     vec![
         force,
@@ -52,51 +52,52 @@ fn contact() -> Vec<Named<CapContact>> {
         Named::number(
             "contact_area_m2",
             "area of all contacts",
-            |it: &CapContact| it.area,
+            |it: &AsperityContact| it.area,
         )
         .symbol("A"),
         radius,
-        Named::count("pillars", "number of pillars", |it: &CapContact| {
-            it.caps.len()
+        Named::count("pillars", "number of pillars", |it: &AsperityContact| {
+            it.asperities.len()
         }),
         Named::count(
             "pillars_in_contact",
             "number of pillars in contact",
-            CapContact::touched,
+            AsperityContact::touched,
         ),
         Named::count(
             "pillars_fully_in_contact",
             "number of pillars whose top is in contact up to the rim",
-            |it: &CapContact| {
-                let full = |cap: &&CapState| cap.status == PillarStatus::Full;
-                it.caps.iter().filter(full).count()
+            |it: &AsperityContact| {
+                let full = |asperity: &&AsperityState| asperity.status == PillarStatus::Full;
+                it.asperities.iter().filter(full).count()
             },
         ),
         Named::number(
             "largest_top_contact_radius_m",
             "radius of the largest contact on a top",
-            |it: &CapContact| largest(it, |cap| cap.radius),
+            |it: &AsperityContact| largest(it, |asperity| asperity.radius),
         ),
         Named::number(
             "largest_pillar_force_N",
             "largest force on a pillar",
-            |it: &CapContact| largest(it, |cap| cap.force),
+            |it: &AsperityContact| largest(it, |asperity| asperity.force),
         ),
         Named::number(
             "stiffness_N_per_m",
             "change of the force with the indentation",
-            |it: &CapContact| it.slopes.force_with_indentation,
+            |it: &AsperityContact| it.slopes.force_with_indentation,
         ),
         Named::words(
             "left_out",
             "effects that are not computed",
-            |_: &CapContact| LEFT_OUT,
+            |_: &AsperityContact| LEFT_OUT,
         ),
     ]
 }
 
-fn solution() -> Vec<Named<CapContact>> {
-    let error = |of: fn(&CapErrors) -> f64| move |it: &CapContact| it.error.as_ref().map(of);
+fn solution() -> Vec<Named<AsperityContact>> {
+    let error =
+        |of: fn(&AsperityErrors) -> f64| move |it: &AsperityContact| it.error.as_ref().map(of);
     let mut rows = vec![
         Named::number_if_any(
             "relative_error_estimate.force",
@@ -121,33 +122,33 @@ fn solution() -> Vec<Named<CapContact>> {
     rows.push(Named::count(
         "iterations",
         "solver iterations",
-        |it: &CapContact| it.iterations,
+        |it: &AsperityContact| it.iterations,
     ));
     rows
 }
 
 /// Method and indenter of rounded tops, for a summary of many contacts.
-pub(crate) fn rounded_head(field: &CapField) -> Object {
+pub(crate) fn asperity_head(field: &AsperityArray) -> Object {
     Object::of_rows(&head(), field)
 }
 
-fn head() -> [Named<CapField>; 3] {
+fn head() -> [Named<AsperityArray>; 3] {
     [
-        Named::word("method", "`spectral`", |_: &CapField| Some("spectral")),
-        Named::word("tops", "`rounded`", |_: &CapField| Some("rounded")),
-        Named::word("indenter", "`lens` or `plate`", |it: &CapField| {
+        Named::word("method", "`spectral`", |_: &AsperityArray| Some("spectral")),
+        Named::word("tops", "`rounded`", |_: &AsperityArray| Some("rounded")),
+        Named::word("indenter", "`lens` or `plate`", |it: &AsperityArray| {
             Some(indenter_name(it.indenter()))
         }),
     ]
 }
 
-impl<'a> Recorded for RoundedAnswer<'a> {
-    const KIND: Kind = Kind::RoundedPress;
+impl<'a> Recorded for AsperityAnswer<'a> {
+    const KIND: Kind = Kind::AsperityPress;
 
     fn rows() -> Vec<Named<Self>> {
-        let of_contact = |rows: Vec<Named<CapContact>>| {
+        let of_contact = |rows: Vec<Named<AsperityContact>>| {
             rows.into_iter()
-                .map(|row| row.of_part(|it: &RoundedAnswer<'a>| it.contact))
+                .map(|row| row.of_part(|it: &AsperityAnswer<'a>| it.contact))
         };
         let mut rows: Vec<Named<Self>> = head().map(|row| row.of_part(|it: &Self| it.field)).into();
         rows.extend(of_contact(contact()));

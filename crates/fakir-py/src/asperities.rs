@@ -7,14 +7,16 @@ use crate::error::{
 use crate::load::load;
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
-use fakir::problem::{Accuracy, Cap, CapField, Indenter, Lens, Material, PillarCompliance};
-use fakir::state::CapContact;
-use fakir_case::{CaseFile, RoundedCase};
+use fakir::problem::{
+    Accuracy, Asperity, AsperityArray, Indenter, Lens, Material, PillarCompliance,
+};
+use fakir::state::AsperityContact;
+use fakir_case::{AsperityCase, CaseFile};
 use fakir_inverse::HeightsSummary;
 use fakir_inverse::heights::{Curve, WantedPoint};
 use fakir_inverse::pillar_heights::design_pillars;
-use fakir_study::record::RoundedAnswer;
-use fakir_study::result::{json, rounded_pillars, rounded_press, rounded_warnings};
+use fakir_study::record::AsperityAnswer;
+use fakir_study::result::{asperity_pillars, asperity_press, asperity_warnings, json};
 use fakir_study::workshop::Relief;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -23,12 +25,12 @@ use std::time::Instant;
 /// Pillars with rounded tops and what is pressed onto them.
 #[pyclass(frozen, skip_from_py_object, module = "fakir._fakir")]
 #[derive(Clone)]
-pub(crate) struct Rounded {
-    case: RoundedCase,
+pub(crate) struct Asperities {
+    case: AsperityCase,
 }
 
 #[pymethods]
-impl Rounded {
+impl Asperities {
     /// `pillars` have x, y and height over the floor, and a diameter that is no number where they have none (m); `lens` is radius, modulus and Poisson's ratio,
     /// `plate` modulus and Poisson's ratio.
     #[new]
@@ -50,12 +52,13 @@ impl Rounded {
             }),
             (None, plate) => Indenter::Flat(plate.map(material)),
         };
-        let cap = |[x, y, own, diameter]: [f64; 4]| Cap {
+        let asperity = |[x, y, own, diameter]: [f64; 4]| Asperity {
             rim_radius: (!diameter.is_nan()).then_some(0.5 * diameter),
-            ..Cap::new([x, y], top_radius).raised_by(own - height)
+            ..Asperity::new([x, y], top_radius).raised_by(own - height)
         };
-        let caps = pillars.into_iter().map(cap).collect();
-        let field = CapField::new(indenter, material(substrate), caps).map_err(value_error)?;
+        let asperities = pillars.into_iter().map(asperity).collect();
+        let field =
+            AsperityArray::new(indenter, material(substrate), asperities).map_err(value_error)?;
         let accuracy = if accurate {
             Accuracy::Accurate
         } else {
@@ -66,7 +69,7 @@ impl Rounded {
         } else {
             PillarCompliance::None
         };
-        let case = RoundedCase::new(field, accuracy, height, compliance).map_err(value_error)?;
+        let case = AsperityCase::new(field, accuracy, height, compliance).map_err(value_error)?;
         Ok(Self { case })
     }
 
@@ -101,13 +104,13 @@ impl Rounded {
 
     /// x and y from the lens axis, height over the floor, and diameter of every pillar, m; no number where it has none.
     fn pillars(&self) -> Vec<[f64; 4]> {
-        let caps = self.case.field.caps().iter().zip(self.case.heights());
-        let row = |(cap, height): (&Cap, f64)| {
-            let [x, y] = cap.apex;
-            let diameter = cap.rim_radius.map_or(f64::NAN, |rim| 2.0 * rim);
+        let asperities = self.case.field.asperities().iter().zip(self.case.heights());
+        let row = |(asperity, height): (&Asperity, f64)| {
+            let [x, y] = asperity.apex;
+            let diameter = asperity.rim_radius.map_or(f64::NAN, |rim| 2.0 * rim);
             [x, y, height, diameter]
         };
-        caps.map(row).collect()
+        asperities.map(row).collect()
     }
 
     /// Height of the common pillar, m.
@@ -121,9 +124,9 @@ impl Rounded {
     fn top_radius(&self) -> f64 {
         self.case
             .field
-            .caps()
+            .asperities()
             .first()
-            .map_or(f64::NAN, |cap| cap.top_radius)
+            .map_or(f64::NAN, |asperity| asperity.top_radius)
     }
 
     /// Radius, modulus and Poisson's ratio of a lens.
@@ -156,12 +159,12 @@ impl Rounded {
     }
 }
 
-impl Rounded {
+impl Asperities {
     pub(crate) fn of(mut file: CaseFile, overrides: &[String]) -> PyResult<Self> {
         for setting in overrides {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
-        let case = file.rounded_case().map_err(|error| case_error(&error))?;
+        let case = file.asperity_case().map_err(|error| case_error(&error))?;
         warn_of_deprecations(&file)?;
         Ok(Self { case })
     }
@@ -169,22 +172,22 @@ impl Rounded {
 
 /// A contact with rounded tops.
 #[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
-pub(crate) struct RoundedContact {
-    case: RoundedCase,
-    contact: CapContact,
+pub(crate) struct AsperityContact {
+    case: AsperityCase,
+    contact: AsperityContact,
 }
 
 #[pymethods]
-impl RoundedContact {
+impl AsperityContact {
     /// The columns of `pillars.csv`.
     fn pillars<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
-        columns(py, &rounded_pillars(self.answer()))
+        columns(py, &asperity_pillars(self.answer()))
     }
 }
 
-impl RoundedContact {
-    fn answer(&self) -> RoundedAnswer<'_> {
-        RoundedAnswer::of(&self.case, &self.contact)
+impl AsperityContact {
+    fn answer(&self) -> AsperityAnswer<'_> {
+        AsperityAnswer::of(&self.case, &self.contact)
     }
 }
 
@@ -192,11 +195,11 @@ impl RoundedContact {
 #[pyfunction]
 pub(crate) fn press_rounded(
     py: Python<'_>,
-    tops: &Rounded,
+    tops: &Asperities,
     indentation: Option<f64>,
     force: Option<f64>,
     options: Options,
-) -> PyResult<Py<RoundedContact>> {
+) -> PyResult<Py<AsperityContact>> {
     let load = load(indentation, force)?;
     let case = tops.case.clone();
     let start = Instant::now();
@@ -204,22 +207,22 @@ pub(crate) fn press_rounded(
         case.field.press(load, case.accuracy, run)
     })?;
     let contact = contact.map_err(|error| solve_error(&error))?;
-    let contact = RoundedContact { case, contact };
+    let contact = AsperityContact { case, contact };
     let answer = contact.answer();
-    let summary = json(&rounded_press(answer, start.elapsed().as_secs_f64()));
-    let (ended, warnings) = (answer.contact.termination, rounded_warnings(answer));
+    let summary = json(&asperity_press(answer, start.elapsed().as_secs_f64()));
+    let (ended, warnings) = (answer.contact.termination, asperity_warnings(answer));
     let answer = Answer::new(&answer, summary, ended, warnings);
     Py::new(py, (contact, answer))
 }
 
 /// The object that `fakir design --free heights --json` prints, the pillars that were found, and the columns of `curve.csv`.
-type DesignedHeights<'py> = (String, Rounded, PyColumns<'py>);
+type DesignedHeights<'py> = (String, Asperities, PyColumns<'py>);
 
 /// Heights of rounded tops for a wanted curve: `"area of the force"`, `"force of the indentation"` or `"area of the indentation"`, in SI units.
 #[pyfunction]
 pub(crate) fn design_heights<'py>(
     py: Python<'py>,
-    tops: &Rounded,
+    tops: &Asperities,
     curve: &str,
     points: Vec<[f64; 2]>,
     seed: u64,
@@ -245,5 +248,5 @@ pub(crate) fn design_heights<'py>(
     let wall_time = start.elapsed().as_secs_f64();
     let summary = HeightsSummary::new(&found, seed, height_error, wall_time);
     let table = columns(py, &found.table(height_error))?;
-    Ok((json(&summary), Rounded { case: found.case }, table))
+    Ok((json(&summary), Asperities { case: found.case }, table))
 }

@@ -1,8 +1,8 @@
-//! The undeformed gap over a cap: what is pressed above, the cap below.
+//! The undeformed gap over an asperity: what is pressed above, the asperity below.
 
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, mode_count};
 use crate::numerics::quadrature::hemisphere;
-use crate::problem::{Cap, Point};
+use crate::problem::{Asperity, Point};
 
 /// Part of the lens radius beyond which it is continued as it is there. No contact that is allowed comes near.
 const STEEPEST: f64 = 0.9;
@@ -46,53 +46,56 @@ impl Shape {
     }
 }
 
-/// The caps and what is pressed onto them. Lengths in any unit, pressures in that of the reduced modulus.
+/// The asperities and what is pressed onto them. Lengths in any unit, pressures in that of the reduced modulus.
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
-    pub(crate) caps: Vec<Cap>,
+    pub(crate) asperities: Vec<Asperity>,
     pub(crate) shape: Shape,
-    /// Where each cap is touched first, if it is alone.
+    /// Where each asperity is touched first, if it is alone.
     pub(crate) summits: Vec<Summit>,
 }
 
-/// The point of a cap that is nearest to what is pressed.
+/// The point of an asperity that is nearest to what is pressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Summit {
     pub(crate) place: Point,
-    /// Height over the common level less that of what is pressed over its lowest point: the cap is touched at an indentation of minus that.
+    /// Height over the common level less that of what is pressed over its lowest point: the asperity is touched at an indentation of minus that.
     pub(crate) height: f64,
     /// Mean curvature against what is pressed.
     pub(crate) curvature: f64,
 }
 
 impl Layout {
-    pub(crate) fn new(caps: Vec<Cap>, shape: Shape) -> Self {
-        let summits = caps.iter().map(|cap| summit(cap, shape)).collect();
+    pub(crate) fn new(asperities: Vec<Asperity>, shape: Shape) -> Self {
+        let summits = asperities
+            .iter()
+            .map(|asperity| summit(asperity, shape))
+            .collect();
         Self {
-            caps,
+            asperities,
             shape,
             summits,
         }
     }
 
-    /// Overlap of a cap with what is pressed, at no indentation.
-    pub(crate) fn overlap(&self, cap: usize, point: Point) -> Jet {
-        overlap(&self.caps[cap], self.shape, point)
+    /// Overlap of an asperity with what is pressed, at no indentation.
+    pub(crate) fn overlap(&self, asperity: usize, point: Point) -> Jet {
+        overlap(&self.asperities[asperity], self.shape, point)
     }
 
-    /// The indentation at which the first cap is touched.
+    /// The indentation at which the first asperity is touched.
     pub(crate) fn first_touch(&self) -> f64 {
         let heights = self.summits.iter().map(|summit| -summit.height);
         heights.fold(f64::INFINITY, f64::min)
     }
 }
 
-fn overlap(cap: &Cap, shape: Shape, point: Point) -> Jet {
+fn overlap(asperity: &Asperity, shape: Shape, point: Point) -> Jet {
     let sag = shape.at(point);
-    let [x, y] = [0, 1].map(|k| point[k] - cap.apex[k]);
-    let curvature = cap.top_radius.recip();
+    let [x, y] = [0, 1].map(|k| point[k] - asperity.apex[k]);
+    let curvature = asperity.top_radius.recip();
     Jet {
-        value: cap.raised - sag.value - 0.5 * curvature * (x * x + y * y),
+        value: asperity.raised - sag.value - 0.5 * curvature * (x * x + y * y),
         slope: [-sag.slope[0] - curvature * x, -sag.slope[1] - curvature * y],
         bend: [
             -sag.bend[0] - curvature,
@@ -102,16 +105,16 @@ fn overlap(cap: &Cap, shape: Shape, point: Point) -> Jet {
     }
 }
 
-fn summit(cap: &Cap, shape: Shape) -> Summit {
-    let mut place = cap.apex;
+fn summit(asperity: &Asperity, shape: Shape) -> Summit {
+    let mut place = asperity.apex;
     for _ in 0..SUMMIT_STEPS {
-        let step = to_summit(&overlap(cap, shape, place));
+        let step = to_summit(&overlap(asperity, shape, place));
         place = [place[0] + step[0], place[1] + step[1]];
-        if step[0].hypot(step[1]) <= SUMMIT_TOLERANCE * cap.top_radius {
+        if step[0].hypot(step[1]) <= SUMMIT_TOLERANCE * asperity.top_radius {
             break;
         }
     }
-    let jet = overlap(cap, shape, place);
+    let jet = overlap(asperity, shape, place);
     Summit {
         place,
         height: jet.value,
@@ -175,21 +178,21 @@ impl LoadRule {
     pub(crate) fn fill(
         &self,
         layout: &Layout,
-        cap: usize,
+        asperity: usize,
         (centre, radius): (Point, f64),
         load: &mut DiscLoad,
     ) {
         load.value.fill(0.0);
         load.slopes.iter_mut().for_each(|slope| slope.fill(0.0));
         // The overlap in the middle is taken apart: what is left is of the size of the contact.
-        let middle = layout.overlap(cap, centre).value;
+        let middle = layout.overlap(asperity, centre).value;
         for (point, row) in self
             .points
             .iter()
             .zip(self.weights.chunks_exact(self.modes))
         {
             let at = [0, 1].map(|k| centre[k] + radius * point[k]);
-            let jet = layout.overlap(cap, at);
+            let jet = layout.overlap(asperity, at);
             let [x, y] = jet.slope;
             let parts = [jet.value - middle, x, y, x * point[0] + y * point[1]];
             let [along_x, along_y, outwards] = &mut load.slopes;

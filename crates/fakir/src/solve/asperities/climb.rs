@@ -18,7 +18,7 @@ const SHORTEST: f64 = 1e-3;
 /// What became of a search.
 pub(crate) enum Found {
     Settled(Settled),
-    /// The contacts of two caps merge before. The last contacts before they do.
+    /// The contacts of two asperities merge before. The last contacts before they do.
     Merging([usize; 2], Contacts),
     /// It did not end. The last contacts that did.
     Lost(Trouble, Contacts),
@@ -95,7 +95,7 @@ impl Equations<'_> {
             step *= 0.5;
             if step <= SHORTEST * (good.indentation - first) || reached + step <= reached {
                 return Ok(match trouble {
-                    Trouble::Crowded(caps) => Found::Merging(caps, good),
+                    Trouble::Crowded(asperities) => Found::Merging(asperities, good),
                     other => Found::Lost(other, good),
                 });
             }

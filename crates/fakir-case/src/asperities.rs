@@ -8,8 +8,8 @@ use crate::parts::{MethodName, Parts, ShapeForm};
 use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
-    Accuracy, Cap, CapField, Indenter, InvalidCaps, Material, PillarCompliance, Point, Question,
-    Solver,
+    Accuracy, Asperity, AsperityArray, Indenter, InvalidCaps, Material, PillarCompliance, Point,
+    Question, Solver,
 };
 use std::f64::consts::PI;
 
@@ -28,9 +28,9 @@ const RIGID: Material = Material {
 /// Indentations are measured from the position in which the lens or plate is level with the common pillar,
 /// `texture.pillar.height` above the floor.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RoundedCase {
+pub struct AsperityCase {
     /// The tops and the indenter.
-    pub field: CapField,
+    pub field: AsperityArray,
     /// Accuracy of contacts.
     pub accuracy: Accuracy,
     /// Height of the common pillar above the floor, m.
@@ -40,14 +40,14 @@ pub struct RoundedCase {
     settings: Vec<(Key, String)>,
 }
 
-impl RoundedCase {
-    /// A case of caps on pillars with the same radius of curvature. `height` is the height of the common pillar, relative to which caps are
+impl AsperityCase {
+    /// A case of asperities on pillars with the same radius of curvature. `height` is the height of the common pillar, relative to which asperities are
     /// raised.
     ///
     /// # Errors
     /// Pillars that are columns and end below the floor.
     pub fn new(
-        field: CapField,
+        field: AsperityArray,
         accuracy: Accuracy,
         height: f64,
         compliance: PillarCompliance,
@@ -63,7 +63,10 @@ impl RoundedCase {
                 parts.lens.material = material.unwrap_or(RIGID);
             }
         }
-        let top_radius = field.caps().first().map_or(f64::NAN, |cap| cap.top_radius);
+        let top_radius = field
+            .asperities()
+            .first()
+            .map_or(f64::NAN, |asperity| asperity.top_radius);
         parts.texture.top_radius = top_radius;
         parts.texture.pillar.height = height;
         parts.texture.pillar.compliance = compliance;
@@ -77,7 +80,11 @@ impl RoundedCase {
             Key::PillarHeight,
             Key::Accuracy,
         ];
-        if field.caps().iter().any(|cap| cap.rim_radius.is_some()) {
+        if field
+            .asperities()
+            .iter()
+            .any(|asperity| asperity.rim_radius.is_some())
+        {
             keys.push(Key::PillarCompliance);
         }
         keys.push(match parts.shape.form {
@@ -86,7 +93,11 @@ impl RoundedCase {
         });
         let settings = keys.into_iter();
         let settings = settings.map(|key| (key, key.written(&key.get(&mut parts))));
-        let raised: Vec<f64> = field.caps().iter().map(|cap| cap.raised).collect();
+        let raised: Vec<f64> = field
+            .asperities()
+            .iter()
+            .map(|asperity| asperity.raised)
+            .collect();
         let made = Self {
             settings: settings.collect(),
             field,
@@ -129,21 +140,25 @@ impl RoundedCase {
     /// Height of every pillar above the floor, m.
     #[must_use]
     pub fn heights(&self) -> Vec<f64> {
-        let caps = self.field.caps().iter();
-        caps.map(|cap| self.height + cap.raised).collect()
+        let asperities = self.field.asperities().iter();
+        asperities
+            .map(|asperity| self.height + asperity.raised)
+            .collect()
     }
 
     /// The table for `texture.pillars`: position of every pillar relative to the lens axis, its height above the floor, and its diameter if it has one.
     #[must_use]
     pub fn pillar_table(&self) -> String {
-        let caps = self.field.caps();
-        let with_rims = caps.iter().any(|cap| cap.rim_radius.is_some());
+        let asperities = self.field.asperities();
+        let with_rims = asperities
+            .iter()
+            .any(|asperity| asperity.rim_radius.is_some());
         let mut text = String::from("x_m,y_m,height_m");
         text.push_str(if with_rims { ",diameter_m\n" } else { "\n" });
-        for (cap, height) in caps.iter().zip(self.heights()) {
-            let [x, y] = cap.apex;
+        for (asperity, height) in asperities.iter().zip(self.heights()) {
+            let [x, y] = asperity.apex;
             text.push_str(&format!("{x:?},{y:?},{height:?}"));
-            match cap.rim_radius {
+            match asperity.rim_radius {
                 Some(radius) if with_rims => text.push_str(&format!(",{:?}\n", 2.0 * radius)),
                 _ => text.push('\n'),
             }
@@ -161,17 +176,21 @@ impl RoundedCase {
     pub fn with_heights(&self, raised: &[f64]) -> Result<Self, InvalidCaps> {
         let raised = self.field.with_heights(raised)?;
         let modulus = self.field.substrate().young_modulus;
-        let caps = raised.caps().iter().map(|cap| Cap {
+        let asperities = raised.asperities().iter().map(|asperity| Asperity {
             column_compliance: column_compliance(
                 self.compliance,
                 modulus,
-                self.height + cap.raised,
-                cap.rim_radius.map(|rim| 2.0 * rim),
+                self.height + asperity.raised,
+                asperity.rim_radius.map(|rim| 2.0 * rim),
             ),
-            ..*cap
+            ..*asperity
         });
         Ok(Self {
-            field: CapField::new(*raised.indenter(), *raised.substrate(), caps.collect())?,
+            field: AsperityArray::new(
+                *raised.indenter(),
+                *raised.substrate(),
+                asperities.collect(),
+            )?,
             ..self.clone()
         })
     }
@@ -204,7 +223,7 @@ impl CaseFile {
     /// # Errors
     /// [`CaseError`] for a missing key or an invalid value, an infinite lattice, adhesion, a method other than the spectral one, and
     /// pillars that cannot be read or that overlap.
-    pub fn rounded_case(&self) -> Result<RoundedCase, CaseError> {
+    pub fn asperity_case(&self) -> Result<AsperityCase, CaseError> {
         let parts = self.parts(&[Part::Bodies, Part::Texture])?;
         let pillar = parts.texture.pillar;
         if !self.is_rounded() {
@@ -213,7 +232,7 @@ impl CaseFile {
         self.check_common_pillar()?;
         self.refuse_with_rounded(&parts)?;
         let top_radius = parts.texture.top_radius;
-        let cap = |[x, y, height, diameter]: [f64; 4], common: f64| Cap {
+        let asperity = |[x, y, height, diameter]: [f64; 4], common: f64| Asperity {
             apex: [x, y],
             raised: height - common,
             top_radius,
@@ -230,15 +249,15 @@ impl CaseFile {
             _ => Indenter::Lens(parts.lens),
         };
         let field = |pillars: &[[f64; 4]], common: f64| {
-            let caps = pillars.iter().map(|values| cap(*values, common));
-            CapField::new(indenter, parts.substrate, caps.collect())
+            let asperities = pillars.iter().map(|values| asperity(*values, common));
+            AsperityArray::new(indenter, parts.substrate, asperities.collect())
         };
         let (field, height) = match self.lattice_pillars(&parts)? {
             Some(pillars) => {
                 self.check_number(Key::Columns, pillars.len())?;
                 let field = field(&pillars, pillar.height);
                 (
-                    field.map_err(|invalid| self.no_caps(&invalid))?,
+                    field.map_err(|invalid| self.no_asperities(&invalid))?,
                     pillar.height,
                 )
             }
@@ -257,16 +276,16 @@ impl CaseFile {
                 let field = field(&moved.collect::<Vec<_>>(), height);
                 let field = field.map_err(|invalid| match invalid {
                     InvalidCaps::TooClose {
-                        caps,
+                        asperities,
                         distance,
                         least,
-                    } => self.no_pillars(&overlap(&table, caps, distance, least)),
-                    other => self.no_caps(&other),
+                    } => self.no_pillars(&overlap(&table, asperities, distance, least)),
+                    other => self.no_asperities(&other),
                 })?;
                 (field, height)
             }
         };
-        Ok(RoundedCase {
+        Ok(AsperityCase {
             field,
             accuracy: parts.method.accuracy,
             height,
@@ -355,7 +374,7 @@ impl CaseFile {
     }
 
     /// Error for invalid tops.
-    fn no_caps(&self, invalid: &InvalidCaps) -> CaseError {
+    fn no_asperities(&self, invalid: &InvalidCaps) -> CaseError {
         match invalid {
             InvalidCaps::Body(invalid) => self.impossible(invalid),
             other => self.problem(Key::TopRadius, other.to_string()),

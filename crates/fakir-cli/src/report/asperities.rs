@@ -1,15 +1,17 @@
 //! What the reports of rounded pillar tops have in common.
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
-use fakir::problem::{Accuracy, Cap, Indenter, Method};
-use fakir_case::RoundedCase;
+use fakir::problem::{Accuracy, Asperity, Indenter, Method};
+use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
 use fakir_study::provenance::method_words;
 
 /// The case in a line: `64 rounded pillar tops, radius of curvature 526.0 um, under a plate`.
-pub(crate) fn case_line(case: &RoundedCase) -> String {
-    let caps = case.field.caps();
-    let radius = caps.first().map_or(0.0, |cap: &Cap| cap.top_radius);
+pub(crate) fn case_line(case: &AsperityCase) -> String {
+    let asperities = case.field.asperities();
+    let radius = asperities
+        .first()
+        .map_or(0.0, |asperity: &Asperity| asperity.top_radius);
     let indenter = match case.field.indenter() {
         Indenter::Flat(_) => "a plate".to_owned(),
         Indenter::Lens(lens) => format!(
@@ -19,7 +21,7 @@ pub(crate) fn case_line(case: &RoundedCase) -> String {
     };
     format!(
         "{} rounded pillar tops, radius of curvature {}, under {indenter}",
-        caps.len(),
+        asperities.len(),
         with_unit(radius, Dimension::Length, LENGTH_DIGITS)
     )
 }

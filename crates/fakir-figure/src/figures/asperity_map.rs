@@ -4,8 +4,8 @@ use crate::chart::MARGIN;
 use crate::figure::{COLUMN, Figure};
 use crate::map::{SCALE_BAR_ROOM, Window};
 use crate::scene::{Colour, Item, Path, Stroke};
-use fakir::problem::{CapField, Point};
-use fakir::state::CapContact;
+use fakir::problem::{AsperityArray, Point};
+use fakir::state::AsperityContact;
 
 const FLOOR: Colour = Colour::grey(205);
 const PILLAR: Colour = Colour::grey(235);
@@ -17,12 +17,13 @@ const RING: f64 = 2.2;
 /// The contact with rounded tops from above: contacts are dark, pillars with an edge light; tops without an edge that are not in
 /// contact are rings.
 #[must_use]
-pub fn cap_map(field: &CapField, contact: &CapContact) -> Figure {
-    let caps = || field.caps().iter().zip(&contact.caps);
-    let reach = caps().map(|(cap, state)| state.radius.max(cap.rim_radius.unwrap_or(0.0)));
+pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure {
+    let asperities = || field.asperities().iter().zip(&contact.asperities);
+    let reach =
+        asperities().map(|(asperity, state)| state.radius.max(asperity.rim_radius.unwrap_or(0.0)));
     let widest = reach.fold(0.0, f64::max);
     let ends = |axis: usize| {
-        let places = caps().map(|(cap, _)| cap.apex[axis]);
+        let places = asperities().map(|(asperity, _)| asperity.apex[axis]);
         places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
             [low.min(x), high.max(x)]
         })
@@ -45,17 +46,17 @@ pub fn cap_map(field: &CapField, contact: &CapContact) -> Figure {
             fill,
             stroke,
         };
-    for (cap, state) in caps() {
-        match cap.rim_radius {
-            Some(rim) => inside.push(disc(cap.apex, window.length(rim), Some(PILLAR), None)),
+    for (asperity, state) in asperities() {
+        match asperity.rim_radius {
+            Some(rim) => inside.push(disc(asperity.apex, window.length(rim), Some(PILLAR), None)),
             None if state.radius > 0.0 => {}
             None => {
                 let stroke = Stroke::solid(Colour::grey(120), 0.6);
-                inside.push(disc(cap.apex, RING, None, Some(stroke)));
+                inside.push(disc(asperity.apex, RING, None, Some(stroke)));
             }
         }
     }
-    for (_, state) in caps().filter(|(_, state)| state.radius > 0.0) {
+    for (_, state) in asperities().filter(|(_, state)| state.radius > 0.0) {
         inside.push(disc(
             state.centre,
             window.length(state.radius),

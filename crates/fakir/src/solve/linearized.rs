@@ -1,4 +1,4 @@
-//! The frozen contact: what every place would do if none changed its state.
+//! The linearized contact: what every place would do if none changed its state.
 //!
 //! The unknowns are the coefficients `c` of the pressure on every place: the leading ones of every pillar top, then, where the floor
 //! is touched, one of every cell of it. A place that gives way by itself, a pillar top, under the incident
@@ -51,7 +51,7 @@ impl From<f64> for Remainder {
     }
 }
 
-/// How the places of contact answer to the loads on them, their states frozen.
+/// How the places of contact answer to the loads on them, their states linearized.
 pub(crate) trait Rule {
     /// `c = P s`, place by place. Of a place without a compliance of its own `c` stays, or is zero if it bears no pressure.
     fn respond(&self, load: &[f64], coefficients: &mut [f64], workers: Workers<'_>);
@@ -124,7 +124,7 @@ pub(crate) enum Source<'a> {
 }
 
 /// All places of contact with their loads and responses.
-pub(crate) struct FrozenContact<'a, O> {
+pub(crate) struct LinearizedContact<'a, O> {
     run: &'a Run<'a>,
     coupling: O,
     /// Leading modes per pillar.
@@ -174,7 +174,7 @@ impl Room {
     }
 }
 
-impl<'a, O: Coupling> FrozenContact<'a, O> {
+impl<'a, O: Coupling> LinearizedContact<'a, O> {
     /// No pressure anywhere, at no indentation.
     pub(crate) fn new(run: &'a Run<'a>, coupling: O, modes: usize, own_load: Vec<f64>) -> Self {
         let size = own_load.len();

@@ -8,47 +8,48 @@ use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, Point};
 use std::sync::Arc;
 
-/// One cap of a contact.
+/// One asperity of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CapState {
+pub struct AsperityState {
     /// Whether it is touched: in part, or all of its top up to the rim.
     pub status: PillarStatus,
-    /// Centre of the contact, m; of a cap that is not touched, where it is nearest to be.
+    /// Centre of the contact, m; of an asperity that is not touched, where it is nearest to be.
     pub centre: Point,
     /// Radius of the contact, m.
     pub radius: f64,
     /// Normal force on it, N.
     pub force: f64,
-    /// Gap above a cap that is not touched, m; nothing of others.
+    /// Gap above an asperity that is not touched, m; nothing of others.
     pub gap: f64,
 }
 
 /// How force and area change. Those with a height are at the same indentation: contacts that begin or end at this very load have other
 /// changes upwards than downwards.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CapSlopes {
+pub struct AsperitySlopes {
     /// Change of the force with the indentation, N/m.
     pub force_with_indentation: f64,
     /// Change of the area with the indentation, m.
     pub area_with_indentation: f64,
-    /// Change of the force with the height of every cap, N/m.
+    /// Change of the force with the height of every asperity, N/m.
     pub force_with_height: Vec<f64>,
-    /// Change of the area with the height of every cap, m.
+    /// Change of the area with the height of every asperity, m.
     pub area_with_height: Vec<f64>,
 }
 
-impl CapSlopes {
-    /// Change of the area with the height of a cap at the same force, m; where nothing is touched, nothing.
+impl AsperitySlopes {
+    /// Change of the area with the height of an asperity at the same force, m; where nothing is touched, nothing.
     #[must_use]
-    pub fn area_with_height_at_force(&self, cap: usize) -> f64 {
-        self.area_with_height[cap] + self.area_with_indentation * self.indentation_with_height(cap)
+    pub fn area_with_height_at_force(&self, asperity: usize) -> f64 {
+        self.area_with_height[asperity]
+            + self.area_with_indentation * self.indentation_with_height(asperity)
     }
 
-    /// Change of the indentation with the height of a cap at the same force; where nothing is touched, nothing.
+    /// Change of the indentation with the height of an asperity at the same force; where nothing is touched, nothing.
     #[must_use]
-    pub fn indentation_with_height(&self, cap: usize) -> f64 {
+    pub fn indentation_with_height(&self, asperity: usize) -> f64 {
         if self.force_with_indentation > 0.0 {
-            -self.force_with_height[cap] / self.force_with_indentation
+            -self.force_with_height[asperity] / self.force_with_indentation
         } else {
             0.0
         }
@@ -57,7 +58,7 @@ impl CapSlopes {
 
 /// Estimated errors of a contact, from a pressure of a higher degree and from the ovalness of the contacts. They are errors of the solution, not of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CapErrors {
+pub struct AsperityErrors {
     /// Relative error of the force.
     pub force: f64,
     /// Relative error of the area.
@@ -66,9 +67,9 @@ pub struct CapErrors {
     pub indentation: f64,
 }
 
-/// The contact of a [`CapField`](crate::problem::CapField).
+/// The contact of a [`AsperityArray`](crate::problem::AsperityArray).
 #[derive(Debug, Clone)]
-pub struct CapContact {
+pub struct AsperityContact {
     /// How well it was solved.
     pub accuracy: Accuracy,
     /// Indentation, m: how far the lens or the plate is below the common level.
@@ -79,12 +80,12 @@ pub struct CapContact {
     pub area: f64,
     /// Distance from the lens axis of the farthest point in contact, m; none under a plate.
     pub contact_radius: Option<f64>,
-    /// Every cap, in the order of the field.
-    pub caps: Vec<CapState>,
+    /// Every asperity, in the order of the field.
+    pub asperities: Vec<AsperityState>,
     /// How force and area change with indentation and heights: exactly those of the discrete solution.
-    pub slopes: CapSlopes,
+    pub slopes: AsperitySlopes,
     /// Estimated errors, if they were asked for and can be given.
-    pub error: Option<CapErrors>,
+    pub error: Option<AsperityErrors>,
     /// Why the solver stopped.
     pub termination: Termination,
     /// Newton steps taken.
@@ -92,7 +93,7 @@ pub struct CapContact {
     pub(crate) contacts: Arc<Contacts>,
 }
 
-impl CapContact {
+impl AsperityContact {
     /// Whether the numbers are the solution.
     #[must_use]
     pub fn converged(&self) -> bool {
@@ -118,7 +119,7 @@ impl CapContact {
         Unresolved::among(numbers, remedy)
     }
 
-    /// Number of caps that are touched.
+    /// Number of asperities that are touched.
     #[must_use]
     pub fn touched(&self) -> usize {
         self.contacts.discs.len()
@@ -132,9 +133,9 @@ impl CapContact {
         if let Some(radius) = &mut self.contact_radius {
             check_number("contact radius", radius)?;
         }
-        for cap in &mut self.caps {
-            check_number("force of a cap", &mut cap.force)?;
-            check_number("radius of a contact", &mut cap.radius)?;
+        for asperity in &mut self.asperities {
+            check_number("force of an asperity", &mut asperity.force)?;
+            check_number("radius of a contact", &mut asperity.radius)?;
         }
         let slopes = &mut self.slopes;
         check_number("stiffness", &mut slopes.force_with_indentation)?;

@@ -13,17 +13,17 @@ const TOLERANCE: f64 = 1e-10;
 /// Caps that act as point forces.
 pub(crate) struct PointForces {
     pub(crate) indentation: f64,
-    /// By how much each cap is pressed in by its own force; of one that is not touched, less than nothing.
+    /// By how much each asperity is pressed in by its own force; of one that is not touched, less than nothing.
     pub(crate) pressed: Vec<f64>,
 }
 
-/// Hertz: the force on a cap that is pressed in, and its derivative.
+/// Hertz: the force on an asperity that is pressed in, and its derivative.
 fn hertz(pressed: f64, curvature: f64) -> [f64; 2] {
     let root = (pressed.max(0.0) / curvature).sqrt();
     [4.0 / 3.0 * pressed.max(0.0) * root, 2.0 * root]
 }
 
-/// By how much a cap is pressed in that comes down by so much with its column.
+/// By how much an asperity is pressed in that comes down by so much with its column.
 pub(crate) fn pressed_with_column(overlap: f64, curvature: f64, compliance: f64) -> f64 {
     // The sum rises and bends upwards, so that the steps come down to the root.
     let mut pressed = overlap;
@@ -44,7 +44,7 @@ pub(crate) fn point_forces(layout: &Layout, target: Prescribed) -> PointForces {
     let count = summits.len();
     let matrix = Matrix::from_fn(count, count, |i, j| {
         if i == j {
-            return layout.caps[i].column_compliance;
+            return layout.asperities[i].column_compliance;
         }
         let [x, y] = [0, 1].map(|k| summits[i].place[k] - summits[j].place[k]);
         (PI * x.hypot(y)).recip()
@@ -117,7 +117,7 @@ pub(crate) fn point_forces(layout: &Layout, target: Prescribed) -> PointForces {
     }
 }
 
-/// How deep the highest cap would be pressed by all of a force.
+/// How deep the highest asperity would be pressed by all of a force.
 fn pressed_by(layout: &Layout, force: f64) -> f64 {
     let highest = layout
         .summits

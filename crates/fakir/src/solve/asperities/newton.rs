@@ -36,7 +36,7 @@ const GROWING: f64 = 5.0;
 /// Part of the square of the largest radius below which a contact is none.
 const NOTHING: f64 = 1e-13;
 
-/// Part of the largest radius that the disc has on which the far field of a cap is felt that is not touched.
+/// Part of the largest radius that the disc has on which the far field of an asperity is felt that is not touched.
 const FEELER: f64 = 1e-3;
 
 /// Part of the radius of a top with which a contact starts that is found not to fill it.
@@ -52,7 +52,7 @@ pub(crate) struct Settled {
 /// Why contacts did not settle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Trouble {
-    /// Those of two caps would grow into each other.
+    /// Those of two asperities would grow into each other.
     Crowded([usize; 2]),
     /// The limit on steps was reached.
     Unsettled,
@@ -70,7 +70,7 @@ struct Stepped {
     change: f64,
 }
 
-/// A cap that is not touched.
+/// A asperity that is not touched.
 struct Feeling {
     place: Point,
     overlap: f64,
@@ -94,10 +94,10 @@ impl Equations<'_> {
             gaps: layout.gaps(start.indentation),
         };
         let most = start.pressed.iter().fold(0.0_f64, |a, b| a.max(*b));
-        for (cap, pressed) in start.pressed.iter().enumerate() {
-            let place = layout.summits[cap].place;
-            if *pressed > 1e-6 * most && self.is_inside(cap, place) {
-                let (disc, moments) = self.seed(cap, place, *pressed);
+        for (asperity, pressed) in start.pressed.iter().enumerate() {
+            let place = layout.summits[asperity].place;
+            if *pressed > 1e-6 * most && self.is_inside(asperity, place) {
+                let (disc, moments) = self.seed(asperity, place, *pressed);
                 contacts.discs.push(disc);
                 contacts.moments.extend(moments);
             }
@@ -106,16 +106,16 @@ impl Equations<'_> {
         contacts
     }
 
-    fn is_inside(&self, cap: usize, [x, y]: Point) -> bool {
-        let apex = self.layout.caps[cap].apex;
-        (x - apex[0]).hypot(y - apex[1]) < self.rim(cap)
+    fn is_inside(&self, asperity: usize, [x, y]: Point) -> bool {
+        let apex = self.layout.asperities[asperity].apex;
+        (x - apex[0]).hypot(y - apex[1]) < self.rim(asperity)
     }
 
-    /// A contact as if the cap were alone and pressed in by so much at a point.
-    fn seed(&self, cap: usize, place: Point, pressed: f64) -> (Disc, Vec<f64>) {
-        let curvature = self.layout.summits[cap].curvature;
+    /// A contact as if the asperity were alone and pressed in by so much at a point.
+    fn seed(&self, asperity: usize, place: Point, pressed: f64) -> (Disc, Vec<f64>) {
+        let curvature = self.layout.summits[asperity].curvature;
         let mut disc = Disc {
-            cap,
+            asperity,
             centre: place,
             radius: (pressed / curvature).sqrt(),
             hold: Hold::Free,
@@ -123,8 +123,8 @@ impl Equations<'_> {
         self.hold_at_rim(&mut disc);
         let mut load = self.rule.room();
         let geometry = (disc.centre, disc.radius);
-        self.rule.fill(self.layout, cap, geometry, &mut load);
-        load.value[0] += UNIT_FORCE * (pressed - self.layout.overlap(cap, place).value);
+        self.rule.fill(self.layout, asperity, geometry, &mut load);
+        load.value[0] += UNIT_FORCE * (pressed - self.layout.overlap(asperity, place).value);
         let mut moments: Vec<f64> = load
             .value
             .iter()
@@ -137,8 +137,8 @@ impl Equations<'_> {
 
     /// Keeps a free contact within the rim. Whether it had to be.
     fn hold_at_rim(&self, disc: &mut Disc) -> bool {
-        let rim = self.rim(disc.cap);
-        let apex = self.layout.caps[disc.cap].apex;
+        let rim = self.rim(disc.asperity);
+        let apex = self.layout.asperities[disc.asperity].apex;
         let [x, y] = [0, 1].map(|k| disc.centre[k] - apex[k]);
         let away = x.hypot(y);
         if away + disc.radius <= rim {
@@ -157,8 +157,8 @@ impl Equations<'_> {
     }
 
     fn lean(&self, disc: &mut Disc, angle: f64) {
-        let apex = self.layout.caps[disc.cap].apex;
-        let away = self.rim(disc.cap) - disc.radius;
+        let apex = self.layout.asperities[disc.asperity].apex;
+        let away = self.rim(disc.asperity) - disc.radius;
         let (sin, cos) = angle.sin_cos();
         disc.centre = [apex[0] + away * cos, apex[1] + away * sin];
     }
@@ -179,7 +179,7 @@ impl Equations<'_> {
             run.report(Progress {
                 stage: Stage::Spectral,
                 step: steps,
-                pillars: self.layout.caps.len(),
+                pillars: self.layout.asperities.len(),
                 touched: contacts.discs.len(),
             });
             let (mut stepped, factors) = if contacts.discs.is_empty() {
@@ -194,8 +194,8 @@ impl Equations<'_> {
             }
             let swallowed = self.take_up(&mut contacts, &mut stepped);
             crowded = stepped.crowded.or(swallowed);
-            if let Some(caps) = swallowed {
-                return Ok(Err(Trouble::Crowded(caps)));
+            if let Some(asperities) = swallowed {
+                return Ok(Err(Trouble::Crowded(asperities)));
             }
             if !stepped.changed && stepped.change <= 1.0 {
                 let closest = contacts.closest();
@@ -203,7 +203,7 @@ impl Equations<'_> {
                     && part > MERGING
                 {
                     return Ok(Err(Trouble::Crowded(
-                        pair.map(|disc| contacts.discs[disc].cap),
+                        pair.map(|disc| contacts.discs[disc].asperity),
                     )));
                 }
                 return Ok(Ok(Settled {
@@ -296,7 +296,7 @@ impl Equations<'_> {
             let radius = disc.radius;
             let wanted = radius * radius + 2.0 * radius * step[2];
             let moved = match disc.hold {
-                Hold::Leaning { .. } => (self.rim(disc.cap) - radius) * step[1].abs(),
+                Hold::Leaning { .. } => (self.rim(disc.asperity) - radius) * step[1].abs(),
                 _ => step[0].hypot(step[1]),
             };
             let change = radius * step[2].abs().max(moved);
@@ -318,10 +318,10 @@ impl Equations<'_> {
                     *angle += step[1].clamp(-0.5, 0.5);
                     *edge += step[0];
                     let (angle, edge) = (*angle, *edge);
-                    if disc.radius >= self.rim(disc.cap) {
+                    if disc.radius >= self.rim(disc.asperity) {
                         disc.hold = Hold::Whole;
-                        disc.radius = self.rim(disc.cap);
-                        disc.centre = self.layout.caps[disc.cap].apex;
+                        disc.radius = self.rim(disc.asperity);
+                        disc.centre = self.layout.asperities[disc.asperity].apex;
                         stepped.changed = true;
                         continue;
                     }
@@ -374,7 +374,7 @@ impl Equations<'_> {
         true
     }
 
-    /// Makes discs smaller that come too close to each other: the caps of two of them, if there are any.
+    /// Makes discs smaller that come too close to each other: the asperities of two of them, if there are any.
     fn part_discs(&self, contacts: &mut Contacts) -> Option<[usize; 2]> {
         let mut crowded = None;
         for one in 0..contacts.discs.len() {
@@ -384,7 +384,7 @@ impl Equations<'_> {
                 if filled <= CLIPPED {
                     continue;
                 }
-                crowded = Some([first.cap, second.cap]);
+                crowded = Some([first.asperity, second.asperity]);
                 for number in [one, two] {
                     let disc = &mut contacts.discs[number];
                     disc.radius *= CLIPPED / filled;
@@ -399,39 +399,39 @@ impl Equations<'_> {
         crowded
     }
 
-    /// Takes up caps that are pressed in and not yet touched. Two caps, of which the contact of one has grown over the other, if there are any.
+    /// Takes up asperities that are pressed in and not yet touched. Two asperities, of which the contact of one has grown over the other, if there are any.
     fn take_up(&mut self, contacts: &mut Contacts, stepped: &mut Stepped) -> Option<[usize; 2]> {
-        let touched: Vec<usize> = contacts.discs.iter().map(|disc| disc.cap).collect();
-        let waiting: Vec<usize> = (0..self.layout.caps.len())
-            .filter(|cap| touched.binary_search(cap).is_err())
+        let touched: Vec<usize> = contacts.discs.iter().map(|disc| disc.asperity).collect();
+        let waiting: Vec<usize> = (0..self.layout.asperities.len())
+            .filter(|asperity| touched.binary_search(asperity).is_err())
             .collect();
         let largest = contacts.largest_radius();
         let feeler = FEELER * largest;
         let mut reach: f64 = 0.0;
-        for cap in &waiting {
+        for asperity in &waiting {
             for disc in &contacts.discs {
-                let part = (disc.radius + feeler) / disc.distance(contacts.nearest[*cap]);
+                let part = (disc.radius + feeler) / disc.distance(contacts.nearest[*asperity]);
                 reach = reach.max(part);
             }
         }
         self.pair.prepare(reach.min(0.98));
         let mut block = self.pair.room();
         let mut fresh = Vec::new();
-        for cap in waiting {
-            let feeling = self.feel(contacts, cap, feeler, &mut block);
+        for asperity in waiting {
+            let feeling = self.feel(contacts, asperity, feeler, &mut block);
             if let Some(other) = feeling.swallowed {
-                return Some([other, cap]);
+                return Some([other, asperity]);
             }
-            contacts.nearest[cap] = feeling.place;
-            contacts.gaps[cap] = -feeling.overlap;
-            let curvature = self.layout.summits[cap].curvature;
+            contacts.nearest[asperity] = feeling.place;
+            contacts.gaps[asperity] = -feeling.overlap;
+            let curvature = self.layout.summits[asperity].curvature;
             if feeling.overlap * curvature.recip() > NOTHING * largest * largest
                 && feeling.overlap > 0.0
-                && self.is_inside(cap, feeling.place)
+                && self.is_inside(asperity, feeling.place)
             {
-                let compliance = self.layout.caps[cap].column_compliance;
+                let compliance = self.layout.asperities[asperity].column_compliance;
                 let pressed = pressed_with_column(feeling.overlap, curvature, compliance);
-                fresh.push(self.seed(cap, feeling.place, pressed));
+                fresh.push(self.seed(asperity, feeling.place, pressed));
             }
         }
         if fresh.is_empty() {
@@ -444,18 +444,24 @@ impl Equations<'_> {
             .zip(contacts.moments.chunks_exact(size).map(<[f64]>::to_vec))
             .chain(fresh)
             .collect();
-        all.sort_by_key(|(disc, _)| disc.cap);
+        all.sort_by_key(|(disc, _)| disc.asperity);
         contacts.discs = all.iter().map(|(disc, _)| *disc).collect();
         contacts.moments = all.into_iter().flat_map(|(_, moments)| moments).collect();
         stepped.crowded = stepped.crowded.or(self.part_discs(contacts));
         None
     }
 
-    /// Overlap of a cap that is not touched, at its highest point.
-    fn feel(&self, contacts: &Contacts, cap: usize, feeler: f64, block: &mut PairBlock) -> Feeling {
+    /// Overlap of an asperity that is not touched, at its highest point.
+    fn feel(
+        &self,
+        contacts: &Contacts,
+        asperity: usize,
+        feeler: f64,
+        block: &mut PairBlock,
+    ) -> Feeling {
         let size = self.modes();
-        let place = contacts.nearest[cap];
-        let mut jet = self.layout.overlap(cap, place);
+        let place = contacts.nearest[asperity];
+        let mut jet = self.layout.overlap(asperity, place);
         jet.value += contacts.indentation;
         let discs = contacts.discs.iter();
         for (disc, moments) in discs.zip(contacts.moments.chunks_exact(size)) {
@@ -463,7 +469,7 @@ impl Equations<'_> {
                 return Feeling {
                     place,
                     overlap: 0.0,
-                    swallowed: Some(disc.cap),
+                    swallowed: Some(disc.asperity),
                 };
             }
             let offset = [0, 1].map(|k| place[k] - disc.centre[k]);
@@ -487,12 +493,12 @@ impl Equations<'_> {
         }
     }
 
-    /// A cap that is touched at its rim before its top, if there is one.
+    /// A asperity that is touched at its rim before its top, if there is one.
     pub(crate) fn touched_at_rim(&mut self, contacts: &Contacts) -> Option<usize> {
-        let waiting = (0..self.layout.caps.len())
-            .filter(|cap| contacts.discs.iter().all(|disc| disc.cap != *cap));
+        let waiting = (0..self.layout.asperities.len())
+            .filter(|asperity| contacts.discs.iter().all(|disc| disc.asperity != *asperity));
         let outside: Vec<usize> = waiting
-            .filter(|cap| !self.is_inside(*cap, contacts.nearest[*cap]))
+            .filter(|asperity| !self.is_inside(*asperity, contacts.nearest[*asperity]))
             .collect();
         if outside.is_empty() {
             return None;
@@ -501,14 +507,14 @@ impl Equations<'_> {
         self.pair.prepare(0.98);
         let mut block = self.pair.room();
         let mut beside = contacts.clone();
-        outside.into_iter().find(|&cap| {
-            let apex = self.layout.caps[cap].apex;
-            let [x, y] = [0, 1].map(|k| beside.nearest[cap][k] - apex[k]);
-            let part = 0.999_999 * self.rim(cap) / x.hypot(y);
-            beside.nearest[cap] = [apex[0] + part * x, apex[1] + part * y];
-            let here = self.feel(&beside, cap, feeler, &mut block);
-            let [x, y] = [0, 1].map(|k| here.place[k] - beside.nearest[cap][k]);
-            let curvature = self.layout.summits[cap].curvature;
+        outside.into_iter().find(|&asperity| {
+            let apex = self.layout.asperities[asperity].apex;
+            let [x, y] = [0, 1].map(|k| beside.nearest[asperity][k] - apex[k]);
+            let part = 0.999_999 * self.rim(asperity) / x.hypot(y);
+            beside.nearest[asperity] = [apex[0] + part * x, apex[1] + part * y];
+            let here = self.feel(&beside, asperity, feeler, &mut block);
+            let [x, y] = [0, 1].map(|k| here.place[k] - beside.nearest[asperity][k]);
+            let curvature = self.layout.summits[asperity].curvature;
             here.overlap > 0.5 * curvature * (x * x + y * y)
         })
     }
@@ -526,7 +532,7 @@ impl Layout {
         }
     }
 
-    /// By how much caps are away that nothing presses down.
+    /// By how much asperities are away that nothing presses down.
     fn gaps(&self, indentation: f64) -> Vec<f64> {
         let summits = self.summits.iter();
         summits.map(|summit| -summit.height - indentation).collect()

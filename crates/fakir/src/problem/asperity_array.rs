@@ -7,21 +7,21 @@ use super::surface::Indenter;
 
 /// A rounded top: a paraboloid, or the top of a sphere that is as curved.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cap {
+pub struct Asperity {
     /// Where its highest point is, m from the lens axis.
     pub apex: Point,
     /// By how much that is above the common level from which indentations count, m.
     pub raised: f64,
     /// Radius of curvature, m.
     pub top_radius: f64,
-    /// Radius of the pillar whose top it is, beyond which there is nothing to touch, m; none of a cap without an edge.
+    /// Radius of the pillar whose top it is, beyond which there is nothing to touch, m; none of an asperity without an edge.
     pub rim_radius: Option<f64>,
     /// By how much its pillar is shortened by a unit force, m/N; zero of one that is as stiff as the half-space.
     pub column_compliance: f64,
 }
 
-impl Cap {
-    /// A cap on the common level, without a rim and without a column that gives way.
+impl Asperity {
+    /// A asperity on the common level, without a rim and without a column that gives way.
     #[must_use]
     pub fn new(apex: Point, top_radius: f64) -> Self {
         Self {
@@ -42,54 +42,54 @@ impl Cap {
 
 /// A lens or a plate above rounded tops: the complete problem, validated.
 ///
-/// Indentations count from where the lowest point of the lens, or the plate, is on the common level. A cap that is raised above it is touched at
+/// Indentations count from where the lowest point of the lens, or the plate, is on the common level. A asperity that is raised above it is touched at
 /// negative ones.
 ///
 /// ```
-/// use fakir::problem::{Accuracy, Cap, CapField, Indenter, Load, Material};
+/// use fakir::problem::{Accuracy, Asperity, AsperityArray, Indenter, Load, Material};
 /// use fakir::state::Run;
 ///
-/// // A rigid plate on one cap of rubber: Hertz, F = 4/3 E* sqrt(R) zeta^(3/2).
+/// // A rigid plate on one asperity of rubber: Hertz, F = 4/3 E* sqrt(R) zeta^(3/2).
 /// let rubber = Material::new(2.0e6, 0.5);
-/// let caps = vec![Cap::new([0.0, 0.0], 1.0e-4)];
-/// let field = CapField::new(Indenter::Flat(None), rubber, caps)?;
+/// let asperities = vec![Asperity::new([0.0, 0.0], 1.0e-4)];
+/// let field = AsperityArray::new(Indenter::Flat(None), rubber, asperities)?;
 /// let contact = field.press(Load::Indentation(1.0e-6), Accuracy::Default, &Run::default())?;
 /// let hertz = 4.0 / 3.0 * field.reduced_modulus() * 1.0e-4f64.sqrt() * 1.0e-6f64.powf(1.5);
 /// assert!((contact.force / hertz - 1.0).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct CapField {
+pub struct AsperityArray {
     indenter: Indenter,
     substrate: Material,
-    caps: Vec<Cap>,
+    asperities: Vec<Asperity>,
 }
 
-/// Why caps cannot be.
+/// Why asperities cannot be.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidCaps {
     /// There are none.
-    #[error("there are no caps: give one at least")]
+    #[error("there are no asperities: give one at least")]
     None,
     /// A quantity of a body that cannot be.
     #[error(transparent)]
     Body(#[from] InvalidQuantity),
-    /// A quantity of one of the caps that cannot be.
-    #[error("cap {number} (counted from 0): {invalid}")]
-    Cap {
+    /// A quantity of one of the asperities that cannot be.
+    #[error("asperity {number} (counted from 0): {invalid}")]
+    Asperity {
         /// Which one.
         number: usize,
         /// What it cannot have.
         invalid: InvalidQuantity,
     },
-    /// Two caps in one place, or pillars that overlap.
+    /// Two asperities in one place, or pillars that overlap.
     #[error(
-        "caps {0} and {1} (counted from 0) are {distance:.3e} m apart, and {least:.3e} m is the least", .caps[0], .caps[1]
+        "asperities {0} and {1} (counted from 0) are {distance:.3e} m apart, and {least:.3e} m is the least", .asperities[0], .asperities[1]
     )]
     TooClose {
         /// Which ones.
-        caps: [usize; 2],
+        asperities: [usize; 2],
         /// Distance of their highest points, m.
         distance: f64,
         /// The least that it can be: the sum of the radii of their pillars, m.
@@ -97,34 +97,35 @@ pub enum InvalidCaps {
     },
 }
 
-impl CapField {
+impl AsperityArray {
     /// Checks all quantities.
     ///
     /// # Errors
-    /// No caps, quantities that cannot be, two caps in one place, and rims that overlap.
+    /// No asperities, quantities that cannot be, two asperities in one place, and rims that overlap.
     pub fn new(
         indenter: Indenter,
         substrate: Material,
-        caps: Vec<Cap>,
+        asperities: Vec<Asperity>,
     ) -> Result<Self, InvalidCaps> {
         indenter.check()?;
         Requirement::Positive.check(Quantity::SubstrateYoungModulus, substrate.young_modulus)?;
         Requirement::PoissonRatio
             .check(Quantity::SubstratePoissonRatio, substrate.poisson_ratio)?;
-        if caps.is_empty() {
+        if asperities.is_empty() {
             return Err(InvalidCaps::None);
         }
-        for (number, cap) in caps.iter().enumerate() {
-            cap.check()
-                .map_err(|invalid| InvalidCaps::Cap { number, invalid })?;
+        for (number, asperity) in asperities.iter().enumerate() {
+            asperity
+                .check()
+                .map_err(|invalid| InvalidCaps::Asperity { number, invalid })?;
         }
-        for (number, one) in caps.iter().enumerate() {
-            for (other, two) in caps.iter().enumerate().skip(number + 1) {
+        for (number, one) in asperities.iter().enumerate() {
+            for (other, two) in asperities.iter().enumerate().skip(number + 1) {
                 let distance = (one.apex[0] - two.apex[0]).hypot(one.apex[1] - two.apex[1]);
                 let least = one.rim_radius.unwrap_or(0.0) + two.rim_radius.unwrap_or(0.0);
                 if distance <= 0.0 || distance < least {
                     return Err(InvalidCaps::TooClose {
-                        caps: [number, other],
+                        asperities: [number, other],
                         distance,
                         least,
                     });
@@ -134,11 +135,11 @@ impl CapField {
         Ok(Self {
             indenter,
             substrate,
-            caps,
+            asperities,
         })
     }
 
-    /// What is pressed onto the caps.
+    /// What is pressed onto the asperities.
     #[must_use]
     pub fn indenter(&self) -> &Indenter {
         &self.indenter
@@ -150,10 +151,10 @@ impl CapField {
         &self.substrate
     }
 
-    /// The caps.
+    /// The asperities.
     #[must_use]
-    pub fn caps(&self) -> &[Cap] {
-        &self.caps
+    pub fn asperities(&self) -> &[Asperity] {
+        &self.asperities
     }
 
     /// `E*`, Pa.
@@ -164,31 +165,38 @@ impl CapField {
         (indenter + self.substrate.plane_strain_compliance()).recip()
     }
 
-    /// The indentation at which the first cap is touched where the indenter is a plate, and where a cap under the axis of a lens would be; less
-    /// than nothing if caps are raised, m.
+    /// The indentation at which the first asperity is touched where the indenter is a plate, and where an asperity under the axis of a lens would be; less
+    /// than nothing if asperities are raised, m.
     #[must_use]
     pub fn highest(&self) -> f64 {
-        let raised = self.caps.iter().map(|cap| cap.raised);
+        let raised = self.asperities.iter().map(|asperity| asperity.raised);
         raised.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The same field with caps at other heights above the common level, m.
+    /// The same field with asperities at other heights above the common level, m.
     ///
     /// # Errors
     /// A height that is no number.
     ///
     /// # Panics
-    /// If there is not one height for every cap.
+    /// If there is not one height for every asperity.
     pub fn with_heights(&self, heights: &[f64]) -> Result<Self, InvalidCaps> {
-        assert_eq!(heights.len(), self.caps.len(), "one height for every cap");
-        let caps = self.caps.iter().zip(heights);
-        let caps: Vec<Cap> = caps.map(|(cap, raised)| cap.raised_by(*raised)).collect();
-        for (number, cap) in caps.iter().enumerate() {
-            cap.check()
-                .map_err(|invalid| InvalidCaps::Cap { number, invalid })?;
+        assert_eq!(
+            heights.len(),
+            self.asperities.len(),
+            "one height for every asperity"
+        );
+        let asperities = self.asperities.iter().zip(heights);
+        let asperities: Vec<Asperity> = asperities
+            .map(|(asperity, raised)| asperity.raised_by(*raised))
+            .collect();
+        for (number, asperity) in asperities.iter().enumerate() {
+            asperity
+                .check()
+                .map_err(|invalid| InvalidCaps::Asperity { number, invalid })?;
         }
         Ok(Self {
-            caps,
+            asperities,
             ..self.clone()
         })
     }
@@ -202,11 +210,11 @@ impl CapField {
     }
 }
 
-impl Cap {
+impl Asperity {
     fn check(&self) -> Result<(), InvalidQuantity> {
-        Requirement::Finite.check(Quantity::CapPlace, self.apex[0])?;
-        Requirement::Finite.check(Quantity::CapPlace, self.apex[1])?;
-        Requirement::Finite.check(Quantity::CapHeight, self.raised)?;
+        Requirement::Finite.check(Quantity::AsperityPlace, self.apex[0])?;
+        Requirement::Finite.check(Quantity::AsperityPlace, self.apex[1])?;
+        Requirement::Finite.check(Quantity::AsperityHeight, self.raised)?;
         Requirement::Positive.check(Quantity::TopRadius, self.top_radius)?;
         if let Some(rim) = self.rim_radius {
             Requirement::Positive.check(Quantity::RimRadius, rim)?;
@@ -225,17 +233,22 @@ mod tests {
     #[test]
     fn what_is_no_field_of_caps_is_refused() {
         let rubber = Material::new(2e6, 0.5);
-        let of = |caps: Vec<Cap>| CapField::new(Indenter::Flat(None), rubber, caps);
-        let good = Cap::new([0.0, 0.0], 1e-4);
+        let of = |asperities: Vec<Asperity>| {
+            AsperityArray::new(Indenter::Flat(None), rubber, asperities)
+        };
+        let good = Asperity::new([0.0, 0.0], 1e-4);
         assert_eq!(of(Vec::new()), Err(InvalidCaps::None));
-        let told = |bad: Cap| of(vec![good, bad]).unwrap_err().to_string();
-        let beside = Cap::new([1e-5, 0.0], 1e-4);
+        let told = |bad: Asperity| of(vec![good, bad]).unwrap_err().to_string();
+        let beside = Asperity::new([1e-5, 0.0], 1e-4);
         assert!(of(vec![good, beside]).is_ok());
-        assert!(told(Cap::new([1e-5, 0.0], -1.0)).contains("cap 1 (counted from 0): top radius"));
-        assert!(told(beside.raised_by(f64::NAN)).contains("height of a cap"));
-        assert!(told(good).contains("caps 0 and 1"));
+        assert!(
+            told(Asperity::new([1e-5, 0.0], -1.0))
+                .contains("asperity 1 (counted from 0): top radius")
+        );
+        assert!(told(beside.raised_by(f64::NAN)).contains("height of an asperity"));
+        assert!(told(good).contains("asperities 0 and 1"));
         let rim = Some(1.1e-5);
-        let told = told(Cap {
+        let told = told(Asperity {
             rim_radius: rim,
             ..beside
         });

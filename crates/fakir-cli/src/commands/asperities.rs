@@ -3,26 +3,26 @@
 use crate::failure::Failure;
 use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::report::Report;
+use crate::report::asperities::{case_line, method_line};
 use crate::report::maps::Maps;
-use crate::report::rounded::{case_line, method_line};
 use crate::report::state::{QuantityList, error_remark};
 use crate::session::Session;
 use fakir::problem::Load;
 use fakir::state::{PillarStatus, Solution};
-use fakir_case::RoundedCase;
+use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
-use fakir_figure::cap_map;
+use fakir_figure::asperity_map;
 use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
 use fakir_study::provenance::Provenance;
-use fakir_study::record::RoundedAnswer;
+use fakir_study::record::AsperityAnswer;
 use fakir_study::result::{
-    control_words, json, left_out_words, rounded_pillars, rounded_press, rounded_warnings,
+    asperity_pillars, asperity_press, asperity_warnings, control_words, json, left_out_words,
 };
 use std::time::Instant;
 
 pub(crate) fn press(
-    case: &RoundedCase,
+    case: &AsperityCase,
     control: Load,
     maps: Maps,
     session: &Session,
@@ -33,26 +33,26 @@ pub(crate) fn press(
     let provenance = Provenance::new(
         control_words(control),
         method_line(case.accuracy),
-        &[Topic::RoundedTops],
+        &[Topic::Asperities],
         case.to_toml(),
     );
-    let answer = RoundedAnswer::of(case, &contact);
-    let mut tables = maps.table(|| rounded_pillars(answer).some_csv("pillars.csv"));
+    let answer = AsperityAnswer::of(case, &contact);
+    let mut tables = maps.table(|| asperity_pillars(answer).some_csv("pillars.csv"));
     if maps != Maps::None {
-        tables.extend(saved(cap_map(&case.field, &contact), &provenance));
+        tables.extend(saved(asperity_map(&case.field, &contact), &provenance));
     }
     Ok(Report {
-        json: json(&rounded_press(answer, wall_time)),
+        json: json(&asperity_press(answer, wall_time)),
         text: text(case, answer, wall_time),
         provenance,
         tables,
-        warnings: rounded_warnings(answer),
+        warnings: asperity_warnings(answer),
         converged: contact.is_answer(),
         strained: Vec::new(),
     })
 }
 
-fn text(case: &RoundedCase, answer: RoundedAnswer<'_>, wall_time: f64) -> String {
+fn text(case: &AsperityCase, answer: AsperityAnswer<'_>, wall_time: f64) -> String {
     let contact = answer.contact;
     let error = contact.error.unwrap_or_default();
     let relative = |error: f64, value: f64| if value > 0.0 { error / value } else { 0.0 };
@@ -86,9 +86,9 @@ fn text(case: &RoundedCase, answer: RoundedAnswer<'_>, wall_time: f64) -> String
         list.length("contact radius", radius, String::new());
     }
     let full = contact
-        .caps
+        .asperities
         .iter()
-        .filter(|cap| cap.status == PillarStatus::Full);
+        .filter(|asperity| asperity.status == PillarStatus::Full);
     let full = match full.count() {
         0 => String::new(),
         full => format!(", {full} of them up to the rim"),
@@ -97,20 +97,20 @@ fn text(case: &RoundedCase, answer: RoundedAnswer<'_>, wall_time: f64) -> String
         "pillars in contact",
         contact.touched().to_string(),
         "",
-        &format!("of {}{full}", contact.caps.len()),
+        &format!("of {}{full}", contact.asperities.len()),
     );
     if contact.touched() > 0 {
-        let most = |of: fn(&fakir::state::CapState) -> f64| {
-            contact.caps.iter().map(of).fold(0.0, f64::max)
+        let most = |of: fn(&fakir::state::AsperityState) -> f64| {
+            contact.asperities.iter().map(of).fold(0.0, f64::max)
         };
         list.length(
             "largest contact on a top",
-            most(|cap| cap.radius),
+            most(|asperity| asperity.radius),
             "radius".to_owned(),
         )
         .quantity(
             "largest force on a pillar",
-            most(|cap| cap.force),
+            most(|asperity| asperity.force),
             Dimension::Force,
             LENGTH_DIGITS,
             String::new(),

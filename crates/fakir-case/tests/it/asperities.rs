@@ -1,7 +1,7 @@
 //! Cases with rounded pillar tops.
 
 use fakir::problem::{Accuracy, Indenter};
-use fakir_case::{CaseFile, RoundedCase};
+use fakir_case::{AsperityCase, CaseFile};
 
 const PLATE: &str = r#"
 [lens]
@@ -29,12 +29,12 @@ fn file(text: &str) -> CaseFile {
     CaseFile::parse("case.toml", text).unwrap()
 }
 
-fn rounded(text: &str) -> RoundedCase {
-    file(text).rounded_case().unwrap()
+fn rounded(text: &str) -> AsperityCase {
+    file(text).asperity_case().unwrap()
 }
 
 fn refused(text: &str) -> String {
-    let error = file(text).rounded_case().unwrap_err();
+    let error = file(text).asperity_case().unwrap_err();
     error.one_line()
 }
 
@@ -43,15 +43,17 @@ fn a_lattice_of_asperities_under_a_plate() {
     let case = rounded(&format!("{PLATE}{SITES}"));
     assert_eq!(case.accuracy, Accuracy::Default);
     assert!(matches!(case.field.indenter(), Indenter::Flat(Some(_))));
-    let caps = case.field.caps();
-    assert_eq!(caps.len(), 9);
-    for cap in caps {
-        assert!(cap.rim_radius.is_none() && cap.column_compliance.abs() < f64::MIN_POSITIVE);
-        assert!((cap.top_radius - 526e-6).abs() < 1e-18 && cap.raised.abs() < 1e-18);
+    let asperities = case.field.asperities();
+    assert_eq!(asperities.len(), 9);
+    for asperity in asperities {
+        assert!(
+            asperity.rim_radius.is_none() && asperity.column_compliance.abs() < f64::MIN_POSITIVE
+        );
+        assert!((asperity.top_radius - 526e-6).abs() < 1e-18 && asperity.raised.abs() < 1e-18);
     }
-    let farthest = caps
+    let farthest = asperities
         .iter()
-        .map(|cap| cap.apex[0].hypot(cap.apex[1]))
+        .map(|asperity| asperity.apex[0].hypot(asperity.apex[1]))
         .fold(0.0, f64::max);
     assert!((farthest / (1.5e-3 * 2f64.sqrt()) - 1.0).abs() < 1e-14);
     let again = rounded(&case.to_toml());
@@ -62,17 +64,20 @@ fn a_lattice_of_asperities_under_a_plate() {
 #[test]
 fn pillars_with_a_diameter_have_a_rim_and_a_column() {
     let with_rim = format!("{PLATE}{SITES}diameter = \"400 um\"\n");
-    let cap = rounded(&with_rim).field.caps()[0];
-    assert_eq!(cap.rim_radius.map(f64::to_bits), Some(200e-6f64.to_bits()));
+    let asperity = rounded(&with_rim).field.asperities()[0];
+    assert_eq!(
+        asperity.rim_radius.map(f64::to_bits),
+        Some(200e-6f64.to_bits())
+    );
     let column = 4.0 * 200e-6 / (std::f64::consts::PI * 1.5e6 * 400e-6f64.powi(2));
-    assert!((cap.column_compliance / column - 1.0).abs() < 1e-14);
+    assert!((asperity.column_compliance / column - 1.0).abs() < 1e-14);
     // A higher pillar is more compliant.
     let heights = vec![50e-6; 9];
     let raised = rounded(&with_rim).with_heights(&heights).unwrap();
-    let cap = raised.field.caps()[0];
-    assert!((cap.column_compliance / column - 1.25).abs() < 1e-12);
+    let asperity = raised.field.asperities()[0];
+    assert!((asperity.column_compliance / column - 1.25).abs() < 1e-12);
     let stiff = rounded(&format!("{with_rim}compliance = \"none\"\n"));
-    assert!(stiff.field.caps()[0].column_compliance.abs() < f64::MIN_POSITIVE);
+    assert!(stiff.field.asperities()[0].column_compliance.abs() < f64::MIN_POSITIVE);
 }
 
 #[test]
@@ -85,15 +90,15 @@ fn heights_in_a_table_are_read_again_to_the_bit() {
     std::fs::write(folder.join("pillars.csv"), made.pillar_table()).unwrap();
     let path = folder.join("case.toml");
     std::fs::write(&path, made.to_toml_with_table("pillars.csv")).unwrap();
-    let again = CaseFile::read(&path).unwrap().rounded_case().unwrap();
-    for (one, other) in made.field.caps().iter().zip(again.field.caps()) {
+    let again = CaseFile::read(&path).unwrap().asperity_case().unwrap();
+    for (one, other) in made.field.asperities().iter().zip(again.field.asperities()) {
         assert!((one.raised - other.raised).abs() < 1e-19);
         assert_eq!(one.apex.map(f64::to_bits), other.apex.map(f64::to_bits));
     }
     // The error for an overlap names the lines of the table.
     let table = "x_m,y_m,height_m,diameter_m\n0,0,1e-4,4e-4\n1e-4,0,1e-4,4e-4\n";
     std::fs::write(folder.join("pillars.csv"), table).unwrap();
-    let told = CaseFile::read(&path).unwrap().rounded_case().unwrap_err();
+    let told = CaseFile::read(&path).unwrap().asperity_case().unwrap_err();
     assert!(
         told.one_line()
             .contains("line 3: this pillar overlaps with that of line 2")
@@ -107,7 +112,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
     let set = |setting: &str| {
         let mut file = file(&format!("{PLATE}{SITES}"));
         file.set(setting).unwrap();
-        file.rounded_case().unwrap_err().one_line()
+        file.asperity_case().unwrap_err().one_line()
     };
     for (told, words) in [
         (

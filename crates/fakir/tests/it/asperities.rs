@@ -3,10 +3,10 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Accuracy, Boundary, Cap, CapField, Grid, HeightMap, Indenter, Lens, Load, Material, Point,
-    SurfaceSystem,
+    Accuracy, Asperity, AsperityArray, Boundary, Grid, HeightMap, Indenter, Lens, Load, Material,
+    Point, SurfaceSystem,
 };
-use fakir::state::{CapContact, PillarStatus, Run, SolveError, Termination};
+use fakir::state::{AsperityContact, PillarStatus, Run, SolveError, Termination};
 use std::f64::consts::PI;
 
 /// A micrometre, and the unit of force where lengths are in them and the reduced modulus is 1 Pa.
@@ -30,21 +30,21 @@ fn indenter(radius: f64) -> Indenter {
 }
 
 /// Caps at places with radii of curvature and heights, all in um.
-fn field(indenter: Indenter, caps: &[(Point, f64, f64)]) -> CapField {
-    let caps = caps.iter().map(|([x, y], radius, raised)| {
-        Cap::new([x * UM, y * UM], radius * UM).raised_by(raised * UM)
+fn field(indenter: Indenter, asperities: &[(Point, f64, f64)]) -> AsperityArray {
+    let asperities = asperities.iter().map(|([x, y], radius, raised)| {
+        Asperity::new([x * UM, y * UM], radius * UM).raised_by(raised * UM)
     });
-    CapField::new(indenter, substrate(), caps.collect()).expect("a field")
+    AsperityArray::new(indenter, substrate(), asperities.collect()).expect("a field")
 }
 
-fn press(field: &CapField, control: Load, accuracy: Accuracy) -> CapContact {
+fn press(field: &AsperityArray, control: Load, accuracy: Accuracy) -> AsperityContact {
     let contact = field.press(control, accuracy, &Run::default());
     let contact = contact.expect("a contact");
     assert!(contact.converged(), "{:?}", contact.termination);
     contact
 }
 
-/// Seven caps of radius of curvature 100, one in the middle of six.
+/// Seven asperities of radius of curvature 100, one in the middle of six.
 fn seven(pitch: f64) -> Vec<(Point, f64, f64)> {
     let around = (0..6).map(|k| {
         let angle = PI / 3.0 * f64::from(k);
@@ -81,7 +81,7 @@ impl Draws {
 
 /// Hertz: `F = 4/3 sqrt(R) zeta^(3/2)`, `A = pi R zeta`.
 #[test]
-fn a_plate_on_one_cap() {
+fn a_plate_on_one_asperity() {
     let field = field(indenter(f64::INFINITY), &[([3.0, -7.0], 100.0, 0.4)]);
     for zeta in [-0.3, 0.01, 1.0] {
         for accuracy in [Accuracy::Default, Accuracy::Accurate] {
@@ -108,11 +108,12 @@ fn a_plate_on_one_cap() {
 #[test]
 fn a_plate_on_one_cap_with_a_column() {
     let compliance = 0.02;
-    let cap = Cap {
+    let asperity = Asperity {
         column_compliance: compliance / UM,
-        ..Cap::new([0.0, 0.0], 100.0 * UM)
+        ..Asperity::new([0.0, 0.0], 100.0 * UM)
     };
-    let field = CapField::new(indenter(f64::INFINITY), substrate(), vec![cap]).expect("a field");
+    let field =
+        AsperityArray::new(indenter(f64::INFINITY), substrate(), vec![asperity]).expect("a field");
     for pressed in [0.2, 1.0_f64] {
         let force = 40.0 / 3.0 * pressed.powf(1.5);
         let zeta = pressed + compliance * force;
@@ -137,14 +138,14 @@ fn a_sphere_on_a_cap_off_its_axis() {
     assert!((contact.force / force - 1.0).abs() < 1e-12);
     assert!((contact.area / (PI * effective * overlap * UM * UM) - 1.0).abs() < 1e-12);
     let shifted = 24.0 * radius / (radius + 100.0) * UM;
-    assert!((contact.caps[0].centre[0] - shifted).abs() < 1e-9 * UM);
+    assert!((contact.asperities[0].centre[0] - shifted).abs() < 1e-9 * UM);
 }
 
 /// By another program with a pressure of degree 6; errors are those it was given with.
 #[test]
 fn seven_caps_are_those_of_the_reference() {
     let plate = || indenter(f64::INFINITY);
-    for (caps, force, force_error, area) in [
+    for (asperities, force, force_error, area) in [
         (
             seven(50.0),
             59.3662790748,
@@ -159,7 +160,7 @@ fn seven_caps_are_those_of_the_reference() {
         ),
         (random_seven(), 39.4573710025, 1.2e-3, None),
     ] {
-        let field = field(plate(), &caps);
+        let field = field(plate(), &asperities);
         for accuracy in [Accuracy::Default, Accuracy::Accurate] {
             let contact = press(&field, Load::Indentation(UM), accuracy);
             let found = contact.force / FORCE;
@@ -187,19 +188,19 @@ fn seven_caps_are_those_of_the_reference() {
     }
 }
 
-/// Random caps at random places, which are apart, in um: of that many, fewer where there is no room.
-fn random_caps(draws: &mut Draws, count: usize, side: f64) -> Vec<(Point, f64, f64)> {
-    let mut caps: Vec<(Point, f64, f64)> = Vec::new();
+/// Random asperities at random places, which are apart, in um: of that many, fewer where there is no room.
+fn random_asperities(draws: &mut Draws, count: usize, side: f64) -> Vec<(Point, f64, f64)> {
+    let mut asperities: Vec<(Point, f64, f64)> = Vec::new();
     for _ in 0..200 * count {
         let place = [draws.between(-side, side), draws.between(-side, side)];
         let apart = |(other, _, _): &(Point, f64, f64)| {
             (other[0] - place[0]).hypot(other[1] - place[1]) > 12.0
         };
-        if caps.len() < count && caps.iter().all(apart) {
-            caps.push((place, draws.between(50.0, 200.0), draws.between(-0.5, 0.5)));
+        if asperities.len() < count && asperities.iter().all(apart) {
+            asperities.push((place, draws.between(50.0, 200.0), draws.between(-0.5, 0.5)));
         }
     }
-    caps
+    asperities
 }
 
 #[test]
@@ -213,7 +214,7 @@ fn many_random_fields_are_solved_or_refused() {
     check_random_fields(80);
 }
 
-/// Plates and spheres on random caps: every question has an answer or a reason, and the answer by displacement is that by force.
+/// Plates and spheres on random asperities: every question has an answer or a reason, and the answer by displacement is that by force.
 fn check_random_fields(fields: usize) {
     let mut draws = Draws::new(5);
     let (mut solved, mut merged, mut steps) = (0, 0, 0);
@@ -225,7 +226,10 @@ fn check_random_fields(fields: usize) {
         } else {
             draws.between(500.0, 5000.0)
         };
-        let field = field(indenter(radius), &random_caps(&mut draws, count, side));
+        let field = field(
+            indenter(radius),
+            &random_asperities(&mut draws, count, side),
+        );
         let zeta = draws.between(-0.4, 1.0) * UM;
         let run = Run::default();
         match field.press(Load::Indentation(zeta), Accuracy::Default, &run) {
@@ -242,7 +246,7 @@ fn check_random_fields(fields: usize) {
                 assert!((back.indentation - zeta).abs() < 1e-9 * UM, "{number}");
                 assert!((back.area / contact.area - 1.0).abs() < 1e-9, "{number}");
                 println!(
-                    "{number}: {count} caps, {} touched, R {radius:.0}, {} steps, {:.1e} {:.1e}",
+                    "{number}: {count} asperities, {} touched, R {radius:.0}, {} steps, {:.1e} {:.1e}",
                     contact.touched(),
                     contact.iterations,
                     error.force,
@@ -264,7 +268,7 @@ fn check_random_fields(fields: usize) {
     assert!(8 * solved > 5 * fields, "{solved} {merged}");
 }
 
-/// Small spheres on flat caps, which are tilted by more than their contacts are wide.
+/// Small spheres on flat asperities, which are tilted by more than their contacts are wide.
 #[test]
 fn steep_spheres_are_solved_or_refused() {
     let mut draws = Draws::new(29);
@@ -273,7 +277,10 @@ fn steep_spheres_are_solved_or_refused() {
         let count = draws.between(3.0, 40.0) as usize;
         let side = draws.between(12.0, 20.0) * (count as f64).sqrt();
         let radius = draws.between(200.0, 600.0);
-        let field = field(indenter(radius), &random_caps(&mut draws, count, side));
+        let field = field(
+            indenter(radius),
+            &random_asperities(&mut draws, count, side),
+        );
         let control = Load::Force(draws.between(0.1, 40.0) * FORCE);
         match field.press(control, Accuracy::Default, &Run::default()) {
             Ok(contact) => {
@@ -302,20 +309,21 @@ fn slopes_are_those_of_central_differences() {
         } else {
             6000.0
         };
-        let mut caps: Vec<Cap> = field(indenter(radius), &random_caps(&mut draws, 9, 40.0))
-            .caps()
-            .to_vec();
-        for cap in &mut caps {
-            cap.column_compliance = draws.between(0.0, 0.01) / UM;
+        let mut asperities: Vec<Asperity> =
+            field(indenter(radius), &random_asperities(&mut draws, 9, 40.0))
+                .asperities()
+                .to_vec();
+        for asperity in &mut asperities {
+            asperity.column_compliance = draws.between(0.0, 0.01) / UM;
             if number % 4 > 1 {
-                cap.rim_radius = Some(draws.between(3.0, 6.0) * UM);
+                asperity.rim_radius = Some(draws.between(3.0, 6.0) * UM);
             }
         }
-        let field = CapField::new(indenter(radius), substrate(), caps).expect("a field");
+        let field = AsperityArray::new(indenter(radius), substrate(), asperities).expect("a field");
         let zeta = 0.6 * UM;
         let contact = press(&field, Load::Indentation(zeta), Accuracy::Default);
         let run = Run::default();
-        let totals = |field: &CapField, zeta: f64| {
+        let totals = |field: &AsperityArray, zeta: f64| {
             let near = field
                 .press_quickly(
                     Load::Indentation(zeta),
@@ -339,18 +347,29 @@ fn slopes_are_those_of_central_differences() {
         let of_all = [slopes.force_with_indentation, slopes.area_with_indentation];
         let ends = [totals(&field, zeta + step), totals(&field, zeta - step)];
         compare(of_all, ends, of_all);
-        for cap in 0..field.caps().len() {
+        for asperity in 0..field.asperities().len() {
             let with = |step: f64| {
-                let mut heights: Vec<f64> = field.caps().iter().map(|cap| cap.raised).collect();
-                heights[cap] += step;
+                let mut heights: Vec<f64> = field
+                    .asperities()
+                    .iter()
+                    .map(|asperity| asperity.raised)
+                    .collect();
+                heights[asperity] += step;
                 totals(&field.with_heights(&heights).expect("a field"), zeta)
             };
-            let found = [slopes.force_with_height[cap], slopes.area_with_height[cap]];
-            let scale = [0, 1].map(|k| of_all[k] / field.caps().len() as f64);
+            let found = [
+                slopes.force_with_height[asperity],
+                slopes.area_with_height[asperity],
+            ];
+            let scale = [0, 1].map(|k| of_all[k] / field.asperities().len() as f64);
             compare(found, [with(step), with(-step)], scale);
             let at_force = |step: f64| {
-                let mut heights: Vec<f64> = field.caps().iter().map(|cap| cap.raised).collect();
-                heights[cap] += step;
+                let mut heights: Vec<f64> = field
+                    .asperities()
+                    .iter()
+                    .map(|asperity| asperity.raised)
+                    .collect();
+                heights[asperity] += step;
                 let field = field.with_heights(&heights).expect("a field");
                 let control = Load::Force(contact.force);
                 let near = field.press_quickly(control, contact.accuracy, Some(&contact), &run);
@@ -358,8 +377,8 @@ fn slopes_are_those_of_central_differences() {
                 [near.indentation, near.area]
             };
             let found = [
-                slopes.indentation_with_height(cap),
-                slopes.area_with_height_at_force(cap),
+                slopes.indentation_with_height(asperity),
+                slopes.area_with_height_at_force(asperity),
             ];
             compare(found, [at_force(step), at_force(-step)], [1.0, scale[1]]);
         }
@@ -369,13 +388,13 @@ fn slopes_are_those_of_central_differences() {
 /// Lengths times `s` are forces times `s^2`, and a field that is turned has the same answer.
 #[test]
 fn scaled_and_turned_fields() {
-    let caps = random_caps(&mut Draws::new(3), 12, 40.0);
-    let at = |caps: &[(Point, f64, f64)], radius: f64, zeta: f64| {
-        let field = field(indenter(radius), caps);
+    let asperities = random_asperities(&mut Draws::new(3), 12, 40.0);
+    let at = |asperities: &[(Point, f64, f64)], radius: f64, zeta: f64| {
+        let field = field(indenter(radius), asperities);
         press(&field, Load::Indentation(zeta * UM), Accuracy::Default)
     };
-    let contact = at(&caps, 900.0, 0.7);
-    let scaled: Vec<_> = caps
+    let contact = at(&asperities, 900.0, 0.7);
+    let scaled: Vec<_> = asperities
         .iter()
         .map(|([x, y], radius, raised)| ([3.0 * x, 3.0 * y], 3.0 * radius, 3.0 * raised))
         .collect();
@@ -383,7 +402,7 @@ fn scaled_and_turned_fields() {
     assert!((larger.force / (9.0 * contact.force) - 1.0).abs() < 1e-10);
     assert!((larger.area / (9.0 * contact.area) - 1.0).abs() < 1e-10);
     let (sin, cos) = 0.7_f64.sin_cos();
-    let turned: Vec<_> = caps
+    let turned: Vec<_> = asperities
         .iter()
         .map(|([x, y], radius, raised)| ([cos * x - sin * y, sin * x + cos * y], *radius, *raised))
         .collect();
@@ -391,7 +410,7 @@ fn scaled_and_turned_fields() {
     assert!((turned.force / contact.force - 1.0).abs() < 1e-10);
 }
 
-/// Two caps of equal height merge where their radii fill the distance: found by the load, and refused beyond it.
+/// Two asperities of equal height merge where their radii fill the distance: found by the load, and refused beyond it.
 #[test]
 fn contacts_that_merge_are_refused_with_the_load() {
     let field = field(
@@ -403,21 +422,21 @@ fn contacts_that_merge_are_refused_with_the_load() {
     for control in [Load::Indentation(3.0 * UM), Load::Force(100.0 * FORCE)] {
         let refused = field.press(control, Accuracy::Default, &run);
         let Err(SolveError::ContactsMerge {
-            caps,
+            asperities,
             indentation,
             force,
         }) = refused
         else {
             panic!("{refused:?}");
         };
-        assert_eq!(caps, [0, 1]);
+        assert_eq!(asperities, [0, 1]);
         let last = press(
             &field,
             Load::Indentation(0.998 * indentation),
             Accuracy::Default,
         );
-        let centres = [0, 1].map(|cap| last.caps[cap].centre[0]);
-        let filled = 2.0 * last.caps[0].radius / (centres[1] - centres[0]);
+        let centres = [0, 1].map(|asperity| last.asperities[asperity].centre[0]);
+        let filled = 2.0 * last.asperities[0].radius / (centres[1] - centres[0]);
         assert!((0.945..0.951).contains(&filled), "{filled}");
         assert!((last.force / force - 1.0).abs() < 5e-3);
         loads.push(indentation);
@@ -447,8 +466,8 @@ fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> [f64; 2] {
     [contact.force / FORCE, contact.contact_area / FORCE]
 }
 
-fn heights_of(caps: &[(Point, f64, f64)], [x, y]: Point) -> f64 {
-    let heights = caps.iter().map(|(place, radius, raised)| {
+fn heights_of(asperities: &[(Point, f64, f64)], [x, y]: Point) -> f64 {
+    let heights = asperities.iter().map(|(place, radius, raised)| {
         raised - ((x - place[0]).powi(2) + (y - place[1]).powi(2)) / (2.0 * radius)
     });
     heights.fold(f64::NEG_INFINITY, f64::max)
@@ -470,25 +489,30 @@ fn ovals_are_those_of_elements() {
     check_by_elements(seven(24.0), 400.0, 50.0, 5e-4);
 }
 
-/// With the error of elements on each cap alone taken off: cells are in the same places on each.
-fn check_by_elements(mut caps: Vec<(Point, f64, f64)>, radius: f64, half: f64, tolerance: f64) {
-    for (place, _, _) in &mut caps {
+/// With the error of elements on each asperity alone taken off: cells are in the same places on each.
+fn check_by_elements(
+    mut asperities: Vec<(Point, f64, f64)>,
+    radius: f64,
+    half: f64,
+    tolerance: f64,
+) {
+    for (place, _, _) in &mut asperities {
         *place = place.map(|x| (4.0 * x).round() / 4.0);
     }
     let cell = 0.125;
-    let field = field(indenter(radius), &caps);
+    let field = field(indenter(radius), &asperities);
     let contact = press(&field, Load::Indentation(UM), Accuracy::Accurate);
-    let surface = cells(half, cell, |at| heights_of(&caps, at));
+    let surface = cells(half, cell, |at| heights_of(&asperities, at));
     let found = by_elements(radius, surface, 1.0);
     let mut bias = [0.0; 2];
-    let touched = caps.iter().zip(&contact.caps);
-    for (cap, state) in touched.filter(|(_, state)| state.force > 0.0) {
+    let touched = asperities.iter().zip(&contact.asperities);
+    for (asperity, state) in touched.filter(|(_, state)| state.force > 0.0) {
         let radius = state.radius / UM;
-        let overlap = radius * radius / cap.1;
-        let alone = [([0.0, 0.0], cap.1, 0.0)];
+        let overlap = radius * radius / asperity.1;
+        let alone = [([0.0, 0.0], asperity.1, 0.0)];
         let surface = cells(radius + 2.0, cell, |at| heights_of(&alone, at));
         let [force, area] = by_elements(f64::INFINITY, surface, overlap);
-        let hertz = 4.0 / 3.0 * cap.1.sqrt() * overlap.powf(1.5);
+        let hertz = 4.0 / 3.0 * asperity.1.sqrt() * overlap.powf(1.5);
         bias[0] += (force / hertz - 1.0) * state.force / contact.force;
         let part = PI * state.radius * state.radius / contact.area;
         bias[1] += (area / (PI * radius * radius) - 1.0) * part;
@@ -506,14 +530,15 @@ fn check_by_elements(mut caps: Vec<(Point, f64, f64)>, radius: f64, half: f64, t
     );
 }
 
-/// A cap on which the contact has grown to the rim: `F = 2 a zeta - 2 a^3/(3 rho)`, as the displacement of a flat punch under the paraboloid.
+/// A asperity on which the contact has grown to the rim: `F = 2 a zeta - 2 a^3/(3 rho)`, as the displacement of a flat punch under the paraboloid.
 #[test]
 fn a_contact_that_fills_its_top() {
-    let cap = Cap {
+    let asperity = Asperity {
         rim_radius: Some(6.0 * UM),
-        ..Cap::new([0.0, 0.0], 100.0 * UM)
+        ..Asperity::new([0.0, 0.0], 100.0 * UM)
     };
-    let field = CapField::new(indenter(f64::INFINITY), substrate(), vec![cap]).expect("a field");
+    let field =
+        AsperityArray::new(indenter(f64::INFINITY), substrate(), vec![asperity]).expect("a field");
     for zeta in [0.3, 0.3599, 0.3601, 1.0, 3.0_f64] {
         let contact = press(&field, Load::Indentation(zeta * UM), Accuracy::Default);
         let (force, status) = if zeta <= 0.36 {
@@ -525,15 +550,15 @@ fn a_contact_that_fills_its_top() {
             (contact.force / FORCE / force - 1.0).abs() < 1e-12,
             "{zeta}"
         );
-        assert_eq!(contact.caps[0].status, status);
+        assert_eq!(contact.asperities[0].status, status);
     }
 }
 
-/// A sphere beside the axis of which a cap with a rim stands: contact that is free, leans on the rim, and fills the top, by elements on a disc of
+/// A sphere beside the axis of which an asperity with a rim stands: contact that is free, leans on the rim, and fills the top, by elements on a disc of
 /// cells that is as stiff as one of that radius.
 #[test]
 fn a_contact_that_leans_on_its_rim() {
-    let (lens, place, cap_radius, cell) = (400.0, 12.0, 60.0, 0.125);
+    let (lens, place, asperity_radius, cell) = (400.0, 12.0, 60.0, 0.125);
     let rim: f64 = 4.03;
     let disc = |height: &dyn Fn(Point) -> f64| {
         cells(place + 14.0, cell, |[x, y]| {
@@ -546,28 +571,28 @@ fn a_contact_that_leans_on_its_rim() {
         })
     };
     let effective = 0.5 * by_elements(f64::INFINITY, disc(&|_| 0.0), 1.0)[0];
-    let cap = Cap {
+    let asperity = Asperity {
         rim_radius: Some(effective * UM),
-        ..Cap::new([place * UM, 0.0], cap_radius * UM)
+        ..Asperity::new([place * UM, 0.0], asperity_radius * UM)
     };
-    let field = CapField::new(indenter(lens), substrate(), vec![cap]).expect("a field");
+    let field = AsperityArray::new(indenter(lens), substrate(), vec![asperity]).expect("a field");
     for overlap in [0.05, 0.12, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6, 1.0, 2.0] {
-        let zeta = overlap + place * place / (2.0 * (lens + cap_radius));
+        let zeta = overlap + place * place / (2.0 * (lens + asperity_radius));
         let contact = press(&field, Load::Indentation(zeta * UM), Accuracy::Accurate);
-        let surface = disc(&|[x, y]| -(x * x + y * y) / (2.0 * cap_radius));
+        let surface = disc(&|[x, y]| -(x * x + y * y) / (2.0 * asperity_radius));
         let found = by_elements(lens, surface, zeta)[0];
         let error = found / (contact.force / FORCE) - 1.0;
         let estimate = contact.error.expect("an estimate").force;
         println!(
             "{overlap}: {:?} {error:.2e} {estimate:.2e}",
-            contact.caps[0].status
+            contact.asperities[0].status
         );
         // What the cells at a free edge differ by besides.
         assert!(
             error.abs() < estimate + 4e-4,
             "{overlap}: {error} {estimate}"
         );
-        let full = contact.caps[0].status == PillarStatus::Full;
+        let full = contact.asperities[0].status == PillarStatus::Full;
         assert_eq!(full, overlap > 0.5);
     }
 }
@@ -575,7 +600,7 @@ fn a_contact_that_leans_on_its_rim() {
 #[test]
 fn what_cannot_be_answered_says_why() {
     let run = Run::default();
-    let ask = |field: &CapField, control: Load, run: &Run<'_>| {
+    let ask = |field: &AsperityArray, control: Load, run: &Run<'_>| {
         field.press(control, Accuracy::Default, run).unwrap_err()
     };
     let seven = field(indenter(f64::INFINITY), &seven(50.0));
@@ -600,15 +625,15 @@ fn what_cannot_be_answered_says_why() {
     let stopped = Run::default();
     stopped.cancel.cancel();
     assert_eq!(ask(&seven, load, &stopped), SolveError::Interrupted);
-    // The summit of a cap so far from the axis is beyond its rim.
-    let tilted = Cap {
+    // The summit of an asperity so far from the axis is beyond its rim.
+    let tilted = Asperity {
         rim_radius: Some(2.0 * UM),
-        ..Cap::new([20.0 * UM, 0.0], 100.0 * UM)
+        ..Asperity::new([20.0 * UM, 0.0], 100.0 * UM)
     };
-    let tilted = CapField::new(indenter(400.0), substrate(), vec![tilted]).expect("a field");
+    let tilted = AsperityArray::new(indenter(400.0), substrate(), vec![tilted]).expect("a field");
     let refused = ask(&tilted, load, &run);
     assert!(
-        matches!(refused, SolveError::TouchedAtRim { cap: 0, .. }),
+        matches!(refused, SolveError::TouchedAtRim { asperity: 0, .. }),
         "{refused}"
     );
     assert!(refused.to_string().contains("2.000e-6 m"));

@@ -56,14 +56,16 @@ impl<'a> Equations<'a> {
     }
 
     /// Radius of the top that a disc is on.
-    pub(crate) fn rim(&self, cap: usize) -> f64 {
-        self.layout.caps[cap].rim_radius.unwrap_or(f64::INFINITY)
+    pub(crate) fn rim(&self, asperity: usize) -> f64 {
+        self.layout.asperities[asperity]
+            .rim_radius
+            .unwrap_or(f64::INFINITY)
     }
 
     fn own_compliance(&self, contacts: &Contacts, disc: usize, mode: usize) -> f64 {
         let disc = &contacts.discs[disc];
         let column = if mode == 0 {
-            2.0 * PI * self.layout.caps[disc.cap].column_compliance
+            2.0 * PI * self.layout.asperities[disc.asperity].column_compliance
         } else {
             0.0
         };
@@ -93,8 +95,12 @@ impl<'a> Equations<'a> {
         let mut own = vec![[0.0; 3]; count * size];
         let mut load = self.rule.room();
         for (number, disc) in contacts.discs.iter().enumerate() {
-            self.rule
-                .fill(self.layout, disc.cap, (disc.centre, disc.radius), &mut load);
+            self.rule.fill(
+                self.layout,
+                disc.asperity,
+                (disc.centre, disc.radius),
+                &mut load,
+            );
             self.add_own(contacts, number, &load, &mut missing, &mut own);
         }
         let mut block = self.pair.room();
@@ -198,7 +204,7 @@ impl<'a> Equations<'a> {
         let disc = &contacts.discs[source];
         let geometry = [0, 1, 2].map(|k| geometry[k].as_slice());
         self.edge
-            .reduce(disc, self.rim(disc.cap), columns, geometry, reduced);
+            .reduce(disc, self.rim(disc.asperity), columns, geometry, reduced);
         for (k, column) in reduced.chunks_exact(size).enumerate() {
             let place = receiver * size..(receiver + 1) * size;
             matrix.column_mut(source * size + k)[place].copy_from_slice(column);
