@@ -1,6 +1,9 @@
 //! The shape of an axisymmetric lens as a table of heights.
 
+use crate::numerics::quadrature::gauss_legendre;
+use std::f64::consts::FRAC_PI_2;
 use std::fmt;
+use std::sync::LazyLock;
 
 /// Heights of an axisymmetric lens over its lowest point, at some distances from its axis, and smoothly between them.
 ///
@@ -192,6 +195,26 @@ impl LensProfile {
             start + along * (2.0 * square + 3.0 * along * cube),
             2.0 * square + 6.0 * along * cube,
         ]
+    }
+
+    /// `u ∫_0^u f'(r)/sqrt(u^2 - r^2) dr` at a radius `u`, m: with `r = u sin(phi)`, by Gauss points between the rows, between which the
+    /// integrand is smooth.
+    pub(crate) fn depth(&self, radius: f64) -> f64 {
+        const POINTS: usize = 6;
+        static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(POINTS));
+        let inside = self.radii.iter().skip(1).take_while(|row| **row < radius);
+        let ends = inside.map(|row| (row / radius).asin()).chain([FRAC_PI_2]);
+        let (mut start, mut sum) = (0.0, 0.0);
+        for end in ends {
+            let half = 0.5 * (end - start);
+            for (node, weight) in RULE.iter() {
+                let angle: f64 = start + half * (1.0 + node);
+                let [_, slope, _] = self.at(radius * angle.sin());
+                sum += half * weight * slope;
+            }
+            start = end;
+        }
+        radius * sum
     }
 
     /// The distance from the axis up to which it is no higher than this.

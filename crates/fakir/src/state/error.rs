@@ -132,6 +132,17 @@ pub enum SolveError {
         /// Where the table ends, m.
         end: f64,
     },
+    /// A contact that is too wide for the thinnest layer.
+    #[error(
+        "the contact would reach {:.3e} m from the lens axis, on a layer of {thickness:.3e} m: contacts are solved up to {:.0} times the thickness; \
+         lower the load or use a smaller punch", .contact_radius, .contact_radius / .thickness
+    )]
+    LayerTooThin {
+        /// Contact radius up to which a contact is solved, m.
+        contact_radius: f64,
+        /// Thickness, m.
+        thickness: f64,
+    },
     /// A cycle without adhesion.
     #[error(
         "without adhesion a lens is withdrawn the way that it came, so that there is no cycle: give a \

@@ -16,6 +16,7 @@ pub(crate) mod cycle;
 pub(crate) mod discs;
 pub(crate) mod error;
 pub(crate) mod fields;
+pub(crate) mod flat;
 pub(crate) mod floor_contact;
 pub(crate) mod gradient;
 pub(crate) mod limit;
@@ -35,6 +36,7 @@ pub use cycle::{
 };
 pub use error::SolveError;
 pub use fields::Fields;
+pub use flat::{FlatContact, FlatCycle, FlatErrors, FlatLoadStep};
 pub use floor_contact::{FloorContact, FloorErrors};
 pub use gradient::{Derivatives, Gradient};
 pub use limit::Limit;

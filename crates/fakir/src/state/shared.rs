@@ -3,6 +3,7 @@
 use super::asperity_contact::AsperityContact;
 use super::contact::{ContactState, Termination, Warning};
 use super::cycle::Cycle;
+use super::flat::{FlatContact, FlatCycle};
 use super::resolution::Unresolved;
 use super::surface::SurfaceContact;
 
@@ -77,6 +78,26 @@ impl Solution for AsperityContact {
     }
 }
 
+impl Solution for FlatContact {
+    fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        FlatContact::unresolved(self)
+    }
+}
+
+impl Solution for FlatCycle {
+    fn termination(&self) -> Termination {
+        self.turn.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        self.turn.unresolved()
+    }
+}
+
 impl Solution for Cycle {
     fn termination(&self) -> Termination {
         self.termination
@@ -138,5 +159,23 @@ impl Contact for AsperityContact {
 
     fn warnings(&self) -> &[Warning] {
         &[]
+    }
+}
+
+impl Contact for FlatContact {
+    fn indentation(&self) -> f64 {
+        self.indentation
+    }
+
+    fn force(&self) -> f64 {
+        self.force
+    }
+
+    fn contact_radius(&self) -> Option<f64> {
+        Some(self.contact_radius)
+    }
+
+    fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 }

@@ -6,6 +6,7 @@
 //! Mech. 22, 442 (1958)). The kernel is smooth, so that Gauss points converge faster than any power.
 
 pub use crate::halfspace::layer::LayerResponse;
+use crate::numerics::convergence::smaller;
 use crate::numerics::dense::{Lu, Matrix};
 use crate::numerics::quadrature::gauss_legendre;
 use crate::problem::layer::WeightedLayer;
@@ -104,21 +105,38 @@ impl Layers {
     /// For `g = 1` and `g = -u^2` on `0 < u < 1` in units of the radius: the force over that of the flat punch on half-spaces, and
     /// `pi theta(1)`.
     fn solve(&self, radius: f64) -> [(f64, f64); 2] {
-        let reach = |layer: &WeightedLayer| radius / layer.thickness;
-        let farthest = self.bodies.iter().map(|body| reach(&body.0));
-        let farthest = farthest.fold(0.0, f64::max);
-        // The kernel changes over a thickness.
-        let points = 40 + (8.0 * farthest).ceil() as usize;
+        let disc = self.disc(radius, self.points(radius));
+        let shapes: [fn(f64) -> f64; 2] = [|_| 1.0, |u| -u * u];
+        shapes.map(|shape| {
+            let solution = disc.solve(shape);
+            (disc.integral(&solution), disc.at_rim(&solution))
+        })
+    }
+
+    /// Number of Gauss points that resolve the kernel under a disc of this radius (m). The kernel changes over a thickness.
+    pub(crate) fn points(&self, radius: f64) -> usize {
+        let reaches = self.bodies.iter().map(|body| radius / body.0.thickness);
+        40 + (8.0 * reaches.fold(0.0, f64::max)).ceil() as usize
+    }
+
+    /// The equation for `theta` under a disc of a radius (m), at so many Gauss points.
+    pub(crate) fn disc(&self, radius: f64, points: usize) -> Disc {
         let mut nodes: Vec<(f64, f64)> = gauss_legendre(points)
             .into_iter()
             .map(|(node, weight)| (0.5 * (1.0 + node), 0.5 * weight))
             .collect();
-        // Not a point of the rule, but where theta is asked for.
+        // The rim is not a point of the rule, but its value is needed.
         nodes.push((1.0, 0.0));
+        if self.bodies.is_empty() {
+            return Disc {
+                nodes,
+                factors: None,
+            };
+        }
         let size = nodes.len();
         let mut matrix = Matrix::identity(size);
         for (layer, response) in &self.bodies {
-            let scale = reach(layer);
+            let scale = radius / layer.thickness;
             let rule = response.rule(2.0 * scale);
             let cosines = Matrix::from_fn(size, rule.len(), |row, k| {
                 (rule[k].0 * scale * nodes[row].0).cos()
@@ -129,15 +147,96 @@ impl Layers {
             let factor = 2.0 / PI * layer.weight * scale;
             matrix.add_product(factor, &cosines, &weighted);
         }
-        let factors = Lu::new(matrix);
-        let shapes: [fn(f64) -> f64; 2] = [|_| 1.0, |u| -u * u];
-        shapes.map(|shape| {
-            let mut theta: Vec<f64> = nodes.iter().map(|node| shape(node.0)).collect();
+        Disc {
+            nodes,
+            factors: Some(Lu::new(matrix)),
+        }
+    }
+}
+
+/// The equation for `theta` under a disc, discretised at Gauss points. Lengths are in units of the radius.
+pub(crate) struct Disc {
+    /// Positions and weights. The last is the rim, with weight 0.
+    nodes: Vec<(f64, f64)>,
+    /// Factors of the matrix; none on half-spaces, where it is the identity.
+    factors: Option<Lu>,
+}
+
+impl Disc {
+    /// `pi theta` at the points for a right-hand side `g`.
+    pub(crate) fn solve(&self, shape: impl Fn(f64) -> f64) -> Vec<f64> {
+        let mut theta: Vec<f64> = self.nodes.iter().map(|node| shape(node.0)).collect();
+        if let Some(factors) = &self.factors {
             factors.solve(&mut theta);
-            let parts = nodes.iter().zip(&theta);
-            let force: f64 = parts.map(|(node, theta)| node.1 * theta).sum();
-            (force, theta[size - 1])
-        })
+        }
+        theta
+    }
+
+    /// Integral of a solution from the axis to the rim.
+    pub(crate) fn integral(&self, solution: &[f64]) -> f64 {
+        let parts = self.nodes.iter().zip(solution);
+        parts.map(|(node, theta)| node.1 * theta).sum()
+    }
+
+    /// Value of a solution at the rim.
+    pub(crate) fn at_rim(&self, solution: &[f64]) -> f64 {
+        solution[solution.len() - 1]
+    }
+
+    /// `theta(1) - ∫_0^1 theta'(u)/u du`: the pressure on the axis. Integrated by parts, with the solution continued evenly to the axis.
+    pub(crate) fn on_axis(&self, solution: &[f64]) -> f64 {
+        let [(first, _), (second, _)] = [self.nodes[0], self.nodes[1]];
+        let [one, two] = [solution[0], solution[1]];
+        // Nearly a parabola in between; what that misses is of the fourth order of the first point's distance from the axis.
+        let curvature = (two - one) / (second * second - first * first);
+        let middle = one - curvature * first * first;
+        let parts = self.nodes.iter().zip(solution);
+        let rest: f64 = parts
+            .map(|((u, weight), theta)| weight * (theta - middle) / (u * u))
+            .sum();
+        middle - rest
+    }
+
+    /// The pressure at a distance from the axis (in units of the radius, below 1): `theta(1)/sqrt(1 - r^2) - ∫_r^1 theta'(u)/sqrt(u^2 - r^2) du`, with
+    /// `u^2 = r^2 + (1 - r^2) t^2`, and the derivative that of the polynomial through all points.
+    pub(crate) fn pressure(&self, solution: &[f64], distance: f64) -> f64 {
+        const POINTS: usize = 32;
+        let rest = (1.0 - distance * distance).sqrt();
+        let slopes = |(node, weight): (f64, f64)| {
+            let t = 0.5 * (1.0 + node);
+            let u = distance.hypot(rest * t);
+            0.5 * weight * self.slope(solution, u) / u
+        };
+        let inside: f64 = gauss_legendre(POINTS).into_iter().map(slopes).sum();
+        self.at_rim(solution) / rest - rest * inside
+    }
+
+    /// The derivative at a place of the polynomial through the solution at the Gauss points, by barycentric interpolation (J.-P. Berrut,
+    /// L. N. Trefethen, SIAM Rev. 46, 501 (2004)).
+    fn slope(&self, solution: &[f64], place: f64) -> f64 {
+        let gauss = self.nodes.len() - 1;
+        let (mut sums, mut with_square) = ([0.0; 2], [0.0; 2]);
+        let mut sign = 1.0;
+        for ((node, weight), value) in self.nodes[..gauss].iter().zip(solution) {
+            let away = place - node;
+            if away.abs() < 1e-14 {
+                return self.slope(solution, place + 1e-9);
+            }
+            let barycentric = sign * (node * (1.0 - node) * weight).sqrt();
+            sums[0] += barycentric / away;
+            sums[1] += barycentric / away * value;
+            with_square[0] += barycentric / (away * away);
+            with_square[1] += barycentric / (away * away) * value;
+            sign = -sign;
+        }
+        let value = sums[1] / sums[0];
+        (value * with_square[0] - with_square[1]) / sums[0]
+    }
+
+    /// The smallest value of a solution at the points inside of the rim.
+    pub(crate) fn least(&self, solution: &[f64]) -> f64 {
+        let inside = &solution[..solution.len() - 1];
+        inside.iter().copied().fold(f64::INFINITY, smaller)
     }
 }
 

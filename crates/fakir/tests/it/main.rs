@@ -10,6 +10,7 @@ mod contact_edge;
 mod dispatch;
 mod elastic_pillars;
 mod estimates;
+mod flat;
 mod inside_tops;
 mod layers;
 mod lenses;

@@ -1,0 +1,699 @@
+//! Contacts with a flat surface: one disc, whose rim moves until its condition holds.
+//!
+//! With the equation of [`theory::layer`](crate::theory::layer) at a contact radius `a`, the solution for an indentation `delta` is
+//! `pi theta = delta one + bent`, the solutions for `g = 1` and for `g = -G(u)`, where `G` is [the depth](crate::problem::FlatSystem::depth) of the lens.
+//! At the rim `pi theta(a) = -sqrt(2 pi w a/E*)`: zero without adhesion, and Griffith's condition `K_I^2 = 2 E* w` with it (K. L. Johnson, K. Kendall,
+//! A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). Layers leave it as it is, since near the rim they are half-spaces. So every contact radius has its
+//! indentation and force in closed form, and a prescribed load is met by a search over the radius.
+
+use crate::numerics::convergence::{larger, smaller};
+use crate::numerics::roots::{Point, find, least};
+use crate::problem::layer::Layer;
+use crate::problem::load::Prescribed;
+use crate::problem::{CyclePlan, FlatSystem, LensShape, Load, LoadingMode, Probe, UnloadingPoint};
+use crate::state::contact::contact_warnings;
+use crate::state::limit::DEEPEST_IN_LAYER;
+use crate::state::{
+    Branch, FlatContact, FlatCycle, FlatErrors, FlatLoadStep, Run, SolveError, Termination, Warning,
+};
+use crate::theory::layer::{Disc, Layers};
+use std::f64::consts::PI;
+
+/// Relative step in the contact radius of the difference quotient for the stiffness. Its error is the fourth power.
+const STEP: f64 = 1e-3;
+
+/// Ratio of neighbouring radii in the scan for the radius at which the lens detaches, and how far below the length of adhesion it begins.
+const SCAN: f64 = 1.4;
+const BELOW_ADHESION: f64 = 0.05;
+
+/// Golden sections of that search: the smallest value has all digits.
+const SECTIONS: usize = 44;
+
+/// Intervals of each branch of a cycle; a multiple of two, as the error of the loop area is from every other one.
+const INTERVALS: usize = 64;
+
+/// Largest radius over the thickness of the thinnest layer.
+const WIDEST: f64 = 40.0;
+
+/// Errors of this relative size and below are rounding errors.
+const ROUNDING: f64 = 1e-12;
+
+/// A contact with a given radius and work of adhesion.
+#[derive(Debug, Clone, Copy)]
+struct Settled {
+    radius: f64,
+    indentation: f64,
+    force: f64,
+    /// Change of the force with the indentation at this radius.
+    punch: f64,
+    /// The solution for `g = 1` at the rim.
+    one_at_rim: f64,
+    /// `pi theta` at the rim.
+    at_rim: f64,
+    pressure_on_axis: f64,
+    /// Smallest value of `pi theta` inside the rim.
+    least: f64,
+}
+
+/// What drives a search over the radius.
+#[derive(Debug, Clone, Copy)]
+enum Driver {
+    Indentation,
+    Force,
+    /// Indentation plus force times this compliance.
+    Machine(f64),
+}
+
+impl Driver {
+    fn of(self, state: &Settled) -> f64 {
+        match self {
+            Self::Indentation => state.indentation,
+            Self::Force => state.force,
+            Self::Machine(compliance) => state.indentation + compliance * state.force,
+        }
+    }
+}
+
+impl From<LoadingMode> for Driver {
+    fn from(mode: LoadingMode) -> Self {
+        match mode {
+            LoadingMode::Displacement => Self::Indentation,
+            LoadingMode::Force => Self::Force,
+            LoadingMode::Machine(stiffness) => Self::Machine(stiffness.recip()),
+        }
+    }
+}
+
+/// A system at a resolution.
+struct Bench<'a> {
+    system: &'a FlatSystem,
+    layers: Layers,
+    /// Factor of the number of points.
+    finer: f64,
+}
+
+impl<'a> Bench<'a> {
+    fn new(system: &'a FlatSystem, finer: f64) -> Self {
+        Self {
+            system,
+            layers: Layers::new(system.bodies()),
+            finer,
+        }
+    }
+
+    fn disc(&self, radius: f64) -> Disc {
+        let rows = match self.system.lens().map(|lens| &lens.shape) {
+            Some(LensShape::Profile(profile)) => profile.radii().len().min(100),
+            _ => 0,
+        };
+        let points = (self.layers.points(radius) + rows) as f64 * self.finer;
+        self.layers.disc(radius, points as usize)
+    }
+
+    /// The solutions for `g = 1` and for the depth of the lens.
+    fn solutions(&self, disc: &Disc, radius: f64) -> [Vec<f64>; 2] {
+        let one = disc.solve(|_| 1.0);
+        let bent = match self.system.probe() {
+            Probe::Punch { .. } => vec![0.0; one.len()],
+            Probe::Lens(_) => disc.solve(|u| -self.system.depth(u * radius)),
+        };
+        [one, bent]
+    }
+
+    /// The contact of a radius whose rim has a work of adhesion.
+    fn at(&self, radius: f64, work: f64) -> Settled {
+        let disc = self.disc(radius);
+        let [one, bent] = self.solutions(&disc, radius);
+        let at_rim = -(2.0 * PI * work * radius / self.system.reduced_modulus()).sqrt();
+        let indentation = (at_rim - disc.at_rim(&bent)) / disc.at_rim(&one);
+        self.settled(&disc, [&one, &bent], radius, indentation)
+    }
+
+    /// The contact of a radius at an indentation.
+    fn held(&self, radius: f64, indentation: f64) -> Settled {
+        let disc = self.disc(radius);
+        let [one, bent] = self.solutions(&disc, radius);
+        self.settled(&disc, [&one, &bent], radius, indentation)
+    }
+
+    fn settled(
+        &self,
+        disc: &Disc,
+        [one, bent]: [&[f64]; 2],
+        radius: f64,
+        indentation: f64,
+    ) -> Settled {
+        let modulus = self.system.reduced_modulus();
+        let sum: Vec<f64> = one
+            .iter()
+            .zip(bent)
+            .map(|(one, bent)| indentation * one + bent)
+            .collect();
+        Settled {
+            radius,
+            indentation,
+            force: 2.0 * radius * modulus * disc.integral(&sum),
+            punch: 2.0 * radius * modulus * disc.integral(one),
+            one_at_rim: disc.at_rim(one),
+            at_rim: disc.at_rim(&sum),
+            pressure_on_axis: modulus / (PI * radius) * disc.on_axis(&sum),
+            least: disc.least(&sum),
+        }
+    }
+
+    /// Change of the force with the indentation while the rim moves.
+    fn stiffness(&self, state: &Settled, work: f64) -> f64 {
+        if matches!(self.system.probe(), Probe::Punch { .. }) || work <= 0.0 {
+            return state.punch;
+        }
+        let at = |steps: f64| {
+            self.at(state.radius * (1.0 + steps * STEP), work)
+                .indentation
+        };
+        let step = 12.0 * STEP * state.radius;
+        let slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / step;
+        // At a fixed indentation the force changes with the radius by 2 E* pi theta(a) times the solution for g = 1 at the rim.
+        let with_radius = 2.0 * self.system.reduced_modulus() * state.at_rim * state.one_at_rim;
+        state.punch + with_radius / slope
+    }
+
+    /// The largest radius for which the system is solved.
+    fn largest(&self) -> f64 {
+        let lens = self
+            .system
+            .lens()
+            .map_or(f64::INFINITY, |lens| lens.largest_contact());
+        let layers = self.system.layers().into_iter().flatten();
+        let thinnest = layers
+            .map(|layer| layer.thickness)
+            .fold(f64::INFINITY, smaller);
+        smaller(lens, WIDEST * thinnest)
+    }
+
+    fn exceeded(&self) -> SolveError {
+        let reach = self.largest();
+        match self.system.lens().map(|lens| &lens.shape) {
+            Some(LensShape::Profile(profile)) if reach >= profile.range() => {
+                SolveError::ProfileEnds {
+                    reach,
+                    end: profile.range(),
+                }
+            }
+            Some(_)
+                if reach
+                    >= self
+                        .system
+                        .lens()
+                        .map_or(0.0, |lens| lens.largest_contact()) =>
+            {
+                SolveError::ContactExceedsLens {
+                    contact_radius: reach,
+                    lens_radius: 2.0 * reach,
+                }
+            }
+            _ => SolveError::LayerTooThin {
+                contact_radius: reach,
+                thickness: reach / WIDEST,
+            },
+        }
+    }
+
+    /// Length of adhesion: the radius of a small sphere's contact without load is about this.
+    fn length_of_adhesion(&self, work: f64) -> f64 {
+        let radius = self.system.length();
+        (work * radius * radius / self.system.reduced_modulus()).cbrt()
+    }
+
+    /// The radius at which the driver is smallest: there a lens detaches. Zero without adhesion.
+    fn detachment(&self, driver: Driver, work: f64) -> Result<f64, SolveError> {
+        if work <= 0.0 {
+            return Ok(0.0);
+        }
+        let most = self.largest();
+        let value = |radius: f64| driver.of(&self.at(radius, work));
+        let mut radius = smaller(BELOW_ADHESION * self.length_of_adhesion(work), 0.1 * most);
+        let mut best = (radius, value(radius));
+        while radius < most {
+            radius = smaller(radius * SCAN, most);
+            let here = value(radius);
+            if here < best.1 {
+                best = (radius, here);
+            } else if radius > best.0 * SCAN.powi(6) {
+                break;
+            }
+        }
+        if best.0 >= most {
+            return Err(self.exceeded());
+        }
+        let ends = [(best.0 / SCAN).ln(), smaller(best.0 * SCAN, most).ln()];
+        Ok(least(ends, SECTIONS, |log| value(log.exp())).exp())
+    }
+
+    /// The contact at which the driver has a value, beyond the radius at which the lens detaches; none if it is below the value there.
+    fn meet(
+        &self,
+        driver: Driver,
+        target: f64,
+        work: f64,
+        from: f64,
+    ) -> Result<Option<Settled>, SolveError> {
+        let most = self.largest();
+        let off = |radius: f64| {
+            let state = self.at(radius, work);
+            driver.of(&state) - target
+        };
+        let at = |position: f64, value: f64| Point { position, value };
+        // Up from a radius that is certainly too small, in steps that grow.
+        let mut low = if from > 0.0 {
+            at(from, off(from))
+        } else {
+            at(0.0, -target)
+        };
+        if low.value > 0.0 {
+            return Ok(None);
+        }
+        let mut radius = if from > 0.0 {
+            from * SCAN
+        } else {
+            smaller(self.hertz_guess(driver, target), 0.5 * most)
+        };
+        let high = loop {
+            radius = smaller(radius, most);
+            let value = off(radius);
+            if value.is_nan() {
+                return Err(SolveError::NotFinite {
+                    what: "contact radius",
+                });
+            }
+            if value >= 0.0 {
+                break at(radius, value);
+            }
+            if radius >= most {
+                return Err(self.exceeded());
+            }
+            low = at(radius, value);
+            radius *= 2.0;
+        };
+        let root = find([low, high], 0.0, |radius| Ok::<_, SolveError>(off(radius)))?;
+        let radius = root.map_or(high.position, |root| root.closest().position);
+        Ok(Some(self.at(radius, work)))
+    }
+
+    /// Half of Hertz's radius of contact, as the start of a search.
+    fn hertz_guess(&self, driver: Driver, target: f64) -> f64 {
+        let radius = self.system.length();
+        0.5 * match driver {
+            Driver::Force => (0.75 * target * radius / self.system.reduced_modulus()).cbrt(),
+            Driver::Indentation | Driver::Machine(_) => (target * radius).sqrt(),
+        }
+    }
+
+    /// The contact on loading; none where there is no contact.
+    fn loaded(&self, load: Prescribed) -> Result<Option<Settled>, SolveError> {
+        let work = self.system.adhesion().work;
+        let (driver, target) = match load {
+            Prescribed::Indentation(value) => (Driver::Indentation, value),
+            Prescribed::Force(value) => (Driver::Force, value),
+        };
+        if let Probe::Punch { radius, .. } = self.system.probe() {
+            self.check_punch(*radius)?;
+            if target <= 0.0 && work <= 0.0 {
+                return Ok(None);
+            }
+            let unit = self.held(*radius, 1.0);
+            let indentation = match driver {
+                Driver::Force => target / unit.force,
+                Driver::Indentation | Driver::Machine(_) => target,
+            };
+            return Ok(Some(self.held(*radius, indentation)));
+        }
+        if target <= 0.0 && work <= 0.0 {
+            return Ok(None);
+        }
+        let from = self.detachment(driver, work)?;
+        self.meet(driver, target, work, from)
+    }
+
+    fn check_punch(&self, radius: f64) -> Result<(), SolveError> {
+        if radius > self.largest() {
+            return Err(self.exceeded());
+        }
+        Ok(())
+    }
+
+    fn contact(&self, state: &Settled, work: f64) -> FlatContact {
+        let system = self.system;
+        let mut warnings = Vec::new();
+        if let Some(radius) = system.lens().and_then(|lens| lens.radius()) {
+            warnings.extend(contact_warnings(state.radius / radius));
+        }
+        let thicknesses = system.layers().into_iter().flatten().map(of_layer);
+        let thinnest = thicknesses.fold(f64::INFINITY, smaller);
+        let strain = state.indentation / thinnest;
+        if strain > DEEPEST_IN_LAYER {
+            warnings.push(Warning::LayerStrain { ratio: strain });
+        }
+        // Without adhesion theta falls towards the rim; where it is negative inside, the contact is not one disc.
+        let is_disc = work > 0.0
+            || matches!(system.probe(), Probe::Punch { .. })
+            || state.least > -1e-9 * state.indentation.abs();
+        FlatContact {
+            indentation: state.indentation,
+            force: state.force,
+            contact_radius: state.radius,
+            contact_area: PI * state.radius * state.radius,
+            pressure_on_axis: state.pressure_on_axis,
+            stiffness: self.stiffness(state, work),
+            punch_stiffness: state.punch,
+            error: FlatErrors::default(),
+            termination: if is_disc {
+                Termination::Converged
+            } else {
+                Termination::Stagnated
+            },
+            warnings,
+        }
+    }
+}
+
+fn of_layer(layer: &Layer) -> f64 {
+    layer.thickness
+}
+
+/// A contact without load.
+fn untouched(indentation: f64) -> FlatContact {
+    FlatContact {
+        indentation,
+        force: 0.0,
+        contact_radius: 0.0,
+        contact_area: 0.0,
+        pressure_on_axis: 0.0,
+        stiffness: 0.0,
+        punch_stiffness: 0.0,
+        error: FlatErrors::default(),
+        termination: Termination::Converged,
+        warnings: Vec::new(),
+    }
+}
+
+/// Relative difference, at least a rounding error.
+fn difference(one: f64, other: f64, scale: f64) -> f64 {
+    if scale > 0.0 {
+        larger((one - other).abs() / scale, ROUNDING)
+    } else {
+        ROUNDING
+    }
+}
+
+/// The contact with errors from one with more points.
+fn with_errors(contact: FlatContact, fine: &Settled, load: Option<Prescribed>) -> FlatContact {
+    // The force of an adhesive contact passes through zero: its error is relative to that of the punch that comes down as far.
+    let depth = larger(
+        contact.indentation.abs(),
+        contact.force.abs() / contact.punch_stiffness,
+    );
+    let force = larger(
+        contact.force.abs(),
+        contact.punch_stiffness * contact.indentation.abs(),
+    );
+    let mut error = FlatErrors {
+        force: 2.0 * difference(fine.force, contact.force, force),
+        indentation: 2.0 * difference(fine.indentation, contact.indentation, depth),
+        contact_radius: 2.0
+            * difference(fine.radius, contact.contact_radius, contact.contact_radius),
+    };
+    match load {
+        Some(Prescribed::Indentation(_)) => error.indentation = 0.0,
+        Some(Prescribed::Force(_)) => error.force = 0.0,
+        None => {}
+    }
+    FlatContact { error, ..contact }
+}
+
+/// Factor of the number of points for error estimates.
+const FINER: f64 = 1.5;
+
+impl FlatSystem {
+    /// The contact on loading, with error estimates.
+    ///
+    /// With adhesion the lens jumps into contact where it first touches, at indentation 0, and the contact is the one on the loading branch at this load; a
+    /// force of 0 is the contact at rest after the jump.
+    ///
+    /// # Errors
+    /// An invalid load, a contact too large for the lens, its table of heights or a layer, or interruption. [`Load::FloorContact`] is
+    /// [`SolveError::NoFloor`].
+    pub fn press(&self, load: Load, run: &Run<'_>) -> Result<FlatContact, SolveError> {
+        run.check_cancelled()?;
+        let load = load.checked(self.length(), self.reduced_modulus())?;
+        let load = load.prescribed().ok_or(SolveError::NoFloor)?;
+        let bench = Bench::new(self, 1.0);
+        let Some(state) = bench.loaded(load)? else {
+            return Ok(untouched(0.0));
+        };
+        run.check_cancelled()?;
+        let work = self.adhesion().work;
+        let contact = bench.contact(&state, work);
+        let fine = Bench::new(self, FINER).loaded(load)?.unwrap_or(state);
+        with_errors(contact, &fine, Some(load)).checked()
+    }
+
+    /// Pressure of a contact at distances from the lens axis, Pa. Zero outside of the contact; at the rim of an adhesive contact and of a punch it is infinite.
+    #[must_use]
+    pub fn pressure(&self, contact: &FlatContact, distances: &[f64]) -> Vec<f64> {
+        let radius = contact.contact_radius;
+        if radius <= 0.0 {
+            return vec![0.0; distances.len()];
+        }
+        let bench = Bench::new(self, 1.0);
+        let disc = bench.disc(radius);
+        let [one, bent] = bench.solutions(&disc, radius);
+        let parts = one.iter().zip(&bent);
+        let sum: Vec<f64> = parts
+            .map(|(one, bent)| contact.indentation * one + bent)
+            .collect();
+        let factor = self.reduced_modulus() / (PI * radius);
+        let at = |distance: &f64| {
+            let place = distance.abs() / radius;
+            if place < 1.0 {
+                factor * disc.pressure(&sum, place)
+            } else {
+                0.0
+            }
+        };
+        distances.iter().map(at).collect()
+    }
+
+    /// Loading and unloading with adhesion.
+    ///
+    /// The lens touches, jumps into contact, is pressed to the end of loading and, if the plan says so, withdrawn: with a larger receding work of adhesion the rim
+    /// stays at first, then the contact shrinks until no contact is stable under what is held.
+    ///
+    /// # Errors
+    /// As [`press`](Self::press); [`SolveError::NothingSticks`] without adhesion, and [`SolveError::NoFloor`] for a part of the critical indentation.
+    pub fn cycle(&self, plan: &CyclePlan, run: &Run<'_>) -> Result<FlatCycle, SolveError> {
+        if self.adhesion().is_none() {
+            return Err(SolveError::NothingSticks);
+        }
+        let plan = plan.checked(self.length(), self.reduced_modulus())?;
+        run.check_cancelled()?;
+        let [bench, finer] = [1.0, FINER].map(|finer| Bench::new(self, finer));
+        let path = Path::new(&bench, &plan)?;
+        run.check_cancelled()?;
+        path.cycle(&Path::new(&finer, &plan)?, plan)
+    }
+}
+
+/// The contacts at which a cycle changes, at a resolution, and its curve.
+struct Path<'a, 'b> {
+    bench: &'b Bench<'a>,
+    jump: Settled,
+    turn: Settled,
+    pull_off: Option<Settled>,
+    steps: Vec<FlatLoadStep>,
+    separation: Option<f64>,
+}
+
+impl<'a, 'b> Path<'a, 'b> {
+    fn new(bench: &'b Bench<'a>, plan: &CyclePlan) -> Result<Self, SolveError> {
+        let work = bench.system.adhesion().work;
+        let driver = Driver::from(plan.drive);
+        let punch = match bench.system.probe() {
+            Probe::Punch { radius, .. } => Some(*radius),
+            Probe::Lens(_) => None,
+        };
+        let jump = match punch {
+            Some(radius) => {
+                bench.check_punch(radius)?;
+                bench.held(radius, 0.0)
+            }
+            None => {
+                let from = bench.detachment(driver, work)?;
+                bench
+                    .meet(driver, 0.0, work, from)?
+                    .ok_or(SolveError::NotFinite {
+                        what: "jump into contact",
+                    })?
+            }
+        };
+        let (by, target) = match plan.turn {
+            UnloadingPoint::Critical(_) => return Err(SolveError::NoFloor),
+            UnloadingPoint::Indentation(value) => (Driver::Indentation, value),
+            UnloadingPoint::Force(value) => (Driver::Force, value),
+        };
+        let turn = match punch {
+            Some(radius) => match by {
+                Driver::Force => bench.held(radius, target / bench.held(radius, 1.0).force),
+                _ => bench.held(radius, target),
+            },
+            None if by.of(&jump) >= target => jump,
+            None => bench.meet(by, target, work, jump.radius)?.unwrap_or(jump),
+        };
+        let mut path = Self {
+            bench,
+            jump,
+            turn,
+            pull_off: None,
+            steps: Vec::new(),
+            separation: None,
+        };
+        path.record(Branch::Loading, [jump, turn], work);
+        if plan.retract {
+            path.unload(driver)?;
+        }
+        Ok(path)
+    }
+
+    /// Adds the curve between two contacts: in steps of the radius where they differ in it, and else of the indentation.
+    fn record(&mut self, branch: Branch, [from, to]: [Settled; 2], work: f64) {
+        for k in 0..=INTERVALS {
+            let part = k as f64 / INTERVALS as f64;
+            let state = if (from.radius - to.radius).abs() > 0.0 {
+                self.bench
+                    .at(from.radius + part * (to.radius - from.radius), work)
+            } else {
+                let way = to.indentation - from.indentation;
+                self.bench.held(from.radius, from.indentation + part * way)
+            };
+            self.steps.push(FlatLoadStep {
+                branch,
+                indentation: state.indentation,
+                force: state.force,
+                contact_radius: state.radius,
+            });
+        }
+    }
+
+    fn unload(&mut self, driver: Driver) -> Result<(), SolveError> {
+        let receding = self.bench.system.adhesion().receding();
+        let turn = self.turn;
+        // The rim stays until the receding work of adhesion is reached.
+        let start = self.bench.at(turn.radius, receding);
+        if start.indentation < turn.indentation {
+            self.record(Branch::Unloading, [turn, start], receding);
+        }
+        let is_punch = matches!(self.bench.system.probe(), Probe::Punch { .. });
+        let end = if is_punch {
+            start
+        } else {
+            let last = self.bench.detachment(driver, receding)?;
+            if last < start.radius {
+                let end = self.bench.at(last, receding);
+                self.record(Branch::Unloading, [start, end], receding);
+                end
+            } else {
+                start
+            }
+        };
+        // The largest pull: at the smallest force, which under a prescribed force is the last contact.
+        let pull = if is_punch {
+            start
+        } else {
+            let last = self.bench.detachment(Driver::Force, receding)?;
+            let radius = smaller(larger(last, end.radius), start.radius);
+            self.bench.at(radius, receding)
+        };
+        self.pull_off = Some(pull);
+        self.separation = Some(end.indentation);
+        Ok(())
+    }
+
+    /// The curve with what closes it: the jump into contact from rest and the way after detachment. None under a prescribed force.
+    fn closed(&self, plan: &CyclePlan, every: usize) -> Option<Vec<[f64; 2]>> {
+        let compliance = match plan.drive {
+            LoadingMode::Displacement => 0.0,
+            LoadingMode::Machine(stiffness) => stiffness.recip(),
+            LoadingMode::Force => return None,
+        };
+        self.separation?;
+        let last = self.steps.last()?;
+        let steps = self.steps.chunks(INTERVALS + 1);
+        let of_branch = |steps: &[FlatLoadStep]| {
+            let picked = steps.iter().step_by(every);
+            picked
+                .map(|step| [step.indentation, step.force])
+                .collect::<Vec<_>>()
+        };
+        let mut curve = vec![[0.0, 0.0]];
+        curve.extend(steps.flat_map(of_branch));
+        curve.push([last.indentation + compliance * last.force, 0.0]);
+        Some(curve)
+    }
+
+    fn cycle(self, fine: &Path<'_, '_>, plan: CyclePlan) -> Result<FlatCycle, SolveError> {
+        let bench = self.bench;
+        let [work, receding] = {
+            let adhesion = bench.system.adhesion();
+            [adhesion.work, adhesion.receding()]
+        };
+        let of = |state: &Settled, fine: &Settled, work: f64| {
+            with_errors(bench.contact(state, work), fine, None).checked()
+        };
+        let curves = [1, 2].map(|every| self.closed(&plan, every));
+        let [loop_area, coarse] = curves
+            .each_ref()
+            .map(|curve| curve.as_deref().map(enclosed));
+        let area = loop_area
+            .zip(coarse)
+            .map(|(fine, coarse)| (4.0 * fine - coarse) / 3.0);
+        let away = match loop_area.zip(area) {
+            Some((fine, area)) => difference(fine, area, area.abs()),
+            None => 0.0,
+        };
+        let pull_off = self.pull_off.as_ref().zip(fine.pull_off.as_ref());
+        let pull_off = pull_off
+            .map(|(state, fine)| of(state, fine, receding))
+            .transpose()?;
+        Ok(FlatCycle {
+            jump: of(&self.jump, &fine.jump, work)?,
+            turn: of(&self.turn, &fine.turn, work)?,
+            pull_off,
+            separation: self.separation,
+            work_of_separation: self.closed(&plan, 1).map(|_| pulled(&self.steps)),
+            loop_area: area,
+            loop_area_error: away,
+            load_steps: self.steps,
+            plan,
+        })
+    }
+}
+
+/// Area enclosed by a curve of indentation and force that is gone through clockwise: `∮F dδ`.
+fn enclosed(curve: &[[f64; 2]]) -> f64 {
+    let parts = curve.windows(2);
+    parts
+        .map(|pair| 0.5 * (pair[0][1] + pair[1][1]) * (pair[1][0] - pair[0][0]))
+        .sum()
+}
+
+/// The tensile part of `∫F dδ` of the unloading.
+fn pulled(steps: &[FlatLoadStep]) -> f64 {
+    let unloading: Vec<&FlatLoadStep> = steps
+        .iter()
+        .filter(|step| step.branch == Branch::Unloading)
+        .collect();
+    let part = |pair: &[&FlatLoadStep]| {
+        let way = pair[1].indentation - pair[0].indentation;
+        0.5 * (pair[0].force.min(0.0) + pair[1].force.min(0.0)) * way
+    };
+    unloading.windows(2).map(part).sum()
+}
