@@ -27,6 +27,13 @@ impl AnyCase {
             Self::Asperities(_) | Self::HeightMap(_) => None,
         }
     }
+
+    /// Whether something sticks in it.
+    #[must_use]
+    pub fn is_adhesive(&self) -> bool {
+        let texture = self.texture();
+        texture.is_some_and(|case| !case.system.adhesion().is_none())
+    }
 }
 
 impl CaseFile {

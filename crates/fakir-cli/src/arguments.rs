@@ -1,15 +1,15 @@
 //! The command line as clap sees it, with its help texts.
 
 use crate::failure::Failure;
-use crate::report::maps::Maps;
 use crate::session::{RunArguments, memory};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{CyclePlan, Load, LoadingMode, Question};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
-use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
+use fakir_case::{CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
 use fakir_inverse::fit::{FitOptions, Measurements, NamedColumn, Parameter};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
+use fakir_study::answer::{Details, Maps, Request};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::fields::MOST_POINTS;
 use fakir_study::output::Replace;
@@ -305,18 +305,38 @@ pub(crate) struct Transition {
     pub(crate) run: RunArguments,
 }
 
-impl Transition {
-    pub(crate) fn maps(&self) -> Maps {
-        self.fields.maps(&self.case)
-    }
+/// A question about a case, and the options that go with it.
+pub(crate) struct Asked<'a> {
+    pub(crate) case: &'a CaseArguments,
+    pub(crate) run: &'a RunArguments,
+    pub(crate) floor: Option<&'a FloorArguments>,
+    pub(crate) range: Option<RangeArguments>,
+    /// Questions that the case must support.
+    pub(crate) questions: Vec<Question>,
+    pub(crate) request: Request,
+    /// Without the range of the attraction.
+    pub(crate) details: Details,
+}
 
-    /// What is asked of the case.
-    pub(crate) fn questions(&self) -> Vec<Question> {
+impl Transition {
+    pub(crate) fn asked(&self) -> Asked<'_> {
         let options = [self.adhesion.question(), self.gradient.question()];
-        [Question::Transition]
-            .into_iter()
-            .chain(options.into_iter().flatten())
-            .collect()
+        Asked {
+            case: &self.case,
+            run: &self.run,
+            floor: None,
+            range: Some(self.adhesion),
+            questions: [Question::Transition]
+                .into_iter()
+                .chain(options.into_iter().flatten())
+                .collect(),
+            request: Request::Contact(Load::FloorContact),
+            details: Details {
+                gradient: self.gradient.gradient,
+                maps: self.fields.maps(&self.case),
+                ..Details::default()
+            },
+        }
     }
 }
 
@@ -342,24 +362,29 @@ pub(crate) struct Press {
 }
 
 impl Press {
-    pub(crate) fn maps(&self) -> Maps {
-        self.fields.maps(&self.case)
-    }
-
-    /// What is asked of the case.
-    pub(crate) fn questions(&self) -> Vec<Question> {
-        let maps = self.fields.field_points.map(|_| Question::Fields);
-        let limits = self.limits.strict.then_some(Question::Limits);
+    pub(crate) fn asked(&self) -> Asked<'_> {
         let options = [
             self.adhesion.question(),
-            limits,
-            maps,
+            self.limits.strict.then_some(Question::Limits),
+            self.fields.field_points.map(|_| Question::Fields),
             self.gradient.question(),
         ];
-        [Question::Press]
-            .into_iter()
-            .chain(options.into_iter().flatten())
-            .collect()
+        Asked {
+            case: &self.case,
+            run: &self.run,
+            floor: Some(&self.floor),
+            range: Some(self.adhesion),
+            questions: [Question::Press]
+                .into_iter()
+                .chain(options.into_iter().flatten())
+                .collect(),
+            request: Request::Contact(self.load.load()),
+            details: Details {
+                gradient: self.gradient.gradient,
+                maps: self.fields.maps(&self.case),
+                ..Details::default()
+            },
+        }
     }
 }
 
@@ -390,7 +415,19 @@ pub(crate) struct Approach {
 }
 
 impl Approach {
-    pub(crate) fn path(&self) -> Result<LoadingPath, Failure> {
+    pub(crate) fn asked(&self) -> Result<Asked<'_>, Failure> {
+        Ok(Asked {
+            case: &self.case,
+            run: &self.run,
+            floor: Some(&self.floor),
+            range: None,
+            questions: vec![Question::Approach],
+            request: Request::Loading(self.path()?),
+            details: self.case.details(),
+        })
+    }
+
+    fn path(&self) -> Result<LoadingPath, Failure> {
         if !(self.step > 0.0 && self.step.is_finite()) {
             return Err(Failure::Argument(
                 "--step must be a length greater than 0".to_owned(),
@@ -429,7 +466,19 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
-    pub(crate) fn plan(&self) -> Result<CyclePlan, Failure> {
+    pub(crate) fn asked(&self) -> Result<Asked<'_>, Failure> {
+        Ok(Asked {
+            case: &self.case,
+            run: &self.run,
+            floor: Some(&self.floor),
+            range: Some(self.adhesion),
+            questions: vec![Question::Cycle],
+            request: Request::Cycle(self.plan()?),
+            details: self.case.details(),
+        })
+    }
+
+    fn plan(&self) -> Result<CyclePlan, Failure> {
         let turn = match LoadingEnd::of(None, false, self.to, self.to_force)? {
             LoadingEnd::At(load) => load,
             LoadingEnd::CriticalOr(indentation) => Load::Indentation(indentation),
@@ -1067,6 +1116,18 @@ impl CaseArguments {
             Replace::Refused
         }
     }
+
+    /// All files, if the result is saved.
+    fn details(&self) -> Details {
+        let maps = match self.output {
+            None => Maps::None,
+            Some(_) => Maps::Points(None),
+        };
+        Details {
+            maps,
+            ..Details::default()
+        }
+    }
 }
 
 /// A load, by an indentation or by a force.
@@ -1140,8 +1201,8 @@ pub(crate) struct RangeArguments {
 }
 
 impl RangeArguments {
-    /// The range (m) for a case, if it is given.
-    pub(crate) fn of(self, case: &Case) -> Result<Option<f64>, Failure> {
+    /// The range (m) for a case whose tops stick, or do not, if it is given.
+    pub(crate) fn of(self, sticks: bool) -> Result<Option<f64>, Failure> {
         let Some(range) = self.attraction_range else {
             return Ok(None);
         };
@@ -1150,7 +1211,7 @@ impl RangeArguments {
                 "--attraction-range must be a length greater than 0".to_owned(),
             ));
         }
-        if case.system.adhesion().is_none() {
+        if !sticks {
             return Err(Failure::Argument(
                 "--attraction-range needs pillar tops that stick: give adhesion.work in the case \
                  file, or --set adhesion.work=50mJ/m2"

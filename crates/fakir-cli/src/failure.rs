@@ -12,6 +12,7 @@ use fakir_inverse::pillar_heights::PillarHeightsError;
 use fakir_inverse::spread::SpreadError;
 use fakir_paper::PaperError;
 use fakir_study::StudyError;
+use fakir_study::answer::AnswerError;
 use fakir_study::approach::ApproachError;
 use fakir_study::output::OutputError;
 use fakir_study::surfaces::SurfaceVerifyError;
@@ -77,6 +78,17 @@ impl From<PaperError> for Failure {
                 error.into()
             }
             PaperError::Figure(error) => Self::Figure(error),
+        }
+    }
+}
+
+impl From<AnswerError> for Failure {
+    fn from(error: AnswerError) -> Self {
+        match error {
+            AnswerError::Case(error) => error.into(),
+            AnswerError::Solve(error) => error.into(),
+            AnswerError::Loading(error) => error.into(),
+            other => Self::Argument(other.to_string()),
         }
     }
 }

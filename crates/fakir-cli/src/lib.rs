@@ -1,26 +1,25 @@
 //! The command `fakir`: case files in, critical states and contacts out.
 //!
-//! Arguments (`arguments`) are resolved into a case and a question, a command (`commands`)
-//! asks the library and makes a report, and that is printed as a table or as
-//! JSON (`output`) and saved. Standard output holds the result and nothing else.
+//! Arguments (`arguments`) are resolved into a case and a question. [`fakir_study::answer`] or a
+//! command (`commands`) makes a report of the answer, which is printed as a table or as JSON and saved. Standard output holds the result and nothing else.
 //!
 //! The program and the command that the Python package brings are this library's [`main`].
 
 mod arguments;
 mod commands;
 mod failure;
-mod report;
 mod session;
 mod standard;
 
-use arguments::{Arguments, CaseArguments, Command};
+use arguments::{Arguments, Asked, CaseArguments, Command};
 use clap::Parser;
 use failure::{Failure, Status};
 use fakir::problem::Question;
 use fakir_case::input::LARGEST_CASE;
 use fakir_case::{AnyCase, Case, CaseFile};
+use fakir_study::answer::{Details, Running};
 use fakir_study::numbers;
-use report::Report;
+use fakir_study::report::Report;
 use session::Session;
 use std::ffi::OsString;
 use std::path::Path;
@@ -51,70 +50,19 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Explore(options) => commands::explore::run(options, explored_case(options)?),
         Command::Cite(options) => commands::cite::run(options),
         Command::Reproduce(options) => commands::reproduce::run(options),
-        Command::Transition(options) => {
-            let session = Session::start(&options.run, options.case.quiet)?;
-            let file = read_case(&options.case)?;
-            answer(
-                command,
-                &options.case,
-                &file,
-                &options.questions(),
-                move |case| commands::transition::run(case, options, &session),
-            )
-        }
-        Command::Press(options) => {
-            let session = Session::start(&options.run, options.case.quiet)?;
-            let mut file = read_case(&options.case)?;
-            options.floor.apply(&mut file)?;
-            answer(
-                command,
-                &options.case,
-                &file,
-                &options.questions(),
-                move |case| commands::press::run(case, options, &session),
-            )
-        }
-        Command::Approach(options) => {
-            let session = Session::start(&options.run, options.case.quiet)?;
-            let (mut file, path) = (read_case(&options.case)?, options.path()?);
-            options.floor.apply(&mut file)?;
-            let saves = options.case.output.is_some();
-            answer(
-                command,
-                &options.case,
-                &file,
-                &[Question::Approach],
-                move |case| commands::approach::run(case, &path, saves, &session),
-            )
-        }
-        Command::Cycle(options) => {
-            let session = Session::start(&options.run, options.case.quiet)?;
-            let mut file = read_case(&options.case)?;
-            options.floor.apply(&mut file)?;
-            let (plan, saves) = (options.plan()?, options.case.output.is_some());
-            answer_of_pillars(
-                command,
-                &options.case,
-                &file,
-                Question::Cycle,
-                move |case| {
-                    let range = options.adhesion.of(case)?;
-                    commands::cycle::run(case, plan, range, saves, &session)
-                },
-            )
-        }
+        Command::Transition(options) => ask(command, options.asked()),
+        Command::Press(options) => ask(command, options.asked()),
+        Command::Approach(options) => ask(command, options.asked()?),
+        Command::Cycle(options) => ask(command, options.asked()?),
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
-            let load = options.load.load();
-            answer(
-                command,
-                &options.case,
-                &file,
-                &[Question::Verify],
-                move |case| commands::verify::run(case, load, options.cells, &session),
-            )
+            let (load, cells) = (options.load.load(), options.cells);
+            let case = file.any_case(&[Question::Verify])?;
+            deliver(command, &options.case, file.warnings(), move || {
+                commands::verify::run(&case, load, cells, &session)
+            })
         }
         Command::Theory(options) => {
             let file = read_case(&options.case)?;
@@ -123,7 +71,10 @@ fn run(command: &Command) -> Result<Status, Failure> {
                 &options.case,
                 &file,
                 Question::Theory,
-                move |case| commands::theory::run(case, options.adhesion.of(case)?),
+                move |case| {
+                    let sticks = !case.system.adhesion().is_none();
+                    commands::theory::run(case, options.adhesion.of(sticks)?)
+                },
             )
         }
         Command::Compare(options) => {
@@ -188,20 +139,30 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     deliver(command, &case, file.warnings(), || Ok(fitted.report))
 }
 
-/// Answers questions about a case, if they have an answer. A session that `ask` owns ends with it, and clears its
-/// progress away before anything is printed.
-fn answer(
-    command: &Command,
-    options: &CaseArguments,
-    file: &CaseFile,
-    questions: &[Question],
-    ask: impl FnOnce(&AnyCase) -> Result<Report, Failure>,
-) -> Result<Status, Failure> {
-    let case = file.any_case(questions)?;
-    deliver(command, options, file.warnings(), || ask(&case))
+/// Answers a question about a case of any kind.
+fn ask(command: &Command, asked: Asked<'_>) -> Result<Status, Failure> {
+    let session = Session::start(asked.run, asked.case.quiet)?;
+    let mut file = read_case(asked.case)?;
+    if let Some(floor) = asked.floor {
+        floor.apply(&mut file)?;
+    }
+    let case = file.any_case(&asked.questions)?;
+    deliver(command, asked.case, file.warnings(), move || {
+        let range = asked.range.map(|range| range.of(case.is_adhesive()));
+        let details = Details {
+            range: range.transpose()?.flatten(),
+            ..asked.details
+        };
+        let running = Running {
+            run: session.run(),
+            next: &|part| session.part(part),
+        };
+        let answer = fakir_study::answer::answer(&case, &asked.request, &details, &running)?;
+        Ok(answer.report(&running)?)
+    })
 }
 
-/// The same of a question that only pillars with flat tops have an answer to.
+/// Answers a question that only pillars with flat tops have an answer to.
 fn answer_of_pillars(
     command: &Command,
     options: &CaseArguments,
@@ -221,7 +182,7 @@ fn texture(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
     }
 }
 
-/// Asks (a session in `ask` ends with it, and clears its progress away), and delivers the report:
+/// Calls `ask` (a session that it owns ends with it, and clears its progress away), and delivers the report:
 /// saved first, so that what is printed is safe. `case_warnings` are about the case as it is written.
 fn deliver(
     command: &Command,

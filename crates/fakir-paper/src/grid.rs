@@ -4,7 +4,7 @@
 use fakir::problem::System;
 use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
 use fakir_study::record::Record;
-use fakir_study::{Answer, Row};
+use fakir_study::{Row, RowAnswer};
 
 /// A substrate of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -200,7 +200,7 @@ impl Grid {
         for (study, rows) in studies {
             let count = study.cases() / curves.len();
             for row in *rows {
-                if let Some(Answer::Numbers(record)) = &row.answer
+                if let Some(RowAnswer::Numbers(record)) = &row.answer
                     && row.problem.is_none()
                 {
                     curves[row.index / count].states.push(record.into());

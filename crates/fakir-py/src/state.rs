@@ -219,7 +219,7 @@ pub(crate) fn approach(
     options: Options,
 ) -> PyResult<Loading> {
     let path = path(step, until, to, to_force)?;
-    let problem = (case.case.system.clone(), case.case.method);
+    let problem = case.case.clone();
     let (found, states) = watched(py, &options, |run| {
         let mut states = Vec::new();
         let mut keep = |state, wall_time| states.push((state, wall_time));

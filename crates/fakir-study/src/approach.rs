@@ -5,13 +5,13 @@ use crate::record::{
     AsperityAnswer, LoadingState, Object, Place, Record, SurfaceAnswer, asperity_head, surface_head,
 };
 use crate::result::{self, asperity_warnings, warnings};
-use fakir::problem::{Feature, Load, Method, Question, Solver, SurfaceSystem, System};
+use fakir::problem::{Feature, Load, Question, Solver, SurfaceSystem, Unsupported};
 use fakir::state::{
     AsperityContact, Contact, ContactState, Critical, CriticalState, Run, Solution, SolveError,
     SurfaceContact, SurfaceTransition,
 };
-use fakir_case::AsperityCase;
 use fakir_case::unit::{Dimension, format_quantity};
+use fakir_case::{AsperityCase, Case};
 use std::time::Instant;
 
 /// The most states of a loading. More are asked for only by a step in the wrong unit.
@@ -139,6 +139,16 @@ fn rounded_length(value: f64) -> String {
     with_unit(value, Dimension::Length, DIGITS)
 }
 
+/// That a solver has no answer to a question, whatever the problem is.
+pub(crate) fn unsupported(question: Question, solver: Solver) -> SolveError {
+    let reason = question.check(solver, &[]).err();
+    SolveError::Unsupported(reason.unwrap_or(Unsupported {
+        why: "this question has no answer for this kind of surface",
+        instead: "use another kind of surface",
+        with: &[],
+    }))
+}
+
 /// What a loading can be computed of.
 pub trait Loadable {
     /// Its contacts.
@@ -150,11 +160,11 @@ pub trait Loadable {
     /// As [`fakir::press`].
     fn press(&self, control: Load, run: &Run<'_>) -> Result<Self::Contact, SolveError>;
 
-    /// The critical state; none where [no end](Self::no_end) is known.
+    /// The critical state.
     ///
     /// # Errors
-    /// As [`fakir::transition`].
-    fn transition(&self, run: &Run<'_>) -> Result<Option<Critical<Self::Contact>>, SolveError>;
+    /// As [`fakir::transition`]; [`SolveError::Unsupported`] where it is not known what the floor is.
+    fn transition(&self, run: &Run<'_>) -> Result<Critical<Self::Contact>, SolveError>;
 
     /// Why there is no critical state at which a loading could end; none if there is one.
     fn no_end(&self) -> Option<&'static str>;
@@ -177,29 +187,26 @@ pub trait Loadable {
     fn critical(&self, critical: &Critical<Self::Contact>, wall_time: f64) -> Object;
 }
 
-/// Pillars, with the method that solves them.
-impl Loadable for (System, Method) {
+/// Pillars with flat tops.
+impl Loadable for Case {
     type Contact = ContactState;
 
     fn press(&self, control: Load, run: &Run<'_>) -> Result<ContactState, SolveError> {
-        fakir::press(&self.0, control, self.1, run)
+        fakir::press(&self.system, control, self.method, run)
     }
 
-    fn transition(&self, run: &Run<'_>) -> Result<Option<CriticalState>, SolveError> {
-        if self.no_end().is_some() {
-            return Ok(None);
-        }
-        fakir::transition(&self.0, self.1, run).map(Some)
+    fn transition(&self, run: &Run<'_>) -> Result<CriticalState, SolveError> {
+        fakir::transition(&self.system, self.method, run)
     }
 
     fn no_end(&self) -> Option<&'static str> {
-        let features = Feature::of(&self.0);
-        let answered = Question::Transition.check(self.1.into(), &features);
+        let features = Feature::of(&self.system);
+        let answered = Question::Transition.check(self.method.into(), &features);
         answered.err().map(|unsupported| unsupported.why)
     }
 
     fn first_touch(&self) -> f64 {
-        self.0.first_touch().min(self.0.pillar().height)
+        self.system.first_touch().min(self.system.pillar().height)
     }
 
     fn state(&self, state: LoadingState<&ContactState>) -> Record {
@@ -211,7 +218,7 @@ impl Loadable for (System, Method) {
     }
 
     fn head(&self) -> Object {
-        Object::word("method", self.1.name())
+        Object::word("method", self.method.name())
     }
 
     fn critical(&self, critical: &CriticalState, wall_time: f64) -> Object {
@@ -226,9 +233,8 @@ impl Loadable for SurfaceSystem {
         SurfaceSystem::press(self, control, run)
     }
 
-    fn transition(&self, run: &Run<'_>) -> Result<Option<SurfaceTransition>, SolveError> {
-        let known = self.floor().map(|_| SurfaceSystem::transition(self, run));
-        known.transpose()
+    fn transition(&self, run: &Run<'_>) -> Result<SurfaceTransition, SolveError> {
+        SurfaceSystem::transition(self, run)
     }
 
     fn no_end(&self) -> Option<&'static str> {
@@ -270,8 +276,8 @@ impl Loadable for AsperityCase {
         self.field.press(control, self.accuracy, run)
     }
 
-    fn transition(&self, _: &Run<'_>) -> Result<Option<Critical<AsperityContact>>, SolveError> {
-        Ok(None)
+    fn transition(&self, _: &Run<'_>) -> Result<Critical<AsperityContact>, SolveError> {
+        Err(unsupported(Question::Transition, Solver::Asperities))
     }
 
     fn no_end(&self) -> Option<&'static str> {
@@ -344,10 +350,12 @@ pub fn approach<P: Loadable>(
         }
         _ => {}
     }
-    if has_critical {
+    let critical = if has_critical {
         next("critical state");
-    }
-    let critical = problem.transition(run)?;
+        Some(problem.transition(run)?)
+    } else {
+        None
+    };
     let critical_time = start.elapsed().as_secs_f64();
     let reached = critical.as_ref().map(|critical| &critical.contact);
     let critical_indentation = reached.map(Contact::indentation);

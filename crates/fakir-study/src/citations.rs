@@ -3,9 +3,9 @@
 //! A [`Topic`] is something that was made use of; [`citations`] gives the sources of several, each
 //! with a few words on why. The formulas themselves are cited where the crate `fakir` has them.
 
-use fakir::problem::{Boundary, MeshLayout, Method, PunchForm};
+use fakir::problem::{Arrangement, Boundary, MeshLayout, Method, PunchForm};
 use fakir_case::study::Asked;
-use fakir_case::{Case, Study, SurfaceKind};
+use fakir_case::{Case, Study, SurfaceCase, SurfaceKind, SurfaceOrigin};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -64,6 +64,21 @@ impl Topic {
             .chain(case.system.has_layers().then_some(Self::Layers))
             .chain(range.map(|_| Self::AttractionRange))
             .collect()
+    }
+
+    /// What a case with a general surface makes use of.
+    #[must_use]
+    pub fn of_surface(case: &SurfaceCase) -> Self {
+        let random = match &case.origin {
+            SurfaceOrigin::HeightMap(_) => false,
+            SurfaceOrigin::Pattern(pattern) => {
+                matches!(pattern.arrangement, Arrangement::Random(_))
+            }
+        };
+        Self::Surface {
+            periodic: case.system.boundary() == Boundary::Periodic,
+            random,
+        }
     }
 
     /// What the cases of a study make use of.

@@ -1,10 +1,10 @@
 //! Figures of a sweep, and figures as files.
 
-use crate::answer::{Answer, Row};
 use crate::numbers::{column_unit, scaled};
 use crate::output::File;
 use crate::provenance::Provenance;
 use crate::record::Record;
+use crate::row::{Row, RowAnswer};
 use fakir_case::Key;
 use fakir_case::Study;
 use fakir_case::study::{Asked, Axis, Combine, Coordinate, Variable};
@@ -60,7 +60,7 @@ pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
         }
         let curve = curves.entry(place);
         let (_, points) = curve.or_insert_with(|| (Text::from(words.join(", ")), Vec::new()));
-        if let (Coordinate::Number(x), Some(Answer::Numbers(cycle)), None) =
+        if let (Coordinate::Number(x), Some(RowAnswer::Numbers(cycle)), None) =
             (&row.coordinates[across], &row.answer, &row.problem)
         {
             points.push((*x, cycle));

@@ -9,7 +9,6 @@
 //! | `pull-off.svg`, `pull-off.png` | of a whole sweep of cycles: pull-off force and hysteresis |
 //! | `provenance.json` | version, study, methods, reference |
 
-use crate::answer::Row;
 use crate::error::{StudyError, memory};
 use crate::figures::{of_cycles, saved};
 use crate::journal::{Contents, DamagedLine, Found, Header, Journal, first_difference, whole};
@@ -20,6 +19,7 @@ use crate::output::{File, OutputError, Replace, is_empty, save};
 use crate::plan::{Plan, Shard, longest_first};
 use crate::provenance::Provenance;
 use crate::results::{self, save_results};
+use crate::row::Row;
 use crate::sweep::{Options, complete};
 use crate::table::Table;
 use fakir_case::{Study, StudyFile};

@@ -7,10 +7,10 @@
 //! first line that is damaged is an error.
 
 use crate::VERSION;
-use crate::answer::{Answer, Row, kind_of};
 use crate::error::StudyError;
 use crate::names::JOURNAL;
 use crate::plan::{Plan, Shard};
+use crate::row::{Row, RowAnswer, kind_of};
 use crate::sweep::Options;
 use fakir::state::Run;
 use fakir_case::Study;
@@ -154,7 +154,7 @@ struct Line {
     case: usize,
     wall_time_s: f64,
     problem: Option<String>,
-    answer: Option<Answer>,
+    answer: Option<RowAnswer>,
 }
 
 /// Whether a file is a journal, or was to become one: it begins like one.
@@ -448,8 +448,8 @@ impl Plan {
 fn is_complete(study: &Study, line: &Line) -> bool {
     match &line.answer {
         None => line.problem.is_some(),
-        Some(Answer::Numbers(record)) => Some(record.kind()) == kind_of(study),
-        Some(Answer::Collapse(_)) => study.asked() == Asked::Collapse,
+        Some(RowAnswer::Numbers(record)) => Some(record.kind()) == kind_of(study),
+        Some(RowAnswer::Collapse(_)) => study.asked() == Asked::Collapse,
     }
 }
 

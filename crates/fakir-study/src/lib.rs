@@ -27,6 +27,7 @@
 //!   the table of a sweep that was killed and resumed is the same, byte for byte.
 //! * A case without an answer keeps its row in the [`Table`], with the reason.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
+//! * [`answer`](mod@answer) answers a question about a case of any kind: its numbers, and the [`report`] that a command prints and saves.
 //! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
 //!   [`closed_forms`](mod@closed_forms) is the list of formulas.
 //! * [`workshop`] has surfaces with rounded pillar tops as solids and maps of heights.
@@ -41,7 +42,7 @@
 //! A [`Study`](fakir_case::Study) becomes a plan, a list of cases; each case goes to [`solve`] and comes back as a [`Row`]; rows are written to
 //! the journal as they come, and the [`Table`] is made of them at the end, in the order of the plan.
 
-mod answer;
+pub mod answer;
 pub mod approach;
 pub mod citations;
 pub mod closed_forms;
@@ -59,8 +60,10 @@ pub mod output;
 mod plan;
 pub mod provenance;
 pub mod record;
+pub mod report;
 pub mod result;
 pub mod results;
+mod row;
 pub mod surfaces;
 mod sweep;
 mod table;
@@ -68,7 +71,6 @@ mod table;
 mod table_parquet;
 pub mod workshop;
 
-pub use answer::{Answer, Row};
 pub use collapsed::{
     Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
     Validity, collapse, collapse_path,
@@ -78,6 +80,7 @@ pub use folder::{Existing, Ledger, Summary, merge, sweep_into};
 pub use journal::DamagedLine;
 pub use names::TABLES;
 pub use plan::{InvalidShard, Shard};
+pub use row::{Row, RowAnswer};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
 

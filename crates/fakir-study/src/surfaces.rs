@@ -1,11 +1,9 @@
 //! Cases with a general surface: on a grid that is wide enough for the contact, and on two meshes.
 
-use crate::answer::Answer;
 use crate::numbers::{LENGTH_DIGITS, with_unit};
-use crate::record::{Record, SurfaceAnswer};
 use fakir::numerics::convergence::larger;
 use fakir::problem::{ElementMesh, Load, Method};
-use fakir::state::{ErrorEstimate, Run, Solution, SolveError, SurfaceContact};
+use fakir::state::{ErrorEstimate, Run, SolveError, SurfaceContact};
 use fakir::{Difference, InconclusiveReason, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
@@ -57,51 +55,6 @@ pub fn on_wide_enough_a_grid<T, E: From<CaseError>>(
             with_unit(width, Dimension::Length, LENGTH_DIGITS)
         ));
     }
-}
-
-/// Why a case of a study has no answer.
-#[derive(Debug, Clone, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// A case that cannot be: a surface that takes too much memory.
-    #[error(transparent)]
-    Case(#[from] CaseError),
-    /// A contact that cannot be computed.
-    #[error("{}", fakir_case::with_keys(.0))]
-    Solve(#[from] SolveError),
-}
-
-/// What a case of a study with a general surface answers, on a grid that is wide enough.
-pub(crate) fn answer(
-    file: &CaseFile,
-    control: Load,
-    run: &Run<'_>,
-) -> Result<(Answer, Option<String>), SurfaceError> {
-    let needed = |error: &SurfaceError| match error {
-        SurfaceError::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
-        _ => None,
-    };
-    let answered = on_wide_enough_a_grid(file, run.memory_limit(), needed, |case| {
-        Ok(match control {
-            Load::FloorContact => {
-                let critical = case.system.transition(run)?;
-                let answer = Record::of(&SurfaceAnswer {
-                    system: &case.system,
-                    answer: &critical,
-                });
-                (Answer::Numbers(answer), critical.contact.problem())
-            }
-            load => {
-                let contact = case.system.press(load, run)?;
-                let answer = Record::of(&SurfaceAnswer {
-                    system: &case.system,
-                    answer: &contact,
-                });
-                (Answer::Numbers(answer), contact.problem())
-            }
-        })
-    })?;
-    Ok(answered.answer)
 }
 
 /// Why there is no second opinion on a surface.

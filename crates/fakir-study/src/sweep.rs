@@ -1,15 +1,13 @@
 //! Answering the cases of a study, on several threads.
 
-use crate::answer::{Answer, Row};
+use crate::answer::{AnswerError, Details, Request, Running, answer};
 use crate::collapsed::collapse;
 use crate::error::StudyError;
 use crate::plan::{Costed, Plan, Shard, longest_first};
-use crate::record::{AsperityAnswer, Record};
-use crate::surfaces::{self, SurfaceError};
-use fakir::problem::Load;
-use fakir::state::{CancelToken, Run, Solution, SolveError, Termination, Threads};
+use crate::row::{Row, RowAnswer};
+use fakir::state::{CancelToken, Run, SolveError, Termination, Threads};
+use fakir_case::Study;
 use fakir_case::study::{Question, StudyCase};
-use fakir_case::{AnyCase, Study};
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -228,8 +226,8 @@ impl<'a> SharedSweep<'a> {
         // A defect that shows in one case of thousands is to be no reason to lose the others.
         let outcome = catch_unwind(AssertUnwindSafe(|| self.solve(&case)));
         let (answer, problem) = match outcome {
-            Ok(Ok((answer, problem))) => (Some(answer), problem),
-            Ok(Err(SurfaceError::Solve(SolveError::Interrupted))) => return None,
+            Ok(Ok(answered)) => answered,
+            Ok(Err(AnswerError::Solve(SolveError::Interrupted))) => return None,
             Ok(Err(error)) => (None, Some(error.to_string())),
             Err(panic) => (None, Some(defect(panic.as_ref()))),
         };
@@ -243,51 +241,29 @@ impl<'a> SharedSweep<'a> {
     }
 
     /// What a case answers, and why that is no answer if it is none.
-    fn solve(&self, case: &StudyCase) -> Result<(Answer, Option<String>), SurfaceError> {
+    fn solve(&self, case: &StudyCase) -> Result<(Option<RowAnswer>, Option<String>), AnswerError> {
         let run = Run {
             cancel: self.stop.clone(),
             memory_limit: self.memory_limit,
             ..Run::default()
         };
-        let (of_texture, control) = match (&case.case, case.question) {
-            (AnyCase::Pillars(texture), Question::Contact(control)) => (texture, control),
-            (AnyCase::Pillars(texture), Question::Cycle(plan)) => {
-                let cycle = fakir::cycle(&texture.system, plan, texture.method, &run)?;
-                return Ok((Answer::Numbers(Record::of(&cycle)), cycle.problem()));
-            }
-            (AnyCase::Asperities(rounded), Question::Contact(load)) => {
-                let contact = rounded.field.press(load, rounded.accuracy, &run)?;
-                let answer = AsperityAnswer::of(rounded, &contact);
-                return Ok((Answer::Numbers(Record::of(&answer)), contact.problem()));
-            }
-            (AnyCase::HeightMap(file), Question::Contact(control)) => {
-                return surfaces::answer(file, control, &run);
-            }
-            (AnyCase::Pillars(texture), Question::Collapse) => {
+        let request = match (case.question, case.case.texture()) {
+            (Question::Contact(load), _) => Request::Contact(load),
+            (Question::Cycle(plan), _) => Request::Cycle(plan),
+            (Question::Collapse, Some(texture)) => {
                 let (collapsed, termination) = collapse(&texture.system, texture.method, &run)?;
                 let problem = (termination != Termination::Converged)
                     .then(|| termination.description().to_owned());
-                return Ok((Answer::Collapse(Box::new(collapsed)), problem));
+                return Ok((Some(RowAnswer::Collapse(Box::new(collapsed))), problem));
             }
-            (
-                AnyCase::HeightMap(_) | AnyCase::Asperities(_),
-                Question::Cycle(_) | Question::Collapse,
-            ) => {
+            (Question::Collapse, None) => {
                 unreachable!("studies refuse adhesion on other surfaces")
             }
         };
-        let (system, method) = (&of_texture.system, of_texture.method);
-        match control {
-            Load::FloorContact => {
-                let critical = fakir::transition(system, method, &run)?;
-                let answer = Answer::Numbers(Record::of(&critical));
-                Ok((answer, critical.contact.problem()))
-            }
-            load => {
-                let state = fakir::press(system, load, method, &run)?;
-                Ok((Answer::Numbers(Record::of(&state)), state.problem()))
-            }
-        }
+        let running = Running { run, next: &|_| {} };
+        let answer = answer(&case.case, &request, &Details::default(), &running)?;
+        let numbers = answer.records().pop();
+        Ok((numbers.map(RowAnswer::Numbers), answer.problem()))
     }
 }
 

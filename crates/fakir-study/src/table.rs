@@ -1,9 +1,9 @@
 //! The rows of a sweep as a table: one row per case, one column per axis and per number.
 
-use crate::answer::{Answer, Row, kind_of};
 use crate::collapsed::{Collapsed, FloorJump, FloorLoss};
 use crate::output::File;
 use crate::record::{Entry, Kind, Record, Type, Value as Recorded};
+use crate::row::{Row, RowAnswer, kind_of};
 use fakir_case::Study;
 use fakir_case::study::Coordinate;
 use serde_json::{Map, Value, json};
@@ -152,7 +152,7 @@ impl<'a, T> Answers<'a, T> {
     fn of(
         rows: &'a [Row],
         columns: &'a mut Vec<Column>,
-        kind: impl Fn(&'a Answer) -> Option<&'a T>,
+        kind: impl Fn(&'a RowAnswer) -> Option<&'a T>,
     ) -> Self {
         let answers = rows.iter().map(|row| row.answer.as_ref().and_then(&kind));
         Self {
@@ -198,7 +198,7 @@ fn number_columns(rows: &[Row], kind: Kind, columns: &mut Vec<Column>) {
     let answers = rows.iter().map(|row| row.answer.as_ref());
     let records: Vec<Option<&Record>> = answers
         .map(|answer| match answer {
-            Some(Answer::Numbers(record)) if record.kind() == kind => Some(record),
+            Some(RowAnswer::Numbers(record)) if record.kind() == kind => Some(record),
             _ => None,
         })
         .collect();
@@ -231,7 +231,7 @@ fn loss_columns<T>(of: &mut Answers<'_, T>, lost: impl Fn(&T) -> Option<FloorLos
 
 fn collapse_columns(rows: &[Row], columns: &mut Vec<Column>) {
     let mut of: Answers<'_, Collapsed> = Answers::of(rows, columns, |answer| match answer {
-        Answer::Collapse(collapsed) => Some(&**collapsed),
+        RowAnswer::Collapse(collapsed) => Some(&**collapsed),
         _ => None,
     });
     of.word("method", |it| it.method.clone());

@@ -2,7 +2,6 @@
 
 use crate::arguments::{Cite, CitedMethod};
 use crate::failure::{DONE, Failure, Status};
-use crate::report::surface::topic;
 use crate::standard::print;
 use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm};
 use fakir::state::Run;
@@ -73,7 +72,7 @@ fn of_file(path: &Path) -> Result<CiteJson, Failure> {
     Ok(match file.surface_kind() {
         SurfaceKind::HeightMap => {
             let case = file.surface_case(Run::default().memory_limit())?;
-            CiteJson::new("elements on a surface", &[topic(&case)])
+            CiteJson::new("elements on a surface", &[Topic::of_surface(&case)])
         }
         SurfaceKind::Asperities => {
             file.asperity_case()?;

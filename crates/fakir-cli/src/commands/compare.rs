@@ -2,15 +2,15 @@
 
 use crate::failure::Failure;
 use crate::numbers::{seconds, significant};
-use crate::report::Report;
-use crate::report::state::{radius_digits, texture_line};
-use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_study::citations::Topic;
 use fakir_study::compare::{compare, methods};
 use fakir_study::provenance::Provenance;
+use fakir_study::report::Report;
+use fakir_study::report::state::{radius_digits, texture_line};
+use fakir_study::report::table::{Column, table};
 use fakir_study::result::{CompareSummary, MethodRow, csv, json};
 
 pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {

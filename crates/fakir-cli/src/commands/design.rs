@@ -4,10 +4,6 @@
 use crate::arguments::Design as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, column_unit, significant, with_unit};
-use crate::report::Report;
-use crate::report::figures::saved;
-use crate::report::state::{QuantityList, radius_digits, texture_line};
-use crate::report::table::{Column, list, table};
 use crate::session::Session;
 use fakir::state::{ContactState, CriticalState, Cycle, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
@@ -18,8 +14,12 @@ use fakir_inverse::design::{Answer, Design, Reached, Wanted, design};
 use fakir_inverse::spread::{Critical, Landing, PullOff, Sampling, Spread, Summary, spread};
 use fakir_study::citations::Topic;
 use fakir_study::figures::printed;
+use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::report::Report;
+use fakir_study::report::state::{QuantityList, radius_digits, texture_line};
+use fakir_study::report::table::{Column, list, table};
 use fakir_study::result::{cycle_warnings, json, warnings};
 use std::time::Instant;
 
@@ -173,7 +173,7 @@ fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
 /// The cycle that was found for a wanted pull-off force.
 fn pulled_off_rows(answer: &Answer, cycle: &Cycle) -> String {
     let mut rows = QuantityList::default();
-    super::cycle::turn_and_pull_off(&mut rows, cycle);
+    fakir_study::answer::turn_and_pull_off(&mut rows, cycle);
     if let Some((value, remark)) = sensitivity(answer) {
         rows.row("sensitivity", value, "", &remark);
     }

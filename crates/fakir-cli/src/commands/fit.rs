@@ -3,10 +3,6 @@
 use crate::arguments::Fit as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, digits, significant, with_unit};
-use crate::report::Report;
-use crate::report::figures::saved;
-use crate::report::state::{QuantityList, strained_words, texture_line};
-use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::state::Branch;
 use fakir_case::unit::Dimension;
@@ -17,8 +13,12 @@ use fakir_inverse::fit::{
     Position, Quantity, fit,
 };
 use fakir_study::citations::Topic;
+use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::report::Report;
+use fakir_study::report::state::{QuantityList, strained_words, texture_line};
+use fakir_study::report::table::{Column, table};
 use fakir_study::result::json;
 use std::time::Instant;
 

@@ -1,10 +1,7 @@
 //! One module for each command: what it asks the library, and its report.
 
-pub(crate) mod approach;
-pub(crate) mod asperities;
 pub(crate) mod cite;
 pub(crate) mod compare;
-pub(crate) mod cycle;
 pub(crate) mod design;
 #[cfg(feature = "explore")]
 pub(crate) mod explore;
@@ -12,11 +9,8 @@ pub(crate) mod fit;
 pub(crate) mod heights;
 pub(crate) mod init;
 pub(crate) mod installed;
-pub(crate) mod press;
 pub(crate) mod reproduce;
 pub(crate) mod results;
-pub(crate) mod surface;
 pub(crate) mod sweep;
 pub(crate) mod theory;
-pub(crate) mod transition;
 pub(crate) mod verify;

@@ -2,15 +2,15 @@
 
 use crate::failure::Failure;
 use crate::numbers::{significant, with_unit};
-use crate::report::Report;
-use crate::report::state::{QuantityList, texture_line};
-use crate::report::table::{Column, table};
 use fakir::problem::{MAXIMUM_SURFACE_FRACTION, Method, System};
 use fakir::state::SolveError;
 use fakir_case::Case;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::Provenance;
+use fakir_study::report::Report;
+use fakir_study::report::state::{QuantityList, texture_line};
+use fakir_study::report::table::{Column, table};
 use fakir_study::result::{
     ANNULI_ALONE, AdhesionObject, CoefficientRow, Constants, CurveRow, FormulaRow, PullOffRow,
     StuckFloorObject, SumRow, TheorySummary, csv, json,

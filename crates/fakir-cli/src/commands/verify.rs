@@ -1,21 +1,27 @@
 //! `fakir verify`: the spectral method and Love elements on the same question.
 
-use super::surface;
 use crate::failure::{Failure, not_answered};
 use crate::numbers::{DIGITS, seconds, significant};
-use crate::report::Report;
-use crate::report::state::{difference, radius_digits, texture_line};
-use crate::report::table::{Column, table};
 use crate::session::Session;
 use fakir::problem::{Accuracy, ElementMesh, Load, Method, Question};
 use fakir::state::ContactState;
 use fakir::{Verdict, Verification};
 use fakir_case::unit::Dimension;
-use fakir_case::{AnyCase, Case};
+use fakir_case::{AnyCase, Case, CaseFile};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{AnswerRow, VerifySummary, control_words, csv, json, warnings};
+use fakir_study::report::Report;
+use fakir_study::report::state::{difference, radius_digits, texture_line};
+use fakir_study::report::surface::description;
+use fakir_study::report::table::{Column, table};
+use fakir_study::result::{
+    AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary, control_words, csv, json, warnings,
+};
+use fakir_study::surfaces::{self, SurfaceVerification};
 use std::time::Instant;
+
+/// Digits shown of contact areas, which change by whole cells.
+const AREA_DIGITS: usize = 4;
 
 /// A second opinion on a case of any kind that has one.
 pub(crate) fn run(
@@ -26,7 +32,7 @@ pub(crate) fn run(
 ) -> Result<Report, Failure> {
     match case {
         AnyCase::Pillars(case) => of_pillars(case, load, cells_per_diameter, session),
-        AnyCase::HeightMap(file) => surface::verify(file, load, cells_per_diameter, session),
+        AnyCase::HeightMap(file) => of_surface(file, load, cells_per_diameter, session),
         AnyCase::Asperities(_) => Err(not_answered(Question::Verify)),
     }
 }
@@ -135,5 +141,81 @@ fn error(value: f64) -> String {
         significant(value, 1)
     } else {
         "-".to_owned()
+    }
+}
+
+/// Pillars of any form on two meshes.
+fn of_surface(
+    file: &CaseFile,
+    control: Load,
+    cells_per_diameter: usize,
+    session: &Session,
+) -> Result<Report, Failure> {
+    let start = Instant::now();
+    let next = |part: &str| session.part(part);
+    let found = surfaces::verify(file, control, cells_per_diameter, &session.run(), &next)?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let mut report = verified(control, &found, wall_time);
+    let [coarse, fine] = found.answers;
+    report.warnings.extend(fine.widened.or(coarse.widened));
+    Ok(report)
+}
+
+fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Report {
+    let summary = SurfaceVerifySummary::new(control, found, wall_time);
+    let rows = summary.answers();
+    let case = &found.answers[1].case;
+    let columns = [
+        Column::right("Cells across a pillar", |row: &MeshRow| {
+            row.cells_per_diameter.to_string()
+        }),
+        Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
+        Column::right("error", |row| estimate(row.force_error_estimate)),
+        Column::quantity("zeta", Dimension::Length, rows, |row| {
+            Some(row.indentation_m)
+        }),
+        Column::right("error", |row| estimate(row.indentation_error_estimate)),
+        Column::number("contact area (um^2)", AREA_DIGITS, |row| {
+            Some(row.contact_area_m2 * 1e12)
+        }),
+    ];
+    let verdict = match found.verdict() {
+        (_, Some(doubt)) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
+        _ if found.agrees() => "The two meshes agree within their error estimates".to_owned(),
+        _ => "THE TWO MESHES DISAGREE beyond their error estimates".to_owned(),
+    };
+    let [coarse, fine] = found.cells_per_diameter;
+    Report {
+        json: json(&summary),
+        text: format!(
+            "Verification on two meshes\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
+            description(case).join("\n"),
+            table(rows, &columns),
+            difference("force", found.force),
+            difference("indentation", found.indentation),
+            seconds(wall_time)
+        ),
+        provenance: Provenance::new(
+            control_words(control),
+            format!("Love elements, {coarse} against {fine} cells across a pillar"),
+            &[Topic::of_surface(case)],
+            case.to_toml(),
+        ),
+        tables: vec![csv("verify.csv", rows)],
+        warnings: found
+            .answers
+            .iter()
+            .flat_map(|answered| warnings(&answered.answer))
+            .collect(),
+        converged: found.agrees(),
+        strained: Vec::new(),
+    }
+}
+
+/// An error estimate; none of what was prescribed, or on too few cells.
+fn estimate(error: Option<f64>) -> String {
+    match error {
+        Some(error) if error > 0.0 => significant(error, 1),
+        _ => "-".to_owned(),
     }
 }

@@ -5,7 +5,7 @@ use fakir::theory::stuck_floor::StuckFloor;
 use fakir_case::study::Coordinate;
 use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
 use fakir_study::record::Record;
-use fakir_study::{Answer, Collapsed, Fate, FloorJump, FloorLoss, Row, Validity};
+use fakir_study::{Collapsed, Fate, FloorJump, FloorLoss, Row, RowAnswer, Validity};
 use std::fmt::Write;
 
 /// A part of the study: a sweep in a separate folder.
@@ -437,7 +437,7 @@ pub fn floor_cases(study: &Study, rows: &[Row]) -> Vec<FloorCase> {
     let system = Case::example().system;
     let (pillar, lens) = (system.pillar(), system.lens().sphere_radius());
     let case = |row: &Row| match &row.answer {
-        Some(Answer::Collapse(found)) if row.problem.is_none() => Some(FloorCase {
+        Some(RowAnswer::Collapse(found)) if row.problem.is_none() => Some(FloorCase {
             surface_fraction: value(study, row, Key::SurfaceFraction, found.surface_fraction),
             young_modulus: value(
                 study,
@@ -461,7 +461,7 @@ pub fn floor_cases(study: &Study, rows: &[Row]) -> Vec<FloorCase> {
 #[must_use]
 pub fn top_cases(study: &Study, rows: &[Row]) -> Vec<TopCase> {
     let case = |row: &Row| match &row.answer {
-        Some(Answer::Numbers(found)) if row.problem.is_none() => Some(TopCase {
+        Some(RowAnswer::Numbers(found)) if row.problem.is_none() => Some(TopCase {
             young_modulus: value(study, row, Key::SubstrateYoungModulus, 0.0),
             offset: value(study, row, Key::Offset, 0.0),
             surface_fraction: found.number("surface_fraction")?,
@@ -500,7 +500,7 @@ impl Cases {
         let cases = self.floor.iter_mut().chain(&mut self.check);
         let on_cells = cases.filter(|case| scope.is_on_cells(case));
         for (case, row) in on_cells.zip(rows) {
-            if let Some(Answer::Numbers(cycle)) = &row.answer
+            if let Some(RowAnswer::Numbers(cycle)) = &row.answer
                 && row.problem.is_none()
             {
                 case.cells = OnCells::of(cycle);

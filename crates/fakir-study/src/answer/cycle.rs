@@ -1,98 +1,92 @@
-//! `fakir cycle`: loading and unloading of pillar tops that stick.
+//! Loading and unloading with adhesion.
 
-use crate::failure::Failure;
+use super::kind::{Context, Found, Kind, Saved};
+use super::request::{AnswerError, Running};
+use crate::figures::saved;
 use crate::numbers::{digits, seconds, significant, with_unit};
-use crate::report::Report;
-use crate::report::figures::saved;
-use crate::report::state::{
-    QuantityList, error_remark, strained_range, strained_words, texture_line,
-};
+use crate::provenance::Provenance;
+use crate::record::Record;
+use crate::report::state::{QuantityList, error_remark, strained_range};
 use crate::report::table::{Column, table};
-use crate::session::Session;
-use fakir::problem::{Adhesion, CyclePlan, LoadingMode};
-use fakir::state::{Branch, Cycle, CycleError, CycleEventKind, CycleLoadStep, HeldFloor, Solution};
-use fakir_case::Case;
-use fakir_case::unit::{Dimension, format_quantity};
-use fakir_figure::{cycle_curve, release_map};
-use fakir_study::citations::Topic;
-use fakir_study::output::File;
-use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{
+use crate::result::{
     CycleSummary, EventRow, FloorRow, LoadStepRow, csv, cycle_warnings, json, pillars_of,
 };
-use std::time::Instant;
+use fakir::problem::{Adhesion, LoadingMode};
+use fakir::state::{
+    Branch, Cycle, CycleError, CycleEventKind, CycleLoadStep, HeldFloor, Limit, Solution,
+};
+use fakir_case::unit::{Dimension, format_quantity};
+use fakir_figure::{cycle_curve, release_map};
 
-pub(crate) fn run(
-    case: &Case,
-    plan: CyclePlan,
-    range: Option<f64>,
-    saves: bool,
-    session: &Session,
-) -> Result<Report, Failure> {
-    if case.system.adhesion().is_none() {
-        return Err(Failure::Argument(
-            "a cycle needs pillar tops that stick: give adhesion.work in the case file, or --set \
-             adhesion.work=50mJ/m2; without adhesion the lens is withdrawn the way it came"
-                .to_owned(),
-        ));
+impl<K: Kind> Found<K> for Cycle {
+    fn question(&self) -> String {
+        "loading and unloading with adhesion".to_owned()
     }
-    session.part("cycle");
-    let start = Instant::now();
-    let cycle = fakir::cycle(&case.system, plan, case.method, &session.run())?;
-    let wall_time = start.elapsed().as_secs_f64();
-    let provenance = Provenance::new(
-        "loading and unloading with adhesion",
-        method_words(case.method),
-        &Topic::of_case_with_range(case, range),
-        case.to_toml(),
-    );
-    let mut tables = Vec::new();
-    if saves {
-        tables.push(csv(
-            "cycle.csv",
-            cycle.stations.iter().map(LoadStepRow::from),
-        ));
-        tables.push(csv("events.csv", cycle.events.iter().map(EventRow::from)));
-        if cycle.floor.is_some() {
-            tables.push(csv("floor.csv", FloorRow::of(&cycle)));
+
+    fn records(&self, _: &K) -> Vec<Record> {
+        vec![Record::of(self)]
+    }
+
+    fn is_answer(&self) -> bool {
+        Solution::is_answer(self)
+    }
+
+    fn problem(&self) -> Option<String> {
+        Solution::problem(self)
+    }
+
+    fn json(&self, of: &Context<'_, K>) -> String {
+        let summary = CycleSummary::new(self, of.wall_time);
+        json(&summary.with_range(self, of.details.range))
+    }
+
+    fn text(&self, of: &Context<'_, K>) -> String {
+        let [case, method] = of.case.lines();
+        format!(
+            "Loading and unloading with adhesion\n{case}\n{}, {}\n{method}\n\n{}\n{}",
+            adhesion_words(self.system.adhesion()),
+            drive_words(self.plan.drive),
+            quantities(self, of.details.range, of.wall_time),
+            table(&changes(self), &change_columns())
+        )
+    }
+
+    fn limits(&self, of: &Context<'_, K>) -> Vec<Limit> {
+        Cycle::limits(self, of.details.range)
+    }
+
+    fn warnings(&self, of: &Context<'_, K>, _: &Running<'_>) -> Result<Vec<String>, AnswerError> {
+        let limits = Cycle::limits(self, of.details.range);
+        Ok([cycle_warnings(self), strained_range(&limits)].concat())
+    }
+
+    fn files(
+        &self,
+        _: &K,
+        _: Option<usize>,
+        provenance: &Provenance,
+        _: &Running<'_>,
+    ) -> Result<Saved, AnswerError> {
+        let mut files = vec![
+            csv("cycle.csv", self.stations.iter().map(LoadStepRow::from)),
+            csv("events.csv", self.events.iter().map(EventRow::from)),
+        ];
+        if self.floor.is_some() {
+            files.push(csv("floor.csv", FloorRow::of(self)));
         }
-        if let Some(pull_off) = &cycle.pull_off {
+        if let Some(pull_off) = &self.pull_off {
             let table = pillars_of(&pull_off.pillars);
-            tables.extend(table.some_csv("pull-off-pillars.csv"));
+            files.extend(table.some_csv("pull-off-pillars.csv"));
         }
-        tables.extend(figures(&cycle, &provenance));
+        // Where nothing is released there is no map.
+        for figure in [cycle_curve(self), release_map(self)].into_iter().flatten() {
+            files.extend(saved(figure, provenance));
+        }
+        Ok(Saved {
+            files,
+            warnings: Vec::new(),
+        })
     }
-    Ok(Report {
-        json: json(&CycleSummary::new(&cycle, wall_time).with_range(&cycle, range)),
-        text: text(case, &cycle, range, wall_time),
-        provenance,
-        tables,
-        warnings: [cycle_warnings(&cycle), strained_range(&cycle.limits(range))].concat(),
-        converged: cycle.is_answer(),
-        strained: strained_words(&cycle.limits(range)),
-    })
-}
-
-fn figures(cycle: &Cycle, provenance: &Provenance) -> Vec<File> {
-    // Where nothing is released there is no map.
-    let figures = [cycle_curve(cycle), release_map(cycle)]
-        .into_iter()
-        .flatten();
-    figures
-        .flat_map(|figure| saved(figure, provenance))
-        .collect()
-}
-
-fn text(case: &Case, cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
-    format!(
-        "Loading and unloading with adhesion\n{}\n{}, {}\n{}\n\n{}\n{}",
-        texture_line(&case.system),
-        adhesion_words(case.system.adhesion()),
-        drive_words(cycle.plan.drive),
-        method_words(case.method),
-        quantities(cycle, range, wall_time),
-        table(&changes(cycle), &change_columns())
-    )
 }
 
 fn adhesion_words(adhesion: Adhesion) -> String {
@@ -185,8 +179,8 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
     list.text()
 }
 
-/// Where the lens turns, and the pull-off.
-pub(super) fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
+/// Adds where the loading ends, and the pull-off.
+pub fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
     let errors = &cycle.errors;
     let turn = &cycle.turn;
     let on_floor = cycle.floor.filter(|_| turn.floor.is_some());

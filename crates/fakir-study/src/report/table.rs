@@ -5,7 +5,7 @@ use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 use fakir_case::unit::Dimension;
 
 /// A column of a table of `T`s.
-pub(crate) struct Column<T> {
+pub struct Column<T> {
     heading: String,
     cell: Box<dyn Fn(&T) -> String>,
     alignment: CellAlignment,
@@ -14,7 +14,7 @@ pub(crate) struct Column<T> {
 impl<T: 'static> Column<T> {
     /// A physical quantity; the whole column is in the unit that suits its largest value, which
     /// stands in the heading. What is missing is a dash.
-    pub(crate) fn quantity(
+    pub fn quantity(
         name: &str,
         dimension: Dimension,
         rows: &[T],
@@ -24,7 +24,7 @@ impl<T: 'static> Column<T> {
     }
 
     /// A force of which only so many digits are known.
-    pub(crate) fn force(
+    pub fn force(
         name: &str,
         rows: &[T],
         value: impl Fn(&T) -> Option<f64> + 'static,
@@ -34,12 +34,12 @@ impl<T: 'static> Column<T> {
     }
 
     /// A length that is known well enough.
-    pub(crate) fn length(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
+    pub fn length(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
         Self::scaled(name, Dimension::Length, rows, value, |_| LENGTH_DIGITS)
     }
 
     /// A contact radius of which only so many digits are known.
-    pub(crate) fn radius(
+    pub fn radius(
         name: &str,
         rows: &[T],
         value: fn(&T) -> Option<f64>,
@@ -67,7 +67,7 @@ impl<T: 'static> Column<T> {
     }
 
     /// A plain number.
-    pub(crate) fn number(name: &str, digits: usize, value: fn(&T) -> Option<f64>) -> Self {
+    pub fn number(name: &str, digits: usize, value: fn(&T) -> Option<f64>) -> Self {
         Self {
             heading: name.to_owned(),
             cell: Box::new(move |row| number_or_dash(value(row), digits)),
@@ -76,7 +76,7 @@ impl<T: 'static> Column<T> {
     }
 
     /// A count or a measure with its own way of writing.
-    pub(crate) fn right(name: &str, cell: fn(&T) -> String) -> Self {
+    pub fn right(name: &str, cell: fn(&T) -> String) -> Self {
         Self {
             heading: name.to_owned(),
             cell: Box::new(cell),
@@ -85,7 +85,7 @@ impl<T: 'static> Column<T> {
     }
 
     /// A column of words.
-    pub(crate) fn text(name: &str, cell: fn(&T) -> String) -> Self {
+    pub fn text(name: &str, cell: fn(&T) -> String) -> Self {
         Self {
             heading: name.to_owned(),
             cell: Box::new(cell),
@@ -99,7 +99,7 @@ fn number_or_dash(value: Option<f64>, digits: usize) -> String {
 }
 
 /// A table with a rule under its headings.
-pub(crate) fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
+pub fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
     let rule = LineStyle::none().fill('─').junction('─');
     let mut table = Table::new();
     table
@@ -117,7 +117,7 @@ pub(crate) fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
 }
 
 /// A list of quantities: name, number, unit and a remark.
-pub(crate) fn list(rows: Vec<[String; 4]>) -> String {
+pub fn list(rows: Vec<[String; 4]>) -> String {
     let mut table = Table::new();
     table.load_style(TableStyle::new()).add_rows(rows);
     // A unit stands close to its number.

@@ -14,7 +14,7 @@ pub struct Row {
     /// The value of every axis.
     pub coordinates: Vec<Coordinate>,
     /// The answer, also if it did not converge.
-    pub answer: Option<Answer>,
+    pub answer: Option<RowAnswer>,
     /// Why there is no answer, or none to be relied on.
     pub problem: Option<String>,
     /// How long it took, s. All other numbers are the same each time the case is solved.
@@ -24,7 +24,7 @@ pub struct Row {
 /// What a case answers: the numbers of `fakir transition --json`, `fakir press --json` or `fakir cycle --json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Answer {
+pub enum RowAnswer {
     /// A contact under a load, the critical state, or a cycle.
     Numbers(Record),
     /// How a floor that sticks collapses and lets go.

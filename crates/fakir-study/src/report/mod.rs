@@ -1,39 +1,38 @@
-//! What a command hands back, ready to be printed and saved.
+//! What a command prints and saves, and the parts of its texts.
 
-pub(crate) mod asperities;
-pub(crate) mod figures;
-pub(crate) mod maps;
-pub(crate) mod state;
-pub(crate) mod surface;
-pub(crate) mod table;
+pub mod asperities;
+pub mod state;
+pub mod surface;
+pub mod table;
 
-use fakir_study::output::File;
-use fakir_study::provenance::Provenance;
-use fakir_study::result::with_case_warnings;
+use crate::output::File;
+use crate::provenance::Provenance;
+use crate::result::with_case_warnings;
 
 /// The result of a command, in every form it is wanted in.
 #[derive(Debug)]
-pub(crate) struct Report {
+pub struct Report {
     /// One JSON object.
-    pub(crate) json: String,
+    pub json: String,
     /// Tables for a person.
-    pub(crate) text: String,
+    pub text: String,
     /// What was asked, and how it was answered.
-    pub(crate) provenance: Provenance,
+    pub provenance: Provenance,
     /// Tables and fields for other programs, and figures.
-    pub(crate) tables: Vec<File>,
+    pub tables: Vec<File>,
     /// What to be careful about.
-    pub(crate) warnings: Vec<String>,
+    pub warnings: Vec<String>,
     /// Whether the numbers are to be relied on: every solution converged, its numbers are resolved, and where two methods
     /// check each other they agree.
-    pub(crate) converged: bool,
+    pub converged: bool,
     /// Limits of the model that it strains.
-    pub(crate) strained: Vec<String>,
+    pub strained: Vec<String>,
 }
 
 impl Report {
     /// The same with warnings about the case as it is written: before its own, and in the JSON object.
-    pub(crate) fn with_case_warnings(mut self, warnings: Vec<String>) -> Self {
+    #[must_use]
+    pub fn with_case_warnings(mut self, warnings: Vec<String>) -> Self {
         if !warnings.is_empty() {
             self.json = with_case_warnings(&self.json, &warnings);
             self.warnings.splice(0..0, warnings);
@@ -42,13 +41,15 @@ impl Report {
     }
 
     /// The exit status that goes with it: 1 unless it converged.
-    pub(crate) fn status(&self) -> u8 {
+    #[must_use]
+    pub fn status(&self) -> u8 {
         u8::from(!self.converged)
     }
 
     /// The files to save: the summary, the tables, the case as a case file, and where all this is
     /// from.
-    pub(crate) fn files(&self, command: &str) -> Vec<File> {
+    #[must_use]
+    pub fn files(&self, command: &str) -> Vec<File> {
         let Provenance {
             fakir_version,
             case,

@@ -2,18 +2,18 @@
 
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
+use crate::record::GradientObject;
 use fakir::Difference;
 use fakir::problem::{Arrangement, Base, Disorder, Layer, LensShape, Method, System};
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::Dimension;
-use fakir_study::record::GradientObject;
 use std::fmt::Write;
 
 /// Most digits shown of contact radii.
 const RADIUS_DIGITS: usize = 5;
 
 /// Digits of a contact radius with this relative error that mean something.
-pub(crate) fn radius_digits(relative_error: f64) -> usize {
+pub fn radius_digits(relative_error: f64) -> usize {
     digits(relative_error).min(RADIUS_DIGITS)
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) 
 }
 
 /// The texture in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
-pub(crate) fn texture_line(system: &System) -> String {
+pub fn texture_line(system: &System) -> String {
     let fraction = plain(system.texture().surface_fraction());
     let pitch = with_unit(system.pitch(), Dimension::Length, DIGITS);
     let line = match system.arrangement() {
@@ -174,7 +174,7 @@ pub(crate) fn further_on(indentation: f64, force: f64) -> String {
 }
 
 /// A difference of two answers in words. Nothing for what was prescribed.
-pub(crate) fn difference(name: &str, difference: Difference) -> String {
+pub fn difference(name: &str, difference: Difference) -> String {
     if difference.allowed == 0.0 {
         return String::new();
     }
@@ -234,7 +234,7 @@ fn limit_value(limit: &Limit, digits: usize) -> String {
 }
 
 /// What is to be told of limits that are strained where that is not to be.
-pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
+pub fn strained_words(limits: &[Limit]) -> Vec<String> {
     let strained = limits.iter().filter(|limit| limit.strained);
     let words = strained.filter_map(|limit| {
         Some(format!(
@@ -261,11 +261,11 @@ const RANGE: &str = "tabor_number";
 
 /// A list of the quantities of a state, built up row by row.
 #[derive(Debug, Default)]
-pub(crate) struct QuantityList(Vec<[String; 4]>);
+pub struct QuantityList(Vec<[String; 4]>);
 
 impl QuantityList {
     /// A quantity with a unit.
-    pub(crate) fn quantity(
+    pub fn quantity(
         &mut self,
         name: &str,
         value: f64,
@@ -280,13 +280,7 @@ impl QuantityList {
     }
 
     /// A contact radius, with the digits that its relative error leaves.
-    pub(crate) fn radius(
-        &mut self,
-        name: &str,
-        value: f64,
-        error: f64,
-        remark: String,
-    ) -> &mut Self {
+    pub fn radius(&mut self, name: &str, value: f64, error: f64, remark: String) -> &mut Self {
         let estimate = error_remark(error);
         let remark = if remark.is_empty() {
             estimate.trim_start_matches([',', ' ']).to_owned()
@@ -297,19 +291,19 @@ impl QuantityList {
     }
 
     /// A length that is known well enough.
-    pub(crate) fn length(&mut self, name: &str, value: f64, remark: String) -> &mut Self {
+    pub fn length(&mut self, name: &str, value: f64, remark: String) -> &mut Self {
         self.quantity(name, value, Dimension::Length, LENGTH_DIGITS, remark)
     }
 
     /// Adds a row of any other kind.
-    pub(crate) fn row(&mut self, name: &str, value: String, unit: &str, remark: &str) -> &mut Self {
+    pub fn row(&mut self, name: &str, value: String, unit: &str, remark: &str) -> &mut Self {
         self.0
             .push([name.to_owned(), value, unit.to_owned(), remark.to_owned()]);
         self
     }
 
     /// Force and indentation, with the digits that their errors leave.
-    pub(crate) fn load(&mut self, state: &ContactState, reduced: &Normalized) -> &mut Self {
+    pub fn load(&mut self, state: &ContactState, reduced: &Normalized) -> &mut Self {
         let known = |error| match state.method {
             Method::Homogenised => MODEL_DIGITS,
             _ => digits(error),
@@ -339,7 +333,7 @@ impl QuantityList {
     }
 
     /// What the floor bears, if it is touched.
-    pub(crate) fn floor(&mut self, state: &ContactState) -> &mut Self {
+    pub fn floor(&mut self, state: &ContactState) -> &mut Self {
         let Some(floor) = &state.floor else {
             return self;
         };
@@ -388,7 +382,7 @@ impl QuantityList {
     }
 
     /// How near a contact with adhesion comes to where the model is doubtful.
-    pub(crate) fn limits(&mut self, limits: &[Limit]) -> &mut Self {
+    pub fn limits(&mut self, limits: &[Limit]) -> &mut Self {
         for limit in limits {
             let name = limit_words(limit.name);
             let Some(threshold) = limit.threshold else {
@@ -416,7 +410,7 @@ impl QuantityList {
     }
 
     /// Whether a contact is where the model holds: the limit that it comes nearest to, or those that are strained.
-    pub(crate) fn model(&mut self, limits: &[Limit]) -> &mut Self {
+    pub fn model(&mut self, limits: &[Limit]) -> &mut Self {
         if let Some(error) = limits.iter().find(|limit| limit.name == ELASTIC_ERROR) {
             let remark = "of the model, the largest found beside finite elements";
             self.row(
@@ -453,13 +447,13 @@ impl QuantityList {
     }
 
     /// Of these limits the one that the range of the attraction sets, where it is known.
-    pub(crate) fn range(&mut self, limits: &[Limit]) -> &mut Self {
+    pub fn range(&mut self, limits: &[Limit]) -> &mut Self {
         let of_range = limits.iter().filter(|limit| limit.name == RANGE);
         self.limits(&of_range.copied().collect::<Vec<Limit>>())
     }
 
     /// An area, in the square of the unit that suits its root.
-    pub(crate) fn area(&mut self, name: &str, area: f64, digits: usize, remark: &str) -> &mut Self {
+    pub fn area(&mut self, name: &str, area: f64, digits: usize, remark: &str) -> &mut Self {
         let unit = Dimension::Length.unit_for(area.sqrt());
         let (size, symbol) = unit.map_or((1.0, "m"), |unit| (unit.in_si(), unit.symbol));
         self.row(
@@ -471,7 +465,7 @@ impl QuantityList {
     }
 
     /// How many pillars are touched.
-    pub(crate) fn pillars(&mut self, state: &ContactState) -> &mut Self {
+    pub fn pillars(&mut self, state: &ContactState) -> &mut Self {
         let remark = match state.method {
             Method::Homogenised => "by lattice cells in the contact circle".to_owned(),
             _ => format!("{} of them partially", state.pillars_partially_in_contact),
@@ -495,7 +489,7 @@ impl QuantityList {
     }
 
     /// Adds the number of steps, whether they converged, and the time that they took.
-    pub(crate) fn solution(&mut self, state: &ContactState, wall_time: f64) -> &mut Self {
+    pub fn solution(&mut self, state: &ContactState, wall_time: f64) -> &mut Self {
         let outcome = match state.method {
             Method::Homogenised | Method::Love(_) => "iterations",
             _ => "Newton steps",
@@ -512,7 +506,9 @@ impl QuantityList {
         )
     }
 
-    pub(crate) fn text(self) -> String {
+    /// The list as text.
+    #[must_use]
+    pub fn text(self) -> String {
         list(self.0)
     }
 }
@@ -525,7 +521,9 @@ fn largest_pillar_force(state: &ContactState) -> Option<f64> {
         .max_by(f64::total_cmp)
 }
 
-pub(crate) fn error_remark(error: f64) -> String {
+/// An estimated error as the end of a remark; empty if there is none.
+#[must_use]
+pub fn error_remark(error: f64) -> String {
     if error > 0.0 {
         format!(", estimated error {}", significant(error, 1))
     } else {

@@ -1,13 +1,13 @@
 //! What the reports of rounded pillar tops have in common.
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
+use crate::provenance::method_words;
 use fakir::problem::{Accuracy, Asperity, Indenter, Method};
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
-use fakir_study::provenance::method_words;
 
 /// The case in a line: `64 rounded pillar tops, radius of curvature 526.0 um, under a plate`.
-pub(crate) fn case_line(case: &AsperityCase) -> String {
+pub fn case_line(case: &AsperityCase) -> String {
     let asperities = case.field.asperities();
     let radius = asperities
         .first()
@@ -27,6 +27,6 @@ pub(crate) fn case_line(case: &AsperityCase) -> String {
 }
 
 /// The method in words.
-pub(crate) fn method_line(accuracy: Accuracy) -> String {
+pub fn method_line(accuracy: Accuracy) -> String {
     method_words(Method::Spectral(accuracy))
 }

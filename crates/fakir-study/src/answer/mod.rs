@@ -1,0 +1,185 @@
+//! The answer to a question about a case of any kind: its numbers, and the report that a command prints and saves.
+//!
+//! ```
+//! use fakir::problem::Load;
+//! use fakir::state::Run;
+//! use fakir_case::{AnyCase, Case};
+//! use fakir_study::answer::{Details, Request, Running, answer};
+//!
+//! let case = AnyCase::Pillars(Box::new(Case::example()));
+//! let running = Running { run: Run::default(), next: &|_| {} };
+//! let request = Request::Contact(Load::Force(20e-6));
+//! let answer = answer(&case, &request, &Details::default(), &running)?;
+//! assert_eq!(answer.records()[0].number("force_N"), Some(20e-6));
+//! assert!(answer.report(&running)?.text.starts_with("Contact under load"));
+//! # Ok::<(), fakir_study::answer::AnswerError>(())
+//! ```
+
+mod asperities;
+mod contact;
+mod cycle;
+mod height_map;
+mod kind;
+mod loading;
+mod pillars;
+mod request;
+
+pub use cycle::turn_and_pull_off;
+pub use request::{AnswerError, Details, Maps, Request, Running};
+
+use crate::provenance::Provenance;
+use crate::record::Record;
+use crate::report::Report;
+use crate::report::state::strained_words;
+use crate::surfaces::on_wide_enough_a_grid;
+use fakir_case::AnyCase;
+use kind::{Context, Found, Kind, Saved};
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// The answer to a question about a case.
+pub struct Answer<'a>(Box<dyn Answered + 'a>);
+
+impl Answer<'_> {
+    /// The numbers; of a loading one record for every state.
+    #[must_use]
+    pub fn records(&self) -> Vec<Record> {
+        self.0.records()
+    }
+
+    /// Why the numbers are no answer; none if they are one.
+    #[must_use]
+    pub fn problem(&self) -> Option<String> {
+        self.0.problem()
+    }
+
+    /// All that a command prints and saves.
+    ///
+    /// # Errors
+    /// [`AnswerError`] of a computation for a warning or a map, also where it is interrupted.
+    pub fn report(&self, running: &Running<'_>) -> Result<Report, AnswerError> {
+        self.0.report(running)
+    }
+}
+
+/// Answers a question about a case.
+///
+/// # Errors
+/// See [`AnswerError`].
+pub fn answer<'a>(
+    case: &'a AnyCase,
+    request: &Request,
+    details: &Details,
+    running: &Running<'_>,
+) -> Result<Answer<'a>, AnswerError> {
+    match case {
+        AnyCase::Pillars(case) => of_case(&**case, request, details, running),
+        AnyCase::Asperities(case) => of_case(&**case, request, details, running),
+        AnyCase::HeightMap(file) => {
+            let start = Instant::now();
+            let limit = running.run.memory_limit();
+            let solved = on_wide_enough_a_grid(file, limit, AnswerError::needed_width, |case| {
+                solve(case, request, details, running)
+            })?;
+            Ok(Answer(Box::new(Solved {
+                case: Cow::Owned(solved.case),
+                found: solved.answer,
+                details: *details,
+                widened: solved.widened,
+                wall_time: start.elapsed().as_secs_f64(),
+            })))
+        }
+    }
+}
+
+fn of_case<'a, K: Kind>(
+    case: &'a K,
+    request: &Request,
+    details: &Details,
+    running: &Running<'_>,
+) -> Result<Answer<'a>, AnswerError> {
+    let start = Instant::now();
+    let found = solve(case, request, details, running)?;
+    Ok(Answer(Box::new(Solved {
+        case: Cow::Borrowed(case),
+        found,
+        details: *details,
+        widened: None,
+        wall_time: start.elapsed().as_secs_f64(),
+    })))
+}
+
+fn solve<K: Kind>(
+    case: &K,
+    request: &Request,
+    details: &Details,
+    running: &Running<'_>,
+) -> Result<Box<dyn Found<K>>, AnswerError> {
+    case.check(request, details, &running.run)?;
+    match request {
+        Request::Contact(load) => contact::contact(case, *load, details, &running.run),
+        Request::Loading(path) => loading::loading(case, path, running),
+        Request::Cycle(plan) => case.cycle(*plan, running),
+    }
+}
+
+/// An answer about a case of one kind.
+struct Solved<'a, K: Kind> {
+    case: Cow<'a, K>,
+    found: Box<dyn Found<K>>,
+    details: Details,
+    /// A sentence that says so, if the grid is wider than that of the case.
+    widened: Option<String>,
+    /// s.
+    wall_time: f64,
+}
+
+/// An answer about a case of any kind.
+trait Answered {
+    fn records(&self) -> Vec<Record>;
+
+    fn problem(&self) -> Option<String>;
+
+    fn report(&self, running: &Running<'_>) -> Result<Report, AnswerError>;
+}
+
+impl<K: Kind> Answered for Solved<'_, K> {
+    fn records(&self) -> Vec<Record> {
+        self.found.records(&self.case)
+    }
+
+    fn problem(&self) -> Option<String> {
+        self.found.problem()
+    }
+
+    fn report(&self, running: &Running<'_>) -> Result<Report, AnswerError> {
+        let (case, found): (&K, _) = (&self.case, &self.found);
+        let of = Context {
+            case,
+            details: &self.details,
+            wall_time: self.wall_time,
+        };
+        let provenance = Provenance::new(
+            found.question(),
+            case.method(),
+            &case.topics(self.details.range),
+            case.text(),
+        );
+        let mut warnings = found.warnings(&of, running)?;
+        let saved = match self.details.maps {
+            Maps::None => Saved::default(),
+            Maps::Points(points) => found.files(case, points, &provenance, running)?,
+        };
+        warnings.extend(saved.warnings);
+        warnings.extend(self.widened.clone());
+        Ok(Report {
+            json: found.json(&of),
+            text: found.text(&of),
+            provenance,
+            tables: saved.files,
+            warnings,
+            converged: found.is_answer(),
+            strained: strained_words(&found.limits(&of)),
+        })
+    }
+}
