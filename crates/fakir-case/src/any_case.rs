@@ -4,6 +4,7 @@ use crate::asperities::AsperityCase;
 use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
+use crate::flat::FlatCase;
 use crate::support::SurfaceKind;
 use fakir::problem::{Question, Solver};
 
@@ -16,6 +17,8 @@ pub enum AnyCase {
     Asperities(Box<AsperityCase>),
     /// A height map, as the case file that describes it: it is drawn when it is solved, on a grid that is wide enough.
     HeightMap(Box<CaseFile>),
+    /// A flat surface.
+    Flat(Box<FlatCase>),
 }
 
 impl AnyCase {
@@ -24,7 +27,7 @@ impl AnyCase {
     pub fn texture(&self) -> Option<&Case> {
         match self {
             Self::Pillars(case) => Some(case),
-            Self::Asperities(_) | Self::HeightMap(_) => None,
+            Self::Asperities(_) | Self::HeightMap(_) | Self::Flat(_) => None,
         }
     }
 
@@ -47,6 +50,7 @@ impl CaseFile {
             SurfaceKind::Pillars => Ok(AnyCase::Pillars(Box::new(self.case_for(questions)?))),
             SurfaceKind::Asperities => Ok(AnyCase::Asperities(Box::new(self.asperity_case()?))),
             SurfaceKind::HeightMap => Ok(AnyCase::HeightMap(Box::new(self.clone()))),
+            SurfaceKind::Flat => Ok(AnyCase::Flat(Box::new(self.flat_case()?))),
         }
     }
 
@@ -59,6 +63,7 @@ impl CaseFile {
             SurfaceKind::Pillars => return Ok(()),
             SurfaceKind::Asperities => Solver::Asperities,
             SurfaceKind::HeightMap => Solver::HeightMap,
+            SurfaceKind::Flat => Solver::Flat,
         };
         let mut questions = questions.iter();
         questions.try_for_each(|question| self.answers(*question, solver, &[]))

@@ -224,7 +224,7 @@ impl CaseFile {
     /// [`CaseError`] for a missing key or an invalid value, an infinite lattice, adhesion, a method other than the spectral one, and
     /// pillars that cannot be read or that overlap.
     pub fn asperity_case(&self) -> Result<AsperityCase, CaseError> {
-        let parts = self.parts(&[Part::Bodies, Part::Texture])?;
+        let parts = self.parts(Part::OF_PILLARS)?;
         let pillar = parts.texture.pillar;
         if !self.is_rounded() {
             return Err(self.missing(Key::TopRadius));

@@ -29,6 +29,15 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
+    /// Whether it is `true`, as a flag or a word.
+    pub(crate) fn is_true(&self) -> bool {
+        match &self.value {
+            Value::Flag(flag) => *flag,
+            Value::Text(text) => text == "true",
+            _ => false,
+        }
+    }
+
     /// A setting that does not come from a file. Errors show it as `key = value` under that name.
     pub(crate) fn of_setting(name: &str, key: Key, setting: Setting) -> Self {
         let text = format!("{key} = {}", key.written(&setting));

@@ -262,11 +262,18 @@ impl CaseFile {
             "this needs a [texture], and the case has a [surface]",
             "a [surface] is solved by elements: press, transition, approach, verify and sweep take one",
         )?;
-        let parts = self.parts(&[Part::Bodies, Part::Texture])?;
+        let parts = self.parts(Part::OF_PILLARS)?;
         if self.is_rounded() {
             return Err(self
                 .problem(Key::TopRadius, "this is computed for flat pillar tops only")
                 .accepted("leave it out; rounded tops are known to `press`, `approach`, `sweep` and `design --free heights`"));
+        }
+        if parts.shape.form == ShapeForm::Punch {
+            self.answers(
+                Question::Press,
+                parts.method.method().into(),
+                &[Feature::Punch],
+            )?;
         }
         let texture = &parts.texture;
         let spacing = self.spacing(texture)?;
@@ -325,7 +332,10 @@ impl CaseFile {
     }
 
     /// Shape of the lens, and the file of its table of heights, if any: next to the case file, or in the current folder if an override named it.
-    fn lens_shape(&self, parts: &Parts) -> Result<(LensShape, Option<PathBuf>), CaseError> {
+    pub(crate) fn lens_shape(
+        &self,
+        parts: &Parts,
+    ) -> Result<(LensShape, Option<PathBuf>), CaseError> {
         if let Some(shape) = parts.shape.shape(parts.lens.radius) {
             return Ok((shape, None));
         }
@@ -421,7 +431,7 @@ impl CaseFile {
     }
 
     /// The given adhesion.
-    fn adhesion(&self, parts: &Parts) -> Adhesion {
+    pub(crate) fn adhesion(&self, parts: &Parts) -> Adhesion {
         let given = &parts.texture.adhesion;
         let receding = self.entry(Key::RecedingWorkOfAdhesion);
         Adhesion {

@@ -4,6 +4,7 @@ use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
 use crate::parts::{ArrangementName, OutlineForm, Parts};
+use crate::support::SurfaceKind;
 use crate::table::Part;
 
 /// A key without effect in a case.
@@ -82,10 +83,10 @@ impl CaseFile {
         if given().next().is_none() {
             return Ok(Vec::new());
         }
-        let mut parts = if self.is_surface() {
-            self.surface_parts()?.1
-        } else {
-            self.parts(&[Part::Bodies, Part::Texture])?
+        let mut parts = match self.surface_kind() {
+            SurfaceKind::HeightMap => self.surface_parts()?.1,
+            SurfaceKind::Flat => self.flat_parts()?,
+            SurfaceKind::Pillars | SurfaceKind::Asperities => self.parts(Part::OF_PILLARS)?,
         };
         let mut found = Vec::new();
         for idle in given() {

@@ -102,7 +102,10 @@ impl Key {
     /// Whether only cases with a general surface have it.
     #[must_use]
     pub fn is_of_surface(self) -> bool {
-        !matches!(self.part(), Part::Bodies | Part::Texture)
+        matches!(
+            self.part(),
+            Part::Flat | Part::HeightMap | Part::Pattern | Part::Surface
+        )
     }
 
     /// Whether it turns a half-space into a layer.

@@ -76,14 +76,14 @@ pub(crate) struct TextureParts {
 pub(crate) struct AdhesionParts {
     pub(crate) work: f64,
     pub(crate) work_receding: f64,
-    pub(crate) floor: FloorSticks,
+    pub(crate) floor: Flag,
 }
 
-/// Whether the floor is adhesive too.
+/// A key that is true or false.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct FloorSticks(pub(crate) bool);
+pub(crate) struct Flag(pub(crate) bool);
 
-impl Words for FloorSticks {
+impl Words for Flag {
     const WORDS: &'static [(&'static str, Self)] = &[
         (TRUE_OR_FALSE[0], Self(true)),
         (TRUE_OR_FALSE[1], Self(false)),
@@ -103,6 +103,7 @@ pub(crate) struct MethodParts {
 /// The table `[surface]`, with its grid.
 #[derive(Debug, Clone)]
 pub(crate) struct SurfaceParts {
+    pub(crate) flat: Flag,
     pub(crate) height_map: String,
     pub(crate) array: String,
     pub(crate) height_unit: f64,
@@ -177,7 +178,7 @@ impl Default for Parts {
                 adhesion: AdhesionParts {
                     work: 0.0,
                     work_receding: NOT_GIVEN,
-                    floor: FloorSticks::default(),
+                    floor: Flag::default(),
                 },
             },
             method: MethodParts {
@@ -189,6 +190,7 @@ impl Default for Parts {
                 cells: Cells::of(mesh),
             },
             surface: SurfaceParts {
+                flat: Flag::default(),
                 height_map: String::new(),
                 array: String::new(),
                 height_unit: 1.0,
@@ -241,7 +243,7 @@ impl Parts {
         parts.texture.adhesion = AdhesionParts {
             work: adhesion.work,
             work_receding: adhesion.receding(),
-            floor: FloorSticks(adhesion.floor),
+            floor: Flag(adhesion.floor),
         };
         parts.texture.arrangement.surface_fraction = system.texture().surface_fraction();
         let values = &mut parts.method;
@@ -299,7 +301,8 @@ impl ShapeParts {
                 tilt: self.tilt,
                 direction: self.tilt_direction,
             },
-            ShapeForm::Profile => return None,
+            // No lens on pillars is a punch: it is refused before.
+            ShapeForm::Profile | ShapeForm::Punch => return None,
         })
     }
 }
@@ -515,6 +518,7 @@ pub(crate) enum ShapeForm {
     Cylinder,
     Plate,
     Profile,
+    Punch,
 }
 
 impl Words for ShapeForm {
@@ -524,6 +528,7 @@ impl Words for ShapeForm {
         ("cylinder", Self::Cylinder),
         ("plate", Self::Plate),
         ("profile", Self::Profile),
+        ("punch", Self::Punch),
     ];
 }
 

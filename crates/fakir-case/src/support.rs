@@ -17,13 +17,17 @@ pub enum SurfaceKind {
     Asperities,
     /// A height map, or pillars of any cross-section on one: a `[surface]`.
     HeightMap,
+    /// No pillars: `surface.flat = true`, or neither `[texture]` nor `[surface]`.
+    Flat,
 }
 
 impl CaseFile {
     /// What kind of surface the case has.
     #[must_use]
     pub fn surface_kind(&self) -> SurfaceKind {
-        if self.is_surface() {
+        if self.is_flat() {
+            SurfaceKind::Flat
+        } else if self.is_surface() {
             SurfaceKind::HeightMap
         } else if self.is_rounded() {
             SurfaceKind::Asperities
@@ -77,6 +81,7 @@ impl CaseFile {
         let has = |feature: &Feature| match feature {
             Feature::Paraboloid => parts.shape.form == ShapeForm::Paraboloid,
             Feature::Profile => parts.shape.form == ShapeForm::Profile,
+            Feature::Punch => parts.shape.form == ShapeForm::Punch,
             Feature::Cylinder => parts.shape.form == ShapeForm::Cylinder,
             Feature::Plate => parts.shape.form == ShapeForm::Plate,
             Feature::TiltedPlate => {
@@ -103,6 +108,7 @@ impl CaseFile {
 fn heading(solver: Solver) -> String {
     let other = match solver {
         Solver::Asperities => "rounded tops",
+        Solver::Flat => "flat surface",
         _ => "`[surface]`",
     };
     method_name(solver).map_or_else(|| other.to_owned(), |method| format!("`{method}`"))
@@ -115,7 +121,7 @@ fn method_name(solver: Solver) -> Option<&'static str> {
         Solver::Punch => Some("punch"),
         Solver::Elements => Some("love"),
         Solver::Homogenised => Some("homogenised"),
-        Solver::Asperities | Solver::HeightMap => None,
+        Solver::Asperities | Solver::HeightMap | Solver::Flat => None,
     }
 }
 
@@ -137,6 +143,7 @@ fn named(feature: Feature) -> &'static str {
     match feature {
         Feature::Paraboloid => "paraboloid",
         Feature::Profile => "lens with a table of heights",
+        Feature::Punch => "flat punch",
         Feature::Cylinder => "cylinder",
         Feature::Plate => "plate",
         Feature::TiltedPlate => "tilted plate",
@@ -158,16 +165,24 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
         Feature::OtherArrangement,
         Feature::SeveralDiameters,
         Feature::SeveralColumns,
+        Feature::ElasticPillars,
+        Feature::AdhesiveFloor,
+        Feature::IgnoredFloor,
     ];
     let lenses = [
         Feature::Paraboloid,
         Feature::Profile,
+        Feature::Punch,
         Feature::Cylinder,
         Feature::Plate,
     ];
     let is_lens = |feature: &&Feature| lenses.contains(feature);
-    let is_other_surface = matches!(solver, Solver::Asperities | Solver::HeightMap);
-    let of_flat_pillars = is_other_surface && of_pillars.into_iter().any(has);
+    let missing = match solver {
+        Solver::Asperities | Solver::HeightMap => &of_pillars[..3],
+        Solver::Flat => &of_pillars[..],
+        _ => &[],
+    };
+    let of_flat_pillars = missing.iter().copied().any(has);
     // The floor under rounded tops is left out.
     let ignored = solver == Solver::Asperities && has(Feature::IgnoredFloor);
     features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !ignored

@@ -108,7 +108,7 @@ impl CaseFile {
     /// Whether the case has a general surface: a `[surface]`, or an override of one of its keys.
     #[must_use]
     pub fn is_surface(&self) -> bool {
-        self.place_of("surface").is_some()
+        self.place_of("surface").is_some() && !self.is_flat()
     }
 
     /// The case with a general surface that the file and its overrides describe.
@@ -184,7 +184,7 @@ impl CaseFile {
     }
 
     /// First position of a table or one of its keys.
-    fn place_of(&self, table: &str) -> Option<&Place> {
+    pub(crate) fn place_of(&self, table: &str) -> Option<&Place> {
         let header = self.entries.tables.get(table);
         let mut keys = self.entries.keys.iter();
         header.or_else(|| {
@@ -227,7 +227,9 @@ impl CaseFile {
             }
         }
         let mut given = self.entries.keys.keys().copied();
-        let Some(key) = given.find(|key| key.part() == Part::Texture) else {
+        let Some(key) =
+            given.find(|key| matches!(key.part(), Part::Shape | Part::Adhesion | Part::Texture))
+        else {
             return Ok(());
         };
         let feature = match key.table() {
@@ -583,7 +585,7 @@ fn pillar(parts: &OutlineParts) -> PillarShape {
     }
 }
 
-fn texture_and_surface(surface: &Place, texture: &Place) -> CaseError {
+pub(crate) fn texture_and_surface(surface: &Place, texture: &Place) -> CaseError {
     both_given(("[surface]", surface), ("[texture]", texture), "")
         .accepted("give only one: a hexagonal lattice of discs, or a general surface")
 }

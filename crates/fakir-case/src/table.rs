@@ -38,8 +38,14 @@ macro_rules! keys {
 pub(crate) enum Part {
     /// The two bodies, which every case has.
     Bodies,
+    /// The shape of the lens, of pillars with flat or rounded tops and of flat surfaces.
+    Shape,
+    /// Adhesion, of the same.
+    Adhesion,
     /// A pattern of round pillars, and its method.
     Texture,
+    /// A surface without pillars.
+    Flat,
     /// A general surface read from a file.
     HeightMap,
     /// A general surface with pillars of any shape.
@@ -48,10 +54,19 @@ pub(crate) enum Part {
     Surface,
 }
 
+impl Part {
+    /// The parts of pillars with flat or rounded tops.
+    pub(crate) const OF_PILLARS: &[Self] =
+        &[Self::Bodies, Self::Shape, Self::Adhesion, Self::Texture];
+
+    /// Those of a flat surface.
+    pub(crate) const OF_FLAT: &[Self] = &[Self::Bodies, Self::Shape, Self::Adhesion, Self::Flat];
+}
+
 const FRACTION: Range = Range::Between(Included(0.0), Excluded(1.0));
 const POISSON: Range = Range::Between(Included(0.0), Included(0.5));
 /// The shapes of a lens that have a radius.
-const ROUND_LENSES: &[&str] = &["sphere", "paraboloid", "cylinder"];
+const ROUND_LENSES: &[&str] = &["sphere", "paraboloid", "cylinder", "punch"];
 /// Arrangements of a texture that are lattices, and those with a surface fraction.
 const PLANE_LATTICES: &[&str] = &["hexagonal", "square", "rectangular", "oblique"];
 const EVEN_LATTICES: &[&str] = &["hexagonal", "square"];
@@ -62,7 +77,7 @@ const LATTICES: &[&str] = &["hexagonal", "square"];
 keys! {
     Bodies {
         LensRadius = "lens.radius" is
-            length("radius of curvature", |p| &mut p.lens.radius)
+            length("radius of curvature; of a punch its radius", |p| &mut p.lens.radius)
                 .symbol("R").usual(1e-5, 1e-1)
                 .positive().with(Key::Indenter, &["lens"]).also_with(Key::LensShape, ROUND_LENSES).of(Quantity::LensRadius);
         LensYoungModulus = "lens.young_modulus" is
@@ -74,9 +89,9 @@ keys! {
                 .label("Poisson's ratio").symbol("ν_l")
                 .range(POISSON).of(Quantity::LensPoissonRatio);
     }
-    Texture {
+    Shape {
         LensShape = "lens.shape" is
-            word("shape of the lens; under a cylinder or a plate there are finitely many pillars", |p| &mut p.shape.form)
+            word("shape of the lens; under a cylinder or a plate there are finitely many pillars, under a punch none", |p| &mut p.shape.form)
                 .optional();
         LensAngle = "lens.angle" is
             angle("direction of a cylinder from x: of the line along which it is lowest", |p| &mut p.shape.angle)
@@ -201,8 +216,10 @@ keys! {
         FloorContact = "floor.contact" is
             word("false: the lens goes through the floor, as in the paper; only the method spectral has floor contact", |p| &mut p.texture.floor)
                 .label("floor contact").optional();
+    }
+    Adhesion {
         WorkOfAdhesion = "adhesion.work" is
-            energy_per_area("work of adhesion between lens and pillar tops; only the method spectral has it", |p| &mut p.texture.adhesion.work)
+            energy_per_area("work of adhesion between lens and pillar tops, or a flat surface; on pillars only the method spectral has it", |p| &mut p.texture.adhesion.work)
                 .label("work of adhesion").symbol("w").usual(1e-3, 0.5)
                 .range(Range::Between(Included(0.0), Unbounded)).optional().of(Quantity::WorkOfAdhesion);
         RecedingWorkOfAdhesion = "adhesion.work_receding" is
@@ -210,9 +227,16 @@ keys! {
                 .label("work of adhesion on unloading")
                 .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
                 .of(Quantity::RecedingWorkOfAdhesion);
+    }
+    Texture {
         FloorSticks = "adhesion.floor" is
             word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.texture.adhesion.floor)
                 .label("adhesive floor").optional();
+    }
+    Flat {
+        Flat = "surface.flat" is
+            word("true: there are no pillars, as without [texture] and [surface]", |p| &mut p.surface.flat)
+                .optional();
     }
     HeightMap {
         HeightMap = "surface.height_map" is

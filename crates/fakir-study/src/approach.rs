@@ -7,11 +7,11 @@ use crate::record::{
 use crate::result::{self, asperity_warnings, warnings};
 use fakir::problem::{Feature, Load, Question, Solver, SurfaceSystem, Unsupported};
 use fakir::state::{
-    AsperityContact, Contact, ContactState, Critical, CriticalState, Run, Solution, SolveError,
-    SurfaceContact, SurfaceTransition,
+    AsperityContact, Contact, ContactState, Critical, CriticalState, FlatContact, Run, Solution,
+    SolveError, SurfaceContact, SurfaceTransition,
 };
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{AsperityCase, Case};
+use fakir_case::{AsperityCase, Case, FlatCase};
 use std::time::Instant;
 
 /// The most states of a loading. More are asked for only by a step in the wrong unit.
@@ -302,6 +302,40 @@ impl Loadable for AsperityCase {
     }
 
     fn critical(&self, _: &Critical<AsperityContact>, _: f64) -> Object {
+        Object::default()
+    }
+}
+
+/// A flat surface.
+impl Loadable for FlatCase {
+    type Contact = FlatContact;
+
+    fn press(&self, control: Load, run: &Run<'_>) -> Result<FlatContact, SolveError> {
+        self.system.press(control, run)
+    }
+
+    fn transition(&self, _: &Run<'_>) -> Result<Critical<FlatContact>, SolveError> {
+        Err(unsupported(Question::Transition, Solver::Flat))
+    }
+
+    fn no_end(&self) -> Option<&'static str> {
+        let answered = Question::Transition.check(Solver::Flat, &[]);
+        answered.err().map(|unsupported| unsupported.why)
+    }
+
+    fn first_touch(&self) -> f64 {
+        0.0
+    }
+
+    fn state(&self, state: LoadingState<&FlatContact>) -> Record {
+        Record::of(&state)
+    }
+
+    fn head(&self) -> Object {
+        Object::word("method", "disc")
+    }
+
+    fn critical(&self, _: &Critical<FlatContact>, _: f64) -> Object {
         Object::default()
     }
 }

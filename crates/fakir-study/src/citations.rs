@@ -5,7 +5,7 @@
 
 use fakir::problem::{Arrangement, Boundary, MeshLayout, Method, PunchForm};
 use fakir_case::study::Asked;
-use fakir_case::{Case, Study, SurfaceCase, SurfaceKind, SurfaceOrigin};
+use fakir_case::{Case, FlatCase, Study, SurfaceCase, SurfaceKind, SurfaceOrigin};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -33,6 +33,8 @@ pub enum Topic {
     LeastSquares,
     /// Bodies of finite thickness.
     Layers,
+    /// A flat surface.
+    Flat,
     /// Rounded pillar tops.
     Asperities,
     /// Heights of rounded tops for a wanted curve.
@@ -66,6 +68,18 @@ impl Topic {
             .collect()
     }
 
+    /// What a case with a flat surface makes use of where the range of the attraction (m) is known, or is not.
+    #[must_use]
+    pub fn of_flat(case: &FlatCase, range: Option<f64>) -> Vec<Self> {
+        let system = &case.system;
+        [Self::Flat]
+            .into_iter()
+            .chain((!system.adhesion().is_none()).then_some(Self::Adhesion))
+            .chain(system.has_layers().then_some(Self::Layers))
+            .chain(range.map(|_| Self::AttractionRange))
+            .collect()
+    }
+
     /// What a case with a general surface makes use of.
     #[must_use]
     pub fn of_surface(case: &SurfaceCase) -> Self {
@@ -92,13 +106,16 @@ impl Topic {
         let adhesion = study.has_adhesion().then_some(Self::Adhesion);
         let floor = (study.asked() == Asked::Collapse).then_some(Self::StuckFloor);
         let layers = study.has_layers().then_some(Self::Layers);
-        let is_rounded = study.surface_kind() == SurfaceKind::Asperities;
-        let rounded = is_rounded.then_some(Self::Asperities);
+        let of_kind = match study.surface_kind() {
+            SurfaceKind::Asperities => Some(Self::Asperities),
+            SurfaceKind::Flat => Some(Self::Flat),
+            SurfaceKind::Pillars | SurfaceKind::HeightMap => None,
+        };
         textures
             .chain(adhesion)
             .chain(floor)
             .chain(layers)
-            .chain(rounded)
+            .chain(of_kind)
             .chain(surfaces)
             .collect()
     }
@@ -284,6 +301,7 @@ impl Topic {
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
             Self::Layers => vec!["layers"],
+            Self::Flat => vec!["flat"],
             Self::Asperities => vec!["rounded_tops"],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {

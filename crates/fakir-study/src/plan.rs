@@ -168,6 +168,7 @@ pub(crate) fn longest_first(
         let cost = match study.case(middle).case {
             AnyCase::Pillars(case) => cost(&case.system, case.method),
             AnyCase::Asperities(case) => case.field.asperities().len() as f64,
+            AnyCase::Flat(_) => 1.0,
             AnyCase::HeightMap(_) => study.cells(middle).max(1) as f64,
         };
         Costed { cases, cost }

@@ -144,11 +144,17 @@ impl Provenance {
     }
 }
 
+/// The method for flat surfaces in a few words.
+pub(crate) const FLAT_METHOD: &str = "one disc of contact, closed forms on half-spaces";
+
 /// The methods of a study in a few words.
 #[must_use]
 pub fn study_words(study: &Study) -> String {
     if study.surface_kind() == SurfaceKind::HeightMap {
         return "Love elements on surfaces".to_owned();
+    }
+    if study.surface_kind() == SurfaceKind::Flat {
+        return FLAT_METHOD.to_owned();
     }
     let words: Vec<String> = study.methods().into_iter().map(method_words).collect();
     words.join("; ")

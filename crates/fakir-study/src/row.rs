@@ -33,13 +33,15 @@ pub enum RowAnswer {
 
 /// Which numbers a study asks for; none of a collapse.
 pub(crate) fn kind_of(study: &Study) -> Option<Kind> {
-    use SurfaceKind::{Asperities, HeightMap, Pillars};
+    use SurfaceKind::{Asperities, Flat, HeightMap, Pillars};
     match (study.asked(), study.surface_kind()) {
-        (Asked::Transition, Pillars | Asperities) => Some(Kind::Transition),
+        (Asked::Transition, Pillars | Asperities | Flat) => Some(Kind::Transition),
         (Asked::Transition, HeightMap) => Some(Kind::SurfaceTransition),
         (Asked::Press, Asperities) => Some(Kind::AsperityPress),
         (Asked::Press, Pillars) => Some(Kind::Press),
         (Asked::Press, HeightMap) => Some(Kind::SurfacePress),
+        (Asked::Press, Flat) => Some(Kind::FlatPress),
+        (Asked::Cycle, Flat) => Some(Kind::FlatCycle),
         (Asked::Cycle, _) => Some(Kind::Cycle),
         (Asked::Collapse, _) => None,
     }

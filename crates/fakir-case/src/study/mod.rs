@@ -71,6 +71,10 @@ impl StudyFile {
                     }
                 }
                 AnyCase::Asperities(case) => rounded = rounded.or(Some(case)),
+                AnyCase::Flat(case) => {
+                    sticks |= !case.system.adhesion().is_none();
+                    layered |= case.system.has_layers();
+                }
                 AnyCase::HeightMap(file) => {
                     let steps = self.steps_of_keys(index);
                     surfaces.look(steps, &file, self.asked).map_err(blame)?;

@@ -26,12 +26,20 @@ impl AnyCase {
             false => &[],
         };
         let case = file.any_case(of_pillars)?;
-        match case.texture() {
-            Some(case) if of_adhesion && case.system.adhesion().is_none() => {
-                Err(file.without_adhesion())
-            }
-            _ => Ok(case),
+        let adhesion = match &case {
+            Self::Pillars(case) => case.system.adhesion(),
+            Self::Flat(case) => case.system.adhesion(),
+            Self::Asperities(_) | Self::HeightMap(_) => return Ok(case),
+        };
+        if of_adhesion && adhesion.is_none() {
+            return Err(file.without_adhesion());
         }
+        if asked == Asked::Collapse && case.texture().is_none() {
+            return Err(file
+                .missing(Key::FloorSticks)
+                .accepted("a flat surface has no floor between pillars: ask for a cycle"));
+        }
+        Ok(case)
     }
 }
 

@@ -81,6 +81,13 @@ fn of_file(path: &Path) -> Result<CiteJson, Failure> {
                 &[Topic::Asperities],
             )
         }
+        SurfaceKind::Flat => {
+            let case = file.flat_case()?;
+            CiteJson::new(
+                "one disc of contact on a flat surface",
+                &Topic::of_flat(&case, None),
+            )
+        }
         SurfaceKind::Pillars => {
             let case = file.case()?;
             CiteJson::new(method_words(case.method), &Topic::of_case(&case))

@@ -6,16 +6,17 @@ use crate::figures::saved;
 use crate::numbers::{digits, seconds, significant, with_unit};
 use crate::provenance::Provenance;
 use crate::record::Record;
-use crate::report::state::{QuantityList, error_remark, strained_range};
+use crate::report::state::{
+    QuantityList, adhesion_words, drive_words, error_remark, strained_range,
+};
 use crate::report::table::{Column, table};
 use crate::result::{
     CycleSummary, EventRow, FloorRow, LoadStepRow, csv, cycle_warnings, json, pillars_of,
 };
-use fakir::problem::{Adhesion, LoadingMode};
 use fakir::state::{
     Branch, Cycle, CycleError, CycleEventKind, CycleLoadStep, HeldFloor, Limit, Solution,
 };
-use fakir_case::unit::{Dimension, format_quantity};
+use fakir_case::unit::Dimension;
 use fakir_figure::{cycle_curve, release_map};
 
 impl<K: Kind> Found<K> for Cycle {
@@ -86,34 +87,6 @@ impl<K: Kind> Found<K> for Cycle {
             files,
             warnings: Vec::new(),
         })
-    }
-}
-
-fn adhesion_words(adhesion: Adhesion) -> String {
-    let words = |work| format_quantity(work, Dimension::EnergyPerArea);
-    let receding = adhesion
-        .work_receding
-        .map(|work| format!(" ({} to part)", words(work)));
-    let floor = if adhesion.floor {
-        ", of the floor too"
-    } else {
-        ""
-    };
-    format!(
-        "work of adhesion {}{}{floor}",
-        words(adhesion.work),
-        receding.unwrap_or_default()
-    )
-}
-
-fn drive_words(drive: LoadingMode) -> String {
-    match drive {
-        LoadingMode::Displacement => "under a prescribed indentation".to_owned(),
-        LoadingMode::Force => "under a prescribed force".to_owned(),
-        LoadingMode::Machine(stiffness) => format!(
-            "by a machine of {}",
-            format_quantity(stiffness, Dimension::Stiffness)
-        ),
     }
 }
 

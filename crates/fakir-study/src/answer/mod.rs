@@ -18,6 +18,7 @@
 mod asperities;
 mod contact;
 mod cycle;
+mod flat;
 mod height_map;
 mod kind;
 mod loading;
@@ -75,6 +76,7 @@ pub fn answer<'a>(
     match case {
         AnyCase::Pillars(case) => of_case(&**case, request, details, running),
         AnyCase::Asperities(case) => of_case(&**case, request, details, running),
+        AnyCase::Flat(case) => of_case(&**case, request, details, running),
         AnyCase::HeightMap(file) => {
             let start = Instant::now();
             let limit = running.run.memory_limit();

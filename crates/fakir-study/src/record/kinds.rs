@@ -1,6 +1,7 @@
 //! The tables of all kinds of answers.
 
 use super::asperities::AsperityAnswer;
+use super::flat::FlatAnswer;
 use super::loading::LoadingState;
 use super::named::{Entry, Kind, Recorded};
 use super::surface::SurfaceAnswer;
@@ -8,7 +9,7 @@ use std::sync::LazyLock;
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 12] = [
         Self::Press,
         Self::Transition,
         Self::SurfacePress,
@@ -18,6 +19,9 @@ impl Kind {
         Self::Loading,
         Self::SurfaceLoading,
         Self::AsperityLoading,
+        Self::FlatPress,
+        Self::FlatCycle,
+        Self::FlatLoading,
     ];
 
     /// Its name in journals and in the schema.
@@ -33,6 +37,9 @@ impl Kind {
             Self::Loading => "loading",
             Self::SurfaceLoading => "surface_loading",
             Self::AsperityLoading => "asperity_loading",
+            Self::FlatPress => "flat_press",
+            Self::FlatCycle => "flat_cycle",
+            Self::FlatLoading => "flat_loading",
         }
     }
 
@@ -48,6 +55,9 @@ impl Kind {
             Self::Loading => "A state of a loading",
             Self::SurfaceLoading => "A state of a loading of a height map",
             Self::AsperityLoading => "A state of a loading of rounded tops",
+            Self::FlatPress => "A contact with a flat surface",
+            Self::FlatCycle => "A cycle with a flat surface",
+            Self::FlatLoading => "A state of a loading of a flat surface",
         }
     }
 
@@ -56,7 +66,7 @@ impl Kind {
     pub fn is_a_row(self) -> bool {
         matches!(
             self,
-            Self::Loading | Self::SurfaceLoading | Self::AsperityLoading
+            Self::Loading | Self::SurfaceLoading | Self::AsperityLoading | Self::FlatLoading
         )
     }
 
@@ -66,7 +76,7 @@ impl Kind {
         fn of<T: Recorded>() -> Vec<Entry> {
             T::rows().iter().map(|row| row.entry).collect()
         }
-        static ALL: LazyLock<[Vec<Entry>; 9]> = LazyLock::new(|| {
+        static ALL: LazyLock<[Vec<Entry>; 12]> = LazyLock::new(|| {
             Kind::ALL.map(|kind| match kind {
                 Kind::Press => of::<fakir::state::ContactState>(),
                 Kind::Transition => of::<fakir::state::CriticalState>(),
@@ -81,6 +91,9 @@ impl Kind {
                     of::<LoadingState<SurfaceAnswer<'_, fakir::state::SurfaceContact>>>()
                 }
                 Kind::AsperityLoading => of::<LoadingState<AsperityAnswer<'_>>>(),
+                Kind::FlatPress => of::<FlatAnswer<'_>>(),
+                Kind::FlatCycle => of::<fakir::state::FlatCycle>(),
+                Kind::FlatLoading => of::<LoadingState<&fakir::state::FlatContact>>(),
             })
         });
         &ALL[self as usize]

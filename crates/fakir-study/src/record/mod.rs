@@ -9,6 +9,7 @@
 mod asperities;
 mod contact;
 mod cycle;
+mod flat;
 mod gradient;
 mod kinds;
 mod limit;
@@ -22,6 +23,7 @@ mod surface;
 pub use asperities::AsperityAnswer;
 pub(crate) use asperities::asperity_head;
 pub use contact::of_floor;
+pub use flat::FlatAnswer;
 pub use gradient::GradientObject;
 pub use limit::LimitObject;
 pub use loading::{LoadingState, Place};

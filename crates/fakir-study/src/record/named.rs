@@ -302,6 +302,7 @@ pub enum Kind {
     /// The critical state with a height map.
     SurfaceTransition,
     /// A contact with rounded tops.
+    #[serde(alias = "rounded_press")]
     AsperityPress,
     /// A cycle of loading and unloading.
     Cycle,
@@ -310,7 +311,14 @@ pub enum Kind {
     /// A state of a loading of a height map.
     SurfaceLoading,
     /// A state of a loading of rounded tops.
+    #[serde(alias = "rounded_loading")]
     AsperityLoading,
+    /// A contact with a flat surface.
+    FlatPress,
+    /// A cycle with a flat surface.
+    FlatCycle,
+    /// A state of a loading of a flat surface.
+    FlatLoading,
 }
 
 impl Type {

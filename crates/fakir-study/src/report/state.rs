@@ -4,9 +4,12 @@ use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
 use crate::record::GradientObject;
 use fakir::Difference;
-use fakir::problem::{Arrangement, Base, Disorder, Layer, LensShape, Method, System};
+use fakir::problem::{
+    Adhesion, Arrangement, Base, Disorder, FlatSystem, Layer, LensShape, LoadingMode, Method,
+    Probe, System,
+};
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
-use fakir_case::unit::Dimension;
+use fakir_case::unit::{Dimension, format_quantity};
 use std::fmt::Write;
 
 /// Most digits shown of contact radii.
@@ -152,6 +155,55 @@ fn axis(offset: f64, angle: f64) -> String {
 fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     rounded.to_string()
+}
+
+/// A work of adhesion in words.
+pub(crate) fn adhesion_words(adhesion: Adhesion) -> String {
+    let words = |work| format_quantity(work, Dimension::EnergyPerArea);
+    let receding = adhesion
+        .work_receding
+        .map(|work| format!(" ({} to part)", words(work)));
+    let floor = if adhesion.floor {
+        ", of the floor too"
+    } else {
+        ""
+    };
+    format!(
+        "work of adhesion {}{}{floor}",
+        words(adhesion.work),
+        receding.unwrap_or_default()
+    )
+}
+
+/// What is held during a cycle, in words.
+pub(crate) fn drive_words(drive: LoadingMode) -> String {
+    match drive {
+        LoadingMode::Displacement => "under a prescribed indentation".to_owned(),
+        LoadingMode::Force => "under a prescribed force".to_owned(),
+        LoadingMode::Machine(stiffness) => format!(
+            "by a machine of {}",
+            format_quantity(stiffness, Dimension::Stiffness)
+        ),
+    }
+}
+
+/// The lens or punch on a flat surface, and its layers, in words.
+pub(crate) fn lens_words(system: &FlatSystem) -> String {
+    let length = |value| with_unit(value, Dimension::Length, LENGTH_DIGITS);
+    let mut words = match system.probe() {
+        Probe::Punch { radius, .. } => format!("flat punch of radius {}", length(*radius)),
+        Probe::Lens(lens) => match lens.radius() {
+            Some(radius) => format!("{} of radius {}", lens.shape_name(), length(radius)),
+            None => "lens with a table of heights".to_owned(),
+        },
+    };
+    let names = ["substrate", "lens"];
+    for (name, layer) in names.into_iter().zip(system.layers()) {
+        if let Some(layer) = layer {
+            words += &format!(", {name} {} thick", length(layer.thickness));
+        }
+    }
+    words
 }
 
 /// What a row of a loading is.

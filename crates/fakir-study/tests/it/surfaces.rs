@@ -39,7 +39,7 @@ fn numbers(table: &Table, name: &str) -> Vec<Option<f64>> {
 fn file(study: &Study, index: usize) -> CaseFile {
     match study.case(index).case {
         AnyCase::HeightMap(file) => *file,
-        AnyCase::Pillars(_) | AnyCase::Asperities(_) => panic!("a surface"),
+        _ => panic!("a surface"),
     }
 }
 

@@ -62,6 +62,8 @@ pub enum Solver {
     Asperities,
     /// Elements on a height map.
     HeightMap,
+    /// One disc of contact on a flat surface.
+    Flat,
 }
 
 /// What a problem can have that not every solver knows.
@@ -71,6 +73,8 @@ pub enum Feature {
     Paraboloid,
     /// The lens has a table of heights.
     Profile,
+    /// The lens is a flat circular punch.
+    Punch,
     /// The lens is a cylinder.
     Cylinder,
     /// The lens is a plate.
@@ -177,13 +181,14 @@ impl Question {
 
 impl Solver {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Spectral,
         Self::Punch,
         Self::Elements,
         Self::Homogenised,
         Self::Asperities,
         Self::HeightMap,
+        Self::Flat,
     ];
 }
 
@@ -200,9 +205,10 @@ impl From<Method> for Solver {
 
 impl Feature {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Paraboloid,
         Self::Profile,
+        Self::Punch,
         Self::Cylinder,
         Self::Plate,
         Self::TiltedPlate,
@@ -224,6 +230,8 @@ impl Feature {
         let has = |feature: &Self| match feature {
             Self::Paraboloid => matches!(lens.shape, LensShape::Paraboloid { .. }),
             Self::Profile => matches!(lens.shape, LensShape::Profile(_)),
+            // No lens on pillars is one.
+            Self::Punch => false,
             Self::Cylinder => matches!(lens.shape, LensShape::Cylinder { .. }),
             Self::Plate => matches!(lens.shape, LensShape::Plate { .. }),
             Self::TiltedPlate => {
@@ -293,6 +301,7 @@ const WITHOUT_ADHESION: &[Solver] = &[Solver::Punch, Solver::Elements, Solver::H
 const SPECTRAL: &[Solver] = &[Solver::Spectral];
 const ASPERITIES: &[Solver] = &[Solver::Asperities];
 const HEIGHT_MAP: &[Solver] = &[Solver::HeightMap];
+const FLAT: &[Solver] = &[Solver::Flat];
 
 /// Lenses that are no spheres.
 const OTHER_LENS: &[Feature] = &[
@@ -312,6 +321,20 @@ const ELASTIC: &[Feature] = &[Feature::ElasticPillars];
 
 /// The table. The first line that applies gives the reason.
 static RULES: &[Rule] = &[
+    rule(
+        ANY,
+        &[
+            Solver::Spectral,
+            Solver::Punch,
+            Solver::Elements,
+            Solver::Homogenised,
+            Solver::Asperities,
+            Solver::HeightMap,
+        ],
+        &[&[Feature::Punch]],
+        "a flat punch is supported on a flat surface only",
+        "use a plate, which covers all pillars, or leave the pillars out",
+    ),
     // Pillars with flat tops.
     rule(
         &[Question::Cycle],
@@ -661,6 +684,69 @@ static RULES: &[Rule] = &[
         HEIGHT_MAP,
         &[],
         "the sliders of the page need an answer in milliseconds, and a height map takes seconds",
+        "use `press` or `approach`, which save figures",
+    ),
+    // Flat surfaces.
+    rule(
+        ANY,
+        FLAT,
+        &[&[Feature::Cylinder, Feature::Plate]],
+        "the contact of an infinite cylinder or plate with a flat surface has no finite force or no finite indentation",
+        "use a sphere, a paraboloid, a profile or a punch",
+    ),
+    rule(
+        &[
+            Question::Transition,
+            Question::FloorShare,
+            Question::VerifyFloor,
+            Question::Design,
+            Question::Spread,
+        ],
+        FLAT,
+        &[],
+        "a flat surface has no floor between pillars and no pillars",
+        "prescribe an indentation or a force, or describe the pillars",
+    ),
+    rule(
+        &[Question::Gradient],
+        FLAT,
+        &[],
+        "derivatives are those of contacts with pillars",
+        "leave them out: the result has the stiffness, and `sweep` varies any key",
+    ),
+    rule(
+        &[Question::Fields],
+        FLAT,
+        &[],
+        "the contact is axisymmetric: there are no maps",
+        "leave them out: the table of the pressure over the radius is saved with the figures",
+    ),
+    rule(
+        &[Question::Theory, Question::Compare],
+        FLAT,
+        &[],
+        "a contact with a flat surface is computed from closed forms already",
+        "use `press`",
+    ),
+    rule(
+        &[Question::Verify],
+        FLAT,
+        &[],
+        "there is no second method for flat surfaces",
+        "use `press`, which states the error",
+    ),
+    rule(
+        &[Question::Fit],
+        FLAT,
+        &[],
+        "fits are those of contacts with pillars",
+        "use `approach` and `sweep`",
+    ),
+    rule(
+        &[Question::Explore],
+        FLAT,
+        &[],
+        "the page shows lenses on pillars",
         "use `press` or `approach`, which save figures",
     ),
 ];

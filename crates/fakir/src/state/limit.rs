@@ -17,7 +17,7 @@ pub(crate) const DEEPEST_IN_LAYER: f64 = 0.05;
 
 /// Tabor number below which the range of the attraction is not small: the zone at the rim in which it acts is then wider than 8 % of the
 /// pillar radius.
-const SMALLEST_TABOR_NUMBER: f64 = 5.0;
+pub(crate) const SMALLEST_TABOR_NUMBER: f64 = 5.0;
 
 /// A condition of the model, and how near this case comes to where it ends.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,13 +3,14 @@
 use super::layer::Layers;
 use crate::numerics::convergence::smaller;
 use crate::problem::{
-    HeightMap, Indenter, Layer, LensShape, Material, Method, PillarCompliance, SurfaceSystem,
-    System,
+    FlatSystem, HeightMap, Indenter, Layer, LensShape, Material, Method, PillarCompliance,
+    SurfaceSystem,
 };
 use crate::state::limit::{
-    DEEPEST_IN_LAYER, DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, THINNEST_LAYER, limits_of_adhesion,
+    DEEPEST_IN_LAYER, DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, SMALLEST_TABOR_NUMBER,
+    THINNEST_LAYER, limits_of_adhesion,
 };
-use crate::state::{ContactState, PillarState, SurfaceContact};
+use crate::state::{ContactState, FlatContact, PillarState, SurfaceContact};
 use std::f64::consts::PI;
 
 /// Force on a pillar over that under which it buckles from which on small imperfections are no longer small: half of it doubles them.
@@ -33,6 +34,9 @@ const ELASTIC_ERRORS: [f64; 2] = [0.0017, 0.0033];
 
 /// Mean square of the distance from the axis under Hertz's pressure, over that of the contact radius (K. L. Johnson, Contact Mechanics, sec. 4.2).
 const HERTZ_SPREAD: f64 = 0.4;
+
+/// The same of the pressure under a flat punch.
+const PUNCH_SPREAD: f64 = 2.0 / 3.0;
 
 impl ContactState {
     /// The conditions of the model, and how near this contact comes to where they end. `range` is that of the attraction (m), if tops stick and it is known.
@@ -118,7 +122,6 @@ impl ContactState {
     /// At which thickness a body that is a half-space would matter.
     fn thicknesses(&self) -> Vec<Limit> {
         let system = &self.system;
-        let radius = system.lens().radius().unwrap_or(0.0);
         let of_pillar = |pillar: &PillarState| {
             let [x, y] = pillar.centre;
             pillar.force * (x * x + y * y + pillar.diameter * pillar.diameter / 12.0)
@@ -128,39 +131,17 @@ impl ContactState {
         } else {
             self.pillars.iter().map(of_pillar).sum()
         };
-        let bodies = [
-            (
-                system.lens().material,
-                system.lens_layer(),
-                [
-                    "lens_thickness_of_one_percent_m",
-                    "lens_thickness_of_ten_percent_m",
-                ],
-            ),
-            (
-                *system.substrate(),
-                system.substrate_layer(),
-                [
-                    "substrate_thickness_of_one_percent_m",
-                    "substrate_thickness_of_ten_percent_m",
-                ],
-            ),
-        ];
-        let of_body = |(material, names): (Material, [&'static str; 2])| {
-            let layers = one_metre(system, material);
-            let thin = layers.shift(self.force, 0.0);
-            let bend = layers.shift(self.force, second_moment).indentation - thin.indentation;
-            // Under Hertz's contact the indentation goes as the third root of the curvature.
-            let bend = bend + thin.curvature * radius * self.indentation / 3.0;
-            let parts = names.into_iter().zip([0.01, 0.1]);
-            parts.map(move |(name, part)| {
-                let change = part * self.indentation;
-                Limit::told(name, thickness([thin.indentation, bend], change))
-            })
-        };
-        let half_spaces = bodies.into_iter().filter(|body| body.1.is_none());
-        let half_spaces = half_spaces.map(|(material, _, names)| (material, names));
-        half_spaces.flat_map(of_body).collect()
+        HalfSpaces {
+            bodies: [
+                (system.lens().material, system.lens_layer()),
+                (*system.substrate(), system.substrate_layer()),
+            ],
+            lens_radius: system.lens().radius().unwrap_or(0.0),
+            force: self.force,
+            second_moment,
+            indentation: self.indentation,
+        }
+        .limits()
     }
 
     /// At which work of adhesion sticking would matter that is left out.
@@ -314,12 +295,117 @@ fn buckling_force(modulus: f64, pillar: &PillarState) -> f64 {
     PI * PI * modulus * second_moment / (pillar.height * pillar.height)
 }
 
-/// A body as a layer of 1 m, the other one a half-space.
-fn one_metre(system: &System, material: Material) -> Layers {
-    let compliance = system.contact_compliance() - material.plane_strain_compliance();
-    // Of the other body only the compliance counts.
-    let other = Material::new(compliance.recip(), 0.0);
-    Layers::new([(material, Some(Layer::new(1.0))), (other, None)])
+/// A contact whose bodies, the lens and the substrate, are half-spaces or layers.
+struct HalfSpaces<'a> {
+    bodies: [(Material, Option<&'a Layer>); 2],
+    lens_radius: f64,
+    force: f64,
+    /// Sum of all parts of the force times their squared distances from the axis.
+    second_moment: f64,
+    indentation: f64,
+}
+
+impl HalfSpaces<'_> {
+    /// The thicknesses at which a body that is a half-space would change the indentation by 1 and 10 %.
+    fn limits(&self) -> Vec<Limit> {
+        let names = [
+            [
+                "lens_thickness_of_one_percent_m",
+                "lens_thickness_of_ten_percent_m",
+            ],
+            [
+                "substrate_thickness_of_one_percent_m",
+                "substrate_thickness_of_ten_percent_m",
+            ],
+        ];
+        let of_body = |(body, names): (usize, [&'static str; 2])| {
+            let (material, other) = (self.bodies[body].0, self.bodies[1 - body].0);
+            let layers = Layers::new([(material, Some(Layer::new(1.0))), (other, None)]);
+            let thin = layers.shift(self.force, 0.0);
+            let bend = layers.shift(self.force, self.second_moment).indentation - thin.indentation;
+            // Under Hertz's contact the indentation goes as the third root of the curvature.
+            let bend = bend + thin.curvature * self.lens_radius * self.indentation / 3.0;
+            let parts = names.into_iter().zip([0.01, 0.1]);
+            parts.map(move |(name, part)| {
+                let change = part * self.indentation;
+                Limit::told(name, thickness([thin.indentation, bend], change))
+            })
+        };
+        let half_spaces = names.into_iter().enumerate();
+        let half_spaces = half_spaces.filter(|(body, _)| self.bodies[*body].1.is_none());
+        half_spaces.flat_map(of_body).collect()
+    }
+}
+
+impl FlatContact {
+    /// The conditions of the model, and how near this contact with a flat surface comes to where they end. `range` is that of the attraction (m), if there is
+    /// adhesion and it is known.
+    ///
+    /// * `slope` of the lens at the edge of the contact, and `contact_radius_over_lens_radius`.
+    /// * `contact_stress`: mean pressure over Young's modulus of the substrate.
+    /// * `tabor_number` ([`FlatSystem::tabor_number`]).
+    /// * Of layers, and of half-spaces the thicknesses at which they would matter, as of contacts with pillars.
+    /// * `work_of_adhesion_of_one_percent_J_per_m2`, without adhesion: at which the pull-off force of a sphere is a hundredth of the force.
+    #[must_use]
+    pub fn limits(&self, system: &FlatSystem, range: Option<f64>) -> Vec<Limit> {
+        let mut limits = Vec::new();
+        let radius = system.lens().and_then(|lens| lens.radius());
+        if let Some(lens) = system.lens() {
+            let slope = lens.slope_at(self.contact_radius);
+            limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
+        }
+        if let Some(radius) = radius {
+            let ratio = self.contact_radius / radius;
+            let name = "contact_radius_over_lens_radius";
+            limits.push(Limit::at_most(name, ratio, DOUBTFUL_CONTACT));
+        }
+        let stress = self.mean_pressure().abs() / system.substrate().young_modulus;
+        limits.push(Limit::at_most("contact_stress", stress, LARGEST_STRAIN));
+        if let (Some(range), false) = (range, system.adhesion().is_none()) {
+            let number = system.tabor_number(range);
+            limits.push(Limit::at_least(
+                "tabor_number",
+                number,
+                SMALLEST_TABOR_NUMBER,
+            ));
+        }
+        let sphere = match system.lens().map(|lens| &lens.shape) {
+            Some(LensShape::Sphere { radius }) => Some(*radius),
+            _ => None,
+        };
+        let layers = system.layers();
+        limits.extend(of_layers(
+            layers,
+            sphere,
+            Some(self.contact_radius),
+            self.indentation,
+        ));
+        if self.force > 0.0 && self.indentation > 0.0 {
+            let [substrate, lens] = layers;
+            let spread = match radius {
+                Some(_) => HERTZ_SPREAD,
+                None => PUNCH_SPREAD,
+            };
+            let contact = HalfSpaces {
+                bodies: [
+                    (*system.lens_material(), lens),
+                    (*system.substrate(), substrate),
+                ],
+                lens_radius: radius.unwrap_or(0.0),
+                force: self.force,
+                second_moment: spread * self.force * self.contact_radius.powi(2),
+                indentation: self.indentation,
+            };
+            limits.extend(contact.limits());
+            if let (Some(radius), true) = (radius, system.adhesion().is_none()) {
+                let work = SMALL * self.force / (1.5 * PI * radius);
+                let name = "work_of_adhesion_of_one_percent_J_per_m2";
+                limits.push(Limit::told(name, work));
+            }
+        }
+        limits.retain(|limit| limit.value.is_finite());
+        limits
+    }
 }
 
 /// Part of the shift beyond which the curvature that a layer adds is no correction: the layer is then thinner than about three contact radii.

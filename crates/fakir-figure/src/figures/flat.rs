@@ -1,0 +1,149 @@
+//! Contacts and cycles with a flat surface.
+
+use crate::axis::Axis;
+use crate::chart::{Chart, Grid};
+use crate::colour::Tint;
+use crate::error::FigureError;
+use crate::figure::{COLUMN, Figure};
+use crate::series::{Marker, Series, Style};
+use crate::unit::Unit;
+use fakir::state::{Branch, FlatContact, FlatCycle, FlatLoadStep};
+
+/// Pressure over the distance from the lens axis, given at these distances (m) in Pa. Infinite pressures at the rim are cut off.
+///
+/// # Errors
+/// [`FigureError::TooFewData`] without contact.
+pub fn flat_pressure(
+    contact: &FlatContact,
+    distances: &[f64],
+    pressures: &[f64],
+) -> Result<Figure, FigureError> {
+    if contact.contact_radius <= 0.0 || distances.len() < 2 {
+        return Err(FigureError::TooFewData {
+            fewest: 2,
+            given: 0,
+        });
+    }
+    let across = Unit::of_length(contact.contact_radius);
+    let largest = pressures
+        .iter()
+        .fold(0.0, |most: f64, it| most.max(it.abs()));
+    let up = Unit::of_pressure(largest);
+    let points = distances.iter().zip(pressures);
+    let points: Vec<[f64; 2]> = points.map(|(r, p)| [across.of(*r), up.of(*p)]).collect();
+    // Where the pressure leaves the frame downwards it is a tensile stress that grows without limit towards the rim.
+    let y = Axis::linear(format!("pressure *p* ({})", up.name));
+    let line = Series::unnamed(points, Style::line(0).in_tint(Tint::Blue));
+    let x = Axis::linear(format!("distance from the axis *r* ({})", across.name));
+    let figure = Grid {
+        name: "flat-pressure",
+        width: COLUMN,
+        columns: 1,
+        heights: vec![122.0],
+        charts: vec![Chart::new(x, y, vec![line])],
+        common_x: false,
+        common_y: false,
+        titles: Vec::new(),
+        tagged: false,
+    }
+    .figure();
+    Ok(figure.with_description(
+        "Pressure on a flat surface",
+        "Contact pressure over the distance from the lens axis, from the axis to the rim of the contact; negative where adhesion pulls.",
+    ))
+}
+
+/// Force and contact radius over indentation on both branches of a cycle, with the jump into contact, the pull-off and the detachment.
+///
+/// # Errors
+/// [`FigureError::TooFewData`] if the curve has fewer than two load steps.
+pub fn flat_cycle(cycle: &FlatCycle) -> Result<Figure, FigureError> {
+    let steps = &cycle.load_steps;
+    if steps.len() < 2 {
+        return Err(FigureError::TooFewData {
+            fewest: 2,
+            given: steps.len(),
+        });
+    }
+    let largest = |value: fn(&FlatLoadStep) -> f64| {
+        let values = steps.iter().map(|step| value(step).abs());
+        values.fold(0.0, f64::max)
+    };
+    let across = Unit::of_length(largest(|step| step.indentation));
+    let force = Unit::of_force(largest(|step| step.force));
+    let radius = Unit::of_length(largest(|step| step.contact_radius));
+    let x = || Axis::linear(format!("indentation *ζ* ({})", across.name));
+    let branches = |named: bool, value: &dyn Fn(&FlatLoadStep) -> f64| {
+        let branches = [
+            (
+                Branch::Loading,
+                "loading",
+                Style::line(0).in_tint(Tint::Blue),
+            ),
+            (
+                Branch::Unloading,
+                "unloading",
+                Style::line(1).in_tint(Tint::Vermillion),
+            ),
+        ];
+        let of_branch = |(branch, name, style): (Branch, &str, Style)| {
+            let on_branch = steps.iter().filter(|step| step.branch == branch);
+            let points: Vec<_> = on_branch
+                .map(|step| [across.of(step.indentation), value(step)])
+                .collect();
+            match named && !points.is_empty() {
+                true => Series::new(name, points, style),
+                false => Series::unnamed(points, style),
+            }
+        };
+        branches.map(of_branch).to_vec()
+    };
+    let mut series = branches(true, &|step| force.of(step.force));
+    let marks = |tint, marker| Style {
+        tint,
+        line: None,
+        marker: Some(marker),
+    };
+    let place =
+        |contact: &FlatContact| vec![[across.of(contact.indentation), force.of(contact.force)]];
+    let jump = marks(Tint::Blue, Marker::Ring);
+    series.push(Series::new("jump into contact", place(&cycle.jump), jump));
+    if let Some(pull_off) = &cycle.pull_off {
+        let style = marks(Tint::Green, Marker::Square);
+        series.push(Series::new("pull-off", place(pull_off), style));
+    }
+    if let (Some(_), Some(last)) = (cycle.separation, steps.last()) {
+        let style = marks(Tint::Vermillion, Marker::Cross);
+        let place = vec![[across.of(last.indentation), force.of(last.force)]];
+        series.push(Series::new("detachment", place, style));
+    }
+    let charts = vec![
+        Chart::new(
+            x(),
+            Axis::linear(format!("force *F* ({})", force.name)),
+            series,
+        ),
+        Chart::new(
+            x(),
+            Axis::linear(format!("contact radius *a* ({})", radius.name)),
+            branches(false, &|step| radius.of(step.contact_radius)),
+        ),
+    ];
+    let figure = Grid {
+        name: "cycle",
+        width: COLUMN,
+        columns: 1,
+        heights: vec![122.0, 104.0],
+        charts,
+        common_x: false,
+        common_y: false,
+        titles: Vec::new(),
+        tagged: false,
+    }
+    .figure();
+    Ok(figure.with_description(
+        "Loading and unloading of a flat surface",
+        "Force and contact radius over indentation while the lens is lowered and withdrawn; marks show the jump into contact, the pull-off and the \
+         detachment.",
+    ))
+}

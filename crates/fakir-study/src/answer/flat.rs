@@ -1,0 +1,365 @@
+//! A flat surface.
+
+use super::kind::{Context, Found, Kind, Reached, Saved};
+use super::request::{AnswerError, Details, Request, Running};
+use crate::citations::Topic;
+use crate::figures::saved;
+use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
+use crate::provenance::{FLAT_METHOD, Provenance};
+use crate::record::{FlatAnswer, Object, Record};
+use crate::report::state::{
+    QuantityList, adhesion_words, drive_words, error_remark, lens_words, strained_range,
+};
+use crate::result::{csv, json};
+use fakir::problem::{CyclePlan, Solver};
+use fakir::state::{FlatContact, FlatCycle, Limit, Regime, Run, Solution};
+use fakir_case::FlatCase;
+use fakir_case::unit::Dimension;
+use fakir_figure::{flat_cycle, flat_pressure};
+use serde::Serialize;
+
+/// Number of rows of the table of pressures.
+const PRESSURES: usize = 129;
+
+/// Closest row to the rim, as a fraction of the radius: where there is adhesion the pressure at the rim is infinite.
+const NEAREST_TO_RIM: f64 = 0.999;
+
+impl Kind for FlatCase {
+    type Problem = Self;
+
+    fn problem(&self) -> &Self {
+        self
+    }
+
+    fn solver(&self) -> Solver {
+        Solver::Flat
+    }
+
+    fn indenter(&self) -> &'static str {
+        match self.system.lens() {
+            Some(_) => "lens",
+            None => "punch",
+        }
+    }
+
+    fn lines(&self) -> [String; 2] {
+        [
+            format!("flat surface under a {}", lens_words(&self.system)),
+            self.method(),
+        ]
+    }
+
+    fn method(&self) -> String {
+        FLAT_METHOD.to_owned()
+    }
+
+    fn topics(&self, range: Option<f64>) -> Vec<Topic> {
+        Topic::of_flat(self, range)
+    }
+
+    fn text(&self) -> String {
+        self.to_toml()
+    }
+
+    fn check(&self, _: &Request, details: &Details, _: &Run<'_>) -> Result<(), AnswerError> {
+        if details.range.is_some() && self.system.adhesion().is_none() {
+            return Err(AnswerError::Refused(
+                "the range of the attraction has no meaning without adhesion: give a work of adhesion",
+            ));
+        }
+        Ok(())
+    }
+
+    fn cycle(
+        &self,
+        plan: CyclePlan,
+        running: &Running<'_>,
+    ) -> Result<Box<dyn Found<Self>>, AnswerError> {
+        Ok(Box::new(self.system.cycle(&plan, &running.run)?))
+    }
+
+    fn record(&self, found: &Reached<FlatContact>) -> Record {
+        Record::of(&FlatAnswer {
+            system: &self.system,
+            contact: found.contact(),
+        })
+    }
+
+    fn limits(&self, contact: &FlatContact, range: Option<f64>) -> Option<Vec<Limit>> {
+        Some(contact.limits(&self.system, range))
+    }
+
+    fn meets(&self, _: Regime) -> String {
+        String::new() // a flat surface has no critical state
+    }
+
+    fn quantities(&self, found: &Reached<FlatContact>) -> QuantityList {
+        let contact = found.contact();
+        let error = contact.error;
+        let mut list = QuantityList::default();
+        list.quantity(
+            "force",
+            contact.force,
+            Dimension::Force,
+            digits(error.force),
+            remark(error.force),
+        )
+        .quantity(
+            "indentation",
+            contact.indentation,
+            Dimension::Length,
+            digits(error.indentation),
+            remark(error.indentation),
+        )
+        .radius(
+            "contact radius",
+            contact.contact_radius,
+            error.contact_radius,
+            String::new(),
+        )
+        .area(
+            "contact area",
+            contact.contact_area,
+            digits(error.contact_radius),
+            "",
+        )
+        .quantity(
+            "mean pressure",
+            contact.mean_pressure(),
+            Dimension::Pressure,
+            LENGTH_DIGITS,
+            String::new(),
+        )
+        .quantity(
+            "pressure on the axis",
+            contact.pressure_on_axis,
+            Dimension::Pressure,
+            LENGTH_DIGITS,
+            String::new(),
+        )
+        .row(
+            "stiffness",
+            significant(contact.stiffness, LENGTH_DIGITS),
+            "N/m",
+            "on loading",
+        );
+        list
+    }
+
+    fn solution(&self, list: &mut QuantityList, contact: &FlatContact, wall_time: f64) {
+        list.row(
+            "solution",
+            contact.termination.description().to_owned(),
+            "",
+            &format!("in {}", seconds(wall_time)),
+        );
+    }
+
+    fn files(
+        &self,
+        found: &Reached<FlatContact>,
+        _: Option<usize>,
+        provenance: &Provenance,
+        _: &Running<'_>,
+    ) -> Result<Saved, AnswerError> {
+        let contact = found.contact();
+        let place = |k: usize| k as f64 / (PRESSURES - 1) as f64;
+        let distances: Vec<f64> = (0..PRESSURES)
+            // More rows near the rim, where the pressure changes most.
+            .map(|k| {
+                let angle = 0.5 * std::f64::consts::PI * place(k);
+                NEAREST_TO_RIM * contact.contact_radius * angle.sin()
+            })
+            .collect();
+        let pressures = self.system.pressure(contact, &distances);
+        let rows = distances.iter().zip(&pressures);
+        let rows = rows.map(|(distance, pressure)| PressureRow {
+            radius_m: *distance,
+            pressure_Pa: *pressure,
+        });
+        let mut files = Vec::new();
+        if contact.contact_radius > 0.0 {
+            files.push(csv("pressure.csv", rows));
+        }
+        if let Ok(figure) = flat_pressure(contact, &distances, &pressures) {
+            files.extend(saved(figure, provenance));
+        }
+        Ok(Saved {
+            files,
+            warnings: Vec::new(),
+        })
+    }
+}
+
+/// A row of `pressure.csv`.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct PressureRow {
+    /// Distance from the lens axis, m.
+    radius_m: f64,
+    /// Contact pressure, Pa; negative where adhesion pulls.
+    pressure_Pa: f64,
+}
+
+/// A row of `cycle.csv`.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct CycleRow {
+    /// `loading` or `unloading`.
+    branch: &'static str,
+    /// Indentation, m.
+    indentation_m: f64,
+    /// Normal force, N.
+    force_N: f64,
+    /// Contact radius, m.
+    contact_radius_m: f64,
+}
+
+fn remark(error: f64) -> String {
+    let remark = error_remark(error);
+    remark.trim_start_matches([',', ' ']).to_owned()
+}
+
+impl Found<FlatCase> for FlatCycle {
+    fn question(&self) -> String {
+        "loading and unloading with adhesion".to_owned()
+    }
+
+    fn records(&self, _: &FlatCase) -> Vec<Record> {
+        vec![Record::of(self)]
+    }
+
+    fn is_answer(&self) -> bool {
+        Solution::is_answer(self)
+    }
+
+    fn problem(&self) -> Option<String> {
+        Solution::problem(self)
+    }
+
+    fn json(&self, of: &Context<'_, FlatCase>) -> String {
+        json(
+            &Object::of(self)
+                .with_limits(self.limits(of))
+                .timed(of.wall_time),
+        )
+    }
+
+    fn text(&self, of: &Context<'_, FlatCase>) -> String {
+        let [case, method] = of.case.lines();
+        let mut list = QuantityList::default();
+        list.quantity(
+            "jump into contact",
+            self.jump.force,
+            Dimension::Force,
+            digits(self.jump.error.force),
+            remark(self.jump.error.force),
+        )
+        .length(
+            "  at an indentation of",
+            self.jump.indentation,
+            String::new(),
+        )
+        .length(
+            "  with a contact radius of",
+            self.jump.contact_radius,
+            String::new(),
+        )
+        .quantity(
+            "loaded up to a force of",
+            self.turn.force,
+            Dimension::Force,
+            digits(self.turn.error.force),
+            remark(self.turn.error.force),
+        )
+        .length(
+            "  at an indentation of",
+            self.turn.indentation,
+            String::new(),
+        )
+        .length(
+            "  with a contact radius of",
+            self.turn.contact_radius,
+            String::new(),
+        );
+        if let Some(pull_off) = &self.pull_off {
+            list.quantity(
+                "pull-off force",
+                pull_off.force,
+                Dimension::Force,
+                digits(pull_off.error.force),
+                remark(pull_off.error.force),
+            )
+            .length(
+                "  at an indentation of",
+                pull_off.indentation,
+                String::new(),
+            )
+            .length(
+                "  with a contact radius of",
+                pull_off.contact_radius,
+                String::new(),
+            );
+        }
+        if let Some(indentation) = self.separation {
+            list.length("detachment", indentation, String::new());
+        }
+        let known = digits(self.loop_area_error);
+        if let Some(work) = self.work_of_separation {
+            list.row("work of separation", significant(work, known), "J", "");
+        }
+        if let Some(area) = self.loop_area {
+            list.row(
+                "hysteresis",
+                significant(area, known),
+                "J",
+                &remark(self.loop_area_error),
+            );
+        }
+        list.limits(&self.limits(of));
+        of.case.solution(&mut list, &self.turn, of.wall_time);
+        format!(
+            "Loading and unloading with adhesion\n{case}\n{}, {}\n{method}\n\n{}",
+            adhesion_words(of.case.system.adhesion()),
+            drive_words(self.plan.drive),
+            list.text()
+        )
+    }
+
+    fn limits(&self, of: &Context<'_, FlatCase>) -> Vec<Limit> {
+        self.turn.limits(&of.case.system, of.details.range)
+    }
+
+    fn warnings(
+        &self,
+        of: &Context<'_, FlatCase>,
+        _: &Running<'_>,
+    ) -> Result<Vec<String>, AnswerError> {
+        let mut warnings = crate::result::warnings(&self.turn);
+        warnings.extend(strained_range(&self.limits(of)));
+        Ok(warnings)
+    }
+
+    fn files(
+        &self,
+        _: &FlatCase,
+        _: Option<usize>,
+        provenance: &Provenance,
+        _: &Running<'_>,
+    ) -> Result<Saved, AnswerError> {
+        let rows = self.load_steps.iter().map(|step| CycleRow {
+            branch: step.branch.name(),
+            indentation_m: step.indentation,
+            force_N: step.force,
+            contact_radius_m: step.contact_radius,
+        });
+        let mut files = vec![csv("cycle.csv", rows)];
+        if let Ok(figure) = flat_cycle(self) {
+            files.extend(saved(figure, provenance));
+        }
+        Ok(Saved {
+            files,
+            warnings: Vec::new(),
+        })
+    }
+}

@@ -1,0 +1,221 @@
+//! The numbers of contacts and cycles with a flat surface.
+
+use super::contact::{ending, load};
+use super::loading::LoadingState;
+use super::named::{Kind, Named, Recorded};
+use fakir::problem::FlatSystem;
+use fakir::state::{FlatContact, FlatCycle};
+
+/// A contact with a flat surface, and what was asked about.
+#[derive(Debug, Clone, Copy)]
+pub struct FlatAnswer<'a> {
+    /// The bodies.
+    pub system: &'a FlatSystem,
+    /// The contact.
+    pub contact: &'a FlatContact,
+}
+
+/// Numbers of the disc.
+fn disc() -> [Named<FlatContact>; 3] {
+    [
+        Named::number("contact_area_m2", "contact area", |it: &FlatContact| {
+            it.contact_area
+        })
+        .symbol("A"),
+        Named::number(
+            "mean_pressure_Pa",
+            "force over contact area; 0 without contact",
+            FlatContact::mean_pressure,
+        ),
+        stiffness(),
+    ]
+}
+
+fn stiffness() -> Named<FlatContact> {
+    Named::number_if_any(
+        "stiffness_N_per_m",
+        "change of the force with the indentation on loading; `null` where it is infinite",
+        |it: &FlatContact| Some(it.stiffness).filter(|slope| slope.is_finite()),
+    )
+}
+
+impl<'a> Recorded for FlatAnswer<'a> {
+    const KIND: Kind = Kind::FlatPress;
+
+    fn rows() -> Vec<Named<Self>> {
+        let of_contact = |rows: Vec<Named<FlatContact>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &FlatAnswer<'a>| it.contact))
+        };
+        let mut rows: Vec<Named<Self>> = vec![
+            Named::word("method", "`disc`", |_: &FlatAnswer<'a>| Some("disc")),
+            Named::word(
+                "lens_shape",
+                "`sphere`, `paraboloid`, `profile` or `punch`",
+                |it: &FlatAnswer<'a>| Some(it.system.shape_name()),
+            )
+            .in_objects(),
+        ];
+        rows.extend(of_contact(load().into()));
+        rows.extend(of_contact(disc().into()));
+        rows.extend(of_contact(vec![
+            Named::number(
+                "pressure_on_axis_Pa",
+                "pressure on the lens axis: the largest under a lens without adhesion",
+                |it: &FlatContact| it.pressure_on_axis,
+            ),
+            Named::number(
+                "punch_stiffness_N_per_m",
+                "change of the force with the indentation at a fixed contact radius: the initial slope on unloading",
+                |it: &FlatContact| it.punch_stiffness,
+            ),
+            Named::number(
+                "relative_error_estimate.force",
+                "estimated relative error of the force",
+                |it: &FlatContact| it.error.force,
+            ),
+            Named::number(
+                "relative_error_estimate.indentation",
+                "estimated relative error of the indentation",
+                |it: &FlatContact| it.error.indentation,
+            ),
+            Named::number(
+                "relative_error_estimate.contact_radius",
+                "estimated relative error of the contact radius",
+                |it: &FlatContact| it.error.contact_radius,
+            ),
+        ]));
+        rows.extend(of_contact(ending().into()));
+        rows
+    }
+}
+
+impl Recorded for LoadingState<&FlatContact> {
+    const KIND: Kind = Kind::FlatLoading;
+
+    fn rows() -> Vec<Named<Self>> {
+        let mut rows = vec![
+            Named::number("indentation_m", "indentation", |it: &FlatContact| {
+                it.indentation
+            })
+            .symbol("ζ"),
+            Named::number("force_N", "normal force on the lens", |it: &FlatContact| {
+                it.force
+            })
+            .symbol("F"),
+            Named::number("contact_radius_m", "contact radius", |it: &FlatContact| {
+                it.contact_radius
+            })
+            .symbol("a"),
+        ];
+        rows.extend(disc());
+        rows.push(Named::number(
+            "force_error_estimate",
+            "estimated relative error of the force",
+            |it: &FlatContact| it.error.force,
+        ));
+        rows.push(Named::number(
+            "contact_radius_error_estimate",
+            "estimated relative error of the contact radius",
+            |it: &FlatContact| it.error.contact_radius,
+        ));
+        rows.push(Named::flag(
+            "converged",
+            "whether the solver converged",
+            |it: &FlatContact| it.converged() && it.unresolved().is_none(),
+        ));
+        rows.into_iter()
+            .map(|row| row.of_part(|it: &Self| it.answer))
+            .collect()
+    }
+}
+
+impl Recorded for FlatCycle {
+    const KIND: Kind = Kind::FlatCycle;
+
+    fn rows() -> Vec<Named<Self>> {
+        let pull_off = |path, meaning, of: fn(&FlatContact) -> f64| {
+            Named::number_if_any(path, meaning, move |it: &FlatCycle| {
+                it.pull_off.as_ref().map(of)
+            })
+        };
+        let mut rows = vec![
+            Named::word(
+                "drive",
+                "`displacement`, `force` or `machine`",
+                |it: &FlatCycle| Some(it.plan.drive.name()),
+            )
+            .in_objects(),
+            Named::number(
+                "first_contact_indentation_m",
+                "indentation after the jump into contact",
+                |it: &FlatCycle| it.jump.indentation,
+            ),
+            Named::number(
+                "first_contact_force_N",
+                "force after the jump into contact",
+                |it: &FlatCycle| it.jump.force,
+            ),
+            Named::number(
+                "turn_force_N",
+                "force at the end of loading",
+                |it: &FlatCycle| it.turn.force,
+            ),
+            Named::number(
+                "turn_indentation_m",
+                "indentation at the end of loading",
+                |it: &FlatCycle| it.turn.indentation,
+            ),
+            Named::number(
+                "turn_contact_radius_m",
+                "contact radius at the end of loading",
+                |it: &FlatCycle| it.turn.contact_radius,
+            ),
+            pull_off(
+                "pull_off_force_N",
+                "largest tensile force on unloading, negative; `null` without unloading",
+                |it| it.force,
+            ),
+            pull_off("pull_off_indentation_m", "indentation at pull-off", |it| {
+                it.indentation
+            }),
+            pull_off(
+                "pull_off_contact_radius_m",
+                "contact radius at pull-off",
+                |it| it.contact_radius,
+            ),
+            Named::number_if_any(
+                "last_release_indentation_m",
+                "indentation at which the surfaces detach; `null` without unloading",
+                |it: &FlatCycle| it.separation,
+            ),
+            Named::number_if_any(
+                "work_of_separation_J",
+                "work against tensile forces during unloading; `null` under a prescribed force, where the lens leaves at once",
+                |it: &FlatCycle| it.work_of_separation,
+            ),
+            Named::number_if_any(
+                "hysteresis_J",
+                "area of the loop of force over indentation; `null` for a path that is not closed",
+                |it: &FlatCycle| it.loop_area,
+            ),
+            Named::number(
+                "relative_error_estimate.turn_force",
+                "estimated relative error of the force at the end of loading",
+                |it: &FlatCycle| it.turn.error.force,
+            ),
+            Named::number_if_any(
+                "relative_error_estimate.pull_off_force",
+                "estimated relative error of the pull-off force",
+                |it: &FlatCycle| it.pull_off.as_ref().map(|contact| contact.error.force),
+            ),
+            Named::number_if_any(
+                "relative_error_estimate.hysteresis",
+                "estimated relative error of the hysteresis",
+                |it: &FlatCycle| it.loop_area.map(|_| it.loop_area_error),
+            ),
+        ];
+        rows.extend(ending());
+        rows
+    }
+}
