@@ -26,7 +26,7 @@ pub(crate) struct PairBlocks<R> {
 
 /// The effect of some of the following pillars on a pillar.
 struct Row<R> {
-    /// The sources, and by how many leading modes each acts.
+    /// The sources, and the number of leading modes with which each acts.
     sources: Vec<(u32, u8)>,
     /// The blocks, stored by columns.
     blocks: Vec<R>,

@@ -80,7 +80,7 @@ impl Sites {
         }
     }
 
-    /// The part of a hexagonal lattice that it is, if it is one.
+    /// The part of a hexagonal lattice, if the sites are one.
     pub(crate) fn window(&self) -> Option<&Window> {
         match &self.places {
             Places::Window { window, .. } => Some(window),
