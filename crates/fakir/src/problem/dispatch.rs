@@ -1,4 +1,5 @@
-//! Which solver answers which question about which problem: the one table, with the reason where none does.
+//! The table of supported combinations of question, solver and features of the problem, with the reason for each combination that is not
+//! supported.
 
 use super::column::PillarCompliance;
 use super::lens::LensShape;
@@ -6,7 +7,7 @@ use super::method::Method;
 use super::scaled::Scene;
 use super::system::{FloorModel, System};
 
-/// What can be asked of a problem.
+/// A computation that can be requested for a problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
     /// The contact under a load.
@@ -19,11 +20,11 @@ pub enum Question {
     Cycle,
     /// Exact derivatives of a contact.
     Gradient,
-    /// The contact in which the floor bears a given part of the force.
+    /// The contact in which the floor carries a given fraction of the load.
     FloorShare,
-    /// A contact by a second method or mesh.
+    /// A contact computed with a second method or mesh.
     Verify,
-    /// The same past the transition, tops and floor together.
+    /// The same past the transition, with tops and floor together.
     VerifyFloor,
     /// Validity limits of the model.
     Limits,
@@ -35,19 +36,19 @@ pub enum Question {
     Theory,
     /// The critical state by every method.
     Compare,
-    /// The value of a quantity that gives a wanted result.
+    /// The value of a parameter that achieves a target result.
     Design,
-    /// The scatter of a critical state among samples.
+    /// The scatter of the critical state between samples.
     Spread,
-    /// Least squares on a measured curve.
+    /// Least-squares fit to a measured curve.
     Fit,
     /// Many cases.
     Sweep,
-    /// The page with sliders.
+    /// The interactive page.
     Explore,
 }
 
-/// What solves a problem: one of the [methods](Method) on pillars with flat tops, or that of another surface.
+/// The solver of a problem: one of the [methods](Method) on pillars with flat tops, or the solver for another kind of surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solver {
     /// Spectral expansion on flat pillar tops.
@@ -58,13 +59,13 @@ pub enum Solver {
     Elements,
     /// The homogenised lattice.
     Homogenised,
-    /// Pillars with rounded tops, each of which has a contact of unknown extent.
+    /// Pillars with rounded tops, each of which has a contact with an unknown radius.
     Asperities,
     /// Elements on a height map.
     HeightMap,
 }
 
-/// What a problem can have that not every solver knows.
+/// A feature of a problem that some solvers do not support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feature {
     /// The lens is a paraboloid.
@@ -85,38 +86,38 @@ pub enum Feature {
     SeveralColumns,
     /// The lens or the substrate has a finite thickness.
     Layer,
-    /// Pillars are elastic bodies, which lean and whose tops deform, not columns.
+    /// Pillars are elastic bodies, which tilt and whose tops deform, instead of columns.
     ElasticPillars,
     /// The floor is ignored.
     IgnoredFloor,
-    /// Pillar tops stick.
+    /// Pillar tops are adhesive.
     AdhesiveTops,
-    /// The floor sticks too.
+    /// The floor is adhesive as well.
     AdhesiveFloor,
 }
 
-/// Why a question has no answer.
+/// The reason why a combination is not supported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("{why}: {instead}")]
 pub struct Unsupported {
     /// The reason.
     pub why: &'static str,
-    /// What to do in its place.
+    /// A supported alternative.
     pub instead: &'static str,
-    /// What of the problem is in the way: one of each of these groups. None where the question alone, or the method, is.
+    /// The features that are not supported: one of each of these groups. Empty if the question or the method alone is the reason.
     pub with: &'static [&'static [Feature]],
 }
 
-/// A line of the table: questions that some solvers do not answer where a problem has some features.
+/// A row of the table: questions that some solvers do not support for problems with some features.
 struct Rule {
-    /// All questions if there are none.
+    /// Empty for all questions.
     asked: &'static [Question],
     of: &'static [Solver],
     reason: Unsupported,
 }
 
 impl Question {
-    /// All of them.
+    /// All questions.
     pub const ALL: [Self; 18] = [
         Self::Press,
         Self::Transition,
@@ -138,7 +139,7 @@ impl Question {
         Self::Explore,
     ];
 
-    /// Its name: that of the command or function that asks it, where there is one.
+    /// The name of the question: that of the command or function, if there is one.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -163,10 +164,10 @@ impl Question {
         }
     }
 
-    /// Refuses what has no answer by a solver for a problem with these features.
+    /// Refuses the question if the solver does not support it for a problem with these features.
     ///
     /// # Errors
-    /// [`Unsupported`]: why not, and what to do in its place.
+    /// [`Unsupported`]: the reason and the alternative.
     pub fn check(self, solver: Solver, features: &[Feature]) -> Result<(), Unsupported> {
         let in_the_way = RULES
             .iter()
@@ -176,7 +177,7 @@ impl Question {
 }
 
 impl Solver {
-    /// All of them.
+    /// All solvers.
     pub const ALL: [Self; 6] = [
         Self::Spectral,
         Self::Punch,
@@ -199,7 +200,7 @@ impl From<Method> for Solver {
 }
 
 impl Feature {
-    /// All of them.
+    /// All features.
     pub const ALL: [Self; 13] = [
         Self::Paraboloid,
         Self::Profile,
@@ -216,7 +217,7 @@ impl Feature {
         Self::AdhesiveFloor,
     ];
 
-    /// What a problem has.
+    /// The features of a system.
     #[must_use]
     pub fn of(system: &System) -> Vec<Self> {
         let sticks = !system.adhesion().is_none();
@@ -252,13 +253,13 @@ impl Rule {
 }
 
 impl Unsupported {
-    /// Of what is made for a spherical lens.
+    /// Functions that support only spherical lenses.
     pub const BUT_FOR_A_SPHERE: Self = Self {
         why: "this is made for a spherical lens",
         instead: "use the spectral method, or a sphere",
         with: &[OTHER_LENS],
     };
-    /// Of what is made for the lattice of the paper.
+    /// Functions that support only the lattice of the paper.
     pub const BUT_FOR_THE_LATTICE: Self = Self {
         why: "this is made for equal pillars on an endless hexagonal lattice that is not turned",
         instead: "use the spectral method",
@@ -266,7 +267,7 @@ impl Unsupported {
     };
 }
 
-/// A line with one of the reasons that several have.
+/// A row with one of the common reasons.
 const fn line(asked: &'static [Question], of: &'static [Solver], reason: Unsupported) -> Rule {
     Rule { asked, of, reason }
 }
@@ -294,14 +295,14 @@ const SPECTRAL: &[Solver] = &[Solver::Spectral];
 const ASPERITIES: &[Solver] = &[Solver::Asperities];
 const HEIGHT_MAP: &[Solver] = &[Solver::HeightMap];
 
-/// Lenses that are no spheres.
+/// Lenses that are not spheres.
 const OTHER_LENS: &[Feature] = &[
     Feature::Paraboloid,
     Feature::Profile,
     Feature::Cylinder,
     Feature::Plate,
 ];
-/// Lenses that come nearest to the floor beyond the pillars.
+/// Lenses that come closest to the floor outside the pillars.
 const WITHOUT_AXIS: &[Feature] = &[Feature::Cylinder, Feature::Plate];
 const STICKS: &[Feature] = &[Feature::AdhesiveTops];
 const FLOOR_STICKS: &[Feature] = &[Feature::AdhesiveFloor];
@@ -310,7 +311,7 @@ const OTHER_ARRANGEMENT: &[Feature] = &[Feature::OtherArrangement];
 const SEVERAL_DIAMETERS: &[Feature] = &[Feature::SeveralDiameters];
 const ELASTIC: &[Feature] = &[Feature::ElasticPillars];
 
-/// The table. The first line that applies gives the reason.
+/// The table. The first row that applies determines the reason.
 static RULES: &[Rule] = &[
     // Pillars with flat tops.
     rule(

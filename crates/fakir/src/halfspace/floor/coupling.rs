@@ -144,7 +144,7 @@ enum Pillars {
     Anywhere(PillarTable),
 }
 
-/// Extent of the pillars that can be touched.
+/// Distance of the farthest pillar from the lens axis along x, and along y.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PillarExtent {
     /// Distance of the farthest from the lens axis along x, and along y.
