@@ -568,11 +568,11 @@ impl RandomPlaces {
 /// A pillar of a [list](PillarList).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ListedPillar {
-    /// Its centre, m.
+    /// Centre, m.
     pub centre: Point,
-    /// Its height over the floor, m.
+    /// Height above the floor, m.
     pub height: f64,
-    /// Its diameter, m.
+    /// Diameter, m.
     pub diameter: f64,
 }
 

@@ -9,7 +9,7 @@ pub enum Load {
     Indentation(f64),
     /// Normal force `F`, N: zero, or at least 1e-30 of `E*` times a pillar radius squared.
     Force(f64),
-    /// That the lens just reaches the floor: the critical state.
+    /// Contact of the lens with the floor: the critical state.
     FloorContact,
 }
 

@@ -262,7 +262,7 @@ impl CoverFinder {
 
     /// `A` with the force of the expansion, and with its first moments if `A` remains positive.
     fn amplitude(&self, part: &Region, density: &[f64]) -> Option<[f64; 3]> {
-        // Moments of 1, x, y from the middle with sqrt(l)/mu, and its products.
+        // Moments of 1, x, y (relative to the centre) and of their products, with the weight sqrt(l)/mu.
         let mut moments = [[0.0; 3]; 3];
         part.integrate(&self.rule, |[x, y], weight| {
             let powers = [1.0, x, y];
