@@ -70,19 +70,19 @@ pub enum Solver {
 pub enum Feature {
     /// The lens is a paraboloid.
     Paraboloid,
-    /// The lens has a table of heights.
+    /// The lens is a table of heights.
     Profile,
     /// The lens is a cylinder.
     Cylinder,
     /// The lens is a plate.
     Plate,
-    /// The lens is a plate that is not level.
+    /// The lens is a tilted plate.
     TiltedPlate,
-    /// Pillars are on another arrangement than the paper's, the endless hexagonal lattice that is not turned.
+    /// The arrangement of pillars differs from the infinite hexagonal lattice of the paper without rotation.
     OtherArrangement,
     /// Pillars differ in diameter.
     SeveralDiameters,
-    /// Columns of pillars differ in compliance. This is looked at only where tops stick.
+    /// Columns of pillars differ in compliance. Evaluated only for adhesive tops.
     SeveralColumns,
     /// The lens or the substrate has a finite thickness.
     Layer,
