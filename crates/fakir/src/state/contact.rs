@@ -196,9 +196,9 @@ impl std::fmt::Display for Warning {
 /// The contact under a load.
 #[derive(Debug, Clone)]
 pub struct ContactState {
-    /// What was solved.
+    /// The system that was solved.
     pub system: System,
-    /// How.
+    /// The method of solution.
     pub method: Method,
     /// Indentation `zeta`, m.
     pub indentation: f64,

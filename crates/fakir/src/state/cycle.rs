@@ -331,7 +331,7 @@ pub struct Cycle {
     pub errors: CycleErrors,
     /// Why the path ended.
     pub termination: Termination,
-    /// What to be careful about.
+    /// Validity warnings.
     pub warnings: Vec<Warning>,
 }
 
