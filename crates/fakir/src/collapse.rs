@@ -108,15 +108,15 @@ impl Validity {
 pub struct Collapse {
     /// The critical state.
     pub critical: CriticalState,
-    /// Outer radius of the free annulus round a pillar without pressure, m; none where no edge stands.
+    /// Outer radius of the free annulus around a pillar without pressure, m; `None` if no edge is in equilibrium.
     pub annulus_radius: Option<f64>,
-    /// The state after the jump onto the floor; none if the model has none.
+    /// The state after the jump into contact with the floor; `None` if the model has no solution.
     pub jump: Option<CollapsedPoint>,
-    /// Middles between three pillars inside the front of that.
+    /// Number of centres of three pillars inside the front of this state.
     pub holes: usize,
     /// Largest indentation of the cycle, m; `None` if the model has no solution for loading.
     pub turn_indentation: Option<f64>,
-    /// What becomes of the floor.
+    /// Behaviour of the floor.
     pub fate: Fate,
     /// Detachment of the floor: indentation (m), within half a step, and force before it (N). `None` if the floor does not bond or does not
     /// detach.
