@@ -148,11 +148,11 @@ pub fn press_to_floor_shares(
     Question::FloorShare.check(contact.method.into(), &Feature::of(system))?;
     let refused = |why| Err(SolveError::NoFloorShare { why });
     if !shares.iter().all(|share| *share > 0.0 && *share < 1.0) {
-        return refused("it has to be between 0 and 1 (100 %), without these");
+        return refused("it must be between 0 and 1 (100 %), excluding both");
     }
     let accuracy = accuracy_of(contact.method);
     if !(contact.converged() && contact.force > 0.0) {
-        return refused("it takes a critical state that converged, in which pillars are touched");
+        return refused("a converged critical state in which pillars are touched is required");
     }
     let states = answers::press_to_floor_shares(contact, shares, accuracy, run)?;
     states.into_iter().map(finished).collect()

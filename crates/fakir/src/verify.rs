@@ -110,7 +110,7 @@ impl std::fmt::Display for InconclusiveReason {
                 termination,
             } => write!(
                 f,
-                "the solution by elements, {} cells across a pillar, {}",
+                "the solution with boundary elements, {} cells across a pillar, {}",
                 mesh.cells_per_diameter,
                 termination.description()
             ),
@@ -119,13 +119,13 @@ impl std::fmt::Display for InconclusiveReason {
                 termination,
             } => write!(
                 f,
-                "the solution by the {} method {}",
+                "the solution of the {} method {}",
                 method.name(),
                 termination.description()
             ),
             Self::NoDigits { allowed } => write!(
                 f,
-                "the error estimates leave no digit: they allow a difference of {:.0} %",
+                "no digit is significant: the error estimates allow a difference of {:.0} %",
                 100.0 * allowed
             ),
         }

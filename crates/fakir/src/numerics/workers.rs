@@ -54,7 +54,7 @@ impl Threads {
     pub fn warning(self) -> Option<String> {
         let Self { asked, processors } = self;
         (asked > processors).then(|| {
-            format!("{asked} threads are more than there are processors: {processors} are used")
+            format!("{asked} threads exceed the number of processors: {processors} are used")
         })
     }
 }
@@ -268,7 +268,7 @@ mod tests {
         let told = of(9999).warning().unwrap();
         assert_eq!(
             told,
-            "9999 threads are more than there are processors: 4 are used"
+            "9999 threads exceed the number of processors: 4 are used"
         );
     }
 }

@@ -602,10 +602,10 @@ pub struct PillarList {
 #[non_exhaustive]
 pub enum InvalidPillars {
     /// The list is empty.
-    #[error("there are no pillars: at least one is needed")]
+    #[error("there are no pillars: at least one is required")]
     Empty,
     /// A coordinate is not a finite number.
-    #[error("pillar {pillar} stands nowhere: its {axis} is {value}, and has to be a finite number")]
+    #[error("invalid {axis} {value} of pillar {pillar}: must be a finite number")]
     NoPlace {
         /// Index of the pillar.
         pillar: usize,
@@ -615,9 +615,7 @@ pub enum InvalidPillars {
         value: f64,
     },
     /// A height or diameter is invalid.
-    #[error(
-        "the {what} of pillar {pillar} cannot be {value} m: it must be a finite number greater than 0"
-    )]
+    #[error("invalid {what} {value} m of pillar {pillar}: must be a finite number greater than 0")]
     NoSize {
         /// Index of the pillar.
         pillar: usize,

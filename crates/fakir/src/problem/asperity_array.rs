@@ -70,7 +70,7 @@ pub struct AsperityArray {
 #[non_exhaustive]
 pub enum InvalidCaps {
     /// There are no asperities.
-    #[error("there are no asperities: give one at least")]
+    #[error("there are no asperities: at least one is required")]
     None,
     /// A quantity of a body is invalid.
     #[error(transparent)]
@@ -85,7 +85,7 @@ pub enum InvalidCaps {
     },
     /// Two asperities have the same position, or their pillars overlap.
     #[error(
-        "asperities {0} and {1} (counted from 0) are {distance:.3e} m apart, and {least:.3e} m is the least", .asperities[0], .asperities[1]
+        "asperities {0} and {1} (counted from 0) are {distance:.3e} m apart: must be at least {least:.3e} m", .asperities[0], .asperities[1]
     )]
     TooClose {
         /// Indices of the asperities.
@@ -243,7 +243,7 @@ mod tests {
         assert!(of(vec![good, beside]).is_ok());
         assert!(
             told(Asperity::new([1e-5, 0.0], -1.0))
-                .contains("asperity 1 (counted from 0): top radius")
+                .contains("asperity 1 (counted from 0): invalid top radius")
         );
         assert!(told(beside.raised_by(f64::NAN)).contains("height of an asperity"));
         assert!(told(good).contains("asperities 0 and 1"));
@@ -252,6 +252,6 @@ mod tests {
             rim_radius: rim,
             ..beside
         });
-        assert!(told.contains("1.100e-5 m is the least"), "{told}");
+        assert!(told.contains("at least 1.100e-5 m"), "{told}");
     }
 }

@@ -84,17 +84,17 @@ impl fmt::Display for InvalidProfile {
         match self {
             Self::TooFew { rows } => write!(
                 f,
-                "a profile of {rows} rows is none: it needs at least {FEWEST_ROWS}, each with a radius and a height"
+                "{rows} rows are too few for a profile: at least {FEWEST_ROWS} are required, each with a radius and a height"
             ),
-            Self::NoNumber { .. } => f.write_str("radius and height have to be finite numbers"),
+            Self::NoNumber { .. } => f.write_str("radius and height must be finite numbers"),
             Self::NoApex { radius, height } => write!(
                 f,
-                "the first row is at radius {radius:e} m and height {height:e} m, and has to be the lowest point on the axis, at 0 and 0"
+                "the first row is at radius {radius:e} m and height {height:e} m, and must be the lowest point on the axis, at 0 and 0"
             ),
-            Self::NoOrder { .. } => f.write_str("the radius has to be larger than that of the row before"),
-            Self::NotRising { .. } => f.write_str("the height has to be larger than that of the row before"),
+            Self::NoOrder { .. } => f.write_str("the radius must be larger than that of the preceding row"),
+            Self::NotRising { .. } => f.write_str("the height must be larger than that of the preceding row"),
             Self::Uneven { .. } => f.write_str(
-                "the smooth curve through the rows comes down before this one: the rows are too rough or too far apart here for a lens that rises",
+                "the smooth curve through the rows decreases before this row: the rows are too irregular or too far apart for an increasing profile",
             ),
         }
     }
@@ -356,6 +356,6 @@ mod tests {
             &[0.0, 0.001, 0.002, 1.0, 1.001, 1.002],
         );
         assert!(matches!(step, InvalidProfile::Uneven { .. }), "{step:?}");
-        assert!(step.to_string().contains("too rough"));
+        assert!(step.to_string().contains("too irregular"));
     }
 }

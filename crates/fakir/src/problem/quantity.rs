@@ -122,7 +122,7 @@ impl fmt::Display for Quantity {
             Self::LensBasePoissonRatio => "Poisson's ratio of the base of the lens",
             Self::PillarDiameter => "pillar diameter",
             Self::PillarHeight => "pillar height",
-            Self::PillarSlenderness => "pillar height over diameter",
+            Self::PillarSlenderness => "ratio of pillar height to diameter",
             Self::Pitch => "pitch",
             Self::SurfaceFraction => "surface fraction",
             Self::Offset => "offset",
@@ -131,16 +131,16 @@ impl fmt::Display for Quantity {
             Self::LatticeAngle => "angle of the lattice",
             Self::Rotation => "rotation",
             Self::HeightSpread => "standard deviation of the heights",
-            Self::Missing => "share of missing pillars",
+            Self::Missing => "fraction of missing pillars",
             Self::Columns => "number of columns",
             Self::Indentation => "indentation",
             Self::Force => "force",
             Self::WorkOfAdhesion => "work of adhesion",
             Self::RecedingWorkOfAdhesion => "receding work of adhesion",
-            Self::CriticalPart => "part of the critical indentation",
+            Self::CriticalPart => "fraction of the critical indentation",
             Self::MachineStiffness => "stiffness of the machine",
             Self::AttractionRange => "range of the attraction",
-            Self::AsperityPlace => "place of an asperity",
+            Self::AsperityPlace => "position of an asperity",
             Self::AsperityHeight => "height of an asperity",
             Self::TopRadius => "top radius",
             Self::RimRadius => "radius of a rim",
@@ -174,7 +174,7 @@ impl Quantity {
 
 /// An invalid value of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("{quantity} cannot be {value}: it must be {requirement}")]
+#[error("invalid {quantity} {value}: must be {requirement}")]
 pub struct InvalidQuantity {
     /// Which quantity.
     pub quantity: Quantity,
@@ -270,8 +270,8 @@ impl fmt::Display for Requirement {
             }
             Self::AtLeastWork(work) => write!(
                 f,
-                "at least the work of adhesion where contact is made, {work:e} J/m^2 (parting takes no \
-                 less than what was won)"
+                "at least the work of adhesion where contact is made, {work:e} J/m^2 (breaking \
+                 contact takes at least the energy gained)"
             ),
             Self::PartOfWhole => f.write_str("greater than 0 and at most 1"),
             Self::Finite => f.write_str("a finite number"),
@@ -283,17 +283,17 @@ impl fmt::Display for Requirement {
             ),
             Self::AtLeastPillarHeight(height) => write!(
                 f,
-                "at least the pillar height, {height:e} m: in a thinner film the feet of the pillars, where they join it, give way otherwise than \
-                 the model has it"
+                "at least the pillar height, {height:e} m: in a thinner film the deformation at the feet of the pillars differs \
+                 from the model"
             ),
             Self::AtLeastQuarterDiameter(diameter) => write!(
                 f,
-                "at least a quarter of the diameter of the widest pillar, {diameter:e} m: a thinner layer under a pillar is out of the range of \
-                 the model, in which pillars are punches on its surface"
+                "at least a quarter of the diameter of the widest pillar, {diameter:e} m: on a thinner layer the model, in which pillars are punches \
+                 on its surface, is not valid"
             ),
             Self::BetweenRows => f.write_str("above 0 and below 180 deg"),
             Self::UpTo(most) => write!(f, "between 0 and {most}"),
-            Self::SomeLeft => f.write_str("lower, or the seed another one: of the columns given no pillar is left"),
+            Self::SomeLeft => f.write_str("lower, or the seed different: no pillar is left in the given columns"),
             Self::NoOverlap { distance, diameter } => write!(
                 f,
                 "such that pillars do not overlap (the nearest are {distance:.4e} m apart, the diameter \
@@ -302,14 +302,14 @@ impl fmt::Display for Requirement {
             Self::SurfaceFraction => f.write_str(
                 "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
             ),
-            Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), as far as slopes are small"),
+            Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), the range of small slopes"),
             Self::KnownElastic { least, most } => write!(
                 f,
-                "between {least} and {most}, for which the compliance of elastic pillars is known (compliance = \"column\" takes any)"
+                "between {least} and {most}, the range in which the compliance of elastic pillars is available (compliance = \"column\" accepts any value)"
             ),
             Self::ZeroOnElastic => f.write_str(
-                "0 on elastic pillars: at the corner of a real pillar the stress is not that of a half-space, from which it is told when \
-                 contact breaks (compliance = \"column\" takes it as if it were)",
+                "0 for elastic pillars: the stress at the corner of a real pillar differs from that of a half-space, which is used as the \
+                 criterion of detachment (compliance = \"column\" uses it)",
             ),
             Self::Above(least) => write!(f, "a finite number greater than {least:.4e}"),
             Self::Between(least, most) => {
@@ -317,7 +317,7 @@ impl fmt::Display for Requirement {
             }
             Self::FiniteUnder(shape) => write!(
                 f,
-                "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"
+                "finite under a {shape}, which touches an infinite number of pillars of an infinite lattice: give `columns`, or a list of pillars"
             ),
             Self::OfPlaced => f.write_str(
                 "that of a lattice or a list: only a pattern on a height map has pillars at random",

@@ -20,8 +20,8 @@ impl ContactState {
                 &mut self.contact_radius_error,
             ),
             ("smallest floor gap", &mut self.smallest_floor_gap),
-            ("place of the smallest floor gap", x),
-            ("place of the smallest floor gap", y),
+            ("position of the smallest floor gap", x),
+            ("position of the smallest floor gap", y),
             ("error estimate of the force", &mut self.error.force),
             (
                 "error estimate of the indentation",
@@ -55,7 +55,7 @@ impl FloorContact {
     fn check(&mut self) -> Result<(), SolveError> {
         for (what, value) in [
             ("force on the floor", &mut self.force),
-            ("share of the floor", &mut self.share),
+            ("fraction of the load on the floor", &mut self.share),
             ("area of the floor contact", &mut self.area),
             ("radius of the floor contact", &mut self.radius),
             (
@@ -79,9 +79,9 @@ impl Cycle {
     /// Checks the cycle before it is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         for station in &mut self.stations {
-            check_number("force on the way", &mut station.force)?;
-            check_number("indentation on the way", &mut station.indentation)?;
-            check_number("contact radius on the way", &mut station.contact_radius)?;
+            check_number("force at a load step", &mut station.force)?;
+            check_number("indentation at a load step", &mut station.indentation)?;
+            check_number("contact radius at a load step", &mut station.contact_radius)?;
         }
         for (what, value) in [
             ("work of separation", &mut self.work_of_separation),
@@ -102,7 +102,7 @@ impl CriticalState {
     /// Checks the state before it is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         for coordinate in &mut self.floor_contact {
-            check_number("place of the floor contact", coordinate)?;
+            check_number("position of the floor contact", coordinate)?;
         }
         Ok(Self {
             contact: self.contact.checked()?,

@@ -142,52 +142,52 @@ impl std::fmt::Display for Warning {
         match self {
             Self::LargeContact { ratio } => write!(
                 f,
-                "the contact radius is {ratio:.2} of the lens radius: above 0.2 the lens is no \
-                 longer well described as a half-space"
+                "the contact radius is {ratio:.2} of the lens radius: above 0.2 the half-space \
+                 approximation of the lens is inaccurate"
             ),
             Self::FloorNearRim { distance, cell } => write!(
                 f,
                 "the floor is in contact {distance:.2e} m from the rim of a pillar, less than two \
-                 of its cells of {cell:.2e} m: what it bears may be less exact than estimated; \
+                 of its cells of {cell:.2e} m: its load may be less accurate than estimated; \
                  use the accuracy \"accurate\", whose cells are smaller"
             ),
             Self::FloorBeside { depth } => write!(
                 f,
-                "beside the pillars the lens is {depth:.2e} m below the floor, if it reaches beyond them: what the floor would bear is left out"
+                "beside the pillars the lens is {depth:.2e} m below the floor, if it extends beyond them: the load on the floor is not computed"
             ),
             Self::AdhesiveStretch { ratio } => write!(
                 f,
                 "with this work of adhesion pillars are stretched by about {ratio:.2} of their length \
-                 before they come off: above 0.3 linear elasticity no longer describes that"
+                 before they detach: above 0.3 linear elasticity is not valid"
             ),
             Self::LeaningLeftOut => f.write_str(
-                "elastic pillars also lean where they are pressed on one side: only the spectral method knows how, and by this one the \
-                 critical force was up to 0.3 % off for that",
+                "elastic pillars also tilt under eccentric loads, which only the spectral method includes: without this, the error of the \
+                 critical force was up to 0.3 %",
             ),
             Self::FlatLens { deeper: Some(deeper) } => write!(
                 f,
-                "the lens counts as a flat layer: a spherical asperity as thick in its middle is softer, and comes down by about {deeper:.1e} m more \
-                 under this force"
+                "the lens is treated as a flat layer: a spherical asperity with the same central thickness is more compliant, and its indentation \
+                 under this force is larger by about {deeper:.1e} m"
             ),
             Self::FlatLens { deeper: None } => f.write_str(
-                "the lens counts as a flat layer, which is doubtful of one as thick as its radius of curvature",
+                "the lens is treated as a flat layer, which is inaccurate for a thickness close to its radius of curvature",
             ),
             Self::ThinLayer { ratio } => write!(
                 f,
-                "a layer is only {ratio:.2} pillar diameters thick: below 2 the way in which pillars join it matters, which is left out"
+                "a layer is only {ratio:.2} pillar diameters thick: below 2 the deformation at the feet of the pillars, which is neglected, is significant"
             ),
             Self::LayerStrain { ratio } => write!(
                 f,
-                "the indentation is {ratio:.2} of the thickness of a layer: above 0.05 small strains no longer describe that"
+                "the indentation is {ratio:.2} of the thickness of a layer: above 0.05 strains are not small"
             ),
             Self::CoarseFloor { cells } => write!(
                 f,
-                "the cells of the floor are only {cells:.1} across the free rings round pillars: where it is in contact, and for how long, is an \
-                 order of magnitude; on so coarse cells it sticks too long"
+                "only {cells:.1} cells resolve the free annuli around pillars: the extent and duration of the floor contact are accurate in order \
+                 of magnitude only; on such coarse cells the floor detaches too late"
             ),
             Self::ReachesBorder => f.write_str(
-                "at the border of the height map what is pressed is as low as the surface: what lies \
-                 outside is taken as out of reach",
+                "at the border of the height map the indenter is as low as the surface: contact \
+                 outside the map is neglected",
             ),
         }
     }

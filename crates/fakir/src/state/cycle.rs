@@ -401,7 +401,7 @@ impl Cycle {
                 ),
                 ("force after the jump onto the floor", it.jump_force),
                 (
-                    "indentation at which the floor is lost",
+                    "indentation at which the floor detaches",
                     if lost { it.lost_indentation } else { 0.0 },
                 ),
             ]

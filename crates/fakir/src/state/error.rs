@@ -90,7 +90,7 @@ pub enum SolveError {
     /// On a periodic surface, the contact would reach its periodic images.
     #[error(
         "the contact reaches the border of the period, {0:.3e} m by {1:.3e} m around the lens axis, \
-         where the next lens begins: lower the load, or use a larger period or free space", .period[0], .period[1]
+         where it meets its periodic image: lower the load, or use a larger period or free space", .period[0], .period[1]
     )]
     ContactExceedsPeriod {
         /// Sides of the period, m.
@@ -98,9 +98,9 @@ pub enum SolveError {
     },
     /// On a periodic surface, the indentation exceeds the mean separation, which no contact attains.
     #[error(
-        "an indentation of {indentation:.3e} m is not below the mean separation, \
-         {mean_separation:.3e} m, at which a periodic contact is full under any pressure: \
-         prescribe a force"
+        "invalid indentation {indentation:.3e} m: must be below the mean separation, \
+         {mean_separation:.3e} m, at which a periodic contact is complete under any pressure; \
+         prescribe a force instead"
     )]
     FullContact {
         /// Prescribed indentation, m.
@@ -110,8 +110,8 @@ pub enum SolveError {
     },
     /// The grid ends within reach of the lens, so that the load outside it would be missing.
     #[error(
-        "the surface ends within reach of the lens: its grid is {:.3e} m by {:.3e} m, and one of \
-         {needed:.3e} m around the lens axis would do: use a larger surface or lower the load",
+        "the surface ends within reach of the lens: its grid is {:.3e} m by {:.3e} m, and \
+         {needed:.3e} m around the lens axis are sufficient: use a larger surface or lower the load",
         .sides[0], .sides[1]
     )]
     SurfaceEnds {
@@ -122,7 +122,7 @@ pub enum SolveError {
     },
     /// The table of heights ends within the contact.
     #[error(
-        "the lens is needed up to {reach:.3e} m from its axis, and its table of heights ends at {end:.3e} m: give a longer \
+        "the shape of the lens is required up to {reach:.3e} m from its axis, but its table of heights ends at {end:.3e} m: give a longer \
          table or lower the load"
     )]
     ProfileEnds {
@@ -133,15 +133,15 @@ pub enum SolveError {
     },
     /// A cycle without adhesion.
     #[error(
-        "without adhesion a lens is withdrawn the way that it came, so that there is no cycle: give a \
-         work of adhesion above 0, or ask for the loading alone"
+        "without adhesion, unloading follows the curve of loading, so that there is no cycle: give a \
+         work of adhesion above 0, or compute the loading only"
     )]
     NothingSticks,
     /// A load past the transition with adhesive tops.
     #[error(
         "with adhesion the loading ends at the critical state, at an indentation of \
-         {indentation:.4e} m and a force of {force:.4e} N: what the floor then does is not solved with \
-         tops that stick; lower the load, or ignore the floor"
+         {indentation:.4e} m and a force of {force:.4e} N: floor contact without adhesion is not \
+         supported with adhesive tops; lower the load, or ignore the floor"
     )]
     PastTransition {
         /// Critical indentation, m.
@@ -150,24 +150,24 @@ pub enum SolveError {
         force: f64,
     },
     /// The derivatives of this state are not available.
-    #[error("no gradient can be given: {why}")]
+    #[error("the gradient is not available: {why}")]
     NoGradient {
         /// The reason, and a supported alternative.
         why: &'static str,
     },
     /// The fraction of the load carried by the floor is unattainable.
-    #[error("the floor bears no such share: {why}")]
+    #[error("unattainable fraction of the load on the floor: {why}")]
     NoFloorShare {
         /// The reason, and a supported alternative.
         why: &'static str,
     },
     /// The surface has no floor.
-    #[error("there is no floor under the lens to be reached")]
+    #[error("there is no floor under the lens")]
     NoFloor,
     /// The number of cells of a surface exceeds the memory limit.
     #[error(
         "{cells} cells take {} of memory; the limit is {}: raise the limit, lower the \
-         load, or use cells of {:.2e} m or larger in place of {cell:.2e} m",
+         load, or use cells of {:.2e} m or larger instead of {cell:.2e} m",
         memory(*.bytes), memory(*.limit), .suggested_cell
     )]
     TooManyCells {
@@ -185,7 +185,7 @@ pub enum SolveError {
     /// Contacts on rounded tops merge.
     #[error(
         "the contacts of asperities {0} and {1} (counted from 0) merge at an indentation of about {indentation:.4e} m and a force of \
-         {force:.4e} N, beyond which they are no discs: lower the load, or move the asperities apart", .asperities[0], .asperities[1]
+         {force:.4e} N, beyond which they are not discs: lower the load, or move the asperities apart", .asperities[0], .asperities[1]
     )]
     ContactsMerge {
         /// Indices of the asperities.
@@ -197,8 +197,8 @@ pub enum SolveError {
     },
     /// A rounded top is so inclined relative to the lens that the contact is at its rim.
     #[error(
-        "asperity {asperity} (counted from 0) would be touched at the rim of its pillar, {rim_radius:.3e} m from its highest point, where it is \
-         no asperity: give it a smaller radius of curvature, or a wider pillar"
+        "asperity {asperity} (counted from 0) would be touched at the rim of its pillar, {rim_radius:.3e} m from its highest point, where \
+         its shape ends: give it a smaller radius of curvature, or a wider pillar"
     )]
     TouchedAtRim {
         /// Index of the asperity.
@@ -220,8 +220,8 @@ pub enum SolveError {
     Interrupted,
     /// There is no equilibrium of a bonded floor with this front.
     #[error(
-        "no state of the collapsed floor is found with a front of {front_radius:.3e} m at an indentation of {indentation:.4e} m: free annuli there are \
-         too near to each other or to the front"
+        "the collapsed floor has no equilibrium with a front of {front_radius:.3e} m at an indentation of {indentation:.4e} m: free annuli are \
+         too close to each other or to the front"
     )]
     NoFront {
         /// Radius of the front, m.

@@ -41,7 +41,7 @@ impl std::fmt::Display for Remedy {
             Self::SmallerCells => "use smaller cells",
             Self::HigherLoad => "raise the load: the contact is too small for this method",
             Self::CollapsedFloor => {
-                "these are orders of magnitude: compare the model of the collapsed floor"
+                "compare with the model of the collapsed floor: the order of magnitude is all that is known"
             }
         })
     }
@@ -51,7 +51,7 @@ impl std::fmt::Display for Unresolved {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "the {} is not resolved, with an estimated relative error of {:.2} where at most {LARGEST_ERROR} is an answer: {}",
+            "the {} is not resolved: its estimated relative error {:.2} exceeds {LARGEST_ERROR}; {}",
             self.quantity, self.error, self.remedy
         )
     }

@@ -368,7 +368,7 @@ fn what_is_not_known_of_elastic_pillars_is_refused() {
         assert!(
             refused
                 .to_string()
-                .contains("compliance of elastic pillars is known")
+                .contains("compliance of elastic pillars is available")
         );
     }
     // Scattered heights, some of which may be too slender, and listed heights are refused as well.

@@ -648,7 +648,7 @@ fn floor_shares_that_cannot_be_are_refused_with_the_reason() {
     }
     assert!(why(&without_floor(&usual), spectral, &[0.5]).contains("ignored"));
     let punch = Method::Punch(PunchForm::Corrected);
-    assert!(why(&usual, punch, &[0.5]).contains("leaves the floor out"));
+    assert!(why(&usual, punch, &[0.5]).contains("ignores the floor"));
     // Pillars so far apart that the lens reaches the floor before any of them.
     let wide = system(0.0001, 2e6, 1.0 / 3f64.sqrt());
     assert!(why(&wide, spectral, &[0.5]).contains("pillars are touched"));

@@ -109,7 +109,7 @@ impl std::fmt::Display for PatternQuantity {
 #[non_exhaustive]
 pub enum InvalidPattern {
     /// A value is invalid.
-    #[error("{quantity} cannot be {value}: it must be {requirement}")]
+    #[error("invalid {quantity} {value}: must be {requirement}")]
     Value {
         /// The quantity.
         quantity: PatternQuantity,
@@ -120,14 +120,14 @@ pub enum InvalidPattern {
     },
     /// Elastic pillars, whose compliance is available only for flat cylinders of a texture.
     #[error(
-        "the compliance of elastic pillars is known for the cylinders of a texture only: here pillars are \
-         columns, or do not give way"
+        "the compliance of elastic pillars is available only for the cylinders of a texture: here pillars \
+         must be columns or rigid"
     )]
     NotElastic,
     /// Adjacent pillars of a lattice overlap.
     #[error(
         "pillars {outer_diameter:e} m across overlap on a lattice of pitch {pitch:e} m: widen the \
-         pitch, or turn or shrink the pillars"
+         pitch, or rotate or shrink the pillars"
     )]
     Overlap {
         /// Distance between neighbours, m.
@@ -137,17 +137,17 @@ pub enum InvalidPattern {
     },
     /// A list of pillars, whose heights and diameters may differ.
     #[error(
-        "the pillars of a pattern have one form: give a lattice, or pillars at random, in place of a list"
+        "the pillars of a pattern have equal shapes: give a lattice, or random positions, instead of a list"
     )]
     Listed,
     /// An infinite lattice without a period along x and y.
     #[error(
-        "a lattice that is turned or oblique has no period along x and y: draw it on a grid with free borders"
+        "a rotated or oblique lattice has no period along x and y: use a grid with free borders"
     )]
     NoPeriod,
     /// A grid that is not a period of the lattice.
     #[error(
-        "a side of {side:e} m is not a whole multiple of the period of the lattice, {period:e} m"
+        "a side of {side:e} m is not an integer multiple of the period of the lattice, {period:e} m"
     )]
     NotAPeriod {
         /// Side of the grid, m.
@@ -157,7 +157,7 @@ pub enum InvalidPattern {
     },
     /// Not all random positions could be placed.
     #[error(
-        "only {placed} of {wanted} pillars found a place at least {minimum_distance:e} m from the \
+        "only {placed} of {wanted} pillars could be placed at least {minimum_distance:e} m from the \
          others: lower the surface fraction or the minimum distance"
     )]
     TooCrowded {
