@@ -1,5 +1,5 @@
-//! Presses a sphere onto many discs of several radii at random positions, on one thread, and prints the cost of every stage: `cargo run
-//! --release -p fakir --features kernels --example arrangement -- 100000`.
+//! Presses a sphere onto many discs of several radii at random positions, on one thread, and prints the cost of every stage:
+//! `cargo run --release -p fakir --features kernels --example arrangement -- 100000`.
 //!
 //! Times are processor times; times and memory are available on Linux only.
 

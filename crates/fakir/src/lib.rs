@@ -27,8 +27,8 @@
 //! * [`halfspace`]: response of an elastic half-space under pillar tops, under rectangles, and under both;
 //! * [`state`]: results: forces, radii, every pillar, [fields](state::Fields), convergence, error estimates, and errors;
 //! * [`theory`]: the closed forms of the paper with their errata, and those of single adhesive contacts;
-//! * [`solve`]: solvers of the contact conditions, spectral and by [elements](solve::elements), and the [homogenised
-//!   lattice](solve::homogenised).
+//! * [`solve`]: solvers of the contact conditions, spectral and by [elements](solve::elements), and the
+//!   [homogenised lattice](solve::homogenised).
 //!
 //! [`press`] and [`transition`] solve a [`System`](problem::System) with a [`Method`](problem::Method), from coarse to accurate:
 //! [homogenised lattice](solve::homogenised), punch lattice, [boundary elements](solve::elements), spectral. The spectral method continues

@@ -219,8 +219,8 @@ fn expected_floor(system: &System, asked: Asked) -> f64 {
     }
 }
 
-/// Number of pillars under a contact with the radius of the undeformed lens at the indentation, or, at the transition, of the paper's `e
-/// sqrt(1 + (R h/e^2)^2)`; `None` if the contact is too large for the lens.
+/// Number of pillars under a contact with the radius of the undeformed lens at the indentation, or, at the transition, of the paper's
+/// `e sqrt(1 + (R h/e^2)^2)`; `None` if the contact is too large for the lens.
 fn expected_pillars(system: &System, asked: Asked) -> f64 {
     let lattice = system.hexagonal_lattice().expect("a hexagonal lattice");
     let (lens, pitch) = (system.lens().sphere_radius(), lattice.pitch);

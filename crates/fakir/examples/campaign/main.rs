@@ -1,5 +1,5 @@
-//! Tests with random systems within the complete range of input whether every estimate covers its error: `cargo xtask campaign --seconds 60
-//! --seed 1`.
+//! Tests with random systems within the complete range of input whether every estimate covers its error:
+//! `cargo xtask campaign --seconds 60 --seed 1`.
 //!
 //! The true error is unknown, but two results for the same question may differ by at most the sum of their estimates. The comparisons are:
 //! both accuracies; rotated and reflected copies of the system, and copies in other units; the force at an indentation and the indentation

@@ -1,7 +1,8 @@
 //! Transforms two real rows together: one is the real part of a complex row, the other its imaginary part.
 //!
-//! If the transforms of the rows are `A` and `B`, that of the complex row is `Z = A + i B`. Since `A_(N-k) = conj(A_k)` for real rows, `2
-//! A_k = Z_k + conj(Z_(N-k))` and `2 i B_k = Z_k - conj(Z_(N-k))`. This takes less than half the time of separate transforms of real rows.
+//! If the transforms of the rows are `A` and `B`, that of the complex row is `Z = A + i B`. Since `A_(N-k) = conj(A_k)` for real rows,
+//! `2 A_k = Z_k + conj(Z_(N-k))` and `2 i B_k = Z_k - conj(Z_(N-k))`. This takes less than half the time of separate transforms of real
+//! rows.
 
 use super::column_transform::COLUMNS;
 use super::fft::Real;

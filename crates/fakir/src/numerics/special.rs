@@ -37,8 +37,8 @@ pub(crate) fn spherical_bessel(x: f64, values: &mut [f64]) {
 }
 
 /// Functions with `f_(n-1) + f_(n+1) = (2n + b)/x f_n`, from the first two of them, which must be accurate for `x >= 1`. Below 1, the
-/// leading term of `f_n` is `x/(2n + b) f_(n-1)`, that of `f_0` is 1, and consecutive terms of the series have the ratio `-(x^2/2)/(k (2n +
-/// 2k + b))`.
+/// leading term of `f_n` is `x/(2n + b) f_(n-1)`, that of `f_0` is 1, and consecutive terms of the series have the ratio
+/// `-(x^2/2)/(k (2n + 2k + b))`.
 fn by_recurrence(x: f64, values: &mut [f64], first_two: [fn(f64) -> f64; 2], b: f64) {
     let Some(last) = values.len().checked_sub(1) else {
         return;

@@ -118,8 +118,8 @@ impl<N: Number> Elastic<N> {
         self.column() - delta * 2.0
     }
 
-    /// `lambda_11` increases by `S (8/3) (h/a)/(1 - nu^2)`: the rotation of the end of a beam under a moment, `M h/(E I)` with `I = pi
-    /// a^4/4`, added to that of a punch on a half-space, `lambda_11 = pi/2`.
+    /// `lambda_11` increases by `S (8/3) (h/a)/(1 - nu^2)`: the rotation of the end of a beam under a moment, `M h/(E I)` with
+    /// `I = pi a^4/4`, added to that of a punch on a half-space, `lambda_11 = pi/2`.
     fn rocking(self) -> N {
         self.share * self.slenderness * (32.0 / (3.0 * PI)) / self.plane_strain()
     }

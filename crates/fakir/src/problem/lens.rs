@@ -428,8 +428,8 @@ impl ShapedLens {
         self.jet(point).map_or([f64::NAN; 2], |jet| jet.gradient)
     }
 
-    /// The derivative of the lens shape with respect to its radius; 0 for shapes without a radius. For a circle it is `1 - R/sqrt(R^2 -
-    /// r^2)`, in a form without cancellation.
+    /// The derivative of the lens shape with respect to its radius; 0 for shapes without a radius. For a circle it is
+    /// `1 - R/sqrt(R^2 - r^2)`, in a form without cancellation.
     pub(crate) fn by_radius(&self, point: Point) -> f64 {
         if self.is_flat() {
             return 0.0;

@@ -467,7 +467,7 @@ impl Cycle {
         held
     }
 
-    /// Pillars in the order of their final detachment.
+    /// The detachments of pillars, in order.
     #[must_use]
     pub fn release_order(&self) -> Vec<&CycleEvent> {
         let released = |event: &&CycleEvent| event.kind == CycleEventKind::Release;

@@ -47,8 +47,8 @@ pub struct StickySphere {
     pub indentation: f64,
 }
 
-/// The contact of a sphere (approximated by a paraboloid) of radius `R` with a flat surface, within one pillar top: `F = 4 E* a^3/(3 R) -
-/// sqrt(8 pi w E* a^3)`, `zeta = a^2/R - sqrt(2 pi w a/E*)`.
+/// The contact of a sphere (approximated by a paraboloid) of radius `R` with a flat surface, within one pillar top:
+/// `F = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3)`, `zeta = a^2/R - sqrt(2 pi w a/E*)`.
 #[must_use]
 pub fn sticky_sphere(modulus: f64, lens_radius: f64, work: f64, radius: f64) -> StickySphere {
     StickySphere {

@@ -147,9 +147,9 @@ pub fn small_contact_limit(system: &System) -> f64 {
 
 /// The large-contact formulas of the paper, with its coefficients `C1` and `C01`.
 ///
-/// `a_c = e sqrt(1 + (k phi)^2)`, `F_c = (h d/gamma_int)(1 + 3 mu_c)(1 + C1 ((a_c/e)^2 - 1))` and, with `2 beta = eta C01
-/// gamma_ext/gamma_int`, `zeta_c/h = (1 + 3 mu_c)(1 + 2 beta sqrt(phi) (sqrt(1 + (k phi)^2) - 1))`. With [`Form::AsPrinted`] the last
-/// factor is `1 + beta sqrt(phi) (k phi)^2` (erratum 3). `r_c` and `mu_c` are those of [`small_contact`].
+/// `a_c = e sqrt(1 + (k phi)^2)`, `F_c = (h d/gamma_int)(1 + 3 mu_c)(1 + C1 ((a_c/e)^2 - 1))` and, with
+/// `2 beta = eta C01 gamma_ext/gamma_int`, `zeta_c/h = (1 + 3 mu_c)(1 + 2 beta sqrt(phi) (sqrt(1 + (k phi)^2) - 1))`. With
+/// [`Form::AsPrinted`] the last factor is `1 + beta sqrt(phi) (k phi)^2` (erratum 3). `r_c` and `mu_c` are those of [`small_contact`].
 #[must_use]
 pub fn large_contact(system: &System, form: Form) -> TransitionEstimate {
     let (gamma_int, gamma_ext) = compliances(system);

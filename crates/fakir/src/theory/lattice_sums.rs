@@ -1,7 +1,7 @@
 //! Sums over the pillars of a centred hexagonal lattice with a Hertz-like load distribution.
 //!
-//! In the paper the force on a pillar at distance `r_n` from the central one, inside the contact radius `a`, is `F_n = F_0 w_n` with `w_n =
-//! sqrt(1 - r_n^2/a^2)`. Three sums over `n != 0`, with distances in pitches, then determine its effect at the centre:
+//! In the paper the force on a pillar at distance `r_n` from the central one, inside the contact radius `a`, is `F_n = F_0 w_n` with
+//! `w_n = sqrt(1 - r_n^2/a^2)`. Three sums over `n != 0`, with distances in pitches, then determine its effect at the centre:
 //!
 //! ```text
 //! G0 = sum w_n/r_n        displacement of the central pillar

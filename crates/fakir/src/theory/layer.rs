@@ -1,9 +1,9 @@
 //! Layers of finite thickness: axisymmetric contacts to full precision, and the effect of a thick layer on any contact.
 //!
 //! Under an axisymmetric pressure `p` within a radius `a`, write `∫ p J_0(k r) r dr = ∫_0^a theta(u) cos(k u) du` (in units of `E*`). Then
-//! `theta(u) + (2/pi) ∫_0^a theta(v) [∫_0^∞ (Phi(k) - 1) cos(k u) cos(k v) dk] dv = g(u)/pi`, with `g = delta` under a flat punch and `g =
-//! delta - u^2/R`, `theta(a) = 0` under a sphere (approximated by a paraboloid), and the force is `2 pi ∫ theta` (N. N. Lebedev, Ya. S.
-//! Ufliand, J. Appl. Math. Mech. 22, 442 (1958)). The kernel is smooth, so that Gauss quadrature converges faster than any power.
+//! `theta(u) + (2/pi) ∫_0^a theta(v) [∫_0^∞ (Phi(k) - 1) cos(k u) cos(k v) dk] dv = g(u)/pi`, with `g = delta` under a flat punch and
+//! `g = delta - u^2/R`, `theta(a) = 0` under a sphere (approximated by a paraboloid), and the force is `2 pi ∫ theta` (N. N. Lebedev, Ya.
+//! S. Ufliand, J. Appl. Math. Mech. 22, 442 (1958)). The kernel is smooth, so that Gauss quadrature converges faster than any power.
 
 pub use crate::halfspace::layer::LayerResponse;
 use crate::numerics::dense::{Lu, Matrix};

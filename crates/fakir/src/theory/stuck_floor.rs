@@ -24,8 +24,8 @@ use std::f64::consts::PI;
 /// ratio.
 pub const LEAST_RADIUS_RATIO: f64 = 1.0001;
 
-/// The pressure of a pillar is resolved by `RESOLUTION/acosh(b/a) + FEWEST_MODES` modes. The coefficients decrease as `exp(-2 n
-/// acosh(b/a))`.
+/// The pressure of a pillar is resolved by `RESOLUTION/acosh(b/a) + FEWEST_MODES` modes. The coefficients decrease as
+/// `exp(-2 n acosh(b/a))`.
 const RESOLUTION: f64 = 8.0;
 const FEWEST_MODES: usize = 6;
 
@@ -91,9 +91,10 @@ impl AnnulusCoefficients {
 
 /// The equations for the pressure `sum c_j P_2j(y)/(P_2j(0) y)`, `y = sqrt(1 - r^2)`, of the pillar on the lens: `M c = h F + p_0 m`.
 ///
-/// The Abel transform of a mode is `Q_2j(t)` for `t < 1` and for `t > 1`, so that `M_ij = 8 int_0^b Q_2i Q_2j dt`, `m_j = 8 int_0^b t Q_2j
-/// dt`, `F_j = 2 pi` for `j = 0` and 0 for others. The integrals follow from Legendre's equation; those of squares from `(2 n + 3) int
-/// Q_{n+1}^2 - (2 n + 1) int Q_n^2 = b (Q_n^2 + Q_{n+1}^2) - 2 Q_n Q_{n+1}` (all at `b`), and that of `Q_0^2` is a dilogarithm.
+/// The Abel transform of a mode is `Q_2j(t)` for `t < 1` and for `t > 1`, so that `M_ij = 8 int_0^b Q_2i Q_2j dt`,
+/// `m_j = 8 int_0^b t Q_2j dt`, `F_j = 2 pi` for `j = 0` and 0 for others. The integrals follow from Legendre's equation; those of squares
+/// from `(2 n + 3) int Q_{n+1}^2 - (2 n + 1) int Q_n^2 = b (Q_n^2 + Q_{n+1}^2) - 2 Q_n Q_{n+1}` (all at `b`), and that of `Q_0^2` is a
+/// dilogarithm.
 struct CrackSystem {
     /// Cholesky factor of `M`.
     factor: Vec<f64>,
@@ -547,8 +548,9 @@ impl Grooves {
         })
     }
 
-    /// Energy per period and length with a bonded strip of a width (m), J/m: `E* h^2/2 K(k)/K(k')` with `k = tan(pi r/(2 P)) tan(pi s/(2
-    /// P))` for ridges of width `r` and strips of width `s` with the period `P` (Y. Y. Huang et al., Langmuir 21, 8058 (2005)).
+    /// Energy per period and length with a bonded strip of a width (m), J/m: `E* h^2/2 K(k)/K(k')` with
+    /// `k = tan(pi r/(2 P)) tan(pi s/(2 P))` for ridges of width `r` and strips of width `s` with the period `P` (Y. Y. Huang et al.,
+    /// Langmuir 21, 8058 (2005)).
     ///
     /// # Errors
     /// A strip that is not narrower than the groove, or not positive and finite.

@@ -1,6 +1,6 @@
-//! Elastic pillars compared with finite element solutions: for one pillar (`reference/pillar_compliance.csv`, compliances in units of `1/(a
-//! E*)`, with an error of 3e-5) and for critical states (`reference/pillar.csv`, forces in units of `E* um^2`). Both are for cylinders
-//! attached to a half-space of the same material, with small strains and without friction.
+//! Elastic pillars compared with finite element solutions: for one pillar (`reference/pillar_compliance.csv`, compliances in units of
+//! `1/(a E*)`, with an error of 3e-5) and for critical states (`reference/pillar.csv`, forces in units of `E* um^2`). Both are for
+//! cylinders attached to a half-space of the same material, with small strains and without friction.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{

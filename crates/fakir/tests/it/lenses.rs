@@ -91,8 +91,8 @@ fn force_on(state: &ContactState, index: (i64, i64)) -> f64 {
     pillar.map_or(0.0, |pillar| pillar.force)
 }
 
-/// Hertz (K. L. Johnson, Contact Mechanics, eq. 4.22 to 4.24), which is exact for a paraboloid: `a^2 = R zeta`, `F = 4/3 E* sqrt(R)
-/// zeta^1.5`.
+/// Hertz (K. L. Johnson, Contact Mechanics, eq. 4.22 to 4.24), which is exact for a paraboloid: `a^2 = R zeta`,
+/// `F = 4/3 E* sqrt(R) zeta^1.5`.
 #[test]
 fn a_paraboloid_inside_a_wide_pillar_is_hertz() {
     let wide = ListedPillar {
@@ -167,8 +167,8 @@ fn paraboloids_on_dense_lattices_are_those_of_the_homogenised_one() {
 /// twice the energy of the square Wigner crystal (L. Bonsall, A. A. Maradudin, Phys. Rev. B 15, 1959 (1977)).
 const SQUARE_SITE_POTENTIAL: f64 = -3.900_264_920;
 
-/// Line contact on a half-space covered by springs: `(c/pi) ∫ p(t) 2 ln(1/|x - t|) dt + beta p(x) = const - x^2/(2R)` for `|x| < b`, `p(b)
-/// = 0`, with piecewise linear pressures, in units of `c = 1`. Returns the half-width for a load per length, and the pressure at some
+/// Line contact on a half-space covered by springs: `(c/pi) ∫ p(t) 2 ln(1/|x - t|) dt + beta p(x) = const - x^2/(2R)` for `|x| < b`,
+/// `p(b) = 0`, with piecewise linear pressures, in units of `c = 1`. Returns the half-width for a load per length, and the pressure at some
 /// positions.
 ///
 /// Without springs the result is Hertz's `P = pi E* b^2/(4R)` (Johnson, eq. 4.43).
@@ -473,8 +473,8 @@ fn a_profile_of_a_sphere_meets_the_floor_as_the_sphere() {
     assert!(away.iter().all(|a| a.abs() < 1e-5), "{away:?}");
 }
 
-/// Inside one top: Sneddon's `F = 2 E* ∫ r^2 f'/sqrt(a^2 - r^2) dr` and `zeta = ∫ a f'/sqrt(a^2 - r^2) dr` for `f = r^2/(2R) + r^3/B`: `F =
-/// 2 E* (2 a^3/(3R) + 9 pi a^4/(16 B))`, `zeta = a^2/R + 3 pi a^3/(4 B)`.
+/// Inside one top: Sneddon's `F = 2 E* ∫ r^2 f'/sqrt(a^2 - r^2) dr` and `zeta = ∫ a f'/sqrt(a^2 - r^2) dr` for `f = r^2/(2R) + r^3/B`:
+/// `F = 2 E* (2 a^3/(3R) + 9 pi a^4/(16 B))`, `zeta = a^2/R + 3 pi a^3/(4 B)`.
 #[test]
 fn a_profile_inside_a_wide_pillar_is_sneddon() {
     let (radius, cube) = (RADIUS, 1e-7);

@@ -1,8 +1,9 @@
 //! The coupling of many pillars of a lattice as a convolution, by fast Fourier transform.
 //!
 //! The window is padded with zeros so that distances between pairs of pillars remain distinct when the array wraps around
-//! ([`Differences`]): the lattice is finite, without periodic images. There is one kernel for every pair of modes. Since `B_ij(-D) =
-//! (-1)^(l+l') B_ij(D)`, its transform is real or imaginary, and since `B_ji(D) = (-1)^(l+l') B_ij(D)`, the upper triangle is sufficient.
+//! ([`Differences`]): the lattice is finite, without periodic images. There is one kernel for every pair of modes. Since
+//! `B_ij(-D) = (-1)^(l+l') B_ij(D)`, its transform is real or imaginary, and since `B_ji(D) = (-1)^(l+l') B_ij(D)`, the upper triangle is
+//! sufficient.
 //!
 //! A product makes three passes. The first transforms the rows of all modes (only those of the window are non-zero). The second processes a
 //! few columns at a time: it transforms all modes, multiplies them by the kernels and transforms them back while they are in the cache

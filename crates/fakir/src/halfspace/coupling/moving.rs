@@ -1,8 +1,8 @@
 //! The coupling of two discs with its derivatives, for variable positions and radii.
 //!
-//! The series are those of [`pair`](super::pair). The derivatives of Appell's function are functions of the same kind: `dF4/dx = (A B/c)
-//! F4(A + 1, B + 1; c + 1, c')` (NIST Digital Library of Mathematical Functions, 16.14). The coefficients of the recurrences depend on the
-//! modes alone and are stored, so that all series of a pair are summed together.
+//! The series are those of [`pair`](super::pair). The derivatives of Appell's function are functions of the same kind:
+//! `dF4/dx = (A B/c) F4(A + 1, B + 1; c + 1, c')` (NIST Digital Library of Mathematical Functions, 16.14). The coefficients of the
+//! recurrences depend on the modes alone and are stored, so that all series of a pair are summed together.
 
 use super::pair::{Angles, Entry, SERIES_TOLERANCE, Series, step};
 use crate::halfspace::disc::basis::{Mode, modes};

@@ -2,9 +2,10 @@
 //!
 //! The unknowns are moments: `a^2` times the coefficients of the pressure, so that the work of each pillar on the displacement due to the
 //! other is the same. For a receiver of radius `a` at `D` from a source of radius `a'`, `delta = |D| > a + a'`, and `Phi` the angle of `D`,
-//! complex modes of azimuthal difference or sum `M` couple by `g(l,m; l',m'; M) = 4 pi y_lm y_l'm' i^(l-l'+M) ∫ j_l(k a) j_l'(k a') J_M(k
-//! delta) dk` (the Fourier transform of `Y_lm/mu` is `2 pi (-i)^l j_l(k) Y_lm(equator)`). With `alpha = a/delta` and `beta = a'/delta` this
-//! is (W. N. Bailey, Proc. Lond. Math. Soc. s2-40, 37 (1936))
+//! complex modes of azimuthal difference or sum `M` couple by
+//! `g(l,m; l',m'; M) = 4 pi y_lm y_l'm' i^(l-l'+M) ∫ j_l(k a) j_l'(k a') J_M(k delta) dk` (the Fourier transform of `Y_lm/mu` is
+//! `2 pi (-i)^l j_l(k) Y_lm(equator)`). With `alpha = a/delta` and `beta = a'/delta` this is (W. N. Bailey, Proc. Lond. Math. Soc. s2-40,
+//! 37 (1936))
 //!
 //! ```text
 //! (-1)^l pi y y' G((1+L+M)/2) G((1+L-M)/2)/(G(l+3/2) G(l'+3/2)) alpha^l beta^l'/delta F4,      L = l + l',
@@ -111,9 +112,9 @@ impl Series {
         [a, b, p, q]
     }
 
-    /// `F4`, continued from the terms before `first`: their sum and the last two of them. Uses the sums of its terms of one degree, `U_s =
-    /// f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of
-    /// the recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
+    /// `F4`, continued from the terms before `first`: their sum and the last two of them. Uses the sums of its terms of one degree,
+    /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the
+    /// coefficients of the recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
     fn appell_from<N: Number>(&self, first: usize, known: [N; 3], [x, y]: [N; 2]) -> N {
         let parameters = self.parameters();
         let [mut sum, mut term, mut before] = known;

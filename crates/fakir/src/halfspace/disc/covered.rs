@@ -9,9 +9,9 @@
 //! * around the rim of the pillar top it opens faster at first, since the pressure that ends there is infinite at the rim: as the power
 //!   5/4, found on meshes of 256 cells across a pillar.
 //!
-//! A conic through these points, `l(x) = 0`, is the edge of the contact. Inside it the pressure is approximated by `p = A(x)
-//! sqrt(l(x))/mu(x)`: non-negative, vanishing as a square root at the edge of the contact, infinite at the covered rim, with the force and,
-//! provided that `A` remains positive, the first moments of the expansion.
+//! A conic through these points, `l(x) = 0`, is the edge of the contact. Inside it the pressure is approximated by
+//! `p = A(x) sqrt(l(x))/mu(x)`: non-negative, vanishing as a square root at the edge of the contact, infinite at the covered rim, with the
+//! force and, provided that `A` remains positive, the first moments of the expansion.
 
 use super::basis::{BasisEvaluator, UNIT_FORCE, mode_count};
 use super::nodes::{Node, bos_array};

@@ -78,8 +78,8 @@ impl<'p> FreeSpaceConvolution<'p> {
         }
     }
 
-    /// The convolution with a kernel as an even function of the number of cells along x and along y, optionally also in [single
-    /// precision](Self::apply_roughly).
+    /// The convolution with a kernel as an even function of the number of cells along x and along y, optionally also in
+    /// [single precision](Self::apply_roughly).
     pub(crate) fn of_kernel(
         cells: Cells,
         kernel: impl Fn([usize; 2]) -> f64 + Sync,

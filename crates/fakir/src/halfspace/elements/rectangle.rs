@@ -137,9 +137,9 @@ fn edge(s: f64, u1: f64, u2: f64, length: f64) -> f64 {
 
 /// The factors of the multipole expansion of a rectangle with half sides `half`, per area.
 ///
-/// `1/|x - x'| = Σ_l (r'^l/r^(l+1)) P_l(cos(phi - phi'))`, in which `P_l(cos g) = Σ_k c_k c_(l-k) cos((l - 2k) g)` with `c_k = (2k)!/(4^k
-/// k!^2)` (E. T. Whittaker and G. N. Watson, A Course of Modern Analysis, section 15.1); by symmetry only even `l` and the cosines remain.
-/// The means of `r'^l cos(m phi')` are computed by an exact Gauss rule.
+/// `1/|x - x'| = Σ_l (r'^l/r^(l+1)) P_l(cos(phi - phi'))`, in which `P_l(cos g) = Σ_k c_k c_(l-k) cos((l - 2k) g)` with
+/// `c_k = (2k)!/(4^k k!^2)` (E. T. Whittaker and G. N. Watson, A Course of Modern Analysis, section 15.1); by symmetry only even `l` and
+/// the cosines remain. The means of `r'^l cos(m phi')` are computed by an exact Gauss rule.
 fn multipoles(half: [f64; 2]) -> [[f64; TERMS]; TERMS] {
     let mut central = [1.0; 2 * TERMS];
     for k in 1..2 * TERMS {

@@ -279,7 +279,7 @@ pub(crate) struct ScatteredGrids {
     factor: f64,
     /// Potential of a cell of scale 1. On layers, all grids have this scale.
     potential: CellPotential,
-    /// Factor of each grid's cell area in the second moment of a square: `r^-1 + A r^-3/24`, half of it on either side.
+    /// Cell area `A` of each grid divided by 48: the second moment of a square adds `A r^-3/24` to `r^-1`, half of it on either side.
     areas: Vec<f64>,
     /// Interaction of the cells of near parts, pair by pair.
     near: Vec<f64>,

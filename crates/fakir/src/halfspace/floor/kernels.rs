@@ -16,8 +16,8 @@ pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 /// Mean displacement of a rectangle due to a unit pressure on an equal one, on a half-space of unit compliance.
 ///
-/// The integral of `1/(pi r)` over both rectangles is the second difference, in each direction, of `G(x, y) = x y^2/2 asinh(x/|y|) + x^2
-/// y/2 asinh(y/|x|) - r^3/6`, whose fourth mixed derivative is `1/r`.
+/// The integral of `1/(pi r)` over both rectangles is the second difference, in each direction, of
+/// `G(x, y) = x y^2/2 asinh(x/|y|) + x^2 y/2 asinh(y/|x|) - r^3/6`, whose fourth mixed derivative is `1/r`.
 #[derive(Debug)]
 pub(crate) struct Rectangles {
     cell: [f64; 2],

@@ -1,10 +1,10 @@
 //! The [coupling](super::coupling) of a floor and pillars that are symmetric under reflections of x and of y at the lens axis: on the cells
 //! of one quadrant.
 //!
-//! After a shift by half a cell, the transforms of even functions are real and even. The transform of the floor is therefore a [cosine
-//! transform](CosinePlans) of a quarter of the values. The interaction of floor cells, `S^ F^`, and the effect of a mode of the pillars on
-//! the floor are transforms of this kind as well. The coefficients of a mode are even or odd in x and y as the mode is; of their transform,
-//! only the real part is used if the kernel is real, and only minus the imaginary part if it is imaginary.
+//! After a shift by half a cell, the transforms of even functions are real and even. The transform of the floor is therefore a
+//! [cosine transform](CosinePlans) of a quarter of the values. The interaction of floor cells, `S^ F^`, and the effect of a mode of the
+//! pillars on the floor are transforms of this kind as well. The coefficients of a mode are even or odd in x and y as the mode is; of their
+//! transform, only the real part is used if the kernel is real, and only minus the imaginary part if it is imaginary.
 
 use super::coarse::{BesidePillars, Coarse};
 use super::grid::Division;

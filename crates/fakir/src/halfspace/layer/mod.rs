@@ -1,8 +1,8 @@
 //! Response of elastic layers: the difference from a half-space.
 //!
 //! A pressure of wave number `k` displaces the surface of a half-space by `2 p/(E* k)`, and that of a layer of thickness `t` by `phi(k t)`
-//! times as much. A force displaces the surface of the layer at the distance `r` by `(1/r + Psi(r/t)/t)/(pi E*)`, with `Psi(s) = ∫_0^∞
-//! (phi(x) - 1) J_0(x s) dx`, which is smooth: near the force the layer responds like a half-space.
+//! times as much. A force displaces the surface of the layer at the distance `r` by `(1/r + Psi(r/t)/t)/(pi E*)`, with
+//! `Psi(s) = ∫_0^∞ (phi(x) - 1) J_0(x s) dx`, which is smooth: near the force the layer responds like a half-space.
 //!
 //! If both bodies deform, they are weighted by their fractions of the contact compliance: `Phi(k) = sum_b w_b phi_b(k t_b)`.
 //!

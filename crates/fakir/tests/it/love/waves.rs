@@ -17,8 +17,8 @@ fn westergaard(columns: usize) -> Indenter<PeriodicConvolution<'static>> {
     })
 }
 
-/// H. M. Westergaard, J. Appl. Mech. 6, A-49 (1939); Johnson, Contact Mechanics, section 13.2: contact over `|x| < a` carries `p = p*
-/// sin^2(pi a)`, `p* = pi E* Delta/lambda`, distributed as `2 p* cos(pi x) sqrt(sin^2(pi a) - sin^2(pi x))`.
+/// H. M. Westergaard, J. Appl. Mech. 6, A-49 (1939); Johnson, Contact Mechanics, section 13.2: contact over `|x| < a` carries
+/// `p = p* sin^2(pi a)`, `p* = pi E* Delta/lambda`, distributed as `2 p* cos(pi x) sqrt(sin^2(pi a) - sin^2(pi x))`.
 #[test]
 fn one_dimensional_wave_as_westergaard() {
     let full = PI * AMPLITUDE;
@@ -83,12 +83,12 @@ fn half_a_cell(fraction: f64) -> f64 {
     1.0 / radius
 }
 
-/// K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985): Hertz's contact at each crest at light load, `A = pi
-/// (3 p/(8 pi p*))^(2/3)`.
+/// K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985): Hertz's contact at each crest at light load,
+/// `A = pi (3 p/(8 pi p*))^(2/3)`.
 ///
-/// The crest is flatter than a paraboloid: around it the mean of the surface over the angle is `Delta ((k r)^2/4 - (k r)^4/64)`, `k = 2
-/// sqrt(2) pi`, so that a contact of radius `a` carries `1 - (k a)^2/10` of Hertz's force and its area is `1 + (k a)^2/15` times larger
-/// (Johnson, Contact Mechanics, section 5.3, for the term of fourth degree). Neighbours interact only at the order `(k a)^3`.
+/// The crest is flatter than a paraboloid: around it the mean of the surface over the angle is `Delta ((k r)^2/4 - (k r)^4/64)`,
+/// `k = 2 sqrt(2) pi`, so that a contact of radius `a` carries `1 - (k a)^2/10` of Hertz's force and its area is `1 + (k a)^2/15` times
+/// larger (Johnson, Contact Mechanics, section 5.3, for the term of fourth degree). Neighbours interact only at the order `(k a)^3`.
 #[test]
 fn crossed_waves_at_light_load() {
     for pressure in [0.001, 0.003, 0.01] {
