@@ -87,7 +87,7 @@ fn main() -> ExitCode {
     let state = match state {
         Ok(Some(state)) => state,
         Ok(None) => {
-            eprintln!("they overlap");
+            eprintln!("the discs overlap");
             return ExitCode::FAILURE;
         }
         Err(error) => {

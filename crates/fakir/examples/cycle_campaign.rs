@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         });
     }
     if failures > 0 {
-        return Err(format!("{failures} of {count} cycles do not hold what is promised").into());
+        return Err(format!("{failures} of {count} cycles violate the requirements").into());
     }
     Ok(())
 }

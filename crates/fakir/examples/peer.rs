@@ -55,7 +55,7 @@ fn main() -> Answer<()> {
     match task.as_str() {
         "product" => product(&arguments),
         "solve" => solve(&arguments),
-        _ => Err("product or solve?".into()),
+        _ => Err("the first argument must be product or solve".into()),
     }
 }
 
@@ -120,7 +120,9 @@ fn solve(arguments: &Arguments) -> Answer<()> {
         boundary: match arguments.text("boundary")? {
             "free" => Boundary::FreeSpace,
             "periodic" => Boundary::Periodic,
-            other => return Err(format!("boundary={other}: free or periodic?").into()),
+            other => {
+                return Err(format!("invalid boundary={other}: must be free or periodic").into());
+            }
         },
         compliance: 1.0,
     };
@@ -172,5 +174,9 @@ fn status(key: &str) -> Answer<usize> {
     let status = std::fs::read_to_string("/proc/self/status")?;
     let line = status.lines().find_map(|line| line.strip_prefix(key));
     let kilobytes = line.and_then(|line| line.trim().strip_suffix(" kB"));
-    Ok(1024 * kilobytes.ok_or("no such line")?.trim().parse::<usize>()?)
+    Ok(1024
+        * kilobytes
+            .ok_or("the line is missing")?
+            .trim()
+            .parse::<usize>()?)
 }

@@ -82,8 +82,8 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Arguments, String> {
     };
     let mut timed = false;
     while let Some(option) = words.next() {
-        let value = words.next().ok_or(format!("{option} needs a value"))?;
-        let wrong = || format!("{option} cannot be {value}");
+        let value = words.next().ok_or(format!("{option} requires a value"))?;
+        let wrong = || format!("invalid value {value} of {option}");
         let whole = || value.parse::<u64>().map_err(|_| wrong());
         match option.as_str() {
             "--seed" => arguments.seed = whole()?,

@@ -397,8 +397,8 @@ impl PillarField {
         let law = system.column_law();
         let height = system.pillar().height / length;
         let on_plane = |lattice: &arrangement::PlaneLattice| {
-            let lattice =
-                PlaneLattice::of(lattice, length, height, law).expect("its angle was checked");
+            let lattice = PlaneLattice::of(lattice, length, height, law)
+                .expect("a lattice with a checked angle");
             let rotation = lattice.rotation;
             let field = Self::Lattice(Arc::new(lattice));
             (field.turned(-rotation), rotation)
@@ -433,9 +433,9 @@ impl PillarField {
                 };
                 let pillars = list.pillars().iter().map(pillar).collect();
                 let list = PillarList::new(pillars);
-                Self::Listed(Arc::new(list.expect("its pillars were checked")))
+                Self::Listed(Arc::new(list.expect("a list of checked pillars")))
             }
-            Arrangement::Random(_) => unreachable!("systems have no pillars at random"),
+            Arrangement::Random(_) => unreachable!("a system has no random positions"),
         };
         (field, 0.0)
     }

@@ -363,7 +363,7 @@ impl<'a> Products<'a> {
                 rough: Convolution::new(grid.cells.clone(), [0, 0], rough, pool),
             },
             (Kernels::Mirrored(..), None) => {
-                unreachable!("mirrored kernels are of grids with mirrors")
+                unreachable!("mirrored kernels require a grid with mirrors")
             }
         }
     }
