@@ -24,7 +24,7 @@ pub enum UnloadingPoint {
     Critical(f64),
     /// At an indentation, m.
     Indentation(f64),
-    /// Where this force (N) is first reached.
+    /// When this force (N) is first reached.
     Force(f64),
 }
 

@@ -91,7 +91,7 @@ pub enum Quantity {
     ReducedModulus,
     /// Radius of a pillar, m.
     PillarRadius,
-    /// Outer radius of a free annulus round a pillar, m.
+    /// Outer radius of a free annulus around a pillar, m.
     AnnulusRadius,
     /// Pressure far from a pillar, Pa.
     BackgroundPressure,
@@ -176,7 +176,7 @@ impl Quantity {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("invalid {quantity} {value}: must be {requirement}")]
 pub struct InvalidQuantity {
-    /// Which quantity.
+    /// The quantity.
     pub quantity: Quantity,
     /// The value given, in SI units.
     pub value: f64,

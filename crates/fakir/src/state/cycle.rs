@@ -85,21 +85,21 @@ pub struct FloorResolution {
 /// 1 (unknown) for results that are not found in both cycles, and for all results on [coarse](FloorResolution::is_coarse) cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StuckFloorErrors {
-    /// Of the force at the end of loading.
+    /// Error of the force at the end of loading.
     pub turn_force: f64,
-    /// Of the fraction of this force carried by the floor.
+    /// Error of the fraction of this force carried by the floor.
     pub turn_share: f64,
-    /// Of the area of the floor in contact at the end of loading.
+    /// Error of the area of the floor in contact at the end of loading.
     pub turn_area: f64,
-    /// Of the force after the jump.
+    /// Error of the force after the jump.
     pub jump_force: f64,
-    /// Of the area in contact after the jump.
+    /// Error of the area in contact after the jump.
     pub jump_area: f64,
-    /// Of the indentation at which the floor detaches.
+    /// Error of the indentation at which the floor detaches.
     pub lost_indentation: f64,
-    /// Of the pull-off force.
+    /// Error of the pull-off force.
     pub pull_off_force: f64,
-    /// Of the loop area.
+    /// Error of the loop area.
     pub loop_area: f64,
 }
 
@@ -281,13 +281,13 @@ impl CycleError {
 /// Estimated relative errors of the results of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CycleErrors {
-    /// Of the critical force.
+    /// Error of the critical force.
     pub critical_force: CycleError,
-    /// Of the critical indentation.
+    /// Error of the critical indentation.
     pub critical_indentation: CycleError,
-    /// Of the pull-off force.
+    /// Error of the pull-off force.
     pub pull_off_force: CycleError,
-    /// Of the loop area.
+    /// Error of the loop area.
     pub loop_area: CycleError,
 }
 

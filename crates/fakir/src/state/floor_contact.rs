@@ -37,9 +37,9 @@ pub struct FloorContact {
 /// Estimated relative errors of the floor contact, from two grids and from refinement on pillars.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorErrors {
-    /// Of the force on the floor, and therefore of its fraction of the load.
+    /// Error of the force on the floor, and therefore of its fraction of the load.
     pub share: f64,
-    /// Of the area.
+    /// Error of the area.
     pub area: f64,
 }
 

@@ -23,11 +23,12 @@ pub struct Gradient {
     pub contact: ContactState,
     /// `dF/d zeta`, N/m.
     pub stiffness: f64,
-    /// Of the force, N; `None` if it is prescribed.
+    /// Derivatives of the force, N; `None` if it is prescribed.
     pub force: Option<Derivatives>,
-    /// Of the indentation, m; `None` if it is prescribed.
+    /// Derivatives of the indentation, m; `None` if it is prescribed.
     pub indentation: Option<Derivatives>,
-    /// Of the contact area, m^2; `None` if the edge of the contact crosses a pillar, whose area in contact changes in steps of nodes.
+    /// Derivatives of the contact area, m^2; `None` if the edge of the contact crosses a pillar, whose area in contact changes in steps of
+    /// nodes.
     pub area: Option<Derivatives>,
 }
 

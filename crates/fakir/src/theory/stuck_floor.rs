@@ -892,7 +892,7 @@ mod tests {
         let floor = StuckFloor::of(&system(0.03, 2.0)).unwrap();
         let pull = floor.pull_off(2.2e-3, 50e-3).unwrap().unwrap();
         assert!((pull + 0.27e-3).abs() < 0.005e-3, "{pull}");
-        // So small a work that annuli fill the cells.
+        // The annuli fill the cells for such a small work of adhesion.
         assert_eq!(floor.net_work(1e-6).unwrap(), None);
     }
 

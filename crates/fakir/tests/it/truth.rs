@@ -623,7 +623,7 @@ fn floor_is_reached_before_any_pillar() {
 
 const PUNCH: Method = Method::Punch(PunchForm::Corrected);
 
-/// From within: the callback for progress cancels the computation in every stage.
+/// The callback for progress cancels the computation in every stage.
 #[test]
 fn running_computations_stop() {
     let system = intermediate(0.1, 0.2, 0.0);

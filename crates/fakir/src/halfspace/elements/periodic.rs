@@ -279,9 +279,9 @@ pub(super) struct Periodic<R = f64> {
 
 #[derive(Clone)]
 enum Plans<R> {
-    /// Of the whole period.
+    /// Plans for the whole period.
     Whole(RealPlans<R>),
-    /// Of a quarter of the period; the others are mirror images.
+    /// Plans for a quarter of the period; the others are mirror images.
     Mirrored(CosinePlans<R>),
 }
 
@@ -295,7 +295,7 @@ impl<R: Real> Periodic<R> {
         }
     }
 
-    /// Of a quarter of the period.
+    /// The same for a quarter of the period.
     fn mirrored(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         let [columns, rows] = shape;
         let plans = CosinePlans::new(rows, columns);
