@@ -68,8 +68,8 @@ impl Product {
         }
     }
 
-    /// Adds `factor` times the product of the first `rows` rows of `left` with the right factor to the matrix that begins with `result`, whose
-    /// columns are `stride` apart.
+    /// Adds `factor` times the product of the first `rows` rows of `left` with the right factor to the matrix that begins with `result`,
+    /// whose columns are `stride` apart.
     pub(super) fn add(
         &mut self,
         factor: f64,

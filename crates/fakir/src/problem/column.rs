@@ -138,7 +138,7 @@ pub(crate) struct ColumnLaw {
 }
 
 impl ColumnLaw {
-    /// For pillars similar to the given one, between the materials of lens and substrate, with or without tilt.
+    /// Creates the law for pillars similar to the given one, between the materials of lens and substrate, with or without tilt.
     pub(crate) fn new(pillar: &Pillar, [lens, substrate]: [Material; 2], leaning: bool) -> Self {
         let of_substrate = substrate.plane_strain_compliance();
         let contact_compliance = lens.plane_strain_compliance() + of_substrate;

@@ -38,7 +38,7 @@ impl PillarBody {
 /// A pillar of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ListedPillar {
-    /// Relative to the lens axis.
+    /// Centre relative to the lens axis.
     pub(crate) centre: Point,
     pub(crate) body: PillarBody,
 }
@@ -204,7 +204,7 @@ impl PlaneLattice {
         })
     }
 
-    /// In units of a length (m), with common pillars of the given height.
+    /// Converts a lattice to units of a length (m), with common pillars of the given height.
     fn of(
         lattice: &arrangement::PlaneLattice,
         length: f64,

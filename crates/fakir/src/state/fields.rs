@@ -148,12 +148,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[derive(Clone)]
 pub struct Fields {
     pub(super) scene: Scene,
-    /// In scaled units.
+    /// Indentation in scaled units.
     indentation: f64,
     pub(super) discs: Vec<Disc>,
     disc_of: HashMap<(i64, i64), usize>,
     pub(super) exterior: Exterior,
-    /// For all modes, for points close to discs with more than the leading modes.
+    /// Displacement of all modes, for points close to discs with more than the leading modes.
     close_exterior: Exterior,
     pub(super) compliance: Vec<f64>,
     /// The covered regions of the discs that the edge of the contact crosses; computed when a pressure is first evaluated.

@@ -35,15 +35,15 @@ pub struct Gradient {
 /// Partial derivatives of a result with respect to quantities of a system, in units of the result divided by the SI unit of the quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Derivatives {
-    /// With respect to the height of every pillar in contact (per m), by its lattice indices, in order of increasing distance from the lens
-    /// axis. The column becomes longer as well; the indentation remains relative to the common height.
+    /// Derivatives with respect to the height of every pillar in contact (per m), by its lattice indices, in order of increasing distance
+    /// from the lens axis. The column becomes longer as well; the indentation remains relative to the common height.
     pub heights: Vec<((i64, i64), f64)>,
-    /// With respect to the quantities of the system: lens radius, moduli, Poisson's ratios, diameter, height and pitch. The height changes
-    /// the depth of the floor and the length of columns, the diameter the thickness of all columns; with the pitch, the positions of
-    /// pillars and lens axis in units of the pitch remain constant.
+    /// Derivatives with respect to the quantities of the system: lens radius, moduli, Poisson's ratios, diameter, height and pitch. The
+    /// height changes the depth of the floor and the length of columns, the diameter the thickness of all columns; with the pitch, the
+    /// positions of pillars and lens axis in units of the pitch remain constant.
     pub quantities: Vec<(Quantity, f64)>,
-    /// With respect to the column compliance of every pillar ([`System::column_compliance`](crate::problem::System::column_compliance)),
-    /// per m/N.
+    /// Derivative with respect to the column compliance of every pillar
+    /// ([`System::column_compliance`](crate::problem::System::column_compliance)), per m/N.
     pub column_compliance: f64,
 }
 

@@ -593,7 +593,7 @@ mod tests {
         assert_eq!(samples, Ok(None));
     }
 
-    /// With at least this number of pillars in contact.
+    /// Fields with at least this number of pillars in contact.
     fn fields(surface_fraction: f64, offset: f64, touched: usize) -> Arc<Fields> {
         let lattice = reference::lattice(surface_fraction).offset_by(offset);
         let compliance = PillarCompliance::Column;

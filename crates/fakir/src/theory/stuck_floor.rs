@@ -7,8 +7,8 @@
 #![doc = include_str!("../../doc/rendered/stuck-floor.md")]
 //!
 //! Sources: I. N. Sneddon, M. Lowengrub, Crack Problems in the Classical Theory of Elasticity (Wiley, 1969) (penny-shaped cracks by Abel
-//! transforms); W. Gautschi, SIAM Rev. 9, 24 (1967) (Legendre functions of the second kind); Y. Y. Huang et al., Langmuir 21, 8058 (2005) (roof
-//! collapse of grooves); K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971).
+//! transforms); W. Gautschi, SIAM Rev. 9, 24 (1967) (Legendre functions of the second kind); Y. Y. Huang et al., Langmuir 21, 8058 (2005)
+//! (roof collapse of grooves); K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971).
 
 use super::adhesion::sphere_pull_off_by_force;
 use crate::numerics::cholesky::{factorise, solve_lower};
@@ -47,8 +47,8 @@ pub struct AnnulusCoefficients {
 }
 
 impl AnnulusCoefficients {
-    /// For the ratio `b/a` of the outer radius to that of the pillar. All are accurate to about 10 digits, `D` to fewer close to the
-    /// pillar.
+    /// Computes the coefficients for the ratio `b/a` of the outer radius to that of the pillar. All are accurate to about 10 digits, `D` to
+    /// fewer close to the pillar.
     ///
     /// # Errors
     /// A ratio that is not above [`LEAST_RADIUS_RATIO`] or not finite.

@@ -12,10 +12,10 @@ use crate::numerics::workers::Workers;
 
 /// Derivatives of the loads that moments cause on all pillars.
 pub(crate) struct CouplingChange {
-    /// With respect to the logarithm of all distances at fixed radii, for the first set of moments.
+    /// Derivatives with respect to the logarithm of all distances at fixed radii, for the first set of moments.
     pub(crate) by_distance: Vec<f64>,
-    /// With respect to the logarithm of the radius of the receiving pillar, for every set. `None` for a hexagonal lattice and on layers,
-    /// where all pillars are alike.
+    /// Derivatives with respect to the logarithm of the radius of the receiving pillar, for every set. `None` for a hexagonal lattice and
+    /// on layers, where all pillars are alike.
     pub(crate) by_receiver: Option<Vec<Vec<f64>>>,
 }
 

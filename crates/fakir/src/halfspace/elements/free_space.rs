@@ -245,7 +245,7 @@ impl FreeSpace {
         Self::of_kernel(shape, compliance / PI, potential, pool)
     }
 
-    /// With `factor` times a kernel as an even function of the number of cells along x and along y.
+    /// Plans transforms with `factor` times a kernel as an even function of the number of cells along x and along y.
     fn of_kernel(
         shape: [usize; 2],
         factor: f64,

@@ -195,8 +195,8 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
 }
 
 impl<'p, O: Operator> Preconditioned<'p, O, f32> {
-    /// With a preconditioner in single precision, which takes half of the memory and about half of the time. The accuracy of the solution
-    /// is the same, since residuals are computed with the operator.
+    /// Creates the operator with a preconditioner in single precision, which takes half of the memory and about half of the time. The
+    /// accuracy of the solution is the same, since residuals are computed with the operator.
     ///
     /// If the operator is also available in single precision, it is used for [steps](Operator::apply_to_step), and shares the transforms
     /// and the memory of the preconditioner.
@@ -286,7 +286,7 @@ enum Plans<R> {
 }
 
 impl<R: Real> Periodic<R> {
-    /// With a [`kernel`] as a function of the wave vector.
+    /// Plans transforms with a [`kernel`] as a function of the wave vector.
     fn new(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         Self {
             shape,

@@ -13,7 +13,7 @@ pub(crate) struct CellPotential {
 }
 
 impl CellPotential {
-    /// For cells with these sides, in the unit of length of the layers; `layers` is empty for half-spaces.
+    /// Creates the potential for cells with these sides, in the unit of length of the layers; `layers` is empty for half-spaces.
     pub(crate) fn new([width, height]: [f64; 2], layers: &[WeightedLayer]) -> Self {
         Self {
             rectangle: Rectangle::new(width, height),

@@ -29,7 +29,7 @@ pub(crate) struct Rectangles {
 }
 
 impl Rectangles {
-    /// On half-spaces or layers, in the unit of length of the cells.
+    /// Creates the table on half-spaces or layers, in the unit of length of the cells.
     pub(crate) fn new(division: &Division, layers: &[WeightedLayer]) -> Self {
         let cell = division.cell;
         let longest = division.longest();
@@ -143,7 +143,7 @@ pub(crate) struct PillarMeans {
 }
 
 impl PillarMeans {
-    /// For the modes up to a degree, on half-spaces or layers.
+    /// Prepares the means for the modes up to a degree, on half-spaces or layers.
     pub(crate) fn new(division: &Division, degree: usize, layers: &[WeightedLayer]) -> Self {
         let cell = division.cell;
         let sides = [-GAUSS, GAUSS];

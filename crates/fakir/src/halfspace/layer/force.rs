@@ -12,13 +12,14 @@ pub(crate) struct AroundForce {
 }
 
 impl AroundForce {
-    /// For a force at one point; `None` on half-spaces. Layers and distances have the same unit of length.
+    /// Creates the correction for a force at one point; `None` on half-spaces. Layers and distances have the same unit of length.
     pub(crate) fn at_point(layers: &[WeightedLayer]) -> Option<Self> {
         Self::on_cell(layers, [0.0; 2])
     }
 
-    /// For a force that is distributed uniformly over a rectangle with these sides. A wave has the mean `1 - k_x^2 h^2/24` over a cell with
-    /// side `h`, so that the integrand is multiplied by `exp(-k^2 h^2/24)`; the error is of fourth order in `h/t`.
+    /// Creates the correction for a force that is distributed uniformly over a rectangle with these sides. A wave has the mean
+    /// `1 - k_x^2 h^2/24` over a cell with side `h`, so that the integrand is multiplied by `exp(-k^2 h^2/24)`; the error is of fourth
+    /// order in `h/t`.
     pub(crate) fn on_cell(layers: &[WeightedLayer], cell: [f64; 2]) -> Option<Self> {
         Self::averaged(layers, cell, 1.0)
     }
