@@ -273,7 +273,7 @@ def test_works_that_cannot_be_are_refused_at_their_field(explore):
     assert page.text("pull-off-force") == shown
     page.page.select_option("#method-name", "punch")
     page.rest()
-    assert 'the method "punch": only the spectral method has adhesion' in page.text("problem")
+    assert 'the method "punch": only the spectral method supports adhesion' in page.text("problem")
 
 
 def test_without_adhesion_the_page_is_as_before(explore):

@@ -147,5 +147,5 @@ def test_pull_off_scatters_with_the_work_of_adhesion(system):
 
 
 def test_elements_give_no_second_opinion_on_adhesion(system):
-    with pytest.raises(fakir.FakirError, match="no second opinion on adhesion"):
+    with pytest.raises(fakir.FakirError, match="no second method for adhesion"):
         system.verify()

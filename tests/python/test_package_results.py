@@ -170,7 +170,7 @@ def test_methods_side_by_side(system):
     # Between the centres of all cells: elements find no force, and know that they know nothing.
     light = system.verify(indentation=1e-12)
     assert light.verdict == "cannot tell" and not light.agrees
-    assert "leave no digit" in light.doubt and "cannot be told" in repr(light)
+    assert "no digit is significant" in light.doubt and "cannot be told" in repr(light)
     assert abs(verification.force.relative) <= verification.force.allowed
 
 

@@ -118,7 +118,7 @@ def test_more_threads_than_processors_are_warned_of():
     system = fakir.System.from_file(EXAMPLE)
     study = {"system": system, "axes": {"surface_fraction": [0.01]}}
     for run in [lambda: system.transition(threads=9999), lambda: fakir.sweep(study, threads=9999)]:
-        with pytest.warns(fakir.FakirWarning, match="9999 threads are more than") as told:
+        with pytest.warns(fakir.FakirWarning, match="9999 threads exceed the number of processors") as told:
             run()
         assert [warning.filename for warning in told] == [__file__]
 

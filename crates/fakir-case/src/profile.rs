@@ -56,7 +56,7 @@ mod tests {
         );
         begins(
             "radius_m,height_m\n0,0\n1,1\n",
-            "line 1: a profile of 2 rows is none",
+            "line 1: 2 rows are too few for a profile",
         );
         begins(
             "radius_m,height_m\n0,0\n# here\n1,high\n",
@@ -68,11 +68,11 @@ mod tests {
         );
         begins(
             "radius_m,height_m\n0,0\n1,2\n2,1\n3,4\n",
-            "line 4: the height has to be larger",
+            "line 4: the height must be larger",
         );
         begins(
             "radius_m,height_m\n0,0\n1,2\n1,3\n3,4\n",
-            "line 4: the radius has to be larger",
+            "line 4: the radius must be larger",
         );
     }
 }

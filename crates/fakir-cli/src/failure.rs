@@ -214,11 +214,11 @@ fn load_words(invalid: &InvalidQuantity) -> String {
     let (quantity, value) = (invalid.quantity, format_quantity(invalid.value, dimension));
     if invalid.value < 0.0 {
         return format!(
-            "{quantity} cannot be {value}: it must be 0 or greater (fakir cycle pulls the lens off tops that stick)"
+            "invalid {quantity} {value}: must be 0 or greater (fakir cycle pulls the lens off tops that stick)"
         );
     }
     let requirement = invalid.requirement;
-    format!("{quantity} cannot be {value}: it must be {requirement}")
+    format!("invalid {quantity} {value}: must be {requirement}")
 }
 
 /// How the command ends, as shells see it.

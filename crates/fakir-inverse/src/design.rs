@@ -1362,7 +1362,7 @@ mod tests {
         other.method = Method::Homogenised;
         let other = CaseFile::parse("homogenised", &other.to_toml()).unwrap();
         let told = refused(&other, 0.2, Load::Force(1e-3));
-        assert!(told.contains("this method leaves the floor out"), "{told}");
+        assert!(told.contains("this method ignores the floor"), "{told}");
         let mut ignored = file.case().unwrap();
         ignored.system = ignored
             .system

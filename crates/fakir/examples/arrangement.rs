@@ -1,7 +1,7 @@
-//! Presses a sphere onto many discs of several radii at random places, on one thread, and prints what every stage
-//! took: `cargo run --release -p fakir --features kernels --example arrangement -- 100000`.
+//! Presses a sphere onto many discs of several radii at random positions, on one thread, and prints the cost of every stage:
+//! `cargo run --release -p fakir --features kernels --example arrangement -- 100000`.
 //!
-//! Times are those of the processor; times and memory are known on Linux only.
+//! Times are processor times; times and memory are available on Linux only.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
@@ -11,17 +11,17 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::process::ExitCode;
 
-/// Part of the plane that the discs cover, and their least and largest radius.
+/// Fraction of the plane that the discs cover, and their smallest and largest radius.
 const COVERED: f64 = 0.15;
 const RADII: [f64; 2] = [0.75, 1.25];
 
-/// Least gap between two.
+/// Smallest gap between two discs.
 const GAP: f64 = 0.1;
 
-/// Part of the area of all of them in which the undeformed lens enters their tops.
+/// Fraction of the total area in which the undeformed lens penetrates the discs.
 const PRESSED: f64 = 0.9;
 
-/// Discs at random places in a circle that do not overlap.
+/// Discs at random positions in a circle that do not overlap.
 fn discs(count: usize, covered: f64) -> Vec<[f64; 3]> {
     let mut generator = ChaCha8Rng::seed_from_u64(1);
     let mut uniform = || f64::from(generator.next_u32()) / 4_294_967_296.0;
@@ -53,7 +53,7 @@ fn discs(count: usize, covered: f64) -> Vec<[f64; 3]> {
     discs
 }
 
-/// Seconds that the processor has worked on this.
+/// Processor time of the process in seconds.
 fn processor_time() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = text.rsplit(')').next().unwrap_or_default();
@@ -61,7 +61,7 @@ fn processor_time() -> f64 {
     0.01 * ticks.filter_map(|t| t.parse::<f64>().ok()).sum::<f64>()
 }
 
-/// The most memory that it has had, MB.
+/// Peak memory of the process, MB.
 fn most_memory() -> f64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -87,7 +87,7 @@ fn main() -> ExitCode {
     let state = match state {
         Ok(Some(state)) => state,
         Ok(None) => {
-            eprintln!("they overlap");
+            eprintln!("the discs overlap");
             return ExitCode::FAILURE;
         }
         Err(error) => {

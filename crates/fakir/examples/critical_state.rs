@@ -1,4 +1,4 @@
-//! The load at which a lens that rests on pillars reaches the floor between them.
+//! Computes the load at which a lens on pillars first touches the floor between them.
 
 use fakir::problem::{
     HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{:8.2} um  {force:8.4} uN  {status}", distance * 1e6);
     }
 
-    // Pressure and gap anywhere: half-way between the lens axis and the floor contact.
+    // Pressure and gap at any point: here half-way between the lens axis and the floor contact.
     if let Some(fields) = &contact.fields {
         let point = [0.5 * x, 0.5 * y];
         println!(

@@ -1,17 +1,17 @@
-//! Makes `src/solve/rules/front_table.csv`: how a pillar top answers to its load where only a part of it is in contact.
+//! Computes `src/solve/rules/front_table.csv`: the response of a pillar top to its load if only a part of it is in contact.
 //!
 //! ```text
 //! cargo run --release -p fakir --example front_table > crates/fakir/src/solve/rules/front_table.csv
 //! ```
 //!
-//! The part in contact is what of the unit disc lies at `x < s - b y^2`. At level `k` of 16 its area is that of the
-//! segment `x < -1 + k/8`, for every curvature `b` of the front. On the part the displacement is prescribed to be each of
-//! the six modes `Y_i` up to degree 2 in turn, pressures of both signs; `P_ij` is the moment `∫ p_i Y_j dA`, with lengths in
-//! pillar radii and pressures in `E*`. The rest of the top is free.
+//! The part in contact is the region `x < s - b y^2` of the unit disc. At level `k` of 16 its area is that of the segment `x < -1 + k/8`,
+//! for every curvature `b` of the front. On this part, the displacement is prescribed to be each of the six modes `Y_i` up to degree 2 in
+//! turn, with pressures of both signs; `P_ij` is the moment `∫ p_i Y_j dA`, with lengths in pillar radii and pressures in `E*`. The rest of
+//! the top is free.
 //!
-//! Elements of constant pressure (Love), on 256 and 512 cells across the disc. What their number of cells lacks of the
-//! area is corrected linearly; then every mode is scaled so that the full disc is exact, and the two are extrapolated in
-//! the size of a cell. Half of their difference is printed as the error.
+//! Elements of constant pressure (Love), with 256 and 512 cells across the disc. The error of the area covered by the cells is corrected
+//! linearly; then every mode is scaled so that the full disc is exact, and the two results are extrapolated in the cell size. Half of their
+//! difference is printed as the error.
 
 use fakir::halfspace::elements::{FreeSpaceConvolution, Operator, Preconditioned};
 use fakir::numerics::convergence::clamped;
@@ -43,7 +43,7 @@ const ENTRIES: [(usize, usize); 13] = [
 
 type Entries = [f64; ENTRIES.len()];
 
-/// `1/lambda_i` of the modes 00, 11c, 11s, 20, 22c, 22s: what the full disc answers.
+/// `1/lambda_i` of the modes 00, 11c, 11s, 20, 22c, 22s: the response of the full disc.
 const FULL: [f64; 6] = [
     1.0 / PI,
     2.0 / PI,
@@ -75,9 +75,9 @@ fn nominal_area(level: usize) -> f64 {
     PI - s.acos() + s * (1.0 - s * s).sqrt()
 }
 
-/// The place of a front on the axis, so that the area is nominal: bisection of the exact area.
+/// The position of a front on the axis that results in the nominal area: bisection of the exact area.
 fn place(level: usize, curvature: f64) -> f64 {
-    // Area of the part of the disc at x < s - b y^2, by many strips of y.
+    // Area of the part of the disc at x < s - b y^2, by many strips in y.
     let area = |s: f64| -> f64 {
         const STRIPS: usize = 20_000;
         (0..STRIPS)
@@ -103,7 +103,7 @@ fn place(level: usize, curvature: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// `P` of the cells of a part, and their area.
+/// `P` for the cells of a part, and their area.
 fn response(cells: Cells) -> (Entries, f64) {
     let centres: Vec<Point> = cells.centres().collect();
     let cell_area = cells.grid().cell_area();
@@ -126,7 +126,7 @@ fn response(cells: Cells) -> (Entries, f64) {
     (entries, cell_area * centres.len() as f64)
 }
 
-/// The pressures under which the cells move by these displacements: conjugate gradients.
+/// The pressures that cause these displacements of the cells: conjugate gradients.
 fn solve(operator: &mut impl Operator, displacement: &[f64]) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let count = displacement.len();
@@ -156,7 +156,7 @@ fn solve(operator: &mut impl Operator, displacement: &[f64]) -> Vec<f64> {
     pressure
 }
 
-/// The table on so many cells across, level by level and curvature by curvature, without the empty level.
+/// The table with the given number of cells across the disc, by level and curvature, without the empty level.
 fn table(
     across: usize,
     places: &[Vec<f64>],
@@ -193,7 +193,7 @@ fn table(
         let mut corrected = [[0.0; ENTRIES.len()]; CURVATURES.len()];
         for (number, entries) in corrected.iter_mut().enumerate() {
             let (found, area) = raw[level][number];
-            // The disc itself has another area on cells, which the scale corrects.
+            // The area of the full disc on cells differs from the exact one as well, which the scale corrects.
             let wanted = nominal_area(level) / PI * full_area;
             let above = raw[(level + 1).min(LEVELS)][number];
             let below = raw[level - 1][number];

@@ -1,4 +1,4 @@
-//! Runs one of the hot kernels, for a count of its instructions: `cargo xtask test instructions`.
+//! Runs one of the performance-critical kernels, to count its instructions: `cargo xtask test instructions`.
 
 use fakir::kernels::KERNELS;
 use std::process::ExitCode;

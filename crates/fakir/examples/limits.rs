@@ -1,8 +1,8 @@
-//! Times of the convolution, of products with the floor and of one-pillar problems beside what operations and bytes allow at the
-//! least on this machine, one thread: `cargo run --release -p fakir --features kernels --example limits`.
+//! Compares the times of the convolution, of products with the floor and of one-pillar problems on one thread with the theoretical minimum
+//! for this machine: `cargo run --release -p fakir --features kernels --example limits`.
 //!
-//! The floor is the longer of two times: all operations at the rate of multiplications and additions in
-//! registers, in single precision twice as fast, and all bytes at the rate of a copy of arrays of that size.
+//! The minimum is the longer of two times: all operations at the rate of multiplications and additions in registers, twice as fast in
+//! single precision, and all bytes at the rate of a copy of arrays of this size.
 
 use fakir::kernels::{byte_rate, limits, operation_rate};
 

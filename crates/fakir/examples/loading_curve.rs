@@ -1,5 +1,5 @@
-//! Force, contact radius and floor gap as a lens comes down on a texture, as far as the load at
-//! which it reaches the floor: comma-separated values on the standard output.
+//! Prints force, contact radius and floor gap during loading of a lens on a texture, up to the load at which it reaches the floor, as
+//! comma-separated values on standard output.
 
 use fakir::problem::{
     HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,

@@ -1,4 +1,4 @@
-//! The contact with pillar tops and floor past the transition, with the processor time that it takes.
+//! Computes a contact with pillar tops and floor past the transition, and its processor time.
 //!
 //! `cargo run --release --example mixed -- [phi] [indentation over critical] [offset] [default|accurate]`
 

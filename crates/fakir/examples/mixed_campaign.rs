@@ -1,7 +1,7 @@
-//! Random states past the transition: how well their error estimates cover the difference from accurate ones.
+//! Random states past the transition: tests how well their error estimates cover the difference from accurate solutions.
 //!
-//! `cargo run --release --example mixed_campaign -- [first] [count]` prints a row for each: what was drawn, the results by default, and the
-//! differences from the accurate ones over the estimates.
+//! `cargo run --release --example mixed_campaign -- [first] [count]` prints a row for each: parameters, results with the default accuracy,
+//! and the differences from the accurate ones divided by the estimates.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
@@ -11,7 +11,7 @@ use fakir::problem::{
 };
 use fakir::state::{ContactState, Run};
 
-/// States with more touched pillars are drawn again.
+/// Number of touched pillars above which another state is drawn.
 const MOST_PILLARS: usize = 1500;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,4 +1,4 @@
-//! One product or one solution on a grid, timed: fakir's side of `bench/elements.py`.
+//! Measures the time of one product or one solution on a grid: fakir's part of `bench/elements.py`.
 //!
 //! ```text
 //! peer product side=512 threads=1 repeats=20
@@ -6,10 +6,9 @@
 //!      force=1.0|indentation=1e-3 tolerance=1e-8 threads=1 [reach=1e-3]
 //! ```
 //!
-//! The file holds the separation of the undeformed surfaces at every cell as little-endian
-//! doubles, rows of x one after the other; cells whose separation exceeds `reach` are left out, as
-//! they can bear no pressure. The compliance is 1. `cells` are those that the contact was solved on at last. Prints one JSON object; memory is that of the
-//! process above what it held before the operator was made.
+//! The file contains the separation of the undeformed surfaces at every cell as little-endian doubles, by rows along x. Cells whose
+//! separation exceeds `reach` are omitted, since they cannot be in contact. The compliance is 1. `cells` is the number of cells in the
+//! final solution. Prints one JSON object; memory is the increase of the memory of the process after the creation of the operator.
 
 use fakir::halfspace::elements::{FreeSpaceConvolution, Operator};
 use fakir::problem::{Boundary, Cells, Grid};
@@ -56,11 +55,11 @@ fn main() -> Answer<()> {
     match task.as_str() {
         "product" => product(&arguments),
         "solve" => solve(&arguments),
-        _ => Err("product or solve?".into()),
+        _ => Err("the first argument must be product or solve".into()),
     }
 }
 
-/// The median time of a product with the operator of the free half-space.
+/// The median time of a product with the operator of the non-periodic half-space.
 fn product(arguments: &Arguments) -> Answer<()> {
     let side = arguments.value("side")?;
     let repeats: usize = arguments.value("repeats")?;
@@ -121,7 +120,9 @@ fn solve(arguments: &Arguments) -> Answer<()> {
         boundary: match arguments.text("boundary")? {
             "free" => Boundary::FreeSpace,
             "periodic" => Boundary::Periodic,
-            other => return Err(format!("boundary={other}: free or periodic?").into()),
+            other => {
+                return Err(format!("invalid boundary={other}: must be free or periodic").into());
+            }
         },
         compliance: 1.0,
     };
@@ -147,7 +148,7 @@ fn solve(arguments: &Arguments) -> Answer<()> {
     Ok(())
 }
 
-/// Seconds of processors that the threads of the process took, as Linux keeps them.
+/// Processor time of all threads of the process in seconds, from Linux.
 fn processor_seconds() -> Answer<f64> {
     let mut nanoseconds = 0;
     for thread in std::fs::read_dir("/proc/self/task")? {
@@ -158,20 +159,24 @@ fn processor_seconds() -> Answer<f64> {
     Ok(nanoseconds as f64 * 1e-9)
 }
 
-/// Bytes of memory the process holds.
+/// Current memory of the process in bytes.
 fn resident() -> Answer<usize> {
     status("VmRSS:")
 }
 
-/// Most bytes it held.
+/// Peak memory of the process in bytes.
 fn peak() -> Answer<usize> {
     status("VmHWM:")
 }
 
-/// A line of the status that Linux keeps of a process, in bytes.
+/// A line of the process status in Linux, in bytes.
 fn status(key: &str) -> Answer<usize> {
     let status = std::fs::read_to_string("/proc/self/status")?;
     let line = status.lines().find_map(|line| line.strip_prefix(key));
     let kilobytes = line.and_then(|line| line.trim().strip_suffix(" kB"));
-    Ok(1024 * kilobytes.ok_or("no such line")?.trim().parse::<usize>()?)
+    Ok(1024
+        * kilobytes
+            .ok_or("the line is missing")?
+            .trim()
+            .parse::<usize>()?)
 }

@@ -1,4 +1,4 @@
-//! How a floor that sticks collapses onto the lens and detaches, by the fast model of a [collapsed floor](crate::solve::collapsed_floor).
+//! Collapse of an adhesive floor onto the lens and its detachment, by the fast model of a [collapsed floor](crate::solve::collapsed_floor).
 
 use crate::problem::{Load, Method, System};
 use crate::solve::collapsed_floor::{
@@ -8,42 +8,45 @@ use crate::solve::collapsed_floor::{
 use crate::state::{CriticalState, Run, SolveError};
 use crate::theory::stuck_floor::{AnnulusEdge, StuckFloor};
 
-/// Where the lens turns back, over the critical indentation.
+/// Largest indentation of the cycle, relative to the critical indentation.
 pub const LARGEST_INDENTATION: f64 = 1.2;
 
-/// From one indentation of the unloading to the next, over the critical one: the floor is lost within half of that.
+/// Step of the indentation during unloading, relative to the critical indentation: the detachment of the floor is located within half of
+/// it.
 pub const STEP: f64 = 0.02;
 
-/// Error of where the floor is lost by the model in its range, over the critical indentation: against cells on the floor it is off by 0.02 to 0.08 at surface fractions of 0.03 and 0.1 with 10 and 50 mJ/m^2.
+/// Model error of the indentation at which the floor detaches, relative to the critical indentation, within the range of validity: compared
+/// with cells on the floor, the difference is 0.02 to 0.08 at surface fractions of 0.03 and 0.1 with 10 and 50 mJ/m^2.
 pub const MODEL_ERROR_OF_LOSS: f64 = 0.08;
 
-/// How far the lens is withdrawn, over the critical indentation: above the level of the tops.
+/// Last indentation of the unloading, relative to the critical indentation: above the level of the tops.
 const LAST_INDENTATION: f64 = -1.2;
 
-/// Steps of the loading past the critical state.
+/// Number of loading steps past the critical state.
 const LOADING_STEPS: u32 = 4;
 
-/// Annuli without pressure, in pitches, beyond which the fast model is not asked: it is out of its range, and the slower the wider they are.
+/// Largest radius of annuli without pressure, in pitches, for which the fast model is used: beyond, it is outside its range of validity,
+/// and slower with increasing radius.
 const ANNULI_MEET: f64 = 0.33;
 
-/// States of the tops alone from where the floor is lost to the critical state, even.
+/// Number of states of the tops alone between the detachment of the floor and the critical state; even.
 const TOP_STEPS: u32 = 8;
 
-/// What becomes of the floor that sticks when the lens is withdrawn.
+/// Behaviour of the adhesive floor during unloading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fate {
-    /// The model does not tell: see its validity.
+    /// Outside the range of validity of the model: see the validity.
     Unknown,
-    /// No connected patch is left where the lens turns back.
+    /// No connected patch exists at the largest indentation.
     NoPatch,
-    /// It lets go while the lens is still pressed.
+    /// The floor detaches under compressive load.
     LostUnderLoad,
-    /// It still holds where the load is zero, and pulls.
+    /// The floor is still attached at zero load, and is in tension.
     HeldThroughZero,
 }
 
 impl Fate {
-    /// Its name in tables.
+    /// Name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -55,23 +58,23 @@ impl Fate {
     }
 }
 
-/// Whether the fast model is good for a number, and why not.
+/// Whether the fast model is valid for a result, with the reason if not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Validity {
-    /// It is.
+    /// Valid.
     InRange,
-    /// The stuck region is below two pitches in radius: a disc is not its form.
+    /// The radius of the bonded region is below two pitches: it is not a disc.
     FrontNarrow,
-    /// Free annuli are wider than 0.3 pitches: they act on each other.
+    /// Free annuli are wider than 0.3 pitches: they interact.
     AnnuliWide,
-    /// Annuli without pressure come near to each other: the floor sticks hole by hole if at all, and the model was not asked.
+    /// Annuli without pressure nearly meet: the floor bonds hole by hole, if at all, and the model was not evaluated.
     AnnuliMeet,
-    /// No front stands still: all of the floor is drawn down, or annuli are too narrow to be told from the pillars.
+    /// No front is in equilibrium: the whole floor bonds, or annuli are too narrow to be distinguished from the pillars.
     NoFront,
 }
 
 impl Validity {
-    /// Its name in tables.
+    /// Name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -97,44 +100,46 @@ impl Validity {
     }
 }
 
-/// The critical state of the tops, and what a floor that sticks does from there.
+/// The critical state of the tops, and the subsequent behaviour of an adhesive floor.
 ///
-/// The lens goes down to [`LARGEST_INDENTATION`] times the critical indentation and up again. What the tops do is computed without adhesion
-/// up to the critical state, which changes its force by less than 1 %.
+/// The cycle consists of loading to [`LARGEST_INDENTATION`] times the critical indentation, and unloading. The contact of the tops is
+/// computed without adhesion up to the critical state; this changes its force by less than 1 %.
 #[derive(Debug, Clone)]
 pub struct Collapse {
     /// The critical state.
     pub critical: CriticalState,
-    /// Outer radius of the free annulus round a pillar without pressure, m; none where no edge stands.
+    /// Outer radius of the free annulus around a pillar without pressure, m; `None` if no edge is in equilibrium.
     pub annulus_radius: Option<f64>,
-    /// The state after the jump onto the floor; none if the model has none.
+    /// The state after the jump into contact with the floor; `None` if the model has no solution.
     pub jump: Option<CollapsedPoint>,
-    /// Middles between three pillars inside the front of that.
+    /// Number of centres of three pillars inside the front of this state.
     pub holes: usize,
-    /// Where the lens turned back, m; none if the model has no loading.
+    /// Largest indentation of the cycle, m; `None` if the model has no solution for loading.
     pub turn_indentation: Option<f64>,
-    /// What becomes of the floor.
+    /// Behaviour of the floor.
     pub fate: Fate,
-    /// Where the floor is lost: indentation (m), within half a step, and force just before (N). None if it does not stick, or still does at the end.
+    /// Detachment of the floor: indentation (m), within half a step, and force before it (N). `None` if the floor does not bond or does not
+    /// detach.
     pub lost: Option<[f64; 2]>,
-    /// The largest pull while the floor sticks, N, negative; none if it detaches under load.
+    /// Largest tension while the floor is bonded, N, negative; `None` if it detaches under compressive load.
     pub pull_off: Option<f64>,
-    /// Area between loading and unloading as far as the floor sticks, J. What tops lose that stick is not in it.
+    /// Area between loading and unloading while the floor is bonded, J. Does not include the dissipation of adhesive tops.
     pub hysteresis: Option<f64>,
-    /// Whether the model is good for the jump.
+    /// Validity of the model for the jump.
     pub jump_validity: Validity,
-    /// Whether it is where the lens turns back, from which the loss of the floor and what follows comes.
+    /// Validity of the model at the largest indentation, which applies to the detachment of the floor and to all results that follow from
+    /// it.
     pub unloading_validity: Validity,
-    /// Error of the force after the jump by the model over that force; none out of its range.
+    /// Model error of the force after the jump, relative to this force; `None` outside the range of validity.
     pub force_error: Option<f64>,
-    /// Relative error of the area after the jump by the model; none out of its range.
+    /// Relative model error of the area after the jump; `None` outside the range of validity.
     pub area_error: Option<f64>,
 }
 
-/// The critical state of a system by a method, and what a floor that sticks does from there.
+/// Computes the critical state of a system with a method, and the subsequent behaviour of an adhesive floor.
 ///
 /// # Errors
-/// Those of [`transition`](crate::transition) and [`CollapsedFloor::new`]; a front that does not stand still is none, but a [`Validity`].
+/// Those of [`transition`](crate::transition) and [`CollapsedFloor::new`]. A front without equilibrium is not an error, but a [`Validity`].
 pub fn collapse(system: &System, method: Method, run: &Run<'_>) -> Result<Collapse, SolveError> {
     let floor = StuckFloor::of(system)?;
     let bare = system.without_adhesion();
@@ -172,7 +177,7 @@ pub fn collapse(system: &System, method: Method, run: &Run<'_>) -> Result<Collap
     Ok(found)
 }
 
-/// The loading from the critical indentation (m) on, and the unloading, by the fast model, as [`collapse`] follows them.
+/// Loading from the critical indentation (m), and unloading, by the fast model, as in [`collapse`].
 ///
 /// # Errors
 /// Those of [`CollapsedFloor::new`] and [`CollapsedFloor::cycle`].
@@ -234,17 +239,17 @@ impl Collapse {
         } else {
             Fate::LostUnderLoad
         };
-        // Where it never lets go the largest pull may be yet to come.
+        // If the floor does not detach, the largest tension may not have been reached.
         self.pull_off = (least < 0.0 && lost.is_some()).then_some(least);
         if let Some(end) = lost {
             let up = self.tops_alone(bare, method, end, run)? + area(&loading);
-            // The force is that before the loss for half a step.
+            // The force before the detachment acts over half a step.
             self.hysteresis = Some(up + area(&unloading) - last.force * half);
         }
         Ok(())
     }
 
-    /// Work done on the tops alone from an indentation to the critical one, J, by Simpson's rule; nothing is touched below zero.
+    /// Work on the tops alone between an indentation and the critical one, J, by Simpson's rule; there is no contact below zero.
     fn tops_alone(
         &self,
         bare: &System,
@@ -272,7 +277,7 @@ impl Collapse {
     }
 }
 
-/// Work between points, by trapezoids, J; negative on the way back.
+/// Work between points by the trapezoidal rule, J; negative for decreasing indentation.
 fn area(points: &[CollapsedPoint]) -> f64 {
     let pairs = points.windows(2);
     pairs
@@ -282,7 +287,7 @@ fn area(points: &[CollapsedPoint]) -> f64 {
         .sum()
 }
 
-/// Middles between three pillars within a radius (m) of the lens axis.
+/// Number of centres of three pillars within a radius (m) of the lens axis.
 fn holes_within(system: &System, radius: f64) -> usize {
     let Some(lattice) = system.hexagonal_lattice() else {
         return 0;
@@ -302,7 +307,7 @@ mod tests {
     use super::*;
     use crate::theory::reference::intermediate;
 
-    /// Six middles are round a pillar at 0.577 pitches, and six more at 1.155.
+    /// Six of these points surround a pillar at 0.577 pitches, and six more at 1.155.
     #[test]
     fn middles_are_counted() {
         let system = intermediate(0.1);

@@ -1,5 +1,5 @@
-//! Contact between a smooth elastic lens and a surface patterned with pillars, and the load at
-//! which it stops resting on the pillar tops alone and touches the floor between them.
+//! Contact between a smooth elastic lens and a surface patterned with pillars, and the load at which the lens first touches the floor
+//! between the pillars.
 //!
 //! ```
 //! use fakir::problem::Method;
@@ -18,51 +18,50 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # The rooms
+//! # Module structure
 //!
-//! Each uses those above it in this list, and no other:
+//! Each module uses only those that precede it in this list:
 //!
-//! * `numerics`: what mathematics and machines lend, hidden, as it is no part of the interface;
-//! * [`problem`]: what is asked: the bodies, the load, the method. Everything public is in SI units;
-//! * [`halfspace`]: how an elastic half-space gives way under pillar tops and rectangles, and under both at once;
-//! * [`state`]: what comes back: forces, radii, every pillar, [fields](state::Fields), convergence, error
-//!   estimates, and why there is no answer;
-//! * [`theory`]: the closed forms of the paper with their errata, and those of lone contacts that stick;
-//! * [`solve`]: the contact conditions, spectral and by [elements](solve::elements), and the [homogenised lattice](solve::homogenised).
+//! * `numerics`: numerical building blocks, hidden, since it is not part of the interface;
+//! * [`problem`]: definition of problems: the bodies, the load, the method. All public quantities are in SI units;
+//! * [`halfspace`]: response of an elastic half-space under pillar tops, under rectangles, and under both;
+//! * [`state`]: results: forces, radii, every pillar, [fields](state::Fields), convergence, error estimates, and errors;
+//! * [`theory`]: the closed forms of the paper with their errata, and those of single adhesive contacts;
+//! * [`solve`]: solvers of the contact conditions, spectral and by [elements](solve::elements), and the
+//!   [homogenised lattice](solve::homogenised).
 //!
-//! [`press`] and [`transition`] hand a [`System`](problem::System) to a [`Method`](problem::Method), coarse to exact:
-//! [homogenised lattice](solve::homogenised), punch lattice, [Love elements](solve::elements), spectral.
-//! The spectral one goes on past the transition: the floor between the pillars bears its part, unless the system is
-//! [told](problem::System::with_floor) to ignore it. It also has [adhesion](problem::Adhesion) on the pillar tops: [`cycle`] takes a lens
-//! down and off again, with all that snaps into contact and out of it on the way. [`gradient()`] has the exact derivatives of a contact. [`verify()`] asks two for the same. [`collapse`] follows a floor that sticks, by a fast model. A lens or plate on any height map is a
+//! [`press`] and [`transition`] solve a [`System`](problem::System) with a [`Method`](problem::Method), from coarse to accurate:
+//! [homogenised lattice](solve::homogenised), punch lattice, [boundary elements](solve::elements), spectral. The spectral method continues
+//! past the transition: the floor between the pillars then carries load, unless floor contact is [ignored](problem::System::with_floor). It
+//! also supports [adhesion](problem::Adhesion) on the pillar tops: [`cycle`] computes loading and unloading of a lens, including all jumps
+//! into contact and out of contact. [`gradient()`] computes a contact with its exact derivatives. [`verify()`] compares two methods.
+//! [`collapse`] follows an adhesive floor with a fast model. A lens or plate on any height map is a
 //! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
 //! # From a case to a force
 //!
-//! The files of the spectral method in the order in which a contact passes through them, each once:
+//! The files of the spectral method in the order in which they are used for a contact:
 //!
-//! 1. `problem/system.rs`: a [`System`](problem::System) is checked when it is made; one that exists can be solved.
-//! 2. `method.rs`: [`press`], [`transition`] and [`cycle`] check the load;
-//! 3. `problem/dispatch.rs`: the one table of what is answered: a [`Question`](problem::Question) about a problem has a [`Solver`](problem::Solver), or is
-//!    [`Unsupported`](problem::Unsupported) with the reason and what to do instead.
-//! 4. `solve/answers.rs`: the system is scaled to pillar radii (`problem/scaled.rs`), and cases without contact are answered.
+//! 1. `problem/system.rs`: the constructor of a [`System`](problem::System) validates it; every existing system can be solved.
+//! 2. `method.rs`: [`press`], [`transition`] and [`cycle`] validate the load;
+//! 3. `problem/dispatch.rs`: the table of supported combinations: a [`Question`](problem::Question) about a problem has a
+//!    [`Solver`](problem::Solver), or is [`Unsupported`](problem::Unsupported) with the reason and an alternative.
+//! 4. `solve/answers.rs`: the system is scaled to pillar radii (`problem/scaled.rs`), and cases without contact are handled.
 //! 5. `solve/spectral.rs`: a window of pillars is chosen and solved, first with a flat punch on each pillar, then with all degrees;
-//! 6. `solve/newton.rs`: by Newton steps, on contact conditions (`solve/rules`) and products with the elastic response (`halfspace`).
-//! 7. `solve/estimate.rs`: the error is estimated from what was left out.
-//! 8. `solve/assembled.rs`: forces, radii and pillars in SI units: a [`ContactState`](state::ContactState);
+//! 6. `solve/newton.rs`: by Newton steps, with contact conditions (`solve/rules`) and products with the elastic response (`halfspace`).
+//! 7. `solve/estimate.rs`: the error is estimated from the neglected terms.
+//! 8. `solve/assembled.rs`: forces, radii and pillars are converted to SI units: a [`ContactState`](state::ContactState);
 //! 9. `state/checked.rs`: a number that is infinite or undefined is an error.
 //!
-//! # What is computed
+//! # Model
 //!
-//! Both bodies are elastic half-spaces without friction, in free space: nothing is periodic. Pillar tops may stick, the floor does
-//! not. The problem and its symbols are those of R. Ledesma-Alonso, E. Raphaël,
-//! F. Restagno, C. Poulard, Phys. Rev. E 104, 055007 (2021). The spectral method expands the
-//! pressure on every pillar top in the eigenfunctions of a disc, couples pillars in closed form,
-//! and solves the contact conditions by a semismooth Newton method in which the indentation is
-//! one of the unknowns. The punch lattice is its lowest degree.
+//! Both bodies are elastic half-spaces without friction and without periodic images. Pillar tops and floor may be adhesive. The problem and
+//! its symbols are those of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104, 055007 (2021). The spectral method
+//! expands the pressure on every pillar top in the eigenfunctions of a disc, couples pillars in closed form, and solves the contact
+//! conditions by a semismooth Newton method in which the indentation is one of the unknowns. The punch lattice is its lowest degree.
 //!
-//! The crate opens no files, prints nothing and starts no threads; a
-//! [`Run`](state::Run) hands it a thread pool, a listener for progress and a way to stop.
+//! The crate opens no files, prints nothing and starts no threads; a [`Run`](state::Run) contains a thread pool, a callback for progress
+//! and a cancellation flag.
 
 pub mod collapse;
 pub mod halfspace;

@@ -1,4 +1,4 @@
-//! The one place where a question goes to a method.
+//! Dispatches questions to methods.
 
 use crate::problem::lens::LARGEST_CONTACT;
 use crate::problem::scaled::Scene;
@@ -14,18 +14,19 @@ use crate::state::{
 };
 use crate::theory;
 
-/// The contact under what is prescribed, by the given method.
+/// Computes the contact under a prescribed load with the given method.
 ///
-/// Past the transition the spectral method has the floor bear its part: [`ContactState::floor`]. By the other methods, and where the
-/// [system](System::with_floor) ignores the floor, such a load is answered as if that were not there; the smallest floor gap is
-/// then negative.
+/// Past the transition, the spectral method includes the load carried by the floor: [`ContactState::floor`]. In the other methods, and if
+/// the [system](System::with_floor) ignores floor contact, the state is computed as if there were no floor; the smallest floor gap is then
+/// negative.
 ///
-/// With [adhesion](System::adhesion) it is the contact on loading, from the first touch on, and the loading ends at the critical state unless
-/// the floor is ignored. A force is that which is first borne; under none the lens rests where it snapped into contact.
+/// With [adhesion](System::adhesion) the result is the contact during loading, from first touch on, and loading ends at the critical state
+/// unless floor contact is ignored. For a prescribed force, it is the first state that reaches this force; for zero force, the lens is in
+/// equilibrium where it jumped into contact.
 ///
 /// # Errors
-/// [`Unsupported`](crate::problem::Unsupported) of what the method does not solve. A load that cannot be, a contact too large for the lens or for memory, or interruption:
-/// see [`SolveError`]. A solution that did not converge is not an error: it says so in
+/// [`Unsupported`](crate::problem::Unsupported) if the method does not support the problem. An invalid load, a contact too large for the
+/// lens or for the memory limit, or cancellation: see [`SolveError`]. A solution that did not converge is not an error: see
 /// [`ContactState::termination`].
 pub fn press(
     system: &System,
@@ -55,8 +56,9 @@ pub fn press(
     .and_then(finished)
 }
 
-/// The contact under what is prescribed with its exact derivatives with respect to the quantities of the system, by the spectral method without
-/// adhesion, as long as the floor bears nothing. It takes about as long as [`press`]; of a critical state, a linear solution more.
+/// Computes the contact under a prescribed load with its exact derivatives with respect to the quantities of the system, by the spectral
+/// method without adhesion and without load on the floor. It takes about as long as [`press`]; for a critical state, one more linear
+/// solution is required.
 ///
 /// ```
 /// use fakir::problem::{Load, Method, Quantity};
@@ -76,8 +78,8 @@ pub fn press(
 /// ```
 ///
 /// # Errors
-/// [`SolveError::NoGradient`] where nothing is touched, where the lens touches a part of one pillar top alone, where the floor bears a part of
-/// the load, and of a contact that did not converge; and as [`press`].
+/// [`SolveError::NoGradient`] without contact, for contact with a part of a single pillar top, for a floor that carries load, and for a
+/// contact that did not converge; and as for [`press`].
 pub fn gradient(
     system: &System,
     control: Load,
@@ -97,14 +99,14 @@ pub fn gradient(
     gradient.checked()
 }
 
-/// The critical state, in which the lens just reaches the floor, by the given method: [`press`] with
-/// [`Load::FloorContact`], and where the floor is touched.
+/// Computes the critical state, in which the lens first touches the floor, with the given method: [`press`] with [`Load::FloorContact`],
+/// and the position of the floor contact.
 ///
-/// Where the lens reaches the floor before any pillar, that is a valid answer: the critical
-/// indentation is the pillar height and the critical force zero.
+/// If the lens reaches the floor before any pillar, this is a valid result: the critical indentation is the pillar height and the critical
+/// force is zero.
 ///
 /// # Errors
-/// As [`press`].
+/// As for [`press`].
 pub fn transition(
     system: &System,
     method: Method,
@@ -114,9 +116,9 @@ pub fn transition(
     CriticalState::new(contact).checked()
 }
 
-/// The contacts past a critical state of the spectral method in which the floor bears these parts of the force. Each takes about as long as one under a
-/// prescribed force; in rising order every one tells where to look for the next. Where pillars are touched one after the other there may be several contacts of one share, and one of them
-/// is found.
+/// Computes the contacts past a critical state of the spectral method in which the floor carries these fractions of the load. Each takes
+/// about as long as one under a prescribed force; in increasing order, each provides the initial guess for the next. If pillars come into
+/// contact one after the other, there may be several contacts for one fraction, one of which is found.
 ///
 /// ```
 /// use fakir::problem::Method;
@@ -135,7 +137,7 @@ pub fn transition(
 /// ```
 ///
 /// # Errors
-/// [`SolveError::NoFloorShare`] where a share is not between 0 and 1, or the floor is reached before any pillar; and as [`press`].
+/// [`SolveError::NoFloorShare`] if a fraction is not between 0 and 1, or if the floor is reached before any pillar; and as for [`press`].
 pub fn press_to_floor_shares(
     critical: &CriticalState,
     shares: &[f64],
@@ -146,18 +148,18 @@ pub fn press_to_floor_shares(
     Question::FloorShare.check(contact.method.into(), &Feature::of(system))?;
     let refused = |why| Err(SolveError::NoFloorShare { why });
     if !shares.iter().all(|share| *share > 0.0 && *share < 1.0) {
-        return refused("it has to be between 0 and 1 (100 %), without these");
+        return refused("it must be between 0 and 1 (100 %), excluding both");
     }
     let accuracy = accuracy_of(contact.method);
     if !(contact.converged() && contact.force > 0.0) {
-        return refused("it takes a critical state that converged, in which pillars are touched");
+        return refused("a converged critical state in which pillars are touched is required");
     }
     let states = answers::press_to_floor_shares(contact, shares, accuracy, run)?;
     states.into_iter().map(finished).collect()
 }
 
-/// A cycle of loading and unloading, with its events in order: [adhesion](System::adhesion) makes unloading another path than
-/// loading, which ends with a pull.
+/// Computes a cycle of loading and unloading, with its events in order: due to [adhesion](System::adhesion), unloading follows a different
+/// path than loading and ends in tension.
 ///
 /// ```
 /// use fakir::problem::{Adhesion, CyclePlan, Method};
@@ -177,7 +179,7 @@ pub fn press_to_floor_shares(
 /// ```
 ///
 /// # Errors
-/// A plan that cannot be, a system in which nothing sticks, and as [`press`]. A path that does not converge is not an error: it says so in
+/// An invalid plan, a system without adhesion, and as for [`press`]. A path that does not converge is not an error: see
 /// [`Cycle::termination`].
 pub fn cycle(
     system: &System,
@@ -188,11 +190,11 @@ pub fn cycle(
     follow_cycle(system, plan, method, run, &|_| {})
 }
 
-/// [`cycle`], and every station told as the lens passes it, with what is in contact there for whoever asks: for pictures that follow
-/// the lens. Where the path does not converge, not all that was told is in [`Cycle::stations`].
+/// [`cycle`] with a callback for every load step, from which the contact can be computed: for animations. If the path does not converge,
+/// [`Cycle::stations`] does not contain all of these load steps.
 ///
 /// # Errors
-/// As [`cycle`].
+/// As for [`cycle`].
 pub fn follow_cycle(
     system: &System,
     plan: CyclePlan,
@@ -210,7 +212,7 @@ pub fn follow_cycle(
     cycle.checked()
 }
 
-/// What is prescribed, if it can be. An indentation counts from the common height and may be negative as far as pillars are higher than that.
+/// Validates the load. An indentation is relative to the common height, and may be negative if some pillars are higher.
 fn checked_control(system: &System, control: Load) -> Result<Load, SolveError> {
     if let Load::Indentation(indentation) = control
         && indentation < 0.0
@@ -222,13 +224,13 @@ fn checked_control(system: &System, control: Load) -> Result<Load, SolveError> {
     Ok(control.checked(length, system.reduced_modulus())?)
 }
 
-/// A state without adhesion as it is handed out.
+/// Completes a state without adhesion before it is returned.
 fn finished(state: ContactState) -> Result<ContactState, SolveError> {
     check_reach(&state)?;
     with_layer_warnings(state).checked()
 }
 
-/// With what is to be said where bodies are layers.
+/// Adds the warnings for layers.
 fn with_layer_warnings(mut state: ContactState) -> ContactState {
     let system = &state.system;
     let Some(thinnest) = system.thinnest_layer() else {
@@ -258,8 +260,8 @@ fn with_layer_warnings(mut state: ContactState) -> ContactState {
     state
 }
 
-/// Refuses a state that reaches too far from the axis of the lens: a contact beyond half its radius, and a lowest point of the floor beyond its table of
-/// heights, where its gap is not known.
+/// Refuses a state that extends too far from the axis of the lens: a contact beyond half its radius, or a lowest floor gap beyond its table
+/// of heights, where the gap is undefined.
 fn check_reach(state: &ContactState) -> Result<(), SolveError> {
     match &state.system.lens().shape {
         LensShape::Profile(profile) => {
@@ -283,7 +285,7 @@ fn check_reach(state: &ContactState) -> Result<(), SolveError> {
     Ok(())
 }
 
-/// The accuracy of the spectral method; of others that of the default.
+/// The accuracy setting of the spectral method; the default for other methods.
 fn accuracy_of(method: Method) -> Accuracy {
     match method {
         Method::Spectral(accuracy) => accuracy,

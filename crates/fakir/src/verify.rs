@@ -1,9 +1,8 @@
-//! A second opinion: the spectral method and Love elements on the same question.
+//! Verification by a second method: the spectral method and boundary elements for the same question.
 //!
-//! The two have nothing in common but the half-space and the search for the lowest floor gap:
-//! one expands the pressure in functions that are exact for a disc, the other divides the disc
-//! into squares. Where they agree within their own error estimates, both can be believed; where one
-//! of them did not converge, or knows no digit, they cannot tell.
+//! The two methods share only the half-space and the search for the smallest floor gap: one expands the pressure in functions that are
+//! exact for a disc, the other divides the disc into squares. If they agree within their error estimates, both are confirmed. If one of
+//! them did not converge, or has no significant digit, the comparison is inconclusive.
 
 use crate::method::press;
 use crate::numerics::convergence::{larger, within};
@@ -13,43 +12,43 @@ use crate::problem::{
 use crate::solve::elements::texture;
 use crate::state::{ContactState, LARGEST_ERROR, Run, SolveError, Termination};
 
-/// The answers of both methods, and what they differ by.
+/// The results of both methods, and their differences.
 #[derive(Debug, Clone)]
 pub struct Verification {
-    /// By the spectral method.
+    /// Result of the spectral method.
     pub spectral: ContactState,
-    /// By elements, on half as many cells across a pillar and on all.
+    /// Results with elements, with half as many cells across a pillar and with all.
     pub elements: [ContactState; 2],
-    /// Force by elements over that of the spectral method, minus 1.
+    /// Relative difference of the force with elements from that of the spectral method.
     pub force: Difference,
-    /// Indentation by elements over that of the spectral method, minus 1.
+    /// Relative difference of the indentation with elements from that of the spectral method.
     pub indentation: Difference,
-    /// Share of the floor by elements over that of the spectral method, minus 1; none where the floor bears nothing.
+    /// Relative difference of the fraction of the load carried by the floor; `None` if the floor carries no load.
     pub floor_share: Option<Difference>,
 }
 
-/// A relative difference, and what the error estimates allow.
+/// A relative difference, and the difference that the error estimates allow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
-    /// Relative difference of the elements, on all cells, from the spectral method.
+    /// Relative difference of the results with elements, with all cells, from the spectral method.
     pub relative: f64,
     /// Sum of both error estimates.
     pub allowed: f64,
 }
 
-/// What two methods say of each other.
+/// Result of the comparison of two methods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
     /// They agree within their error estimates.
     Agree,
     /// They differ by more than their error estimates allow: one of them, or an estimate, is wrong.
     Disagree,
-    /// Their answers cannot be compared.
+    /// The comparison is inconclusive.
     CannotTell(InconclusiveReason),
 }
 
 impl Verdict {
-    /// What is to be said of the differences between two answers, of which one may have `failed`.
+    /// The verdict on the differences between two results, one of which may have `failed`.
     #[must_use]
     pub fn of(failed: Option<InconclusiveReason>, differences: &[Difference]) -> Self {
         let allowed = differences.iter().map(|difference| difference.allowed);
@@ -65,7 +64,7 @@ impl Verdict {
         }
     }
 
-    /// `"agree"`, `"disagree"` or `"cannot tell"`.
+    /// The name of the verdict: `"agree"`, `"disagree"` or `"cannot tell"`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -75,7 +74,7 @@ impl Verdict {
         }
     }
 
-    /// Why it cannot be told, if it cannot.
+    /// The reason why the comparison is inconclusive; `None` otherwise.
     #[must_use]
     pub fn doubt(self) -> Option<InconclusiveReason> {
         match self {
@@ -85,18 +84,18 @@ impl Verdict {
     }
 }
 
-/// Why two answers cannot be compared.
+/// The reason why a comparison is inconclusive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum InconclusiveReason {
-    /// One of them is no solution.
+    /// One of the results did not converge.
     NotConverged {
-        /// By which method.
+        /// The method.
         method: Method,
-        /// How it ended.
+        /// Why its solver stopped.
         termination: Termination,
     },
-    /// The error estimates allow a difference as large as the numbers themselves.
+    /// The error estimates allow a difference as large as the values themselves.
     NoDigits {
         /// Sum of the error estimates, relative.
         allowed: f64,
@@ -111,7 +110,7 @@ impl std::fmt::Display for InconclusiveReason {
                 termination,
             } => write!(
                 f,
-                "the solution by elements, {} cells across a pillar, {}",
+                "the solution with boundary elements, {} cells across a pillar, {}",
                 mesh.cells_per_diameter,
                 termination.description()
             ),
@@ -120,33 +119,33 @@ impl std::fmt::Display for InconclusiveReason {
                 termination,
             } => write!(
                 f,
-                "the solution by the {} method {}",
+                "the solution of the {} method {}",
                 method.name(),
                 termination.description()
             ),
             Self::NoDigits { allowed } => write!(
                 f,
-                "the error estimates leave no digit: they allow a difference of {:.0} %",
+                "no digit is significant: the error estimates allow a difference of {:.0} %",
                 100.0 * allowed
             ),
         }
     }
 }
 
-/// Sum of error estimates from which there is nothing to compare: an answer with such an error is none.
+/// Sum of error estimates above which there is no significant digit to compare.
 const NO_DIGITS: f64 = LARGEST_ERROR;
 
-/// Relative rounding error of a sum over many elements: what was prescribed differs by it.
+/// Relative rounding error of a sum over many elements, by which prescribed values may differ.
 const ROUNDING: f64 = 1e-12;
 
 impl Difference {
-    /// Between a value and the one it is compared with, where the error estimates allow so much, relatively.
+    /// The difference between a value and its reference, with the relative difference that the error estimates allow.
     #[must_use]
     pub fn of(value: f64, other: f64, allowed: f64) -> Self {
         let relative = if other != 0.0 {
             value / other - 1.0
         } else if value == 0.0 {
-            // A state without force has none by either method.
+            // Without force in both methods, there is no difference.
             0.0
         } else {
             value.signum()
@@ -154,7 +153,7 @@ impl Difference {
         Self { relative, allowed }
     }
 
-    /// Whether the difference is no more than the estimates, and rounding, allow.
+    /// Whether the difference is at most the sum of the error estimates and rounding.
     #[must_use]
     pub fn is_allowed(&self) -> bool {
         within(self.relative.abs(), self.allowed + ROUNDING)
@@ -162,8 +161,8 @@ impl Difference {
 }
 
 impl Verification {
-    /// What the two methods say of each other. Both answers by elements count, as the second starts
-    /// from the first and estimates its error from it.
+    /// The verdict of the comparison. Both results with elements must be valid, since the second starts from the first and estimates its
+    /// error from it.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let mut answers = std::iter::once(&self.spectral).chain(&self.elements);
@@ -184,27 +183,26 @@ impl Verification {
     }
 }
 
-/// Answers a question by the accurate spectral method and by elements on two meshes.
+/// Solves a problem with the accurate spectral method and with elements on two meshes.
 ///
-/// Elements are on the pillar tops alone, unless the floor bears a part by the spectral method: then they cover tops and floor, on a
-/// grid that is wide enough for all of the contact, and the share of the floor is compared too.
+/// Elements cover only the pillar tops, unless the floor carries load in the spectral method: then they cover tops and floor, on a grid
+/// that contains the whole contact, and the fraction of the load carried by the floor is compared as well.
 ///
-/// Elastic pillars are asked for by both methods as if they did not lean, which elements do not know: the answers say so in their warnings.
+/// Elastic pillars are computed without tilt in both methods, since elements do not support it: a warning in the results reports this.
 ///
-/// `mesh` is the finer of them; the other has half as many cells across a pillar, and a mesh of
-/// 16 or more is needed for that.
+/// `mesh` is the finer of the two; the other has half as many cells across a pillar, so that a mesh of 16 or more is required.
 ///
 /// # Errors
-/// As [`press`](crate::press).
+/// As for [`press`](crate::press).
 pub fn verify(
     system: &System,
     control: Load,
     mesh: ElementMesh,
     run: &Run<'_>,
 ) -> Result<Verification, SolveError> {
-    // Before anything is solved in vain.
+    // Validate first.
     Question::Verify.check(Solver::Spectral, &Feature::of(system))?;
-    // Elements do not know how elastic pillars lean: the second opinion is on all else.
+    // Elements do not support the tilt of elastic pillars: the comparison is without it.
     let system = &system.without_leaning();
     let spectral = press(system, control, Method::Spectral(Accuracy::Accurate), run)?;
     let cells = [mesh.cells_per_diameter / 2, mesh.cells_per_diameter];
@@ -250,7 +248,8 @@ pub fn verify(
     })
 }
 
-/// Where cells cover tops and floor, the estimates of one mesh may be small by chance: what the other mesh differs by is added to them.
+/// If cells cover tops and floor, the estimates of one mesh may be small by coincidence: the difference between the meshes is added to
+/// them.
 fn compare_meshes([coarse, fine]: &mut [ContactState; 2]) {
     let (Some(on_coarse), Some(on_fine)) = (&mut coarse.floor, &mut fine.floor) else {
         return;
@@ -292,7 +291,7 @@ mod tests {
         }
     }
 
-    /// Past the transition elements cover the floor too.
+    /// Past the transition, elements cover the floor as well.
     #[test]
     fn both_methods_agree_on_what_the_floor_bears() {
         let system = intermediate(0.01);
@@ -330,7 +329,7 @@ mod tests {
         verify(&system, question, ElementMesh::default(), &Run::default()).unwrap()
     }
 
-    /// The shares on 8 and on 16 cells are nearly equal by chance.
+    /// The floor fractions on 8 and on 16 cells are nearly equal by coincidence.
     #[test]
     fn two_meshes_alone_do_not_give_the_error_of_a_share() {
         let verification = past_the_transition(
@@ -382,11 +381,11 @@ mod tests {
         assert!(!Difference::of(1.001, 1.0, 5e-4).is_allowed());
         assert!(!Difference::of(f64::NAN, 1.0, 1.0).is_allowed());
         assert!(Difference::of(0.0, 0.0, 0.0).is_allowed());
-        // However small a force is, it is not none.
+        // A small force differs from zero.
         assert!(!Difference::of(1e-20, 0.0, 0.1).is_allowed());
     }
 
-    /// One pillar wide enough to bear the lens alone, of much stiffer bodies: 8 cells are few for that.
+    /// A single pillar, wide enough to carry the whole load, between much stiffer bodies: 8 cells are not sufficient.
     #[test]
     fn a_solution_on_few_cells_leaves_no_digit() {
         let lens = Lens {
@@ -449,12 +448,12 @@ mod tests {
         assert_eq!(undefined.verdict(), Verdict::Disagree);
     }
 
-    /// Just beyond first touch no centre of a cell is touched: that is not a force of zero.
+    /// Immediately after first touch, no cell centre is in contact: this does not mean zero force.
     #[test]
     fn elements_that_touch_nothing_know_nothing() {
         let system = intermediate(0.01);
         let run = Run::default();
-        // The nearest of 16 cells is some 0.19 um from the axis: 8 pm of sag.
+        // The nearest of 16 cells is about 0.19 um from the axis: 8 pm of sag.
         let load = Load::Indentation(1e-12);
         let state = press(&system, load, Method::Love(ElementMesh::default()), &run);
         let state = state.unwrap();

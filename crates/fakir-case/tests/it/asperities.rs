@@ -117,15 +117,15 @@ fn what_rounded_tops_do_not_have_is_refused() {
     for (told, words) in [
         (
             with("[adhesion]\nwork = \"50 mJ/m2\"\n"),
-            "rounded pillar tops do not stick",
+            "adhesion of rounded pillar tops is not supported",
         ),
         (
             with("[adhesion]\nfloor = true\n"),
-            "adhesion.floor: rounded pillar tops do not stick",
+            "adhesion.floor: adhesion of rounded pillar tops is not supported",
         ),
         (
             with("[adhesion]\nwork_receding = \"50 mJ/m2\"\n"),
-            "adhesion.work_receding: rounded pillar tops do not stick",
+            "adhesion.work_receding: adhesion of rounded pillar tops is not supported",
         ),
         (
             set("substrate.base_young_modulus=1MPa"),
@@ -139,7 +139,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
             with("compliance = \"column\"\n"),
             "texture.pillar.diameter: this key is missing",
         ),
-        (with("compliance = \"elastic\"\n"), "under flat tops only"),
+        (with("compliance = \"elastic\"\n"), "only for flat tops"),
         (
             set("texture.top_radius=-1um"),
             "texture.top_radius: cannot be",

@@ -179,6 +179,6 @@ fn surfaces_take_spheres_and_plates_of_their_own() {
     assert!(
         error
             .problem()
-            .contains("a height map is under a sphere or a level plate")
+            .contains("a height map supports only a sphere or a level plate")
     );
 }

@@ -398,15 +398,15 @@ fn bases_without_a_thickness_and_adhesion_are_refused() {
         ),
         (
             "adhesion.work=1J/m2",
-            "adhesion.work: a height map is solved without adhesion",
+            "adhesion.work: adhesion is not supported on a height map",
         ),
         (
             "adhesion.floor=true",
-            "adhesion.floor: a height map is solved without adhesion",
+            "adhesion.floor: adhesion is not supported on a height map",
         ),
         (
             "lens.shape=paraboloid",
-            "lens.shape: a height map is under a sphere or a level plate",
+            "lens.shape: a height map supports only a sphere or a level plate",
         ),
         (
             "surface.array=heights",

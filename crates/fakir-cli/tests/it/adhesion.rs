@@ -218,17 +218,17 @@ fn what_cannot_be_is_refused() {
                 "--attraction-range",
                 "5nm",
             ],
-            "adhesion is that of round pillars with flat tops",
+            "adhesion is supported only on round pillars with flat tops",
         ),
         (
             &["approach", &case, "--attraction-range", "5nm"],
             "unexpected argument",
         ),
-        (&["verify", &case], "there is no second opinion on adhesion"),
+        (&["verify", &case], "there is no second method for adhesion"),
         (&["cycle", &plain], "a cycle needs pillar tops that stick"),
         (
             &["cycle", &surface],
-            "adhesion is that of round pillars with flat tops",
+            "adhesion is supported only on round pillars with flat tops",
         ),
         (
             &["approach", &case, "--drive", "force"],
@@ -245,7 +245,7 @@ fn what_cannot_be_is_refused() {
         ),
         (
             &["cycle", &case, "--machine-stiffness", "-1"],
-            "stiffness of the machine cannot be -1",
+            "invalid stiffness of the machine -1",
         ),
         (
             &["cycle", &case, "--to=-1um"],
@@ -270,7 +270,7 @@ fn what_cannot_be_is_refused() {
         ),
         (
             &["transition", &case, "--set", "method.name=love"],
-            "only the spectral method has adhesion",
+            "only the spectral method supports adhesion",
         ),
     ];
     for (arguments, explanation) in attempts {
@@ -345,7 +345,7 @@ fn a_comparison_says_what_is_without_adhesion() {
         let expected = match name {
             "spectral_default" | "spectral_accurate" => "",
             "homogenised" | "punch_plain" | "punch_corrected" | "love" => {
-                "only the spectral method has adhesion"
+                "only the spectral method supports adhesion"
             }
             _ => "without adhesion",
         };

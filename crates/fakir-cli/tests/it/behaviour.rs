@@ -99,11 +99,11 @@ fn bad_input_is_status_2_with_an_explanation_and_no_files() {
         ),
         (
             &["press", &case, "--force", "-1uN"],
-            "force cannot be -1 uN: it must be 0 or greater",
+            "invalid force -1 uN: must be 0 or greater",
         ),
         (
             &["press", &case, "--indentation", "nan"],
-            "indentation cannot be",
+            "invalid indentation",
         ),
         (&["approach", &case, "--step", "0um"], "--step must be"),
         (&["approach", &case, "--step", "1nm"], "states"),
@@ -182,9 +182,8 @@ fn fields_count_against_the_memory_limit() {
 fn more_threads_than_processors_are_warned_of() {
     let bench = Bench::new();
     let processors = std::thread::available_parallelism().unwrap();
-    let told = format!(
-        "warning: 9999 threads are more than there are processors: {processors} are used\n"
-    );
+    let told =
+        format!("warning: 9999 threads exceed the number of processors: {processors} are used\n");
     bench.write(
         "study.toml",
         &format!(
@@ -270,7 +269,7 @@ fn verify_can_say_that_it_cannot_tell() {
     let told = &outcome.stdout;
     assert!(told.contains("IT CANNOT BE TOLD"), "{told}");
     assert!(
-        told.contains("the error estimates leave no digit"),
+        told.contains("no digit is significant: the error estimates allow"),
         "{told}"
     );
     assert!(!told.contains("DISAGREE"), "{told}");
@@ -278,7 +277,12 @@ fn verify_can_say_that_it_cannot_tell() {
     let answer: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
     assert_eq!(answer["agree"], false);
     assert_eq!(answer["verdict"], "cannot tell");
-    assert!(answer["doubt"].as_str().unwrap().contains("leave no digit"));
+    assert!(
+        answer["doubt"]
+            .as_str()
+            .unwrap()
+            .contains("no digit is significant")
+    );
     let sure = bench.json(&["verify", "case.toml", "--cells", "64"]);
     assert_eq!(sure["agree"], true);
     assert_eq!(sure["verdict"], "agree");
@@ -665,7 +669,7 @@ fn strained_models_fail_where_that_is_asked_for() {
     let rounded = example("asperities.toml");
     let refused = bench.run(&["press", &rounded, "--force=1uN", "--strict"]);
     assert_eq!(refused.status, Some(2));
-    assert!(refused.stderr.contains("have no validity limits"));
+    assert!(refused.stderr.contains("validity limits are not available"));
 }
 
 #[test]

@@ -273,7 +273,7 @@ fn what_makes_no_sense_is_status_2() {
                 ],
             ]
             .concat(),
-            "the method \"punch\": this method leaves the floor out",
+            "the method \"punch\": this method ignores the floor",
         ),
         (
             &["design", &case, "--tolerance", "texture.pillar.height=0%"],

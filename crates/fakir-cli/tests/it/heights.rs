@@ -492,7 +492,7 @@ fn every_other_command_refuses_rounded_tops() {
     assert!(
         floor
             .stderr
-            .contains("the floor under rounded tops is left out")
+            .contains("floor contact is not computed under rounded tops")
     );
     for arguments in [
         &["cycle", "case.toml"][..],
@@ -522,15 +522,15 @@ fn every_other_command_refuses_rounded_tops() {
     for (option, told) in [
         (
             &["--gradient"][..],
-            "derivatives are those of flat pillar tops",
+            "derivatives are supported only for flat pillar tops",
         ),
         (
             &["--attraction-range", "5nm"],
-            "the range of an attraction is that of tops that stick",
+            "the range of the attraction applies to adhesive tops",
         ),
         (
             &["--output", "x", "--field-points", "9"],
-            "there are no maps of the pressure on rounded tops",
+            "maps of the pressure are not available for rounded tops",
         ),
     ] {
         let press = ["press", "case.toml", "--force", "1mN"];

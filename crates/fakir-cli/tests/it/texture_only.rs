@@ -22,16 +22,20 @@ fn commands_without_an_answer_for_a_surface_say_what_to_use() {
     let fit = ["fit", data, "--case", case, "--free", free];
     let gradient = ["transition", case, "--gradient"];
     let asked: [(&[&str], &str, &str); 7] = [
-        (&["compare", case], "only one: elements", "`verify`"),
+        (
+            &["compare", case],
+            "only one method, boundary elements",
+            "`verify`",
+        ),
         (&["theory", case], "closed forms", "`transition`"),
-        (&design, "by whole cells", "`sweep`"),
+        (&design, "in steps of cells", "`sweep`"),
         (
             &["design", case, "--samples", "10"],
-            "by whole cells",
+            "in steps of cells",
             "`sweep`",
         ),
         (&fit, "derivatives", "`approach`"),
-        (&gradient, "by whole cells", "`sweep`"),
+        (&gradient, "in steps of cells", "`sweep`"),
         (
             &["explore", case, "--no-browser"],
             "milliseconds",

@@ -173,7 +173,7 @@ fn works_that_cannot_be_are_refused_at_their_key() {
         told["accepted"]
             .as_str()
             .unwrap()
-            .contains("parting takes no less than what was won"),
+            .contains("breaking contact takes at least the energy gained"),
         "{told}"
     );
     let told = refused("/api/cycle", &[("method.name", json!("punch"))]);
@@ -181,7 +181,7 @@ fn works_that_cannot_be_are_refused_at_their_key() {
         told["message"]
             .as_str()
             .unwrap()
-            .contains("the method \"punch\": only the spectral method has adhesion"),
+            .contains("the method \"punch\": only the spectral method supports adhesion"),
         "{told}"
     );
     let mut none = question(server.next(), &case(0.01));

@@ -372,10 +372,10 @@ fn words_of(key: Key) -> Vec<String> {
     ];
     words.extend(key.goes_with().map(|(choice, _)| choice.to_string()));
     let stands_for = match key {
-        Key::Rotation => "that is not turned",
-        Key::Columns => "endless",
+        Key::Rotation => "without rotation",
+        Key::Columns => "infinite",
         Key::HeightStandardDeviation | Key::TextureMissing | Key::TextureSeed => "equal pillars",
-        Key::WorkOfAdhesion => "adhesion is known",
+        Key::WorkOfAdhesion => "adhesion is supported",
         Key::RecedingWorkOfAdhesion => "adhesion.work",
         _ => key.path(),
     };

@@ -1,4 +1,4 @@
-//! What is asked twice of a system, and by how much the answers differ.
+//! Pairs of computations for a system, and the differences of their results.
 
 use crate::draw::{Asked, Drawn, control};
 use fakir::problem::{
@@ -9,47 +9,47 @@ use fakir::state::{ContactState, ErrorEstimate, Run, SolveError};
 use fakir::{Verdict, verify};
 use std::f64::consts::FRAC_PI_3;
 
-/// Relative rounding error that is nobody's estimate: of sums, and of what was prescribed.
+/// Relative rounding error that estimates do not include: of sums, and of prescribed values.
 const ROUNDING: f64 = 1e-12;
 
-/// Systems with more touched pillars are not asked of elements.
+/// Number of touched pillars above which a system is not computed with elements.
 const PILLARS_FOR_ELEMENTS: usize = 20;
 
-/// One system in so many is asked of elements.
+/// One system in this number is computed with elements.
 const ELEMENTS_EVERY: u64 = 5;
 
-/// Two answers to the same question.
+/// Two results for the same question.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pair {
-    /// What was asked twice.
+    /// Name of the comparison.
     pub(crate) check: &'static str,
-    /// Relative difference of the answers.
+    /// Relative difference of the results.
     pub(crate) difference: f64,
-    /// Sum of the estimates.
+    /// Sum of the error estimates.
     pub(crate) allowed: f64,
 }
 
 impl Pair {
-    /// Difference over what the estimates allow.
+    /// Difference divided by the sum of the error estimates.
     pub(crate) fn ratio(&self) -> f64 {
         self.difference / (self.allowed + ROUNDING)
     }
 }
 
-/// Everything found about a system.
+/// All findings for a system.
 #[derive(Debug, Default)]
 pub(crate) struct Findings {
     pub(crate) pairs: Vec<Pair>,
-    /// Answers, and those of them that did not converge.
+    /// Number of results, and of those that did not converge.
     pub(crate) answers: usize,
     pub(crate) unconverged: usize,
-    /// Numbers that are none, and other things that must never be.
+    /// Numbers that are not finite, and other violations of invariants.
     pub(crate) faults: Vec<String>,
-    /// The verdict of elements, if they were asked.
+    /// The verdict of the comparison with elements, if it was made.
     pub(crate) verdict: Option<Verdict>,
-    /// Why there is no answer.
+    /// The error, if there is no result.
     pub(crate) refused: bool,
-    /// Claimed errors of the two accuracies.
+    /// Estimated errors with the two accuracies.
     pub(crate) claimed: Option<[f64; 2]>,
     pub(crate) touched: [usize; 2],
 }
@@ -73,7 +73,7 @@ impl Findings {
         pairs.chain(faults).chain([rest]).collect()
     }
 
-    /// Takes an answer in: looks at its numbers. `None` if there is none to compare.
+    /// Checks the numbers of a result. Returns `None` if there is no result to compare.
     fn take(&mut self, answer: Result<ContactState, SolveError>) -> Option<ContactState> {
         match answer {
             Ok(state) => {
@@ -151,7 +151,7 @@ impl Findings {
                 self.pairs.push(Pair {
                     check,
                     difference: (one - other).abs() / scale,
-                    // Each estimate is of its own value.
+                    // Each estimate is relative to its own value.
                     allowed: (error * one.abs() + other_error * other.abs()) / scale,
                 });
             }
@@ -159,7 +159,7 @@ impl Findings {
     }
 }
 
-/// Asks all that is asked of a system.
+/// Makes all comparisons for a system.
 pub(crate) fn examine(drawn: &Drawn) -> Findings {
     let mut findings = Findings::default();
     let run = Run::default();
@@ -258,7 +258,7 @@ pub(crate) fn examine(drawn: &Drawn) -> Findings {
     findings
 }
 
-/// The error of a force at a given indentation is one of the indentation at a given force.
+/// An error of the force at a given indentation corresponds to an error of the indentation at a given force.
 fn with_error_of(state: &ContactState, back: &ContactState) -> ContactState {
     let mut state = state.clone();
     state.error.indentation = state.error.force.min(1.0);
@@ -266,7 +266,7 @@ fn with_error_of(state: &ContactState, back: &ContactState) -> ContactState {
     state
 }
 
-/// The same system in other units: lengths and moduli times powers of two give the same digits.
+/// The same system in other units: scaling lengths and moduli by powers of two must not change any digit.
 fn units(drawn: &Drawn, control: Load, state: &ContactState, findings: &mut Findings) {
     const LENGTH: f64 = 1024.0;
     const MODULUS: f64 = 0.0625;

@@ -1,4 +1,4 @@
-//! Random systems and questions, over all that is allowed.
+//! Random systems and questions within the complete range of input.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
@@ -8,23 +8,22 @@ use fakir::problem::{
 };
 use std::f64::consts::{FRAC_PI_6, PI, TAU};
 
-/// Pillars under the contact, as far as can be told beforehand, above which another system is drawn:
-/// every system is solved some ten times.
+/// Estimated number of pillars under the contact above which another system is drawn: every system is solved about ten times.
 const MOST_PILLARS: f64 = 400.0;
 
-/// Squares of half a pillar radius that the lens would take from the floor, above which another system is drawn.
+/// Number of squares of half a pillar radius on the floor under the lens above which another system is drawn.
 const MOST_FLOOR: f64 = 2e4;
 
-/// What is asked of a system.
+/// The load of a system.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Asked {
     Transition,
     Indentation(f64),
-    /// The force, of the same order as at this indentation.
+    /// The force, of the same order of magnitude as at this indentation.
     ForceNear(f64),
 }
 
-/// A system with its question.
+/// A system with its load.
 #[derive(Debug, Clone)]
 pub(crate) struct Drawn {
     pub(crate) seed: u64,
@@ -34,7 +33,7 @@ pub(crate) struct Drawn {
 }
 
 impl Drawn {
-    /// The system of a seed and a number: the same every time.
+    /// The reproducible system for a seed and a number.
     pub(crate) fn new(seed: u64, number: u64) -> Self {
         let mut random = Random(ChaCha8Rng::seed_from_u64(seed));
         random.0.set_stream(number);
@@ -54,7 +53,7 @@ impl Drawn {
         }
     }
 
-    /// As a case file, and how to ask the question on the command line.
+    /// The case file, and the command-line options of the question.
     pub(crate) fn case_file(&self) -> String {
         let system = &self.system;
         let (lens, pillar, lattice) = (
@@ -101,7 +100,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// A number whose logarithm is uniform.
+    /// A number with a uniformly distributed logarithm.
     fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
         self.uniform(low.ln(), high.ln()).exp()
     }
@@ -152,7 +151,7 @@ impl Random {
         System::new(lens, substrate, texture).expect("drawn within what is allowed")
     }
 
-    /// Offset in pitches and its angle: the sites of symmetry, just beside them, or anywhere.
+    /// Offset in pitches and its angle: at sites of symmetry, close to these, or anywhere.
     fn landing(&mut self) -> (f64, f64) {
         const SITES: [(f64, f64); 6] = [
             (0.0, 0.0),
@@ -180,7 +179,7 @@ impl Random {
         let first_touch = system.lens().sag([nearest_edge(system), 0.0]);
         let reach = system.pitch() * self.logarithmic(0.05, 6.0);
         let radius = system.lens().sphere_radius();
-        // Light touches are the hardest: the contact is a sliver of one pillar top.
+        // Light contacts are the most difficult: the contact is a narrow region of one pillar top.
         let lightly = self.one_in(4.0) && first_touch > 0.0 && first_touch.is_finite();
         let indentation = if lightly {
             first_touch * (1.0 + self.logarithmic(1e-4, 1.0))
@@ -208,7 +207,7 @@ pub(crate) fn nearest_edge(system: &System) -> f64 {
     (x.hypot(y) - 0.5 * system.pillar().diameter).max(0.0)
 }
 
-/// Squares of half a pillar radius within the circle in which the undeformed lens would be below the floor.
+/// Number of squares of half a pillar radius within the circle in which the undeformed lens would be below the floor.
 fn expected_floor(system: &System, asked: Asked) -> f64 {
     let (lens, pillar) = (system.lens().sphere_radius(), system.pillar());
     match asked {
@@ -220,8 +219,8 @@ fn expected_floor(system: &System, asked: Asked) -> f64 {
     }
 }
 
-/// Pillars under a contact of the radius that the undeformed lens has at the indentation, or, at the
-/// transition, of the paper's `e sqrt(1 + (R h/e^2)^2)`; none where the contact outgrows the lens.
+/// Number of pillars under a contact with the radius of the undeformed lens at the indentation, or, at the transition, of the paper's
+/// `e sqrt(1 + (R h/e^2)^2)`; `None` if the contact is too large for the lens.
 fn expected_pillars(system: &System, asked: Asked) -> f64 {
     let lattice = system.hexagonal_lattice().expect("a hexagonal lattice");
     let (lens, pitch) = (system.lens().sphere_radius(), lattice.pitch);
@@ -234,7 +233,7 @@ fn expected_pillars(system: &System, asked: Asked) -> f64 {
     PI * contact.min(0.6 * lens).powi(2) / lattice.cell_area()
 }
 
-/// What is prescribed, with the force that is meant.
+/// The load, with the given value of a prescribed force.
 pub(crate) fn control(asked: Asked, force: f64) -> Load {
     match asked {
         Asked::Transition => Load::FloorContact,

@@ -1,10 +1,9 @@
-//! Random systems over all that is allowed, and whether every estimate covers its error:
+//! Tests with random systems within the complete range of input whether every estimate covers its error:
 //! `cargo xtask campaign --seconds 60 --seed 1`.
 //!
-//! What an error is, is not known; but two answers to one question may differ by the sum of their
-//! estimates at most. Asked twice are: both accuracies, copies of the system that are turned,
-//! mirrored, or measured in other units, the force that belongs to an indentation and back, a
-//! slightly larger indentation, and, now and then, elements.
+//! The true error is unknown, but two results for the same question may differ by at most the sum of their estimates. The comparisons are:
+//! both accuracies; rotated and reflected copies of the system, and copies in other units; the force at an indentation and the indentation
+//! at this force; a slightly larger indentation; and, for some systems, elements.
 
 mod checks;
 mod draw;
@@ -17,14 +16,14 @@ use report::Report;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Systems between two looks at the clock.
+/// Number of systems between checks of the time limit.
 const BATCH: u64 = 64;
 
 struct Arguments {
     seed: u64,
     systems: u64,
     seconds: f64,
-    /// One system alone, printed in full.
+    /// A single system, printed in full.
     only: Option<u64>,
 }
 
@@ -83,8 +82,8 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Arguments, String> {
     };
     let mut timed = false;
     while let Some(option) = words.next() {
-        let value = words.next().ok_or(format!("{option} needs a value"))?;
-        let wrong = || format!("{option} cannot be {value}");
+        let value = words.next().ok_or(format!("{option} requires a value"))?;
+        let wrong = || format!("invalid value {value} of {option}");
         let whole = || value.parse::<u64>().map_err(|_| wrong());
         match option.as_str() {
             "--seed" => arguments.seed = whole()?,
@@ -101,7 +100,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Arguments, String> {
             _ => return Err(format!("unknown option {option}")),
         }
     }
-    // A number of systems is a limit of its own.
+    // A limit on the number of systems replaces that on the time.
     if arguments.systems < u64::MAX && !timed {
         arguments.seconds = 1e6;
     }

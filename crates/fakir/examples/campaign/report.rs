@@ -1,26 +1,26 @@
-//! The sum of a campaign: histograms of error over estimate, and the worst systems.
+//! Summary of a campaign: histograms of the ratio of error to estimate, and the worst systems.
 
 use crate::checks::Findings;
 use crate::draw::Drawn;
 use fakir::Verdict;
 use std::collections::BTreeMap;
 
-/// Upper ends of the classes of error over estimate.
+/// Upper bounds of the classes of the ratio of error to estimate.
 const CLASSES: [f64; 7] = [1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, f64::INFINITY];
 
-/// Share of the pairs that estimates have to cover.
+/// Smallest fraction of pairs that estimates must cover.
 const COVERED: f64 = 0.995;
 
-/// Error over estimate that nothing may exceed.
+/// Largest ratio of error to estimate that is accepted.
 const FARTHEST: f64 = 3.0;
 
-/// Share of the answers that have to converge.
+/// Smallest fraction of results that must converge.
 const CONVERGED: f64 = 0.99;
 
-/// Share of the verdicts of elements that may disagree.
+/// Largest fraction of comparisons with elements that may disagree.
 const DISAGREEING: f64 = 0.005;
 
-/// Worst systems that are printed.
+/// Number of the worst systems that are printed.
 const WORST: usize = 12;
 
 #[derive(Default)]
@@ -34,9 +34,9 @@ pub(crate) struct Report {
     disagreeing: usize,
     undecided: usize,
     faults: Vec<String>,
-    /// Ratio, and what it is of.
+    /// Ratio and description.
     worst: Vec<(f64, String)>,
-    /// Claimed errors of both accuracies.
+    /// Estimated errors with both accuracies.
     claimed: [Vec<f64>; 2],
 }
 
@@ -57,7 +57,7 @@ impl Report {
         }
         for pair in &findings.pairs {
             let ratio = pair.ratio();
-            // Not even infinity is below the last class for what is no number.
+            // NaN is in no class by comparison; it is counted in the last one.
             let class = CLASSES.iter().position(|end| ratio <= *end);
             let class = class.unwrap_or(CLASSES.len() - 1);
             self.histograms.entry(pair.check).or_default()[class] += 1;

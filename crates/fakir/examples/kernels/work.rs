@@ -1,6 +1,6 @@
-//! Work of a fixed size on private parts of the crate: the examples `kernels`, `limits` and `arrangement` run it.
+//! Workloads of fixed size for private parts of the crate, used by the examples `kernels`, `limits` and `arrangement`.
 //!
-//! The feature `kernels` compiles this file as a module of the crate. It is not part of the interface.
+//! The feature `kernels` compiles this file as a module of the crate. It is not part of the public interface.
 
 use crate::halfspace::coupling::convolution::LatticeConvolution;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -39,12 +39,12 @@ fn lattice() -> HexagonalLattice {
     HexagonalLattice::new(4.26)
 }
 
-/// Any coefficients, reproducibly.
+/// Arbitrary, reproducible coefficients.
 fn coefficients(count: usize) -> Vec<f64> {
     (0..count).map(|k| (1.7 * k as f64).sin()).collect()
 }
 
-/// The coupling of two thousand pillars, set up.
+/// Sets up the coupling of two thousand pillars.
 fn coupling() -> f64 {
     let window = Window::new(&lattice(), 100.0);
     let pair = PairCoupling::new(DEGREE, lattice().pitch);
@@ -54,7 +54,7 @@ fn coupling() -> f64 {
     window.len() as f64
 }
 
-/// A hundred products with it.
+/// A hundred products with this coupling.
 fn products() -> f64 {
     hundred_products(|coupling, c, far| coupling.apply(c, far, Run::default().workers()))
 }
@@ -73,14 +73,14 @@ fn hundred_products(product: impl Fn(&mut LatticeCoupling<'_>, &[f64], &mut [f64
     far[0]
 }
 
-/// The same in single precision, as inside a solution.
+/// The same in single precision, as within a solution.
 fn rough_products() -> f64 {
     hundred_products(|coupling, c, far| {
         coupling.apply_roughly(c, far, Run::default().workers());
     })
 }
 
-/// A thousand loads under which a pillar is touched in part.
+/// A thousand loads under which a pillar is partially covered.
 fn loads() -> impl Iterator<Item = [f64; 6]> {
     (0..1000).map(|k| {
         [
@@ -94,7 +94,7 @@ fn loads() -> impl Iterator<Item = [f64; 6]> {
     })
 }
 
-/// Solutions of one pillar that the edge of the contact crosses, with their derivatives.
+/// Solutions for one pillar that the edge of the contact crosses, with their derivatives.
 fn one_pillar() -> f64 {
     let top = PillarTop::new(TOPS, DEGREE, 0.5);
     let mut solver = LocalSolver::new(&top);
@@ -111,7 +111,7 @@ fn one_pillar() -> f64 {
     sum
 }
 
-/// Displacement of the floor by two thousand pillars at points between them.
+/// Displacement of the floor due to two thousand pillars at points between them.
 fn floor() -> f64 {
     let window = Window::new(&lattice(), 100.0);
     let exterior = Exterior::new(DEGREE);
@@ -148,10 +148,10 @@ fn elements() -> f64 {
     displacement[0]
 }
 
-/// A piece of work and its name.
+/// Name and function of a workload.
 pub type Kernel = (&'static str, fn() -> f64);
 
-/// All of them.
+/// All workloads.
 pub const KERNELS: [Kernel; 6] = [
     ("coupling", coupling),
     ("products", products),
@@ -161,27 +161,28 @@ pub const KERNELS: [Kernel; 6] = [
     ("elements", elements),
 ];
 
-/// A piece of work beside what it needs at the least: so many operations on numbers (a multiplication and
-/// an addition are two) and so many bytes to and from memory.
+/// A workload and its theoretical minimum: numbers of operations (a multiplication and an addition are two) and of bytes transferred from
+/// and to memory.
 #[derive(Debug, Clone)]
 pub struct Limit {
-    /// What is done.
+    /// Name of the workload.
     pub name: String,
-    /// Operations of one time.
+    /// Operations per execution.
     pub operations: f64,
-    /// Operations that a vector does at once, over those in double precision.
+    /// Number of operations in a vector instruction relative to double precision.
     pub at_once: f64,
-    /// Bytes of one time.
+    /// Bytes per execution.
     pub bytes: f64,
-    /// Bytes of all arrays, which decide what caches they fit.
+    /// Total size of the arrays in bytes, which determines the caches that they fit.
     pub working_set: f64,
-    /// Seconds it took, the least of several times.
+    /// Time in seconds, the minimum of several executions.
     pub seconds: f64,
-    /// Of a convolution, seconds that its transforms alone take, of numbers in the cache.
+    /// For a convolution, time in seconds of its transforms alone, with data in the cache.
     pub transforms: Option<f64>,
 }
 
-/// The convolution of about `pillars` pillars, of floors between pillars, and the unilateral problem of one, on one thread.
+/// The convolution of about `pillars` pillars, products with floors between pillars, and the unilateral problem of one pillar, on one
+/// thread.
 #[must_use]
 pub fn limits(pillars: &[f64]) -> Vec<Limit> {
     let products = pillars.iter().flat_map(|&count| product_limits(count));
@@ -191,8 +192,8 @@ pub fn limits(pillars: &[f64]) -> Vec<Limit> {
     limits
 }
 
-/// Of products with a floor and the tops beside it, in double precision and in single: a patch past the transition at a surface fraction of 0.1, the lens axis so many
-/// pitches from a pillar. On a pillar all is its own mirror image.
+/// Products with a floor and the adjacent tops, in double and single precision: a patch past the transition at a surface fraction of 0.1,
+/// with the lens axis at this distance (in pitches) from a pillar. On a pillar, the system is symmetric.
 fn floor_limits(offset: f64) -> Vec<Limit> {
     const PITCH: f64 = 6.02;
     const FLOOR: f64 = 57.0;
@@ -249,7 +250,8 @@ fn floor_limits(offset: f64) -> Vec<Limit> {
     [false, true].into_iter().filter_map(limit).collect()
 }
 
-/// Of a product in double precision or in single, with so many numbers in double precision that it reads, and as many that it writes, besides its work.
+/// A product in double or single precision, with the given numbers of double-precision values that it reads and writes in addition to its
+/// work.
 fn product_limit(
     [name, size]: [&str; 2],
     rough: bool,
@@ -273,7 +275,7 @@ fn product_limit(
     }
 }
 
-/// Of products in double precision and in single, those inside a solution.
+/// Products in double precision and in single precision, which are used within a solution.
 fn product_limits(pillars: f64) -> [Limit; 2] {
     let radius = (pillars * lattice().cell_area() / std::f64::consts::PI).sqrt();
     let window = Window::new(&lattice(), radius);
@@ -309,8 +311,8 @@ fn one_pillar_limit() -> Limit {
         let mut active = Vec::new();
         let steps = solver.solve(&top, &load, &mut active).steps as f64;
         let size = active.iter().filter(|active| **active).count() as f64;
-        // Unconstrained pressures; a factorisation, two triangular solutions and the pressures
-        // elsewhere in every step; coefficients; the derivative.
+        // Unconstrained pressures; a factorisation, two triangular solutions and the pressures at the other nodes in every step;
+        // coefficients; the derivative.
         let step = size.powi(3) / 3.0 + 2.0 * size * size + 2.0 * size * (nodes - size);
         operations += 2.0 * nodes * modes
             + steps * step
@@ -333,24 +335,24 @@ fn one_pillar_limit() -> Limit {
     }
 }
 
-/// A sphere pressed onto flat discs, and what that took.
+/// Result of pressing a sphere onto flat discs, and its cost.
 #[derive(Debug, Clone)]
 pub struct Pressed {
     /// Force, in units of the reduced modulus and the square of the unit of length.
     pub force: f64,
-    /// Estimate of its relative error.
+    /// Estimated relative error of the force.
     pub error: f64,
-    /// The least gap to the floor.
+    /// The smallest gap to the floor.
     pub gap: f64,
-    /// Discs that were looked at, and those touched.
+    /// Number of discs in the window, and of those in contact.
     pub discs: [usize; 2],
     /// Degree of the coupling.
     pub degree: usize,
-    /// Of every stage its name, what the clock showed at its end, and products with the coupling in it.
+    /// For every stage: its name, the time at its end, and the number of products with the coupling.
     pub stages: Vec<(&'static str, f64, usize)>,
 }
 
-/// Presses a sphere to an indentation onto rigid discs, each of a place and a radius. `None` if they overlap.
+/// Presses a sphere onto rigid discs with the given positions and radii, to an indentation. Returns `None` if they overlap.
 ///
 /// # Errors
 ///
@@ -411,7 +413,7 @@ pub fn press_discs(
     }))
 }
 
-/// Operations a second that one thread does on numbers in registers.
+/// Operations per second of one thread on data in registers.
 #[must_use]
 pub fn operation_rate() -> f64 {
     const ROUNDS: usize = 1_000_000;
@@ -434,7 +436,7 @@ pub fn operation_rate() -> f64 {
     (ROUNDS * CHAINS * LANES * 2) as f64 / seconds
 }
 
-/// Bytes a second that one thread reads and writes, of arrays of so many bytes.
+/// Bytes per second that one thread reads and writes, for arrays with this number of bytes.
 #[must_use]
 pub fn byte_rate(working_set: f64) -> f64 {
     let length = (working_set / 16.0) as usize + 1;
@@ -449,7 +451,7 @@ pub fn byte_rate(working_set: f64) -> f64 {
     (rounds * length * 16) as f64 / seconds
 }
 
-/// The least of some times, s.
+/// The minimum of several times, s.
 fn least_time(mut work: impl FnMut()) -> f64 {
     let mut times = 0.0;
     let mut least = f64::INFINITY;

@@ -1,4 +1,4 @@
-//! Fields in the plane with their derivatives at a point.
+//! Scalar fields in the plane with their derivatives at a point.
 
 /// A scalar field in the plane with its gradient and Hessian `[xx, xy, yy]`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -20,7 +20,7 @@ impl FieldJet {
         }
     }
 
-    /// The value a step away, to second order.
+    /// The value at an offset, to second order.
     pub(crate) fn expanded(&self, [x, y]: [f64; 2]) -> f64 {
         let [along, cross, across] = self.hessian;
         let slope = self.gradient[0] * x + self.gradient[1] * y;

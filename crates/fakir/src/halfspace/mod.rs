@@ -1,11 +1,11 @@
-//! How an elastic half-space gives way.
+//! Response of an elastic half-space.
 //!
-//! * `disc`: one pillar top, its pressure in the eigenfunctions of a disc, and the surface around it;
-//! * `coupling`: how the pillars of a lattice act on each other;
+//! * `disc`: one pillar top, its pressure expanded in the eigenfunctions of a disc, and the surface displacement around it;
+//! * `coupling`: the interaction of the pillars;
 //! * `floor`: the floor between the pillars, in rectangles on a grid that is aligned with the lattice;
 //! * `jet`: fields with their derivatives at a point;
-//! * [`layer`]: what changes where a body is no half-space but a layer;
-//! * [`elements`]: rectangles of constant pressure, and the displacement of all from all.
+//! * [`layer`]: corrections for bodies that are layers instead of half-spaces;
+//! * [`elements`]: rectangles of constant pressure, and the displacements that they cause.
 #![doc = ""]
 #![doc = include_str!("../../doc/rendered/halfspace.md")]
 

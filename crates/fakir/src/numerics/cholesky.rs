@@ -1,14 +1,14 @@
-//! Cholesky factors of matrices that are factorised now and then. Those of pillars are left to [`super::elimination`].
+//! Cholesky factorisation of general dense matrices. Systems of single pillars use [`super::elimination`].
 //!
-//! Matrices are kept column by column, of which the lower triangle counts.
+//! Matrices are stored by columns; only the lower triangle is used.
 
 use super::product::{Part, Product};
 use super::vector::{inner_dot, widest};
 
-/// Columns that are factorised one by one; what is before them is taken out of them by a product of matrices.
+/// Width of a panel that is factorised column by column. The contribution of the preceding columns is subtracted by a matrix product.
 const PANEL: usize = 32;
 
-/// Factorises a symmetric matrix in place. `false` if it is not positive definite. What is above the diagonal is left undefined.
+/// Factorises a symmetric matrix in place. Returns `false` if it is not positive definite. The part above the diagonal is left undefined.
 pub(crate) fn factorise(matrix: &mut [f64], size: usize) -> bool {
     if size <= PANEL {
         return factorise_panel(matrix, size, 0);
@@ -31,7 +31,7 @@ pub(crate) fn factorise(matrix: &mut [f64], size: usize) -> bool {
     true
 }
 
-/// Factorises columns of which `first` is the row on the diagonal of the first.
+/// Factorises a panel; row `first` contains the diagonal element of its first column.
 fn factorise_panel(panel: &mut [f64], size: usize, first: usize) -> bool {
     widest(
         #[inline(always)]
@@ -118,7 +118,7 @@ mod tests {
     fn tells_what_is_not_positive_definite() {
         assert!(!factorise(&mut [1.0, 2.0, 2.0, 1.0], 2));
         assert!(!factorise(&mut [f64::NAN], 1));
-        // In the first columns, and behind columns that were taken out of it.
+        // In the first panel, and in columns after it.
         for place in [0, PANEL - 1, PANEL, 100] {
             for value in [-1e-3, f64::NAN] {
                 let mut matrix = vec![0.0; 101 * 101];

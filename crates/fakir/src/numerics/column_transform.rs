@@ -1,33 +1,34 @@
-//! Fast Fourier transforms of columns that lie side by side, for convolutions.
+//! Fast Fourier transforms of columns that are stored side by side, for convolutions.
 //!
-//! A convolution does not care in what order its frequencies are, as long as kernels have the same order. So none are moved: the way forward leaves them
-//! where its butterflies put them ([`ColumnTransform::frequencies`]), and the way back begins there. Numbers of one row are a *line*: the real parts of
-//! [`COLUMNS`] columns, then their imaginary parts. A butterfly is the same few sums of registers for all columns of a line, whatever the stage.
+//! A convolution does not depend on the order of frequencies if the kernels have the same order. Frequencies are therefore not permuted:
+//! the forward transform leaves them where its butterflies put them ([`ColumnTransform::frequencies`]), and the inverse transform starts
+//! from this order. A *line* contains the numbers of [`COLUMNS`] columns in one row: their real parts, then their imaginary parts. A
+//! butterfly is the same few sums of registers for all columns of a line in every stage.
 //!
-//! A row is one line or more, side by side. The first stage reads those rows that there are: the others are zeros. The last one writes back as many.
-//! Stages in between work on blocks of rows, one after the other; those of the last few are short and stay in the cache, where what meets the
-//! transforms can be done in between.
+//! A row consists of one or more lines. The first forward stage reads only the rows that exist and takes the others as zeros; the last
+//! inverse stage writes only the rows that are requested. The inner stages run block by block. The blocks of the last few stages are short
+//! and stay in the cache, so that products with kernels can be computed between the forward and the inverse transform of a block.
 
 use super::simd::InRegisters;
 use pulp::Simd;
 use std::cell::Cell;
 use std::f64::consts::TAU;
 
-/// Columns side by side.
+/// Number of columns in a line.
 pub(crate) const COLUMNS: usize = 8;
 
-/// Numbers in a line.
+/// Number of real numbers in a line.
 pub(crate) const LINE: usize = 2 * COLUMNS;
 
 pub(crate) struct ColumnTransform<R> {
     length: usize,
-    /// The way forward; that back is the same the other way.
+    /// The forward stages; the inverse transform uses them in reverse order.
     stages: Vec<Stage<R>>,
-    /// Stages from this one on are made block by block.
+    /// Index of the first stage that runs block by block.
     inner: usize,
 }
 
-/// How many lines there are in a row, and how many registers of each part of a line are worked on.
+/// Number of lines in a row, and number of registers of each part of a line that are processed together.
 #[derive(Clone, Copy)]
 pub(crate) struct SideBySide {
     pub(crate) lines: usize,
@@ -35,7 +36,7 @@ pub(crate) struct SideBySide {
 }
 
 impl<R: InRegisters> ColumnTransform<R> {
-    /// Of columns of a length that is a product of twos, threes and fives. Blocks hold no more rows than `at_once`.
+    /// Plans transforms of columns whose length is a product of powers of 2, 3 and 5. Blocks have at most `at_once` rows.
     pub(crate) fn new(length: usize, at_once: usize) -> Self {
         let mut stages: Vec<Stage<R>> = Vec::new();
         let mut span = length;
@@ -56,7 +57,7 @@ impl<R: InRegisters> ColumnTransform<R> {
         }
     }
 
-    /// The frequency at every place.
+    /// The frequency at every position of the transformed column.
     pub(crate) fn frequencies(&self) -> Vec<usize> {
         let frequency = |place: usize| {
             let (mut frequency, mut unit, mut rest) = (0, 1, place);
@@ -71,12 +72,12 @@ impl<R: InRegisters> ColumnTransform<R> {
         (0..self.length).map(frequency).collect()
     }
 
-    /// Rows of a block.
+    /// Number of rows in a block.
     pub(crate) fn inner_length(&self) -> usize {
         self.stages.get(self.inner).map_or(1, |stage| stage.span)
     }
 
-    /// The stages forward before blocks are worked on one by one, from the rows that there are to all rows.
+    /// Runs the forward stages that precede the blocks, from the existing rows to all rows.
     #[inline(always)]
     pub(crate) fn enter<S: Simd>(
         &self,
@@ -86,7 +87,7 @@ impl<R: InRegisters> ColumnTransform<R> {
         side_by_side: SideBySide,
     ) {
         let Some((first, rest)) = self.stages[..self.inner].split_first() else {
-            // A column of one number is its own transform.
+            // The transform of a column of one number is this number.
             target.copy_from_slice(source);
             return;
         };
@@ -98,7 +99,7 @@ impl<R: InRegisters> ColumnTransform<R> {
         }
     }
 
-    /// The stages forward in one block.
+    /// Runs the forward stages of one block.
     #[inline(always)]
     pub(crate) fn forward<S: Simd>(
         &self,
@@ -111,7 +112,7 @@ impl<R: InRegisters> ColumnTransform<R> {
         }
     }
 
-    /// The stages back in one block.
+    /// Runs the inverse stages of one block.
     #[inline(always)]
     pub(crate) fn back<S: Simd>(
         &self,
@@ -124,7 +125,7 @@ impl<R: InRegisters> ColumnTransform<R> {
         }
     }
 
-    /// The stages back after blocks were worked on, without normalisation; to as many rows as are asked for.
+    /// Runs the inverse stages that follow the blocks, without normalisation, and writes the requested rows.
     #[inline(always)]
     pub(crate) fn leave<S: Simd>(
         &self,
@@ -146,13 +147,13 @@ impl<R: InRegisters> ColumnTransform<R> {
     }
 }
 
-/// Registers of a line: twice those of its real parts.
+/// Number of registers in a line: twice the number for its real parts.
 #[inline(always)]
 pub(crate) fn registers_of_line<R: InRegisters, S: Simd>(simd: S) -> usize {
     R::registers(simd, &[R::default(); LINE]).len()
 }
 
-/// Complex numbers of as many columns.
+/// Complex numbers, one for each column of a register.
 struct Numbers<R: InRegisters, S: Simd> {
     re: R::Register<S>,
     im: R::Register<S>,
@@ -203,7 +204,7 @@ impl<R: InRegisters, S: Simd> Numbers<R, S> {
         }
     }
 
-    /// `self - i other` and `self + i other`; back the other way around.
+    /// `self - i other` and `self + i other`; exchanged in the inverse transform.
     #[inline(always)]
     fn with_turned<const BACK: bool>(self, simd: S, other: Self) -> [Self; 2] {
         let clockwise = Self {
@@ -221,7 +222,7 @@ impl<R: InRegisters, S: Simd> Numbers<R, S> {
         }
     }
 
-    /// Times a number, or back its conjugate.
+    /// Product with a complex number, or with its conjugate in the inverse transform.
     #[inline(always)]
     fn times<const BACK: bool>(self, simd: S, [re, im]: [R; 2]) -> Self {
         let im = R::splat(simd, if BACK { R::default() - im } else { im });
@@ -234,7 +235,7 @@ impl<R: InRegisters, S: Simd> Numbers<R, S> {
     }
 }
 
-/// The transform of so few numbers.
+/// Discrete Fourier transform of `RADIX` numbers.
 #[inline(always)]
 fn butterfly<R: InRegisters, S: Simd, const RADIX: usize, const BACK: bool>(
     simd: S,
@@ -277,11 +278,11 @@ fn butterfly<R: InRegisters, S: Simd, const RADIX: usize, const BACK: bool>(
     y
 }
 
-/// Blocks of `span` rows, of which each is transformed to as many parts as the radix says.
+/// A stage: transforms blocks of `span` rows, each divided into as many parts as the radix.
 struct Stage<R> {
     radix: usize,
     span: usize,
-    /// For every row of a part, what is multiplied with that of all parts but the first.
+    /// Twiddle factors of all parts but the first, for every row of a part.
     factors: Vec<[R; 2]>,
 }
 
@@ -311,7 +312,7 @@ impl<R: InRegisters> Stage<R> {
         self.run::<S, BACK, true>(simd, rows, rows, side_by_side);
     }
 
-    /// From one place to another, or to the same: all blocks if they are whole, or one that need not be.
+    /// Runs the stage out of place or in place: on all blocks if they are whole, or on one that may be incomplete.
     #[inline(always)]
     fn run<S: Simd, const BACK: bool, const WHOLE: bool>(
         &self,
@@ -341,7 +342,7 @@ impl<R: InRegisters> Stage<R> {
             return;
         }
         let of_block = self.span * side_by_side.lines * registers_of_line::<R, S>(simd);
-        // `zip` is not always inlined here, and would cost a call for each short block.
+        // `zip` is not always inlined here, and would then cost a call for each short block.
         let mut first = 0;
         while first + of_block <= source.len() {
             let (source, target) = (&source[first..][..of_block], &target[first..][..of_block]);
@@ -350,8 +351,8 @@ impl<R: InRegisters> Stage<R> {
         }
     }
 
-    /// A block from one place to another, or to the same. Unless both are whole, rows that the source does not have are zeros, and those that the target
-    /// does not have are left out.
+    /// Transforms a block out of place or in place. Unless source and target are whole, missing rows of the source are zeros, and missing
+    /// rows of the target are skipped.
     #[inline(always)]
     fn block<S: Simd, const RADIX: usize, const BACK: bool, const WHOLE: bool>(
         &self,
@@ -376,9 +377,9 @@ impl<R: InRegisters> Stage<R> {
                     to[p] = &target[first..][..of_row];
                 }
             }
-            // Factors of the last stage are ones.
+            // The factors of the last stage are 1.
             let has_factors = part > of_row;
-            // Places are compared with the end of the row, so that none has to be looked at again.
+            // Indices are compared with the end of the row, so that the compiler can remove bounds checks.
             let mut line = 0;
             while line + width <= of_row {
                 for k in 0..used {
@@ -423,10 +424,10 @@ mod tests {
     use num_complex::Complex64;
     use pulp::{Arch, WithSimd};
 
-    /// Lines of a row.
+    /// Number of lines in a row.
     const SIDE_BY_SIDE: usize = 2;
 
-    /// There and back through blocks; the spectrum is what is in between.
+    /// Forward and inverse transform through blocks, with the spectrum between them.
     struct ThereAndBack<'a, R> {
         transform: &'a ColumnTransform<R>,
         values: &'a mut [R],
@@ -490,7 +491,8 @@ mod tests {
         }
     }
 
-    /// Against the library's, of all radices, of columns with and without zeros at their ends, in blocks and without.
+    /// Compares with the transforms of the library, for all radices, for columns with and without zeros at their ends, with and without
+    /// blocks.
     #[test]
     fn columns_have_their_transforms() {
         for (length, rows) in [

@@ -1,23 +1,22 @@
-//! When a solution is good enough: every solver, search and certificate decides it here.
+//! Decides whether a solution is accurate enough, for every solver, search and error bound.
 //!
-//! A comparison with NaN is false, so that its opposite seems to hold, and `max` and `min` drop NaN.
-//! What is decided here is never accepted because a number is undefined: `judge` distinguishes errors
-//! that are small from those that are large and from those that are no numbers, and [`larger`],
-//! `smaller` and `largest` keep NaN where the functions of `f64` lose it.
+//! A comparison with NaN is false, so that the opposite condition seems to be met, and `max` and `min` drop NaN. The functions of this
+//! module never accept an undefined number: `judge` distinguishes small errors, large errors and NaN, and [`larger`], `smaller` and
+//! `largest` propagate NaN where the functions of `f64` lose it.
 
-/// What an error says of a solution.
+/// Result of comparing an error with its bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[must_use]
 pub(crate) enum Judgement {
     /// The error is within its bound.
     Good,
-    /// The error is beyond its bound, or infinite.
+    /// The error exceeds its bound, or is infinite.
     TooLarge,
-    /// The error is no number, or its bound is none: nothing is known of the solution.
+    /// The error or its bound is NaN: the accuracy of the solution is unknown.
     Undefined,
 }
 
-/// Judges an error by its bound, both in the same unit.
+/// Compares an error with its bound, both in the same unit.
 #[inline]
 pub(crate) fn judge(error: f64, bound: f64) -> Judgement {
     if error.is_nan() || error == f64::NEG_INFINITY || !bound.is_finite() {
@@ -29,28 +28,29 @@ pub(crate) fn judge(error: f64, bound: f64) -> Judgement {
     }
 }
 
-/// Whether an error is within its bound; never where one of them is no number.
+/// Returns whether an error is within its bound; `false` if one of them is NaN.
 #[inline]
 #[must_use]
 pub fn within(error: f64, bound: f64) -> bool {
     judge(error, bound) == Judgement::Good
 }
 
-/// The larger of two numbers, NaN if one of them is.
+/// The larger of two numbers; NaN if one of them is NaN.
 #[inline]
 #[must_use]
 pub fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
-/// The smaller of two numbers, NaN if one of them is.
+/// The smaller of two numbers; NaN if one of them is NaN.
 #[inline]
 #[must_use]
 pub(crate) fn smaller(a: f64, b: f64) -> f64 {
     if a < b || a.is_nan() { a } else { b }
 }
 
-/// A number brought between two others, NaN if one of the three is, and `greatest` where that is below `least`: `f64::clamp` ends the program there.
+/// Restricts a number to the interval from `least` to `greatest`. Returns NaN if one of the three is NaN, and `greatest` if it is below
+/// `least`, where `f64::clamp` panics.
 ///
 /// ```
 /// use fakir::numerics::convergence::clamped;
@@ -64,7 +64,7 @@ pub fn clamped(value: f64, least: f64, greatest: f64) -> f64 {
     smaller(larger(value, least), greatest)
 }
 
-/// The largest absolute value, NaN if one of them is, 0 if there are none.
+/// The largest absolute value; NaN if a value is NaN, 0 for an empty sequence.
 #[must_use]
 pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values

@@ -1,34 +1,36 @@
 //! Transforms of arrays that are mirrored at their first row and at their first column.
 //!
-//! An array of `m` rows and `n` columns that is continued by its mirror images, half a place before its first row and its first column, repeats after `2 m` rows
-//! and `2 n` columns. Up to a phase of half a place its Fourier transform is real and even: it is known by the `m n` numbers
+//! An array of `m` rows and `n` columns that is continued by its mirror images, half a spacing before its first row and its first column,
+//! has a period of `2 m` rows and `2 n` columns. Up to a phase of half a spacing, its Fourier transform is real and even, and is determined
+//! by the `m n` numbers
 //!
 //! ```text
 //! X_jk = 4 sum_rc x_rc cos(pi j (2 r + 1)/(2 m)) cos(pi k (2 c + 1)/(2 n)),
 //! ```
 //!
-//! a quarter of all. Along one direction they are the transform of `n` numbers that are the even places and then the odd ones backwards, times phases
-//! `exp(-i pi k/(2 n))`: the real part of this is column `k`, and its imaginary part is minus column `n - k` (J. Makhoul, IEEE Trans. Acoust. Speech
-//! Signal Process. 28, 27 (1980)). So the rows become complex numbers that are two columns each, and the columns are transformed two at a time.
+//! a quarter of all. Along one direction, they follow from the transform of `n` numbers: those at even indices, then those at odd indices
+//! in reverse order. After a multiplication by the phases `exp(-i pi k/(2 n))`, the real part is column `k` and the imaginary part is minus
+//! column `n - k` (J. Makhoul, IEEE Trans. Acoust. Speech Signal Process. 28, 27 (1980)). Rows therefore become complex numbers that
+//! contain two real columns each, and columns are transformed in pairs.
 
 use super::fft::{Real, RealPlans};
 use super::vector::widest;
 use num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
 
-/// Transforms of an array of rows and columns, to two real columns in every complex one.
+/// Transforms of an array of rows and columns, with two real columns in every complex column.
 #[derive(Clone)]
 pub(crate) struct CosinePlans<R = f64> {
     columns: usize,
     rows: usize,
     plans: RealPlans<R>,
-    /// `exp(-i pi k/(2 n))` for every complex column, and for every row.
+    /// `exp(-i pi k/(2 n))` for every complex column, and the same for every row.
     of_columns: Vec<Complex<R>>,
     of_rows: Vec<Complex<R>>,
 }
 
 impl<R: Real> CosinePlans<R> {
-    /// The plans for an array of so many rows and columns.
+    /// Plans transforms of an array of this size.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let phases = |count: usize, length: usize| {
             let phase = |k: usize| {
@@ -46,23 +48,23 @@ impl<R: Real> CosinePlans<R> {
         }
     }
 
-    /// Complex columns.
+    /// Number of complex columns.
     pub(crate) fn column_count(&self) -> usize {
         self.columns / 2 + 1
     }
 
-    /// The real columns that a complex one is; the second is none where it says nothing.
+    /// The real columns in a complex column; `None` where the second one is redundant.
     pub(crate) fn columns_of(&self, complex: usize) -> (usize, Option<usize>) {
         let other = self.columns - complex;
         (complex, (complex > 0 && other != complex).then_some(other))
     }
 
-    /// Complex values of room that any of the transforms needs.
+    /// Length of the scratch buffer for each of the transforms, in complex values.
     pub(crate) fn scratch_len(&self) -> usize {
         self.plans.scratch_len()
     }
 
-    /// Where a row stands in a column that is handed to [`column_forward`](Self::column_forward).
+    /// Position of a row in a column that is passed to [`column_forward`](Self::column_forward).
     pub(crate) fn place_of(&self, row: usize) -> usize {
         if row.is_multiple_of(2) {
             row / 2
@@ -96,7 +98,7 @@ impl<R: Real> CosinePlans<R> {
         }
     }
 
-    /// The sum of cosines that a spectrum means; it is overwritten.
+    /// Evaluates the sum of cosines of a spectrum, which is overwritten.
     pub(crate) fn row_back(
         &self,
         spectrum: &mut [Complex<R>],
@@ -122,7 +124,7 @@ impl<R: Real> CosinePlans<R> {
         }
     }
 
-    /// Transforms a complex column, whose rows stand at their [places](Self::place_of), and tells the real ones.
+    /// Transforms a complex column, whose rows are at their [positions](Self::place_of), and returns the real columns.
     pub(crate) fn column_forward(
         &self,
         column: &mut [Complex<R>],
@@ -143,7 +145,7 @@ impl<R: Real> CosinePlans<R> {
                     let (sum, difference) = (a + b, a - b);
                     first[row] = sum.re;
                     second[row] = -sum.im;
-                    // i times the difference; in the middle both are the same.
+                    // i times the difference; both are the same in the middle.
                     first[rows - row] = -difference.im;
                     second[rows - row] = -difference.re;
                     if 2 * row == rows {
@@ -155,7 +157,7 @@ impl<R: Real> CosinePlans<R> {
         );
     }
 
-    /// A complex column from two real ones, back: its rows stand at their [places](Self::place_of).
+    /// Inverse transform of two real columns to a complex column, whose rows are at their [positions](Self::place_of).
     pub(crate) fn column_back(
         &self,
         [first, second]: [&[R]; 2],
@@ -171,7 +173,7 @@ impl<R: Real> CosinePlans<R> {
                 for row in 1..=rows / 2 {
                     let (near, far) = (value(row), value(rows - row));
                     let phase = self.of_rows[row];
-                    // i times the far one.
+                    // i times the number in the mirrored row.
                     let far = Complex::new(-far.im, far.re);
                     column[rows - row] = (near + far) * phase;
                     column[row] = (near - far) * phase.conj();
@@ -186,7 +188,7 @@ impl<R: Real> CosinePlans<R> {
 mod tests {
     use super::*;
 
-    /// Expected: the sums of the definition, and the array itself times `4 m n`, with the weights of an inverse.
+    /// Expected: the sums of the definition, and, after the inverse transform with its weights, the array times `4 m n`.
     #[test]
     fn transforms_are_sums_of_cosines() {
         for (rows, columns) in [(4, 6), (6, 5), (2, 2), (10, 12), (12, 9)] {

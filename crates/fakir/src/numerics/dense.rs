@@ -4,7 +4,7 @@ use super::product::{Part, Product};
 use super::vector::{add_scaled, inner_dot, largest, widest};
 use std::ops::{Index, IndexMut, Mul, Range};
 
-/// Columns that are factorised without a division into two halves.
+/// Largest number of columns that is factorised without dividing it into two halves.
 const NARROW: usize = 8;
 
 /// A matrix, stored column by column.
@@ -16,7 +16,7 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// The matrix with `value(row, column)`.
+    /// Creates the matrix with the elements `value(row, column)`.
     #[must_use]
     pub fn from_fn(
         rows: usize,
@@ -34,7 +34,7 @@ impl Matrix {
         }
     }
 
-    /// The matrix of zeros.
+    /// Creates a matrix of zeros.
     #[must_use]
     pub fn zeros(rows: usize, columns: usize) -> Self {
         Self {
@@ -44,7 +44,7 @@ impl Matrix {
         }
     }
 
-    /// The unit matrix.
+    /// Creates the unit matrix.
     #[must_use]
     pub fn identity(size: usize) -> Self {
         let mut unit = Self::zeros(size, size);
@@ -66,18 +66,18 @@ impl Matrix {
         self.columns
     }
 
-    /// A column.
+    /// One column.
     #[must_use]
     pub fn column(&self, column: usize) -> &[f64] {
         &self.values[column * self.rows..][..self.rows]
     }
 
-    /// A column.
+    /// One column, mutable.
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
         &mut self.values[column * self.rows..][..self.rows]
     }
 
-    /// Two columns, of which the second is behind the first.
+    /// Two columns, mutable; the second index must be larger than the first.
     pub(super) fn two_columns_mut(&mut self, [one, two]: [usize; 2]) -> [&mut [f64]; 2] {
         let (head, tail) = self.values.split_at_mut(two * self.rows);
         [
@@ -86,7 +86,7 @@ impl Matrix {
         ]
     }
 
-    /// The matrix with rows and columns exchanged.
+    /// The transposed matrix.
     #[must_use]
     pub fn transposed(&self) -> Self {
         Self::from_fn(self.columns, self.rows, |row, column| self[(column, row)])
@@ -105,7 +105,7 @@ impl Matrix {
     /// Adds `factor` times the product of two matrices.
     ///
     /// # Panics
-    /// If the sizes do not fit.
+    /// If the sizes do not match.
     pub fn add_product(&mut self, factor: f64, left: &Self, right: &Self) {
         assert_eq!(
             (self.rows, self.columns, left.columns),
@@ -152,23 +152,24 @@ impl Mul for &Matrix {
     }
 }
 
-/// A square matrix as `L U`, with ones on the diagonal of `L` and rows exchanged such that no element of `L` is larger than 1 (partial pivoting).
+/// Factors `L U` of a square matrix, with ones on the diagonal of `L` and rows exchanged such that no element of `L` is larger than 1
+/// (partial pivoting).
 ///
-/// If a pivot is zero or an element is not a number, solutions are not finite.
+/// If a pivot is zero or an element is NaN, solutions are not finite.
 #[derive(Debug, Clone)]
 pub struct Lu {
     size: usize,
-    /// `U`, and `L` below it, column by column.
+    /// `U`, and `L` below it, stored by columns.
     factors: Vec<f64>,
-    /// With which row each was exchanged, one after the other.
+    /// The row with which each row was exchanged, in order.
     pivots: Vec<usize>,
 }
 
 impl Lu {
     /// Factorises a square matrix.
     ///
-    /// The columns are divided into two halves, and these again, so that most of the work is products of matrices
-    /// (S. Toledo, SIAM J. Matrix Anal. Appl. 18, 1065 (1997)).
+    /// Divides the columns recursively into two halves, so that most of the work consists of matrix products (S. Toledo, SIAM J. Matrix
+    /// Anal. Appl. 18, 1065 (1997)).
     ///
     /// # Panics
     /// If the matrix is not square.
@@ -237,26 +238,26 @@ impl Lu {
     }
 }
 
-/// Exchanges rows of a column, from `first` on.
+/// Applies row exchanges to a column, starting at row `first`.
 fn exchange(column: &mut [f64], first: usize, pivots: &[usize]) {
     for (row, pivot) in pivots.iter().enumerate() {
         column.swap(first + row, *pivot);
     }
 }
 
-/// What is done with columns that have this height, some of which are one slice.
+/// Operations on columns of this height that are stored in one slice.
 struct Columns {
     height: usize,
     product: Product,
 }
 
 impl Columns {
-    /// The number of columns in the first half, of more than [`NARROW`].
+    /// The number of columns in the first half of more than [`NARROW`] columns.
     fn half(count: usize) -> usize {
         (count / 2).next_multiple_of(NARROW)
     }
 
-    /// Factorises the rows from `first` on of some columns.
+    /// Factorises the rows of some columns from `first` on.
     fn factorise(&mut self, columns: &mut [f64], first: usize, pivots: &mut [usize]) {
         if pivots.len() <= NARROW {
             self.factorise_narrow(columns, first, pivots);
@@ -277,14 +278,14 @@ impl Columns {
         }
     }
 
-    /// The same column by column.
+    /// Factorises column by column.
     fn factorise_narrow(&self, columns: &mut [f64], first: usize, pivots: &mut [usize]) {
         for (k, pivot) in pivots.iter_mut().enumerate() {
             let row = first + k;
             let (done, rest) = columns.split_at_mut((k + 1) * self.height);
             let (before, own) = done.split_at_mut(k * self.height);
             let most = largest(&own[row..]);
-            // Not found where an element is not a number.
+            // No position is found if an element is NaN.
             let place = own[row..].iter().position(|value| value.abs() >= most);
             *pivot = row + place.unwrap_or(0);
             for column in before
@@ -294,7 +295,7 @@ impl Columns {
             {
                 column.swap(row, *pivot);
             }
-            // If it is zero, all below it are.
+            // If the pivot is zero, so are all elements below it.
             if most == 0.0 {
                 continue;
             }
@@ -325,7 +326,7 @@ impl Columns {
             self.solve_lower(other, first + half, right);
             return;
         }
-        // The halves are multiples of this.
+        // The halves are multiples of `NARROW`.
         let lower: [[f64; NARROW]; NARROW] = std::array::from_fn(|k| {
             let column = &left[k * self.height + first..];
             std::array::from_fn(|row| if row > k { column[row] } else { 0.0 })
@@ -347,7 +348,7 @@ impl Columns {
         );
     }
 
-    /// Subtracts from the rows of `right` behind the range `rows`, up to `end`, the product of these rows of `left` with the rows `rows` of `right`.
+    /// Subtracts the product of `left` with the rows `rows` of `right` from the rows of `right` after this range, up to `end`.
     fn subtract_product(
         &mut self,
         left: &[f64],
@@ -375,7 +376,7 @@ impl Columns {
 mod tests {
     use super::*;
 
-    /// Sizes at which blocks and tiles begin and end.
+    /// Sizes at the boundaries of blocks and tiles.
     const SIZES: [usize; 16] = [0, 1, 2, 3, 7, 8, 9, 15, 16, 17, 31, 64, 65, 97, 150, 300];
 
     fn element(i: usize, j: usize) -> f64 {
@@ -392,7 +393,7 @@ mod tests {
         largest(&sums)
     }
 
-    /// Expected: solutions whose residuals are some roundings of the matrix times the solution, for the matrix and its transpose.
+    /// Expected: residuals of a few roundings of the matrix times the solution, for the matrix and its transpose.
     fn check_solutions(matrix: &Matrix) {
         let factors = Lu::new(matrix.clone());
         let size = matrix.rows;
@@ -415,7 +416,7 @@ mod tests {
         }
     }
 
-    /// Expected: the sums of products, one by one.
+    /// Expected: sums of products, computed one by one.
     #[test]
     fn products_of_all_sizes() {
         for (rows, inner, columns) in [
@@ -483,7 +484,7 @@ mod tests {
     #[test]
     fn rows_are_exchanged_where_the_diagonal_is_zero() {
         for size in [2, 9, 40] {
-            // Every row is the next one of the unit matrix, scaled.
+            // Row `k` is a scaled row `k + 1` of the unit matrix.
             check_solutions(&Matrix::from_fn(size, size, |i, j| {
                 f64::from(u8::from((i + 1) % size == j)) * 10f64.powi(j as i32 - 20)
             }));
@@ -492,7 +493,8 @@ mod tests {
 
     #[test]
     fn nearly_singular_matrices_leave_small_residuals() {
-        // Of Hilbert, whose condition is beyond the digits of numbers; and one row twice, but for a rounding.
+        // The Hilbert matrix, whose condition number exceeds the range of double precision; and a matrix with two rows that are equal up to
+        // rounding.
         check_solutions(&Matrix::from_fn(20, 20, |i, j| {
             ((i + j + 1) as f64).recip()
         }));

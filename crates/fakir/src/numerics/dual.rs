@@ -1,8 +1,8 @@
-//! Numbers that carry their derivatives: what is computed with them is differentiated, exactly, on the way.
+//! Dual numbers: values with exact derivatives, for forward-mode automatic differentiation.
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// What formulas need that are evaluated with derivatives, or without.
+/// Operations of formulas that are evaluated with or without derivatives.
 pub(crate) trait Number:
     Copy
     + Add<Output = Self>
@@ -14,17 +14,17 @@ pub(crate) trait Number:
     /// A constant.
     fn constant(value: f64) -> Self;
 
-    /// Without derivatives.
+    /// The value without its derivatives.
     fn value(self) -> f64;
 
     fn powi(self, exponent: i32) -> Self;
 
     fn exp(self) -> Self;
 
-    /// Whether it is smaller than a part of a sum, and so are its derivatives of those of the sum.
+    /// Whether the number is smaller than a fraction of a sum, and each of its derivatives smaller than this fraction of that of the sum.
     fn is_below(self, part: f64, sum: Self) -> bool;
 
-    /// The same with its value multiplied by one factor and its derivatives by another.
+    /// The same number with its value multiplied by one factor and its derivatives by another.
     fn scaled_apart(self, value: f64, derivatives: f64) -> Self;
 }
 
@@ -54,7 +54,7 @@ impl Number for f64 {
     }
 }
 
-/// A number with its derivatives with respect to `K` others.
+/// A number and its derivatives with respect to `K` variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Dual<const K: usize> {
     pub(crate) value: f64,
@@ -62,14 +62,14 @@ pub(crate) struct Dual<const K: usize> {
 }
 
 impl<const K: usize> Dual<K> {
-    /// The variable of that number.
+    /// The independent variable with this index.
     pub(crate) fn variable(value: f64, number: usize) -> Self {
         let mut derivatives = [0.0; K];
         derivatives[number] = 1.0;
         Self { value, derivatives }
     }
 
-    /// `value` with the derivatives `a` of this one and `b` of the other.
+    /// `value` with the derivatives `a` times those of the first number plus `b` times those of the second.
     fn combined(value: f64, this: (Self, f64), other: (Self, f64)) -> Self {
         let ((x, a), (y, b)) = (this, other);
         Self {

@@ -1,45 +1,46 @@
-//! Symmetric positive definite systems of one pillar, most of which are so small that a library spends its
-//! time on getting started.
+//! Solves the symmetric positive definite systems of single pillars, most of which are so small that the call overhead of a library would
+//! dominate.
 //!
-//! A matrix is factorised as `L D L'` with ones on the diagonal of `L`, by blocks of four rows and columns. A block of rows holds four numbers of every column,
-//! column by column, so that loops over columns run through memory in order. The last block is filled up by rows and columns of
-//! a unit matrix.
+//! A matrix is factorised as `L D L'` with ones on the diagonal of `L`, by blocks of four rows and columns. A block of rows contains four
+//! numbers of every column, column by column, so that loops over columns read memory sequentially. The last block is padded with rows and
+//! columns of a unit matrix.
 
 use super::simd::{Aligned, InRegisters};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Rows and columns of a block.
+/// Number of rows and columns in a block.
 pub(crate) const BLOCK: usize = 4;
 
-/// Numbers of four columns in a block of rows.
+/// Numbers in a square block.
 const SQUARE: usize = BLOCK * BLOCK;
 
-/// A factorised matrix, with room for rows below it.
+/// A factorised matrix, with space for rows below it.
 pub(crate) struct Elimination {
-    /// Blocks of rows of the matrix.
+    /// Number of blocks of rows in the matrix.
     blocks: usize,
-    /// `L` below the diagonal blocks, one block of rows after the other, each as long as it needs to be. `L D` where it is not finished.
+    /// `L` below the diagonal blocks, one block of rows after another, each without trailing zeros. Contains `L D` during the
+    /// factorisation.
     rows: Aligned<f64>,
     corners: Vec<Corner>,
-    /// A block of rows before it was divided by the diagonal.
+    /// A block of rows before the division by the diagonal.
     undivided: Vec<f64>,
-    /// Blocks of rows below the matrix, likewise.
+    /// Blocks of rows below the matrix, in the same format.
     below: Aligned<f64>,
 }
 
-/// Where a block of rows meets the diagonal.
+/// The diagonal block of a block of rows.
 #[derive(Debug, Clone, Copy, Default)]
 struct Corner {
     /// `1/D`
     inverses: [f64; BLOCK],
-    /// `L` of the second row, of the third and of the last.
+    /// Elements of `L` in the second row, in the third and in the last.
     second: f64,
     third: [f64; 2],
     last: [f64; 3],
 }
 
 impl Elimination {
-    /// For at most so many unknowns, and rows below them.
+    /// Allocates space for at most `most` unknowns and `most_below` rows below them.
     pub(crate) fn new(most: usize, most_below: usize) -> Self {
         let [blocks, below] = [most, most_below].map(|count| count.div_ceil(BLOCK));
         Self {
@@ -51,8 +52,8 @@ impl Elimination {
         }
     }
 
-    /// Factorises the rows and columns `indices` of a matrix, of which row `k` begins at `k count`.
-    /// `false` if they are not positive definite.
+    /// Factorises the rows and columns `indices` of a matrix whose row `k` begins at `k count`. Returns `false` if they are not positive
+    /// definite.
     pub(crate) fn factorise(&mut self, matrix: &[f64], count: usize, indices: &[usize]) -> bool {
         self.blocks = indices.len().div_ceil(BLOCK);
         self.take(matrix, count, indices);
@@ -63,7 +64,7 @@ impl Elimination {
         })
     }
 
-    /// The lower triangle, with the rest of the blocks on the diagonal.
+    /// Copies the lower triangle, including complete blocks on the diagonal.
     fn take(&mut self, matrix: &[f64], count: usize, indices: &[usize]) {
         for block in 0..self.blocks {
             let row = &mut self.rows[start(block)..start(block + 1)];
@@ -86,7 +87,7 @@ impl Elimination {
         }
     }
 
-    /// Solves the system in place. `right` is as long as a multiple of four; what lies behind the unknowns is left undefined.
+    /// Solves the system in place. The length of `right` is a multiple of four; the numbers after the unknowns are left undefined.
     pub(crate) fn solve(&self, right: &mut [f64]) {
         let rows = &self.rows[..start(self.blocks)];
         let corners = &self.corners[..self.blocks];
@@ -97,7 +98,7 @@ impl Elimination {
         });
     }
 
-    /// `W' G^-1 W` row by row, with `W` so many columns, the values of which are zero behind the unknowns.
+    /// Computes `W' G^-1 W` by rows. The columns of `W` must be zero after the unknowns.
     pub(crate) fn projected_inverse(
         &mut self,
         columns: usize,
@@ -119,7 +120,7 @@ impl Elimination {
                 *values = [at(0), at(1), at(2), at(3)];
             }
         }
-        // Of no unknowns there is nothing below.
+        // Without unknowns, the product is zero.
         product.fill(0.0);
         Arch::new().dispatch(Projection {
             rows: &self.rows[..start(self.blocks)],
@@ -131,7 +132,7 @@ impl Elimination {
     }
 }
 
-/// Where a block of rows begins.
+/// Start of a block of rows.
 const fn start(block: usize) -> usize {
     SQUARE * block * (block + 1) / 2
 }
@@ -167,7 +168,7 @@ impl WithSimd for Factorisation<'_> {
     }
 }
 
-/// Divides every column by its number on the diagonal.
+/// Divides every column by its element on the diagonal.
 #[inline(always)]
 fn divide(row: &mut [f64], corners: &[Corner]) {
     for (columns, corner) in row.chunks_exact_mut(SQUARE).zip(corners) {
@@ -180,7 +181,8 @@ fn divide(row: &mut [f64], corners: &[Corner]) {
     }
 }
 
-/// [`eliminate`] of all blocks of rows that lie one after the other, of which the first is so long, and each longer than the one before by so much.
+/// Applies [`eliminate`] to consecutive blocks of rows. The first has the given length, and each is longer than the preceding one by the
+/// given number.
 #[inline(always)]
 fn eliminate_all<S: Simd>(
     simd: S,
@@ -189,7 +191,7 @@ fn eliminate_all<S: Simd>(
     mut rows: &mut [f64],
     [mut length, more]: [usize; 2],
 ) {
-    // Two at a time, as there are registers for.
+    // Two blocks at a time, limited by the number of registers.
     while !rows.is_empty() {
         let (one, rest) = rows.split_at_mut(length);
         if rest.is_empty() {
@@ -203,8 +205,8 @@ fn eliminate_all<S: Simd>(
     }
 }
 
-/// Takes out of four columns of some blocks of rows what the columns before them and they themselves say. `ratios` are those of the rows which these four columns meet on
-/// the diagonal, at the columns before.
+/// Subtracts the contributions of the preceding columns, and of the four columns among each other, from four columns of some blocks of
+/// rows. `ratios` contains the preceding columns of the rows in which the diagonal block of these four columns is located.
 #[inline(always)]
 fn eliminate<S: Simd, const N: usize>(
     simd: S,
@@ -212,7 +214,7 @@ fn eliminate<S: Simd, const N: usize>(
     corner: &Corner,
     rows: [&mut [f64]; N],
 ) {
-    // Registers that four numbers take.
+    // Number of registers for four numbers.
     let parts = const {
         assert!(S::F64_LANES <= BLOCK);
         BLOCK / S::F64_LANES
@@ -251,7 +253,7 @@ fn eliminate<S: Simd, const N: usize>(
 }
 
 impl Corner {
-    /// Factorises a square, column by column, of which the lower triangle counts. `None` if it is not positive definite.
+    /// Factorises a square that is stored by columns; only its lower triangle is used. Returns `None` if it is not positive definite.
     #[inline(always)]
     fn of(square: &[f64]) -> Option<Self> {
         let [a, b, c, d] = square[..BLOCK] else {
@@ -404,7 +406,7 @@ mod tests {
     use super::*;
     use pulp::Scalar;
 
-    /// A matrix that is diagonally dominant, so positive definite, with some of its rows and columns: every one, or two of three.
+    /// A diagonally dominant, hence positive definite, matrix, with indices of all of its rows and columns or of two in three.
     fn matrix(count: usize, some: bool) -> (Vec<f64>, Vec<usize>) {
         let numbers = (0..count * count).map(|k| {
             let (i, j) = (k / count, k % count);
@@ -415,7 +417,7 @@ mod tests {
         (numbers.collect(), indices)
     }
 
-    /// Expected: the matrix times the solution is the right side again; the projection is the product of the columns with solutions.
+    /// Expected: the matrix times the solution is the right-hand side; the projection is the product of the columns with solutions.
     #[test]
     fn solves_what_it_was_made_from() {
         for count in [0, 1, 2, 3, 4, 5, 7, 8, 13, 45, 66] {
@@ -463,7 +465,7 @@ mod tests {
         }
     }
 
-    /// Expected: what the widest registers give, but for rounding.
+    /// Expected: the result with the widest registers, up to rounding.
     #[test]
     fn number_by_number() {
         let (matrix, indices) = matrix(45, true);
@@ -524,7 +526,7 @@ mod tests {
             let indices: Vec<usize> = (0..count).collect();
             assert!(!Elimination::new(count, 0).factorise(matrix, count, &indices));
         }
-        // In a block that is not the first.
+        // In a block other than the first.
         let (mut matrix, indices) = matrix(9, false);
         matrix[80] = -1.0;
         assert!(!Elimination::new(9, 0).factorise(&matrix, 9, &indices));

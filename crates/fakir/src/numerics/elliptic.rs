@@ -82,7 +82,8 @@ mod tests {
         assert!(dilogarithm(0.0).abs() < 1e-15);
     }
 
-    /// Singular values: `K(k')/K(k) = sqrt(n)` at `k = 1/sqrt 2` and `sqrt 2 - 1` (Abramowitz & Stegun 17.3, singular values of order 1, 2).
+    /// Singular values: `K(k')/K(k) = sqrt(n)` at `k = 1/sqrt 2` and `sqrt 2 - 1` (Abramowitz & Stegun 17.3, singular values of order 1,
+    /// 2).
     #[test]
     fn ratios_of_elliptic_integrals() {
         assert!((elliptic_ratio(0.5f64.sqrt()) - 1.0).abs() < 1e-15);

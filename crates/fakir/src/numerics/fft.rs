@@ -1,12 +1,12 @@
-//! Plans of fast Fourier transforms in two dimensions, and the lengths that are quick to transform.
+//! Plans of fast Fourier transforms in two dimensions, and lengths that are fast to transform.
 
 use fakir_fft::{ComplexToReal, Fft, RealToComplex, Transformable};
 use num_complex::{Complex, Complex64};
 use std::sync::Arc;
 
-/// Numbers that are transformed: in double precision, or in single, which takes half the time.
+/// Precision of a transform: double, or single, which takes half the time.
 pub(crate) trait Real: Transformable + Default {
-    /// The nearest to a number.
+    /// Rounds a number to this precision.
     fn of(value: f64) -> Self;
 
     fn double(self) -> f64;
@@ -36,7 +36,7 @@ impl Real for f32 {
     }
 }
 
-/// Transforms of a real array: its rows to half of their frequencies, then the columns of these.
+/// Transforms of a real array: first its rows, to the non-negative half of their frequencies, then the columns of these.
 #[derive(Clone)]
 pub(crate) struct RealPlans<R = f64> {
     pub(crate) row: Arc<dyn RealToComplex<R>>,
@@ -46,7 +46,7 @@ pub(crate) struct RealPlans<R = f64> {
 }
 
 impl<R: Real> RealPlans<R> {
-    /// The plans for an array of so many rows and columns.
+    /// Plans transforms of an array of this size.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         Self {
             row: R::real_forward(columns),
@@ -63,18 +63,18 @@ impl<R: Real> RealPlans<R> {
         spectrum: &mut [Complex<R>],
         scratch: &mut [Complex<R>],
     ) {
-        // The lengths are those that the plans were made for, so this cannot fail.
+        // The lengths are those of the plans, so this does not fail.
         let _ = self.row.process_with_scratch(row, spectrum, scratch);
     }
 
-    /// Transforms a row back; its spectrum is overwritten.
+    /// Inverse transform of a row; its spectrum is overwritten.
     pub(crate) fn row_back(
         &self,
         spectrum: &mut [Complex<R>],
         row: &mut [R],
         scratch: &mut [Complex<R>],
     ) {
-        // The transform of real data is real at its ends; rounding must not say otherwise.
+        // The first and, for even lengths, the last coefficient of the transform of real data are real; removes their rounding errors.
         spectrum[0].im = R::default();
         if row.len().is_multiple_of(2) {
             spectrum[row.len() / 2].im = R::default();
@@ -82,7 +82,7 @@ impl<R: Real> RealPlans<R> {
         let _ = self.row_back.process_with_scratch(spectrum, row, scratch);
     }
 
-    /// Complex values of room that any of them needs.
+    /// Length of the scratch buffer for each of the transforms, in complex values.
     pub(crate) fn scratch_len(&self) -> usize {
         let of_rows = self.row.get_scratch_len();
         of_rows
@@ -102,7 +102,7 @@ pub(crate) struct ComplexPlans<R: Real = f64> {
 }
 
 impl<R: Real> ComplexPlans<R> {
-    /// The plans for an array of so many rows and columns.
+    /// Plans transforms of an array of this size.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         Self {
             row: R::forward(columns),
@@ -112,7 +112,7 @@ impl<R: Real> ComplexPlans<R> {
         }
     }
 
-    /// Complex values of room that any of them needs.
+    /// Length of the scratch buffer for each of the transforms, in complex values.
     pub(crate) fn scratch_len(&self) -> usize {
         [&self.row, &self.row_back, &self.column, &self.column_back]
             .map(|plan| plan.get_inplace_scratch_len())
@@ -121,9 +121,10 @@ impl<R: Real> ComplexPlans<R> {
     }
 }
 
-/// Smallest even number not below `least` that is quick to transform: `2^a 3^b`, or five times that if 8 divides it.
+/// Smallest even number not below `least` that is fast to transform: `2^a 3^b`, or five times that if it is divisible by 8.
 ///
-/// Of others without larger factors most take 1.4 to 4 times as long per point (measured from 8 to 640 points, in single precision).
+/// Most other numbers without larger prime factors take 1.4 to 4 times as long per point (measured from 8 to 640 points, in single
+/// precision).
 pub(crate) fn smooth_size(least: usize) -> usize {
     let mut size = least.max(2);
     let is_quick = |size: usize| {
@@ -136,7 +137,7 @@ pub(crate) fn smooth_size(least: usize) -> usize {
     size
 }
 
-/// Smallest number not below `least` without prime factors above 11, for which the transforms have code of their own.
+/// Smallest number not below `least` without prime factors above 11, for which the transforms have specialised code.
 pub(crate) fn smooth_number(least: usize) -> usize {
     let mut number = least.max(1);
     while !is_product_of(&[2, 3, 5, 7, 11], number) {
@@ -154,11 +155,11 @@ fn is_product_of(primes: &[usize], mut number: usize) -> bool {
     number == 1
 }
 
-/// A length not below `least` that is quick to transform: the smallest `2^a 3^b`, once times 5 or
-/// not, unless a power of two is within a tenth of it.
+/// A length not below `least` that is fast to transform: the smallest of the form `2^a 3^b` or `5 2^a 3^b`, unless a power of two is at
+/// most a tenth larger.
 ///
-/// Per point, powers of two take 0.65 to 0.8 of the time of the others, and lengths with more
-/// fives 1.2 to 2 times as long (measured between 30 and 2200 points).
+/// Per point, powers of two take 0.65 to 0.8 of the time of the others, and lengths with more factors 5 take 1.2 to 2 times as long
+/// (measured between 30 and 2200 points).
 pub(crate) fn quick_length(least: usize) -> usize {
     let without = |mut n: usize, prime: usize| {
         while n.is_multiple_of(prime) {
@@ -174,7 +175,7 @@ pub(crate) fn quick_length(least: usize) -> usize {
         .unwrap_or(power_of_two)
 }
 
-/// Writes an array of `rows` and `columns` column by column.
+/// Transposes an array of `rows` and `columns`.
 pub(crate) fn transpose(from: &[Complex64], to: &mut [Complex64], rows: usize, columns: usize) {
     for (row, values) in from.chunks_exact(columns).enumerate() {
         for (column, value) in values.iter().enumerate() {

@@ -1,7 +1,7 @@
-//! What mathematics and machines lend: vectors, factorisations, [roots], quadrature, special functions, shared threads, and the one
-//! place that decides when a solution is good enough.
+//! Numerical building blocks: vectors, factorisations, [roots], quadrature, special functions, threads, and the convergence criteria.
 //!
-//! Nothing here is about lenses or pillars, and nothing is part of the interface: what is public is for the other crates of the project.
+//! The module contains no contact mechanics and is not part of the public interface; its public items are for the other crates of the
+//! project.
 
 pub(crate) mod cholesky;
 pub(crate) mod column_transform;

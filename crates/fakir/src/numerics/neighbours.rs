@@ -1,41 +1,41 @@
-//! Discs of the plane, to be found by where they are: a tree of boxes, each with half of the discs of the one above.
+//! Spatial search for discs in the plane: a tree of boxes, each of which contains half of the discs of its parent.
 //!
-//! It takes as much memory and, for a search, as many steps wherever they are: in clusters, in a row, or far apart.
+//! Memory and the number of steps of a search do not depend on the arrangement: in clusters, in a row, or far apart.
 
 use std::ops::Range;
 
 /// A disc: its centre and its radius.
 pub(crate) type Disc = ([f64; 2], f64);
 
-/// Discs in a box that is not divided any more.
+/// Largest number of discs in a box that is not divided further.
 const LEAF: usize = 8;
 
-/// Discs by where they are.
+/// Discs, arranged for spatial search.
 #[derive(Debug, Clone)]
 pub(crate) struct Neighbours {
-    /// Those of every box next to each other.
+    /// The discs; those of a box are contiguous.
     discs: Vec<Disc>,
-    /// Their numbers.
+    /// Indices of the discs in the input.
     numbers: Vec<u32>,
-    /// Every box before the two that it is divided into.
+    /// The boxes, in depth-first order: each precedes the two boxes into which it is divided.
     boxes: Vec<Bounds>,
 }
 
-/// A rectangle around the centres of some discs.
+/// Bounding rectangle of the centres of some discs.
 #[derive(Debug, Clone)]
 struct Bounds {
     low: [f64; 2],
     high: [f64; 2],
     /// The largest radius.
     largest: f64,
-    /// Places of the discs.
+    /// Range of the discs in `Neighbours::discs`.
     discs: Range<u32>,
-    /// The second of the two that it is divided into; the first is the next one.
+    /// The second of the two boxes into which the box is divided; the first follows immediately.
     second: Option<u32>,
 }
 
 impl Bounds {
-    /// Distance of a point from it, and from the farthest point of it.
+    /// Distance of a point from the rectangle, and from its farthest point.
     fn distances(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [[a, b], [c, d]] = [(0, x), (1, y)].map(|(k, at)| {
             let (below, above) = (self.low[k] - at, at - self.high[k]);
@@ -45,7 +45,7 @@ impl Bounds {
     }
 }
 
-/// Length of a vector whose squares neither overflow nor vanish: quicker than `hypot`.
+/// Length of a vector whose squares neither overflow nor underflow: faster than `hypot`.
 fn length([x, y]: [f64; 2]) -> f64 {
     let square = x * x + y * y;
     square.sqrt()
@@ -55,16 +55,16 @@ fn between(a: [f64; 2], b: [f64; 2]) -> f64 {
     length([a[0] - b[0], a[1] - b[1]])
 }
 
-/// What is nearest to a point.
+/// Criterion of a nearest-disc search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Nearest {
     Centre,
-    /// The edge of a disc, whose distance is negative inside of it.
+    /// Distance from the edge of a disc; negative inside of it.
     Edge,
 }
 
 impl Neighbours {
-    /// Of finite places and radii.
+    /// Builds the tree. Centres and radii must be finite.
     pub(crate) fn new(discs: impl Iterator<Item = Disc>) -> Self {
         let mut numbered: Vec<(Disc, u32)> = discs.zip(0..).collect();
         let mut boxes = Vec::new();
@@ -82,7 +82,7 @@ impl Neighbours {
         self.discs[places].iter().zip(numbers)
     }
 
-    /// Those with centres up to a distance from a point, by rising number.
+    /// Returns the indices of the discs whose centres are within `distance` of a point, in increasing order.
     pub(crate) fn within(&self, point: [f64; 2], distance: f64) -> Vec<u32> {
         let mut found = Vec::new();
         let mut open = vec![0];
@@ -106,7 +106,7 @@ impl Neighbours {
         found
     }
 
-    /// How many have centres up to a distance from a point.
+    /// Counts the discs whose centres are within `distance` of a point.
     pub(crate) fn count_within(&self, point: [f64; 2], distance: f64) -> usize {
         let mut count = 0;
         let mut open = vec![0];
@@ -132,7 +132,8 @@ impl Neighbours {
         count
     }
 
-    /// The disc nearest to a point of those with at least that radius, but one, and its distance; the first of several.
+    /// Returns the disc nearest to a point among those with at least the given radius, excluding one, and its distance; the first of
+    /// several equal ones.
     pub(crate) fn nearest(
         &self,
         point: [f64; 2],
@@ -158,7 +159,7 @@ impl Neighbours {
                 continue;
             }
             if let Some(second) = own.second {
-                // The nearer one first.
+                // Searches the nearer box first.
                 let mut both = [place + 1, second];
                 let distance = |place: u32| self.boxes[place as usize].distances(point)[0];
                 if distance(both[0]) < distance(both[1]) {
@@ -180,7 +181,7 @@ impl Neighbours {
         best
     }
 
-    /// All discs in boxes of so many at the most, each with the numbers of its discs and its width and height.
+    /// Divides all discs into boxes of at most `most` discs, each with the indices of its discs and its width and height.
     pub(crate) fn groups(&self, most: usize) -> Vec<(&[u32], [f64; 2])> {
         let mut groups = Vec::new();
         let mut open = vec![0];
@@ -200,7 +201,7 @@ impl Neighbours {
         groups
     }
 
-    /// Sums over the discs of every box, of some numbers of each.
+    /// Sums of `N` numbers per disc, over the discs of every box.
     pub(crate) fn sums<const N: usize>(&self, of: impl Fn(usize) -> [f64; N]) -> Vec<[f64; N]> {
         let mut sums = vec![[0.0; N]; self.boxes.len()];
         for (place, own) in self.boxes.iter().enumerate().rev() {
@@ -218,8 +219,8 @@ impl Neighbours {
         sums
     }
 
-    /// All discs as they look from everywhere within a distance of a point: boxes that are `smallness` times as large as far away at the most, by
-    /// their places among the [sums](Self::sums), and the discs of all others by their numbers.
+    /// Approximation of all discs for points within a distance of `point`: boxes whose size is at most `smallness` times their distance, as
+    /// indices into the [sums](Self::sums), and the remaining discs as indices.
     pub(crate) fn seen_from(
         &self,
         (point, around): ([f64; 2], f64),
@@ -244,7 +245,7 @@ impl Neighbours {
         }
     }
 
-    /// Two discs that overlap, with the distance of their centres: the first that does, and the other that reaches farthest into it.
+    /// Two overlapping discs and the distance of their centres: the first disc that overlaps another, and the one that overlaps it most.
     pub(crate) fn overlapping(&self) -> Option<(usize, usize, f64)> {
         let first = self
             .discs
@@ -262,7 +263,7 @@ impl Neighbours {
         Some((own, other, between(a, b)))
     }
 
-    /// The least gap between two discs over the smaller of their radii; infinite of one.
+    /// The smallest gap between two discs divided by the smaller of their radii; infinite for a single disc.
     pub(crate) fn least_gap(&self) -> f64 {
         let gaps = self.discs.iter().zip(&self.numbers).map(|(disc, number)| {
             let (centre, radius) = *disc;
@@ -272,7 +273,7 @@ impl Neighbours {
         gaps.fold(f64::INFINITY, f64::min)
     }
 
-    /// The distance of every centre from the nearest other one, in no order; none of one disc.
+    /// The distance of every centre from the nearest other one, in unspecified order; empty for one disc.
     pub(crate) fn distances(&self) -> impl Iterator<Item = f64> {
         let each = self.discs.iter().zip(&self.numbers);
         each.filter_map(|(disc, number)| {
@@ -288,7 +289,7 @@ impl Neighbours {
     }
 }
 
-/// Adds the box of some discs and those that it is divided into; the first of them has that place.
+/// Appends the box of some discs and, recursively, the boxes into which it is divided. `first` is the position of the first disc.
 fn divide(discs: &mut [(Disc, u32)], first: usize, boxes: &mut Vec<Bounds>) {
     if discs.is_empty() {
         return;
@@ -332,7 +333,7 @@ pub(crate) mod tests {
     use chacha20::rand_core::{Rng, SeedableRng};
     use proptest::prelude::*;
 
-    /// Discs of radii between 0.75 and 1.25 at random places of a square, with a gap between any two, that cover so much of it.
+    /// Discs with radii between 0.75 and 1.25 at random positions in a square, with a minimum gap, that cover the given fraction of it.
     pub(crate) fn random_discs(count: usize, covered: f64, gap: f64, seed: u64) -> Vec<Disc> {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let mut uniform = || f64::from(generator.next_u32()) / 4_294_967_296.0;
@@ -349,7 +350,7 @@ pub(crate) mod tests {
         discs
     }
 
-    /// Every search against looking at all of them.
+    /// Compares every search with an exhaustive search.
     fn check(discs: &[Disc], at: [f64; 2], reach: f64) {
         let tree = Neighbours::new(discs.iter().copied());
         let near: Vec<u32> = (0..discs.len())
@@ -421,7 +422,7 @@ pub(crate) mod tests {
             .collect();
         grouped.sort_unstable();
         assert!(grouped.into_iter().eq(0..discs.len() as u32));
-        // Every disc counts once, in a box or by itself.
+        // Every disc is counted once, in a box or individually.
         let sums = tree.sums(|number| [1.0, discs[number].1]);
         let (mut small, mut alone) = ([0.0; 2], [0.0; 2]);
         tree.seen_from(
@@ -440,7 +441,7 @@ pub(crate) mod tests {
         assert_eq!(tree.spacing(), spacing);
     }
 
-    /// Anywhere, in clusters that are far apart, on one line, on one point.
+    /// Random positions, distant clusters, positions on one line, and coincident positions.
     fn discs() -> impl Strategy<Value = Vec<Disc>> {
         let disc = (0..4_u8, -1.0..1.0_f64, -1.0..1.0_f64, 0.001..0.2_f64);
         (0..5_u8, prop::collection::vec(disc, 0..120)).prop_map(|(kind, discs)| {

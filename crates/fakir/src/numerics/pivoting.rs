@@ -1,34 +1,33 @@
 //! Linear complementarity problems by block principal pivoting.
 //!
-//! Given a symmetric positive definite matrix `G` and a constant `q0`, find `s >= 0` with
-//! `q = q0 + G s >= 0` and `q's = 0`. Every index is *active* (`q = 0`) or not (`s = 0`); those that
-//! violate a sign change sides all at once, and, where that does not lower their number, one at a
-//! time by Murty's rule, which is finite (J. J. Júdice, F. M. Pires, Comput. Oper. Res. 21, 587 (1994)).
+//! Given a symmetric positive definite matrix `G` and a constant `q0`, find `s >= 0` with `q = q0 + G s >= 0` and `q's = 0`. Every index is
+//! *active* (`q = 0`) or inactive (`s = 0`). All indices that violate a sign are exchanged at once. If this does not reduce their number,
+//! indices are exchanged one at a time by Murty's rule, which is finite (J. J. Júdice, F. M. Pires, Comput. Oper. Res. 21, 587 (1994)).
 
 use super::convergence::largest;
 use super::elimination::{BLOCK, Elimination};
 use super::vector::{LANES, widest};
 
-/// `q` may be this far below zero, relative to the largest `|q0|`: rounding, not a violation.
+/// Tolerance of `q >= 0` relative to the largest `|q0|`: smaller violations are rounding errors.
 const TOLERANCE: f64 = 1e-11;
 
-/// Steps without fewer violations before pivoting one index at a time.
+/// Number of steps without fewer violations after which indices are exchanged one at a time.
 const PATIENCE: usize = 5;
 
-/// Pivoting steps after which the problem counts as not converged. Murty's rule is finite but may be
-/// long; the longest seen at 561 unknowns is some hundred.
+/// Limit of pivoting steps, after which the problem counts as not converged. Murty's rule is finite but may need many steps; the largest
+/// number observed at 561 unknowns is a few hundred.
 const STEP_LIMIT: usize = 4000;
 
-/// How pivoting ended.
+/// Outcome of pivoting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Pivoting {
     pub(crate) converged: bool,
     pub(crate) steps: usize,
 }
 
-/// Working storage, and the solution.
+/// Working storage and solution.
 pub(crate) struct PivotSolver {
-    /// `q0`, to be set before solving.
+    /// `q0`; must be set before solving.
     pub(crate) constant: Vec<f64>,
     /// `q`
     slack: Vec<f64>,
@@ -36,13 +35,13 @@ pub(crate) struct PivotSolver {
     multiplier: Vec<f64>,
     /// The active indices.
     indices: Vec<usize>,
-    /// `G` on them.
+    /// Factors of `G` on the active indices.
     factor: Elimination,
     right: Vec<f64>,
 }
 
 impl PivotSolver {
-    /// For so many unknowns, and projections on at most so many columns.
+    /// Allocates storage for `count` unknowns and for projections on at most `columns` columns.
     pub(crate) fn new(count: usize, columns: usize) -> Self {
         Self {
             constant: vec![0.0; count],
@@ -54,8 +53,8 @@ impl PivotSolver {
         }
     }
 
-    /// Solves for the matrix, row by row. `active` marks the active indices: the first guess on
-    /// entry, the solution on return.
+    /// Solves the problem for a matrix that is stored by rows. `active` contains the initial guess of the active indices on entry and the
+    /// solution on return.
     pub(crate) fn solve(&mut self, matrix: &[f64], active: &mut [bool]) -> Pivoting {
         let count = self.constant.len();
         let scale = largest(self.constant.iter().copied());
@@ -75,7 +74,7 @@ impl PivotSolver {
                 };
             }
             let violated = |k: usize, active: &[bool], solver: &Self| {
-                // Asked this way, what is no number is violated.
+                // Written so that NaN counts as a violation.
                 let holds = if active[k] {
                     solver.multiplier[k] >= 0.0
                 } else {
@@ -102,7 +101,7 @@ impl PivotSolver {
             }
             for k in 0..count {
                 if violated(k, active, self) {
-                    // Flipping k alone leaves the values of the others as they are.
+                    // Exchanging k alone leaves the other values unchanged.
                     active[k] = !active[k];
                     self.multiplier[k] = 0.0;
                     self.slack[k] = 0.0;
@@ -115,13 +114,13 @@ impl PivotSolver {
         }
     }
 
-    /// The active indices with their `s`.
+    /// The active indices and their `s`.
     pub(crate) fn multipliers(&self) -> impl Iterator<Item = (usize, f64)> {
         self.indices.iter().map(|&k| (k, self.multiplier[k]))
     }
 
-    /// `W' G_II^-1 W` row by row into `product`, with `G_II` the matrix on the active indices and
-    /// `W` the `columns` columns of values at them.
+    /// Computes `W' G_II^-1 W` by rows into `product`, with `G_II` the matrix on the active indices and `W` the given number of columns of
+    /// values at them.
     pub(crate) fn projected_inverse(
         &mut self,
         columns: usize,
@@ -136,7 +135,7 @@ impl PivotSolver {
         self.factor.projected_inverse(columns, product, at);
     }
 
-    /// With `q` zero at the active indices: their multipliers, and `q` elsewhere.
+    /// Sets `q` to zero at the active indices and computes their multipliers, and `q` at the others.
     pub(crate) fn solve_active(&mut self, matrix: &[f64], active: &[bool]) -> bool {
         let count = self.constant.len();
         self.indices.clear();

@@ -1,33 +1,34 @@
-//! Products of dense matrices, by blocks that fit the caches and tiles that fit the registers
-//! (K. Goto, R. A. van de Geijn, ACM Trans. Math. Softw. 34, 12 (2008)).
+//! Products of dense matrices, in blocks that fit the caches and tiles that fit the registers (K. Goto, R. A. van de Geijn, ACM Trans.
+//! Math. Softw. 34, 12 (2008)).
 //!
-//! Matrices are stored column by column. Every sum is taken in the same order on every processor.
+//! Matrices are stored by columns. All sums have the same order on every processor.
 
 use super::simd::{Aligned, InRegisters};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Columns of the left factor in a block.
+/// Number of columns of the left factor in a block.
 const INNER: usize = 256;
 
-/// Rows of the left factor in a block: a multiple of the height of a tile. A block takes 200 kB, which fits the second-level cache.
+/// Number of rows of the left factor in a block: a multiple of the height of a tile. A block takes 200 kB, which fits the second-level
+/// cache.
 const ROWS: usize = 96;
 
-/// A tile of the product is so many registers high and so many columns wide: twelve registers of sums, two of the left factor and one of the right factor
-/// leave one of the sixteen that processors have. Without it the compiler moves sums to memory and back.
+/// Height of a tile of the product in registers, and its width in columns: twelve registers of sums, two of the left factor and one of the
+/// right factor leave one of the sixteen registers of a processor free. Without a free register the compiler spills sums to memory.
 const REGISTERS: usize = 2;
 const COLUMNS: usize = 6;
 
-/// The most rows of a tile.
+/// Largest number of rows in a tile.
 const TALLEST: usize = 8 * REGISTERS;
 
-/// A matrix inside of a larger one: its first element is the first of `values`, its columns are `stride` apart.
+/// A submatrix: its first element is the first of `values`, its columns are `stride` apart.
 #[derive(Clone, Copy)]
 pub(super) struct Part<'a> {
     pub(super) values: &'a [f64],
     pub(super) stride: usize,
 }
 
-/// The right factor of a product, packed by blocks and tiles, and room for a block of the left factor.
+/// The right factor of a product, packed by blocks and tiles, and a buffer for a block of the left factor.
 pub(super) struct Product {
     left: Aligned<f64>,
     right: Vec<f64>,
@@ -67,8 +68,8 @@ impl Product {
         }
     }
 
-    /// Adds `factor` times the product of the first `rows` rows of `left` with the right factor to the matrix that begins with `result`, whose columns are
-    /// `stride` apart.
+    /// Adds `factor` times the product of the first `rows` rows of `left` with the right factor to the matrix that begins with `result`,
+    /// whose columns are `stride` apart.
     pub(super) fn add(
         &mut self,
         factor: f64,
@@ -99,7 +100,7 @@ struct Addition<'a> {
     factor: f64,
     left: Part<'a>,
     rows: usize,
-    /// Room for a block of the left factor.
+    /// Buffer for a block of the left factor.
     room: &'a mut [f64],
     right: &'a [f64],
     inner: usize,
@@ -148,7 +149,7 @@ impl WithSimd for Addition<'_> {
     }
 }
 
-/// Copies rows of the left factor, column by column, with zeros below them.
+/// Copies rows of the left factor by columns, padded with zeros.
 #[inline(always)]
 fn pack<S: Simd>(left: Part<'_>, row: usize, filled: usize, room: &mut [f64]) {
     let height = REGISTERS * S::F64_LANES;
@@ -163,7 +164,7 @@ fn pack<S: Simd>(left: Part<'_>, row: usize, filled: usize, room: &mut [f64]) {
     }
 }
 
-/// The product of two packed factors: a tile.
+/// Computes a tile: the product of two packed factors.
 #[inline(always)]
 fn sums<S: Simd>(simd: S, left: &[f64], right: &[f64]) -> [[S::f64s; REGISTERS]; COLUMNS] {
     let mut sums = [[simd.splat_f64s(0.0); REGISTERS]; COLUMNS];
@@ -180,7 +181,7 @@ fn sums<S: Simd>(simd: S, left: &[f64], right: &[f64]) -> [[S::f64s; REGISTERS];
     sums
 }
 
-/// Adds so many of the sums as the result is long.
+/// Adds the scaled sums to the result, up to the length of the result.
 #[inline(always)]
 fn add_scaled<S: Simd>(simd: S, factor: f64, sums: &[S::f64s; REGISTERS], result: &mut [f64]) {
     const { assert!(REGISTERS * S::F64_LANES <= TALLEST) };

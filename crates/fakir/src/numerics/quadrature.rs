@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-/// Nodes in (-1, 1) and weights of the `count`-point Gauss-Legendre rule.
+/// Nodes in (-1, 1) and weights of the Gauss-Legendre rule with `count` points.
 ///
-/// Newton iteration on `P_n` from Tricomi's estimate of its roots; exact for polynomials of
-/// degree `2 count - 1`.
+/// Newton iteration on `P_n` from Tricomi's estimate of its roots; exact for polynomials of degree `2 count - 1`.
 pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     (0..count)
@@ -39,11 +38,10 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
     (value, n as f64 * (x * value - previous) / (x * x - 1.0))
 }
 
-/// A product rule on the unit disc for the hemisphere measure `dOmega`: points and weights.
+/// Product rule on the unit disc for the hemisphere measure `dOmega`: points and weights.
 ///
-/// `radial` Gauss points in `mu` (the positive half of a rule with twice as many) times
-/// `angular` equally spaced angles; exact for products of modes whose degrees add up to less
-/// than `min(4 radial, angular)`.
+/// `radial` Gauss points in `mu` (the positive half of a rule with twice as many points) times `angular` equally spaced angles; exact for
+/// products of modes whose degrees add up to less than `min(4 radial, angular)`.
 pub(crate) fn hemisphere(radial: usize, angular: usize) -> Vec<([f64; 2], f64)> {
     let turn = 2.0 * PI / angular as f64;
     gauss_legendre(2 * radial)[radial..]

@@ -1,45 +1,45 @@
-//! Where a function of one variable changes its sign: one bracketing method for all searches.
+//! Root finding for functions of one variable: one bracketing method for all searches.
 //!
-//! The method is that of T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997): inverse quadratic interpolation where the three
-//! last points allow it, bisection elsewhere. It needs no derivative, never leaves the bracket, and takes some ten evaluations for all
-//! digits of a smooth function.
+//! The method is that of T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997): inverse quadratic interpolation where the last three points
+//! permit it, bisection otherwise. It needs no derivative, stays within the bracket, and needs about ten evaluations to find a root of a
+//! smooth function to full precision.
 
 use crate::numerics::convergence::{clamped, within};
 
-/// Evaluations before giving up. Bisection alone takes 52 per factor of two between the ends of the bracket.
+/// Limit of evaluations. Bisection alone takes 52 evaluations per factor of two between the ends of the bracket.
 const LIMIT: usize = 2200;
 
 /// A point and the value of the function there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Where.
+    /// The argument.
     pub position: f64,
-    /// What.
+    /// The function value.
     pub value: f64,
 }
 
-/// Two neighbouring points between which a function changes its sign.
+/// Two adjacent points between which a function changes its sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Root {
-    /// Where the function is negative, or zero.
+    /// Point with a negative value or zero.
     pub below: Point,
-    /// Where it is positive, or zero.
+    /// Point with a positive value or zero.
     pub above: Point,
-    /// Evaluations of the function.
+    /// Number of function evaluations.
     pub evaluations: usize,
 }
 
-/// What a function does between two neighbouring points where it changes its sign.
+/// Kind of a sign change between two adjacent points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// It is zero at this point, to within the tolerance.
+    /// The function is zero at this point, within the tolerance.
     Crossing(Point),
-    /// It jumps over zero, or is infinite on one side.
+    /// The function jumps over zero, or is infinite on one side.
     Jump,
 }
 
 impl Root {
-    /// Whether the function is as close to zero as `tolerance`, in its own units, or jumps over zero.
+    /// Distinguishes a crossing, where the function is within `tolerance` of zero (in its own units), from a jump over zero.
     #[must_use]
     pub fn change(&self, tolerance: f64) -> Change {
         let closest = self.closest();
@@ -50,7 +50,7 @@ impl Root {
         }
     }
 
-    /// The point where the function is closer to zero.
+    /// The point with the smaller absolute value.
     #[must_use]
     pub fn closest(&self) -> Point {
         if self.below.value.abs() < self.above.value.abs() {
@@ -61,14 +61,14 @@ impl Root {
     }
 }
 
-/// Narrows the bracket between two points at which a function has different signs until it is as wide as `tolerance`, relative to the
-/// position, or as neighbouring numbers are. `None` if the signs are the same, or if the function is undefined somewhere.
+/// Narrows a bracket with different signs at its ends until its width is `tolerance` relative to the position, or the spacing of
+/// floating-point numbers. Returns `None` if the signs are the same, or if the function is undefined somewhere.
 ///
-/// The function may jump over zero, and be infinite: [`Root::change`] says whether it did. A bracket is halved as long as the
+/// The function may jump over zero, and may be infinite: [`Root::change`] distinguishes these cases. The bracket is bisected while the
 /// function is infinite at one of its ends.
 ///
 /// # Errors
-/// The first that the function returns.
+/// Returns the first error of the function.
 ///
 /// ```
 /// use fakir::numerics::roots::{Point, find};
@@ -104,7 +104,7 @@ pub fn find<E>(
         };
         return Ok(Some(root(zero, zero, 0)));
     }
-    // A product of signs would overflow, and lets no undefined number pass here.
+    // A product of the values could overflow. These comparisons also reject NaN.
     if !(newest.value < 0.0 && opposite.value > 0.0 || newest.value > 0.0 && opposite.value < 0.0) {
         return Ok(None);
     }
@@ -135,20 +135,20 @@ pub fn find<E>(
             return Ok(Some(root(newest, opposite, evaluations)));
         }
         part = next_part(newest, opposite, before);
-        // Never so close to an end that nothing is learned.
+        // Keeps a minimum distance from the ends, so that every evaluation narrows the bracket.
         let least = (0.5 * narrowest / width).min(0.5);
         part = clamped(part, least, 1.0 - least);
     }
     Ok(None)
 }
 
-/// Where to go next, from the newest point towards the opposite one.
+/// The next position, as a fraction of the way from the newest point to the opposite one.
 fn next_part(newest: Point, opposite: Point, before: Point) -> f64 {
     let [f1, f2, f3] = [newest, opposite, before].map(|point| point.value);
     let [x1, x2, x3] = [newest, opposite, before].map(|point| point.position);
     let position = (x1 - x2) / (x3 - x2);
     let value = (f1 - f2) / (f3 - f2);
-    // Inside these, inverse quadratic interpolation is monotone.
+    // Within these bounds, inverse quadratic interpolation is monotone.
     if value * value < position && (1.0 - value) * (1.0 - value) < 1.0 - position {
         f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
     } else {
@@ -156,7 +156,8 @@ fn next_part(newest: Point, opposite: Point, before: Point) -> f64 {
     }
 }
 
-/// Where a function that falls and then rises between two positions is least, by so many golden sections; each leaves 0.618 of the bracket.
+/// Minimum of a function that decreases and then increases between two positions, by the given number of golden-section steps; each reduces
+/// the bracket to 0.618 of its width.
 pub(crate) fn least(
     [mut low, mut high]: [f64; 2],
     sections: usize,
@@ -196,7 +197,7 @@ mod tests {
         }
     }
 
-    /// Roots that are known, of functions that are smooth, steep, flat, or jump.
+    /// Known roots of smooth, steep, flat and discontinuous functions.
     #[test]
     fn finds_all_digits() {
         type Function = fn(f64) -> f64;
@@ -228,7 +229,7 @@ mod tests {
         }
     }
 
-    /// A crossing at 1/3, a jump there, and a function without a value below it.
+    /// A crossing at 1/3, a jump there, and a function that is undefined below it.
     #[test]
     fn crossings_are_told_from_jumps() {
         let third = 1.0 / 3.0;

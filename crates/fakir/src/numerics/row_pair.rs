@@ -1,7 +1,8 @@
-//! Two rows of real numbers, transformed together: one is the real part of complex numbers, the other the imaginary one.
+//! Transforms two real rows together: one is the real part of a complex row, the other its imaginary part.
 //!
-//! Of rows with the transforms `A` and `B` the transform together is `Z = A + i B`, and as those of real numbers are `A_(N-k) = conj(A_k)`,
-//! `2 A_k = Z_k + conj(Z_(N-k))` and `2 i B_k = Z_k - conj(Z_(N-k))`. That takes less than half the time of transforms that are real by themselves.
+//! If the transforms of the rows are `A` and `B`, that of the complex row is `Z = A + i B`. Since `A_(N-k) = conj(A_k)` for real rows,
+//! `2 A_k = Z_k + conj(Z_(N-k))` and `2 i B_k = Z_k - conj(Z_(N-k))`. This takes less than half the time of separate transforms of real
+//! rows.
 
 use super::column_transform::COLUMNS;
 use super::fft::Real;
@@ -10,18 +11,18 @@ use fakir_fft::Fft;
 use num_complex::Complex;
 use std::array::from_fn;
 
-/// The last column of a line.
+/// Index of the last column of a line.
 const LAST: usize = COLUMNS - 1;
 
 pub(crate) struct RowPair<R> {
     values: Vec<Complex<R>>,
-    /// Real parts of their transform, and imaginary ones. Before them is room for a line, behind them is the first once more and room for another
-    /// line, as there may be fewer frequencies than a line has columns.
+    /// Real and imaginary parts of the transform. They are preceded by space for a line and followed by a copy of the first number and
+    /// space for another line, since there may be fewer frequencies than columns in a line.
     parts: [Vec<R>; 2],
 }
 
 impl<R: Real> RowPair<R> {
-    /// Of so many numbers each.
+    /// Allocates two rows of this length.
     pub(crate) fn new(length: usize) -> Self {
         Self {
             values: vec![Complex::default(); length],
@@ -34,7 +35,7 @@ impl<R: Real> RowPair<R> {
         &mut self.values
     }
 
-    /// Transforms them.
+    /// Transforms both rows.
     pub(crate) fn forward(&mut self, plan: &dyn Fft<R>, scratch: &mut [Complex<R>]) {
         plan.process_with_scratch(&mut self.values, scratch);
         let (values, [re, im]) = (&self.values, &mut self.parts);
@@ -52,13 +53,13 @@ impl<R: Real> RowPair<R> {
         }
     }
 
-    /// Where a frequency is among the parts, and where minus that is.
+    /// Indices of a frequency and of its negative in `parts`.
     #[inline(always)]
     fn places(&self, frequency: usize) -> [usize; 2] {
         [COLUMNS + frequency, COLUMNS + self.values.len() - frequency]
     }
 
-    /// Twice the transforms of both rows at the frequencies from one on.
+    /// Twice the transforms of both rows at the frequencies from `first` on.
     pub(crate) fn twice_spectra(&self, first: usize, [one, other]: [&mut [Complex<R>]; 2]) {
         let [re, im] = &self.parts;
         for ((one, other), frequency) in one.iter_mut().zip(other).zip(first..) {
@@ -68,7 +69,7 @@ impl<R: Real> RowPair<R> {
         }
     }
 
-    /// Twice the transforms of both rows at as many frequencies as a line has columns, from one on, line after line: real parts, then imaginary ones.
+    /// Twice the transforms of both rows at the frequencies of a line, from `first` on, line by line: real parts, then imaginary parts.
     #[inline(always)]
     pub(crate) fn twice_lines(&self, first: usize, lines: &mut [R]) {
         let [own, image] = self.places(first);
@@ -84,7 +85,7 @@ impl<R: Real> RowPair<R> {
         }
     }
 
-    /// Sets the transforms of both rows at as many frequencies, up to half the length.
+    /// Sets the transforms of both rows at the frequencies of a line, up to half the length.
     #[inline(always)]
     pub(crate) fn set_lines(&mut self, first: usize, lines: &[R]) {
         let mut four = [[R::default(); COLUMNS]; 4];
@@ -95,15 +96,15 @@ impl<R: Real> RowPair<R> {
         if first > 0 && left > COLUMNS {
             self.put(first, four, COLUMNS);
         } else {
-            // Beyond half the length there are the images of what is before it.
+            // Frequencies above half the length are mirror images of those below.
             self.put_ends(first, four, left.min(COLUMNS));
         }
     }
 
-    /// The same of the first line and of the last, of which there are so many columns.
+    /// Sets the first line or the last one, which has the given number of columns.
     #[cold]
     fn put_ends(&mut self, first: usize, mut four: [[R; COLUMNS]; 4], columns: usize) {
-        // Transforms of real numbers are real at their ends; rounding must not say otherwise.
+        // The first and, for even lengths, the last coefficient of the transform of real data are real; removes their rounding errors.
         let is_end = |k: &usize| (2 * (first + k)).is_multiple_of(self.values.len());
         for k in (0..columns).filter(is_end) {
             (four[1][k], four[3][k]) = Default::default();
@@ -111,7 +112,7 @@ impl<R: Real> RowPair<R> {
         self.put(first, four, columns);
     }
 
-    /// Puts the first few columns of both lines, each real parts and imaginary ones, to their places, and what they say of their images, which are turned around.
+    /// Writes the first columns of both lines, each consisting of real and imaginary parts, and their mirror images in reverse order.
     #[inline(always)]
     fn put(
         &mut self,
@@ -135,7 +136,7 @@ impl<R: Real> RowPair<R> {
         }
     }
 
-    /// Transforms them back, without normalisation.
+    /// Inverse transform of both rows, without normalisation.
     pub(crate) fn back(&mut self, plan: &dyn Fft<R>, scratch: &mut [Complex<R>]) {
         let (values, [re, im]) = (&mut self.values, &self.parts);
         widest(
@@ -157,7 +158,8 @@ mod tests {
     use crate::numerics::column_transform::LINE;
     use fakir_fft::Transformable;
 
-    /// Against the sums that define them, of even lengths and odd ones, some shorter than a line, some frequencies at a time; lines against these; and there and back.
+    /// Compares with the defining sums for even and odd lengths, including some shorter than a line; compares lines with these; and checks
+    /// the round trip.
     #[test]
     fn both_rows_have_their_own_transforms() {
         for length in [1, 2, 5, 12, 15, 16, 18, 40] {
@@ -197,7 +199,7 @@ mod tests {
                     let (re, im) = line.split_at_mut(COLUMNS);
                     for (frequency, k) in (first..half).zip(0..COLUMNS) {
                         assert_eq!(Complex::new(re[k], im[k]), spectrum[k]);
-                        // What is imaginary at the ends does not count.
+                        // Imaginary parts at the ends are ignored.
                         if 2 * frequency % length == 0 {
                             im[k] = 7.0;
                         }

@@ -1,17 +1,18 @@
-//! Arithmetic on as many numbers at a time as a register of the processor holds, in either precision.
+//! SIMD arithmetic in either precision.
 //!
-//! Multiplications and additions are one operation where the processor has it, as in the transforms of the library: last digits depend on the processor.
+//! Multiplications and additions are fused where the processor supports it, as in the transforms of the library: the last digits depend on
+//! the processor.
 
 use super::fft::Real;
 use pulp::Simd;
 use std::ops::{Deref, DerefMut, Range};
 
-/// Numbers with which registers are filled.
+/// Numbers that can be stored in SIMD registers.
 pub(crate) trait InRegisters: Real {
-    /// As many of them as a register holds.
+    /// A register of numbers.
     type Register<S: Simd>: Copy;
 
-    /// The numbers by registers, as far as they fill one.
+    /// Views numbers as registers; an incomplete last register is left out.
     fn registers<S: Simd>(simd: S, values: &[Self]) -> &[Self::Register<S>];
 
     fn registers_mut<S: Simd>(simd: S, values: &mut [Self]) -> &mut [Self::Register<S>];
@@ -72,7 +73,7 @@ macro_rules! in_registers {
 
             #[inline(always)]
             fn negative<S: Simd>(simd: S, a: S::$register) -> S::$register {
-                // `Simd::neg_f64s` is not always inlined: a call in the innermost loops.
+                // `Simd::neg_f64s` is not always inlined, and would then be a call in the innermost loops.
                 simd.$xor(simd.$splat(-0.0), a)
             }
 
@@ -114,10 +115,10 @@ in_registers!(
     mul_add_e_f32s
 );
 
-/// Bytes of a cache line.
+/// Size of a cache line in bytes.
 const CACHE_LINE: usize = 64;
 
-/// Numbers that begin with a cache line: registers that reach across two of them take twice as long to fill.
+/// Numbers aligned to cache lines: loads of registers that straddle two lines take twice as long.
 pub(crate) struct Aligned<T> {
     values: Vec<T>,
     range: Range<usize>,
@@ -126,7 +127,7 @@ pub(crate) struct Aligned<T> {
 impl<T: Copy + Default> Aligned<T> {
     pub(crate) fn new(count: usize) -> Self {
         let values = vec![T::default(); count + CACHE_LINE / size_of::<T>()];
-        // Where that cannot be told, anything will do.
+        // If the offset cannot be determined, any start is valid.
         let first = values.as_ptr().align_offset(CACHE_LINE);
         let first = first.min(values.len() - count);
         Self {

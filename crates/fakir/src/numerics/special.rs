@@ -14,29 +14,31 @@ pub(crate) fn gamma_half(n: usize) -> f64 {
     value
 }
 
-/// Terms of a power series in `x^2/4` up to `x = 1`, the last of which is below the rounding.
+/// Number of terms of a power series in `x^2/4` up to `x = 1`; the last term is below rounding.
 const SERIES_TERMS: usize = 10;
 
-/// How far above the highest order a downward recurrence starts, for arguments up to that: what it starts with then leaves 1e-16.
+/// Number of orders above the highest one at which a downward recurrence starts, for arguments up to that order: the error of the start is
+/// then 1e-16.
 const HEAD_START: usize = 24;
 
-/// Arguments below this have powers that may be no numbers.
+/// Below this argument, powers may underflow.
 const TINY: f64 = 1e-12;
 
-/// `J_0(x)` to `J_n(x)` for `x >= 0`, as many as there are values.
+/// `J_0(x)` to `J_n(x)` for `x >= 0`, with `n + 1` the length of `values`.
 pub(crate) fn bessel(x: f64, values: &mut [f64]) {
     by_recurrence(x, values, [libm::j0, libm::j1], 0.0);
 }
 
-/// The spherical Bessel functions `j_0(x)` to `j_n(x)` for `x >= 0`, as many as there are values.
+/// The spherical Bessel functions `j_0(x)` to `j_n(x)` for `x >= 0`, with `n + 1` the length of `values`.
 pub(crate) fn spherical_bessel(x: f64, values: &mut [f64]) {
     let first = |x: f64| x.sin() / x;
     let second = |x: f64| (x.sin() / x - x.cos()) / x;
     by_recurrence(x, values, [first, second], 1.0);
 }
 
-/// Functions with `f_(n-1) + f_(n+1) = (2n + b)/x f_n`, from the first two of them, which need be right from 1 on. Below, `f_n` starts as
-/// `x/(2n + b) f_(n-1)`, `f_0` as 1, and the terms of its series have the ratio `-(x^2/2)/(k (2n + 2k + b))`.
+/// Functions with `f_(n-1) + f_(n+1) = (2n + b)/x f_n`, from the first two of them, which must be accurate for `x >= 1`. Below 1, the
+/// leading term of `f_n` is `x/(2n + b) f_(n-1)`, that of `f_0` is 1, and consecutive terms of the series have the ratio
+/// `-(x^2/2)/(k (2n + 2k + b))`.
 fn by_recurrence(x: f64, values: &mut [f64], first_two: [fn(f64) -> f64; 2], b: f64) {
     let Some(last) = values.len().checked_sub(1) else {
         return;
@@ -51,7 +53,7 @@ fn by_recurrence(x: f64, values: &mut [f64], first_two: [fn(f64) -> f64; 2], b: 
             *value = factor;
         }
     } else if x < 1.0 {
-        // The two highest by their series, and downward from there.
+        // The two highest orders by their series, then downward recurrence.
         let mut factor = 1.0;
         for order in 0..=last {
             if order > 0 {
@@ -66,7 +68,7 @@ fn by_recurrence(x: f64, values: &mut [f64], first_two: [fn(f64) -> f64; 2], b: 
             values[order] = next * inverse * values[order + 1] - values[order + 2];
         }
     } else if last as f64 <= x {
-        // Upward, which is stable up to there.
+        // Upward recurrence, which is stable for orders up to x.
         for order in 0..=last {
             values[order] = match order {
                 0 | 1 => first_two[order](x),
@@ -77,7 +79,7 @@ fn by_recurrence(x: f64, values: &mut [f64], first_two: [fn(f64) -> f64; 2], b: 
             };
         }
     } else {
-        // Downward from where they are nothing, then scaled to the larger of the first two.
+        // Downward recurrence from an order where the functions are negligible, then scaled to the larger of the first two.
         let (mut above, mut value) = (0.0, 1e-200);
         for order in (0..last + HEAD_START).rev() {
             // `value` belongs to order + 1.
@@ -87,7 +89,7 @@ fn by_recurrence(x: f64, values: &mut [f64], first_two: [fn(f64) -> f64; 2], b: 
                 values[order] = value;
             }
         }
-        // Of both, which `value` and `above` are now.
+        // `value` and `above` now contain the unscaled first two functions.
         let scale = if value.abs() >= above.abs() {
             first_two[0](x) / value
         } else {
@@ -99,7 +101,7 @@ fn by_recurrence(x: f64, values: &mut [f64], first_two: [fn(f64) -> f64; 2], b: 
     }
 }
 
-/// The series of one of them, over its first term.
+/// The power series of a function divided by its first term.
 fn series(x: f64, order: f64, b: f64) -> f64 {
     let (mut term, mut sum) = (1.0, 1.0);
     for k in 1..=SERIES_TERMS {

@@ -3,22 +3,22 @@
 use super::dense::Matrix;
 use super::vector::dot;
 
-/// Sweeps over all pairs of columns, at the most. They converge quadratically; ten are enough.
+/// Limit of sweeps over all pairs of columns. Convergence is quadratic; ten sweeps are sufficient.
 const SWEEPS: usize = 30;
 
 /// The decomposition `A = U S V'` of a matrix, with as many singular values as it has columns.
 #[derive(Debug, Clone)]
 pub struct Svd {
-    /// Left singular vectors, in columns. Those of singular values that are zero are zero.
+    /// Left singular vectors, in columns; zero for singular values that are zero.
     pub left: Matrix,
-    /// Singular values, the largest first.
+    /// Singular values in decreasing order.
     pub singular: Vec<f64>,
     /// Right singular vectors, in columns.
     pub right: Matrix,
 }
 
 impl Svd {
-    /// Decomposes a matrix. What is not finite in it makes the decomposition not finite.
+    /// Decomposes a matrix. If the matrix contains numbers that are not finite, so does the decomposition.
     #[must_use]
     pub fn new(mut matrix: Matrix) -> Self {
         let turned = orthogonalise(&mut matrix);
@@ -29,7 +29,7 @@ impl Svd {
         order.sort_by(|one, other| lengths[*other].total_cmp(&lengths[*one]));
         let unit = |row, k: usize| match lengths[order[k]] {
             length if length > 0.0 => matrix[(row, order[k])] / length,
-            // Zero, or no number.
+            // Zero or NaN.
             length => length,
         };
         Self {
@@ -40,10 +40,10 @@ impl Svd {
     }
 }
 
-/// Makes the columns of a matrix orthogonal by an orthogonal matrix on its right, which is returned
-/// (G. H. Golub and C. F. Van Loan, Matrix Computations, section 8.6.3).
+/// Makes the columns of a matrix orthogonal by an orthogonal matrix on its right, which is returned (G. H. Golub and C. F. Van Loan, Matrix
+/// Computations, section 8.6.3).
 ///
-/// Small singular values come out to high relative accuracy, also where columns have very different lengths.
+/// Small singular values have a high relative accuracy even if the columns have very different lengths.
 #[must_use]
 pub(crate) fn orthogonalise(matrix: &mut Matrix) -> Matrix {
     let count = matrix.columns();
@@ -88,8 +88,8 @@ fn rotate([one, other]: [&mut [f64]; 2], tangent: f64) {
 mod tests {
     use super::*;
 
-    /// Expected: `U S V'` is the matrix and `V' V` the unit matrix, column by column to some roundings; `U' U` is the unit matrix where singular
-    /// values are not zero.
+    /// Expected: `U S V'` is the matrix and `V' V` the unit matrix, within a few roundings in every column; `U' U` is the unit matrix for
+    /// singular values that are not zero.
     fn check(matrix: &Matrix, rank: usize) -> Svd {
         let svd = Svd::new(matrix.clone());
         let [rows, columns] = [matrix.rows(), matrix.columns()];
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn counts_the_rank() {
-        // Sums of two columns; with a column of zeros.
+        // Linear combinations of two columns, and a column of zeros.
         let matrix = Matrix::from_fn(30, 5, |i, j| {
             [1.0, 2.0, -3.0, 0.5, 0.0][j] * element(i, 1)
                 + [1.0, 0.0, 4.0, 2.0, 0.0][j] * element(i, 2)
@@ -157,8 +157,8 @@ mod tests {
         assert_eq!(svd.singular, [0.0; 3]);
     }
 
-    /// Expected: with columns of lengths over 200 decades, singular values as those of columns that are orthogonalised one after the other, as they
-    /// hardly act on each other.
+    /// Expected: for columns with lengths over 200 decades, the singular values of columns that are orthogonalised one after the other,
+    /// since they hardly interact.
     #[test]
     fn small_singular_values_of_graded_columns() {
         let scales = [1.0, 1e-50, 1e-100, 1e-140];

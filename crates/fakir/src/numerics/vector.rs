@@ -1,23 +1,22 @@
-//! Loops compiled for the vectors that the processor has.
+//! Loops that are compiled for the vector instructions of the processor.
 //!
-//! Results do not depend on the processor: sums are taken in the same order everywhere, and products
-//! are rounded before they are added.
+//! Results do not depend on the processor: sums have the same order everywhere, and products are rounded before they are added.
 
 use super::convergence::{self, larger};
 use super::workers::Workers;
 use pulp::Arch;
 use std::ops::{Add, AddAssign, Mul, Sub};
 
-/// Does the work with the widest vectors there are, as far as all that it calls is inlined.
+/// Executes `work` with the widest vector instructions available. This affects only functions that are inlined into it.
 #[inline(always)]
 pub(crate) fn widest<R>(work: impl FnOnce() -> R) -> R {
     Arch::new().dispatch(work)
 }
 
-/// Numbers in a [`Lanes`].
+/// Number of values in a [`Lanes`].
 pub(crate) const LANES: usize = 4;
 
-/// Numbers on which the same is done.
+/// Values that are processed together.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Lanes(pub(crate) [f64; LANES]);
 
@@ -43,7 +42,7 @@ impl Lanes {
 
     #[inline(always)]
     fn with(mut self, other: Self, each: impl Fn(f64, f64) -> f64) -> Self {
-        // What makes arrays from closures is not always inlined.
+        // `array::from_fn` is not always inlined.
         for (value, other) in self.0.iter_mut().zip(other.0) {
             *value = each(*value, other);
         }
@@ -94,14 +93,14 @@ impl AddAssign for Lanes {
     }
 }
 
-/// Elements of a vector that are summed up together.
+/// Number of vector elements that are summed together.
 const CHUNK: usize = 16_384;
 
-/// Chunks a thread takes at a time, at the least.
+/// Smallest number of chunks that a thread processes at a time.
 const CHUNKS: usize = 4;
 
-/// Vectors whose elements are shared between threads, if they are long and there are threads. Sums are
-/// taken chunk by chunk either way, and so do not depend on that.
+/// Operations on vectors that are distributed over threads if the vectors are long and threads are available. Sums are computed in chunks
+/// in both cases, so that results do not depend on the number of threads.
 #[derive(Clone, Copy)]
 pub(crate) struct Vectors<'r>(pub(crate) Workers<'r>);
 
@@ -165,7 +164,7 @@ fn dot_of_chunk(a: &[f64], b: &[f64]) -> f64 {
     )
 }
 
-/// A dot product, added up in [`LANES`] partial sums: for loops that are compiled by [`widest`].
+/// Dot product with [`LANES`] partial sums, for loops that are compiled by [`widest`].
 #[inline(always)]
 pub(super) fn inner_dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = Lanes::default();
@@ -178,7 +177,7 @@ pub(super) fn inner_dot(a: &[f64], b: &[f64]) -> f64 {
     sums.sum() + rest
 }
 
-/// The products of every row of one matrix with every row of another, all rows of so many numbers, where what comes out is symmetric.
+/// Products of all rows of one matrix with all rows of another, each of the given length, where the result is symmetric.
 pub(crate) fn symmetric_products(one: &[f64], other: &[f64], length: usize) -> Vec<f64> {
     let count = one.len() / length;
     let mut products = vec![0.0; count * count];
@@ -207,7 +206,7 @@ pub(crate) fn symmetric_products(one: &[f64], other: &[f64], length: usize) -> V
     products
 }
 
-/// [`inner_dot`] with four rows as long, one after the other.
+/// [`inner_dot`] with four consecutive rows of the same length.
 #[inline(always)]
 fn four_dots(a: &[f64], rows: &[f64]) -> [f64; LANES] {
     let length = a.len();
@@ -229,7 +228,7 @@ fn four_dots(a: &[f64], rows: &[f64]) -> [f64; LANES] {
     dots
 }
 
-/// The largest absolute value, NaN if one of them is, 0 if there are none.
+/// The largest absolute value; NaN if a value is NaN, 0 for an empty slice.
 pub(crate) fn largest(a: &[f64]) -> f64 {
     widest(
         #[inline(always)]
@@ -275,7 +274,7 @@ mod tests {
     use super::*;
     use crate::numerics::workers::CancelToken;
 
-    /// Expected: row by row by the dot product.
+    /// Expected: dot products computed row by row.
     #[test]
     fn products_of_all_rows() {
         for (count, length) in [(1, 1), (3, 5), (8, 8), (13, 6)] {

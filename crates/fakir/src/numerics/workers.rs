@@ -1,31 +1,31 @@
-//! Threads that share work, and the flag that stops it.
+//! Threads that share work, and the flag that cancels it.
 
 use rayon::ThreadPool;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A flag that asks a running computation to stop.
+/// A flag that cancels a running computation.
 ///
-/// Clones share the flag. The solvers look at it at every iteration.
+/// Clones share the flag. The solvers check it in every iteration.
 #[derive(Debug, Clone, Default)]
 pub struct CancelToken(Arc<AtomicBool>);
 
 impl CancelToken {
-    /// Asks the computation to stop.
+    /// Requests cancellation.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether it was asked to.
+    /// Whether cancellation was requested.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// Threads to share work between: as many as were asked for, but no more than there are processors.
-/// More would only wait for each other, and thousands of them take long to start.
+/// The number of threads: as requested, but at most the number of processors. Further threads would only wait for each other, and starting
+/// thousands of them takes long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Threads {
     asked: usize,
@@ -33,14 +33,14 @@ pub struct Threads {
 }
 
 impl Threads {
-    /// So many; 0 for as many as there are processors.
+    /// Requests `asked` threads; 0 means as many as there are processors.
     #[must_use]
     pub fn asked(asked: usize) -> Self {
         let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
         Self { asked, processors }
     }
 
-    /// How many there are to be.
+    /// The number of threads to be used.
     #[must_use]
     pub fn number(self) -> usize {
         match self.asked {
@@ -49,28 +49,28 @@ impl Threads {
         }
     }
 
-    /// What to tell who asked for more than that.
+    /// The warning if more threads were requested than there are processors.
     #[must_use]
     pub fn warning(self) -> Option<String> {
         let Self { asked, processors } = self;
         (asked > processors).then(|| {
-            format!("{asked} threads are more than there are processors: {processors} are used")
+            format!("{asked} threads exceed the number of processors: {processors} are used")
         })
     }
 }
 
-/// The threads that share the work of a computation, and the flag that stops it.
+/// The threads that share the work of a computation, and the flag that cancels it.
 #[derive(Clone, Copy)]
 pub(crate) struct Workers<'r> {
-    /// Threads; none for the calling one alone.
+    /// Threads; `None` for the calling thread alone.
     pub(crate) pool: Option<&'r ThreadPool>,
-    /// Asks the computation to stop.
+    /// Cancels the computation.
     pub(crate) cancel: &'r CancelToken,
 }
 
 impl Workers<'_> {
-    /// Results of `one` for every number below `count`, in order. A thread takes at least `least` numbers
-    /// at a time, and creates one workspace with `work`.
+    /// Returns the results of `one` for every number below `count`, in order. A thread processes at least `least` numbers at a time and
+    /// creates one workspace with `work`.
     pub(crate) fn map<W, T: Send>(
         self,
         count: usize,
@@ -81,7 +81,7 @@ impl Workers<'_> {
         map(self.pool, count, least, work, one)
     }
 
-    /// Calls `one` with every piece of `length` values and the piece's number; threads as in [`Self::map`].
+    /// Calls `one` with every piece of `length` values and the index of the piece; threads as in [`Self::map`].
     pub(crate) fn fill<W, T: Send>(
         self,
         values: &mut [T],
@@ -94,10 +94,10 @@ impl Workers<'_> {
     }
 }
 
-/// Batches that each thread takes on average: enough to even out batches that take longer than others.
+/// Average number of batches per thread: sufficient to balance batches of different duration.
 const BATCHES_PER_THREAD: usize = 8;
 
-/// As [`Workers::map`], on the threads of a pool or on the calling thread.
+/// [`Workers::map`] on the threads of a pool or on the calling thread.
 pub(crate) fn map<W, T: Send>(
     pool: Option<&ThreadPool>,
     count: usize,
@@ -119,7 +119,7 @@ pub(crate) fn map<W, T: Send>(
     results.into_iter().flatten().collect()
 }
 
-/// As [`Workers::fill`], on the threads of a pool or on the calling thread.
+/// [`Workers::fill`] on the threads of a pool or on the calling thread.
 pub(crate) fn fill<W, T: Send>(
     pool: Option<&ThreadPool>,
     values: &mut [T],
@@ -165,10 +165,10 @@ pub(crate) fn for_each(pool: Option<&ThreadPool>, count: usize, one: &(dyn Fn(us
     });
 }
 
-/// Runs `work` on every thread of a pool, or once on the calling thread; `work` returns when nothing is left to do.
+/// Runs `work` on every thread of a pool, or once on the calling thread. `work` returns when no work is left.
 ///
-/// Not generic, so that the machinery of threads is compiled once instead of once for each loop: that took a
-/// fifth of the time that the crate needs to compile.
+/// Not generic, so that the code for threads is compiled once instead of once for each loop, which took a fifth of the compilation time of
+/// the crate.
 #[inline(never)]
 pub(crate) fn share(pool: Option<&ThreadPool>, work: &(dyn Fn() + Sync)) {
     match pool.filter(|pool| pool.current_num_threads() > 1) {
@@ -227,7 +227,7 @@ mod tests {
         }
     }
 
-    /// A loop inside a loop on the same threads ends, whichever thread waits for which.
+    /// Nested loops on the same threads terminate, independent of which thread waits for which.
     #[test]
     fn loops_nest() {
         let pool = rayon::ThreadPoolBuilder::new()
@@ -268,7 +268,7 @@ mod tests {
         let told = of(9999).warning().unwrap();
         assert_eq!(
             told,
-            "9999 threads are more than there are processors: 4 are used"
+            "9999 threads exceed the number of processors: 4 are used"
         );
     }
 }

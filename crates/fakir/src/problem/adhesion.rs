@@ -1,9 +1,10 @@
-//! How pillar tops and floor stick to the lens.
+//! Adhesion of pillar tops and floor to the lens.
 
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
-/// The work of adhesion between the lens and the pillar tops, and the floor between them if that is asked: the energy per area that it takes to part them. The range of the
-/// attraction counts as small against everything else (the limit of Johnson, Kendall and Roberts).
+/// The work of adhesion between the lens and the pillar tops, and optionally the floor between them: the energy per area that is required
+/// to separate them. The range of the attraction is assumed to be small compared with all other lengths (the limit of Johnson, Kendall and
+/// Roberts).
 ///
 /// ```
 /// use fakir::problem::Adhesion;
@@ -16,27 +17,27 @@ use super::quantity::{InvalidQuantity, Quantity, Requirement};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Adhesion {
-    /// Work of adhesion where contact is made, J/m^2. Zero is none.
+    /// Work of adhesion where contact is made, J/m^2. Zero means no adhesion.
     pub work: f64,
     /// Work of adhesion where contact is broken, J/m^2, if it is larger.
     pub work_receding: Option<f64>,
-    /// Whether the floor sticks too. The lens jumps onto it where it first touches it, and comes off it later than it came. Otherwise loading ends where the
-    /// floor is reached.
+    /// Whether the floor is adhesive as well. The lens then jumps into contact with the floor when it first touches it, and detaches from
+    /// it at a smaller indentation. Otherwise loading ends where the floor is reached.
     pub floor: bool,
 }
 
 impl Adhesion {
-    /// Smallest work of adhesion that is not zero, J/m^2: many orders below any that is known.
+    /// Smallest work of adhesion that is not zero, J/m^2: many orders of magnitude below known values.
     pub const SMALLEST_WORK: f64 = 1e-12;
 
-    /// Nothing sticks.
+    /// No adhesion.
     pub const NONE: Self = Self {
         work: 0.0,
         work_receding: None,
         floor: false,
     };
 
-    /// The same work (J/m^2) to break contact as is won where it is made.
+    /// The same work of adhesion (J/m^2) where contact is made and where it is broken.
     #[must_use]
     pub const fn new(work: f64) -> Self {
         Self {
@@ -46,7 +47,7 @@ impl Adhesion {
         }
     }
 
-    /// The same, with a floor that sticks too.
+    /// The same, with an adhesive floor.
     #[must_use]
     pub const fn with_floor(self) -> Self {
         Self {
@@ -61,13 +62,13 @@ impl Adhesion {
         self.work_receding.unwrap_or(self.work)
     }
 
-    /// Whether nothing sticks.
+    /// Whether there is no adhesion.
     #[must_use]
     pub fn is_none(self) -> bool {
         self.receding() <= 0.0
     }
 
-    /// The works of adhesion, if they can be.
+    /// Validates the works of adhesion.
     pub(super) fn checked(self) -> Result<Self, InvalidQuantity> {
         let smallest = Requirement::ZeroOrWork(Self::SMALLEST_WORK);
         smallest.check(Quantity::WorkOfAdhesion, self.work)?;
@@ -76,7 +77,7 @@ impl Adhesion {
             Requirement::AtLeastWork(self.work)
                 .check(Quantity::RecedingWorkOfAdhesion, receding)?;
         }
-        // Adding zero takes the sign from a negative one.
+        // Adding zero removes the sign of a negative zero.
         Ok(Self {
             work: self.work + 0.0,
             work_receding: self.work_receding.map(|work| work + 0.0),

@@ -1,4 +1,4 @@
-//! Where pillars are, and how they differ.
+//! Positions of pillars and differences between pillars.
 
 use super::lattice::{HALF_SQRT_3, HexagonalLattice};
 use super::point::{Point, turned};
@@ -8,9 +8,10 @@ use crate::numerics::neighbours::Neighbours;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Where pillars are, seen from the lens axis, and how they differ from the common pillar.
+/// Positions of pillars relative to the lens axis, and their deviations from the common pillar.
 ///
-/// A [`System`](super::System) accepts lattices and lists, a [`Pattern`](super::pattern::Pattern) on a height map lattices and places at random.
+/// A [`System`](super::System) accepts lattices and lists, a [`Pattern`](super::pattern::Pattern) on a height map accepts lattices and
+/// random positions.
 ///
 /// ```
 /// use fakir::problem::{Arrangement, Disorder, LatticeForm, PlaneLattice, Scatter};
@@ -24,13 +25,13 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Arrangement {
-    /// The endless hexagonal lattice of equal pillars: the paper's, for which everything is available.
+    /// The infinite hexagonal lattice of equal pillars of the paper, which all functions support.
     Hexagonal(HexagonalLattice),
-    /// Any plane lattice, whole or cut, whose pillars may scatter and be missing.
+    /// Any plane lattice, infinite or finite, whose pillars may vary in height and may be missing.
     Lattice(PlaneLattice),
-    /// Those of a list and no others.
+    /// The pillars of a list only.
     Listed(Arc<PillarList>),
-    /// At random in a rectangle.
+    /// Random positions in a rectangle.
     Random(RandomPlaces),
 }
 
@@ -41,7 +42,7 @@ impl From<HexagonalLattice> for Arrangement {
 }
 
 impl From<PlaneLattice> for Arrangement {
-    /// One that is endless, hexagonal, of equal pillars and not turned is the [hexagonal](Self::Hexagonal) one.
+    /// An infinite hexagonal lattice of equal pillars without rotation becomes [hexagonal](Self::Hexagonal).
     fn from(lattice: PlaneLattice) -> Self {
         match lattice.hexagonal() {
             Some(hexagonal) if lattice == hexagonal.into() => Self::Hexagonal(hexagonal),
@@ -63,7 +64,7 @@ impl From<RandomPlaces> for Arrangement {
 }
 
 impl Arrangement {
-    /// What it is called: `"hexagonal"`, `"square"`, `"rectangular"`, `"oblique"`, `"listed"` or `"random"`.
+    /// The name of the arrangement: `"hexagonal"`, `"square"`, `"rectangular"`, `"oblique"`, `"listed"` or `"random"`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -74,7 +75,7 @@ impl Arrangement {
         }
     }
 
-    /// The lattice, if it is one.
+    /// The lattice, if the arrangement is one.
     #[must_use]
     pub fn lattice(&self) -> Option<PlaneLattice> {
         match self {
@@ -84,7 +85,7 @@ impl Arrangement {
         }
     }
 
-    /// The disorder of a lattice, or of pillars at random. A list has none: it contains the height and the diameter of every pillar.
+    /// The disorder of a lattice, or of random positions. A list has none: it contains the height and the diameter of every pillar.
     #[must_use]
     pub fn disorder(&self) -> Disorder {
         match self {
@@ -94,8 +95,8 @@ impl Arrangement {
         }
     }
 
-    /// How far apart neighbours stand, m: the pitch of a lattice, the [mean distance](PillarList::mean_distance) of nearest neighbours of a list, the
-    /// smallest distance of pillars at random.
+    /// Typical distance between neighbours, m: the pitch of a lattice, the [mean distance](PillarList::mean_distance) of nearest neighbours
+    /// in a list, or the smallest distance between random positions.
     #[must_use]
     pub fn pitch(&self) -> f64 {
         match self {
@@ -106,7 +107,7 @@ impl Arrangement {
         }
     }
 
-    /// Area of the surface for each pillar, m^2; of a list, of the rectangle as for the [surface fraction](Self::surface_fraction).
+    /// Surface area per pillar, m^2; for a list, based on the same rectangle as the [surface fraction](Self::surface_fraction).
     #[must_use]
     pub fn cell_area(&self) -> f64 {
         match self {
@@ -117,8 +118,8 @@ impl Arrangement {
         }
     }
 
-    /// The fraction of the surface that is pillar top, for a common pillar diameter (m). Of a list, within the rectangle along x and y that holds all
-    /// centres and half their mean distance around them.
+    /// The fraction of the surface covered by pillar tops, for a common pillar diameter (m). For a list, the surface is the rectangle along
+    /// x and y that contains all centres, extended by half their mean distance.
     #[must_use]
     pub fn surface_fraction(&self, diameter: f64) -> f64 {
         let top = 0.25 * PI * diameter * diameter;
@@ -135,8 +136,8 @@ impl Arrangement {
         }
     }
 
-    /// Centre of the pillar of an index, m from the lens axis; none where there is no pillar. Pillars at random are placed when they are drawn, and
-    /// have none before.
+    /// Centre of the pillar with an index, m from the lens axis; `None` if there is no such pillar. Random positions are determined when
+    /// the pattern is drawn, so that the result is `None` for these.
     #[must_use]
     pub fn centre(&self, index: (i64, i64)) -> Option<Point> {
         match self {
@@ -150,7 +151,7 @@ impl Arrangement {
         }
     }
 
-    /// Whether the pillars differ in anything but their place.
+    /// Whether the pillars differ in nothing but their positions.
     #[must_use]
     pub fn has_equal_pillars(&self) -> bool {
         match self {
@@ -167,7 +168,7 @@ impl Arrangement {
         }
     }
 
-    /// The extremes of height over diameter, in that of the common pillar.
+    /// The smallest and largest ratio of height to diameter, relative to that of the common pillar.
     pub(super) fn slenderness(&self, common: f64) -> [f64; 2] {
         match self {
             Self::Hexagonal(_) | Self::Lattice(_) | Self::Random(_) => {
@@ -183,7 +184,7 @@ impl Arrangement {
         }
     }
 
-    /// Whether there are finitely many pillars.
+    /// Whether the number of pillars is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         match self {
@@ -193,7 +194,7 @@ impl Arrangement {
         }
     }
 
-    /// Refuses what a [`System`](super::System) cannot have.
+    /// Refuses arrangements that a [`System`](super::System) does not support.
     pub(super) fn check(&self, diameter: f64, lens_radius: f64) -> Result<(), InvalidQuantity> {
         match self {
             Self::Hexagonal(lattice) => {
@@ -215,10 +216,10 @@ impl Arrangement {
     }
 }
 
-/// A pitch at which pillars of a diameter do not overlap.
+/// Checks that pillars with this diameter do not overlap at this pitch.
 fn check_pitch(quantity: Quantity, pitch: f64, diameter: f64) -> Result<(), InvalidQuantity> {
     Requirement::Positive.check(quantity, pitch)?;
-    // A surface fraction of exactly the maximum may round to a pitch just below the diameter.
+    // A surface fraction of exactly the maximum may round to a pitch slightly below the diameter.
     let overlap_tolerance = 1.0 - 4.0 * f64::EPSILON;
     if pitch < diameter * overlap_tolerance {
         Requirement::AtLeastDiameter(diameter).check(quantity, pitch)?;
@@ -226,39 +227,39 @@ fn check_pitch(quantity: Quantity, pitch: f64, diameter: f64) -> Result<(), Inva
     Ok(())
 }
 
-/// The vectors of a plane lattice.
+/// The type and the vectors of a plane lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LatticeForm {
-    /// As [`HexagonalLattice`].
+    /// The lattice of [`HexagonalLattice`].
     Hexagonal {
         /// Distance between the centres of neighbouring pillars, m.
         pitch: f64,
     },
-    /// With rows along x and y.
+    /// Rows along x and y.
     Square {
         /// Distance between the centres of neighbouring pillars, m.
         pitch: f64,
     },
-    /// With rows along x and y.
+    /// Rows along x and y.
     Rectangular {
         /// Distance of neighbours along x, m.
         pitch: f64,
         /// Distance of neighbours along y, m.
         pitch_y: f64,
     },
-    /// With rows along x, and others at an angle to them.
+    /// Rows along x, and rows at an angle to these.
     Oblique {
         /// Distance of neighbours along x, m.
         pitch: f64,
         /// Distance of neighbours along the other rows, m.
         pitch_y: f64,
-        /// Between the two, rad.
+        /// Angle between the two, rad.
         angle: f64,
     },
 }
 
 impl LatticeForm {
-    /// `"hexagonal"`, `"square"`, `"rectangular"` or `"oblique"`.
+    /// The name of the lattice: `"hexagonal"`, `"square"`, `"rectangular"` or `"oblique"`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -301,7 +302,7 @@ impl LatticeForm {
         }
     }
 
-    /// Area for each pillar, m^2.
+    /// Area per pillar, m^2.
     #[must_use]
     pub fn cell_area(&self) -> f64 {
         let [[a, b], [c, d]] = self.vectors();
@@ -309,7 +310,8 @@ impl LatticeForm {
     }
 }
 
-/// Lattice vectors whose shorter diagonals are not shorter than themselves (Gauss), so that near pillars have small indices.
+/// Gauss-reduced lattice vectors, whose shorter diagonals are not shorter than the vectors themselves, so that near pillars have small
+/// indices.
 pub(super) fn reduced([mut a, mut b]: [Point; 2]) -> [Point; 2] {
     let dot = |a: Point, b: Point| a[0] * b[0] + a[1] * b[1];
     loop {
@@ -318,7 +320,7 @@ pub(super) fn reduced([mut a, mut b]: [Point; 2]) -> [Point; 2] {
         }
         let steps = (dot(a, b) / dot(a, a)).round();
         let next = [b[0] - steps * a[0], b[1] - steps * a[1]];
-        // The strict decrease ends the loop whatever the rounding.
+        // The strict decrease terminates the loop despite rounding.
         if steps == 0.0 || dot(next, next) >= dot(b, b) {
             return [a, b];
         }
@@ -326,30 +328,30 @@ pub(super) fn reduced([mut a, mut b]: [Point; 2]) -> [Point; 2] {
     }
 }
 
-/// The numbers by which a point is a sum of two vectors.
+/// The coordinates of a point in the basis of two vectors.
 pub(super) fn coordinates([x, y]: Point, [[a, b], [c, d]]: [Point; 2]) -> Point {
     let area = a * d - b * c;
     [(x * d - y * c) / area, (a * y - b * x) / area]
 }
 
-/// A plane lattice of pillars, whole or cut.
+/// A plane lattice of pillars, infinite or finite.
 ///
-/// Pillar `(i, j)` stands at `a1 i + a2 j - o`, turned about the lens axis, where `a1` and `a2` are the [vectors](LatticeForm::vectors) and `o`
-/// points from a pillar centre to the lens axis, which is the origin.
+/// Pillar `(i, j)` is at `a1 i + a2 j - o`, rotated about the lens axis, where `a1` and `a2` are the [vectors](LatticeForm::vectors) and
+/// `o` points from a pillar centre to the lens axis, which is the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneLattice {
-    /// Its vectors.
+    /// Type and vectors of the lattice.
     pub form: LatticeForm,
-    /// By how much it is turned about the lens axis, counter-clockwise, rad.
+    /// Rotation about the lens axis, counter-clockwise, rad.
     pub rotation: f64,
     /// Distance of the lens axis from the centre of pillar (0, 0), in pitches.
     pub offset: f64,
-    /// Direction of the offset from x before the lattice is turned, rad.
+    /// Direction of the offset from x before the rotation, rad.
     pub offset_angle: f64,
-    /// If it is cut: how many pillars there are along each of the vectors, pillar (0, 0) in the middle. An even number has one more on the
-    /// negative side.
+    /// For a finite lattice, the number of pillars along each of the vectors, with pillar (0, 0) in the middle. For an even number, there
+    /// is one more on the negative side.
     pub columns: Option<u32>,
-    /// How its pillars scatter.
+    /// Variation of the pillars.
     pub disorder: Disorder,
 }
 
@@ -368,14 +370,14 @@ impl From<HexagonalLattice> for PlaneLattice {
     }
 }
 
-/// Deviation of heights, relative, up to which no pillar is lower than a fifth of the common height.
+/// Largest relative deviation of heights: no pillar is then lower than a fifth of the common height.
 const LARGEST_DEVIATION: f64 = 0.8;
 
-/// Share of missing pillars up to which there is a texture.
+/// Largest fraction of missing pillars that is accepted.
 const MOST_MISSING: f64 = 0.9;
 
 impl PlaneLattice {
-    /// The endless lattice of equal pillars with the lens axis on one of them.
+    /// The infinite lattice of equal pillars with the lens axis on one of them.
     #[must_use]
     pub fn new(form: LatticeForm) -> Self {
         Self {
@@ -388,7 +390,7 @@ impl PlaneLattice {
         }
     }
 
-    /// The places of a hexagonal lattice that is not turned.
+    /// The positions of a hexagonal lattice without rotation.
     pub(super) fn hexagonal(&self) -> Option<HexagonalLattice> {
         match self.form {
             LatticeForm::Hexagonal { pitch } if self.rotation == 0.0 => Some(HexagonalLattice {
@@ -400,7 +402,7 @@ impl PlaneLattice {
         }
     }
 
-    /// The same with all distances times a number.
+    /// The same lattice with all distances multiplied by a ratio.
     #[must_use]
     pub fn stretched(&self, ratio: f64) -> Self {
         let form = match self.form {
@@ -427,7 +429,7 @@ impl PlaneLattice {
         Self { form, ..*self }
     }
 
-    /// The lattice vectors, turned, m.
+    /// The lattice vectors after the rotation, m.
     #[must_use]
     pub fn vectors(&self) -> [Point; 2] {
         self.form.vectors().map(|vector| self.turned(vector))
@@ -441,13 +443,13 @@ impl PlaneLattice {
         self.turned([-length * cos, -length * sin])
     }
 
-    /// Where the pillar of an index stands, if there is one, m from the lens axis.
+    /// Position of the pillar with an index, whether it is present or not, m from the lens axis.
     pub(super) fn place(&self, (i, j): (i64, i64)) -> Point {
         let ([one, other], origin) = (self.vectors(), self.origin());
         [0, 1].map(|k| origin[k] + one[k] * i as f64 + other[k] * j as f64)
     }
 
-    /// Whether there is a pillar of that index.
+    /// Whether the lattice contains a pillar with this index.
     fn has(&self, index: (i64, i64)) -> bool {
         let inside = self.ends().is_none_or(|[first, end]| {
             (first..end).contains(&index.0) && (first..end).contains(&index.1)
@@ -459,11 +461,11 @@ impl PlaneLattice {
         turned(point, self.rotation)
     }
 
-    /// The pillars of a lattice that is cut, by rising index: where each stands (m from the lens axis), and its height over the common one. None of a
-    /// lattice without an end.
+    /// The pillars of a finite lattice, by increasing index: the position of each (m from the lens axis) and the ratio of its height to the
+    /// common height. `None` for an infinite lattice.
     ///
     /// # Errors
-    /// Quantities that cannot be, and pillars of a diameter (m) that overlap.
+    /// Invalid quantities, and overlapping pillars with the given diameter (m).
     pub fn cut_pillars(&self, diameter: f64) -> Result<Option<Vec<(Point, f64)>>, InvalidQuantity> {
         self.check(diameter)?;
         let Some([first, end]) = self.ends() else {
@@ -527,7 +529,7 @@ impl PlaneLattice {
         Ok(())
     }
 
-    /// The first index of its pillars along each vector, and the end; none of a lattice without end.
+    /// The first pillar index along each vector, and the index after the last one; `None` for an infinite lattice.
     #[must_use]
     pub fn ends(&self) -> Option<[i64; 2]> {
         let columns = i64::from(self.columns?);
@@ -535,20 +537,20 @@ impl PlaneLattice {
     }
 }
 
-/// Pillars at random in the rectangle of a grid, one after the other, each wherever it keeps its distance from those before (random sequential
-/// addition). The rectangle is filled as one period, so that the arrangement can be continued.
+/// Random positions in the rectangle of a grid by random sequential addition: pillars are added one after another at random positions that
+/// keep the minimum distance from all others. The rectangle is filled as one period, so that the arrangement can be continued periodically.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomPlaces {
-    /// Area of the surface for each place, m^2; the number of places is rounded.
+    /// Surface area per position, m^2; the number of positions is rounded.
     pub cell_area: f64,
     /// Smallest distance between centres, m.
     pub minimum_distance: f64,
-    /// How the pillars differ. The seed of their heights also decides where they are.
+    /// Variation of the pillars. The seed of their heights also determines their positions.
     pub disorder: Disorder,
 }
 
 impl RandomPlaces {
-    /// Equal pillars, each with a top of that area (m^2), that cover a fraction of the surface.
+    /// Equal pillars with the given top area (m^2) that cover a fraction of the surface.
     #[must_use]
     pub fn with_surface_fraction(
         surface_fraction: f64,
@@ -566,71 +568,69 @@ impl RandomPlaces {
 /// A pillar of a [list](PillarList).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ListedPillar {
-    /// Its centre, m.
+    /// Centre, m.
     pub centre: Point,
-    /// Its height over the floor, m.
+    /// Height above the floor, m.
     pub height: f64,
-    /// Its diameter, m.
+    /// Diameter, m.
     pub diameter: f64,
 }
 
 /// A pillar of a [`System`](super::System).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlacedPillar {
-    /// Its indices on the lattice; of a list, the place in it from 0, and 0.
+    /// Indices on the lattice; for a list, the index in it from 0, and 0.
     pub index: (i64, i64),
-    /// Its centre, m from the lens axis.
+    /// Centre, m from the lens axis.
     pub centre: Point,
-    /// Its height over the floor, m.
+    /// Height above the floor, m.
     pub height: f64,
-    /// Its diameter, m.
+    /// Diameter, m.
     pub diameter: f64,
 }
 
-/// Pillars wherever they stand, of any heights and diameters.
+/// Pillars at arbitrary positions, with arbitrary heights and diameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PillarList {
-    /// With centres from the lens axis.
+    /// Centres are relative to the lens axis.
     pillars: Vec<ListedPillar>,
     mean_distance: f64,
 }
 
-/// What is wrong with a list of pillars. Pillars are counted from 0.
+/// The reason why a list of pillars is invalid. Pillars are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidPillars {
-    /// There are none.
-    #[error("there are no pillars: at least one is needed")]
+    /// The list is empty.
+    #[error("there are no pillars: at least one is required")]
     Empty,
-    /// A place that is no number.
-    #[error("pillar {pillar} stands nowhere: its {axis} is {value}, and has to be a finite number")]
+    /// A coordinate is not a finite number.
+    #[error("invalid {axis} {value} of pillar {pillar}: must be a finite number")]
     NoPlace {
-        /// Which one.
+        /// Index of the pillar.
         pillar: usize,
         /// `"x"` or `"y"`.
         axis: &'static str,
-        /// What was given, m.
+        /// The value given, m.
         value: f64,
     },
-    /// A height or diameter that cannot be.
-    #[error(
-        "the {what} of pillar {pillar} cannot be {value} m: it must be a finite number greater than 0"
-    )]
+    /// A height or diameter is invalid.
+    #[error("invalid {what} {value} m of pillar {pillar}: must be a finite number greater than 0")]
     NoSize {
-        /// Which one.
+        /// Index of the pillar.
         pillar: usize,
         /// `"height"` or `"diameter"`.
         what: &'static str,
-        /// What was given, m.
+        /// The value given, m.
         value: f64,
     },
-    /// Two that overlap.
+    /// Two pillars overlap.
     #[error(
         "pillars {} and {} overlap: their centres are {distance:.4e} m apart, and their radii add up to {radii:.4e} m",
         .pillars[0], .pillars[1]
     )]
     Overlap {
-        /// Which ones.
+        /// Indices of the pillars.
         pillars: [usize; 2],
         /// Distance of their centres, m.
         distance: f64,
@@ -640,10 +640,10 @@ pub enum InvalidPillars {
 }
 
 impl PillarList {
-    /// Pillars with their centres (m) from the lens axis.
+    /// Creates a list of pillars with their centres (m) relative to the lens axis.
     ///
     /// # Errors
-    /// An empty list, places that are no numbers, sizes that are not positive, and pillars that overlap.
+    /// An empty list, positions that are not finite, sizes that are not positive, and pillars that overlap.
     pub fn new(pillars: Vec<ListedPillar>) -> Result<Self, InvalidPillars> {
         if pillars.is_empty() {
             return Err(InvalidPillars::Empty);
@@ -668,7 +668,7 @@ impl PillarList {
                 }
             }
         }
-        // Those that touch may overlap by rounding.
+        // Touching pillars may overlap due to rounding.
         let discs = pillars
             .iter()
             .map(|pillar| (pillar.centre, (0.5 - 5e-13) * pillar.diameter));
@@ -691,7 +691,7 @@ impl PillarList {
         })
     }
 
-    /// The same with the lens axis at a point (m) of its coordinates.
+    /// The same list with the lens axis at a point (m) of its coordinates.
     #[must_use]
     pub fn seen_from(&self, [x, y]: Point) -> Self {
         let pillars = self.pillars.iter().map(|pillar| ListedPillar {
@@ -704,13 +704,13 @@ impl PillarList {
         }
     }
 
-    /// The pillars, with centres from the lens axis.
+    /// The pillars, with centres relative to the lens axis.
     #[must_use]
     pub fn pillars(&self) -> &[ListedPillar] {
         &self.pillars
     }
 
-    /// Mean distance of a pillar from its nearest neighbour, m; of a single one, twice its diameter.
+    /// Mean distance of a pillar from its nearest neighbour, m; for a single pillar, twice its diameter.
     #[must_use]
     pub fn mean_distance(&self) -> f64 {
         self.mean_distance
@@ -721,7 +721,7 @@ impl PillarList {
         tops.sum::<f64>() / self.rectangle_area()
     }
 
-    /// Area of the rectangle that holds all centres and half their mean distance around them.
+    /// Area of the rectangle that contains all centres, extended by half their mean distance.
     fn rectangle_area(&self) -> f64 {
         let side = |axis: usize| {
             let along = self.pillars.iter().map(|pillar| pillar.centre[axis]);

@@ -5,23 +5,23 @@ use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::surface::Indenter;
 
-/// A rounded top: a paraboloid, or the top of a sphere that is as curved.
+/// A rounded top: a paraboloid, or a sphere with the same curvature at its summit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asperity {
-    /// Where its highest point is, m from the lens axis.
+    /// Position of the summit, m from the lens axis.
     pub apex: Point,
-    /// By how much that is above the common level from which indentations count, m.
+    /// Height of the summit above the reference level of indentations, m.
     pub raised: f64,
     /// Radius of curvature, m.
     pub top_radius: f64,
-    /// Radius of the pillar whose top it is, beyond which there is nothing to touch, m; none of an asperity without an edge.
+    /// Radius of the pillar below the top, which limits the contact, m; `None` for an asperity without an edge.
     pub rim_radius: Option<f64>,
-    /// By how much its pillar is shortened by a unit force, m/N; zero of one that is as stiff as the half-space.
+    /// Shortening of the pillar per unit force, m/N; zero if it is as stiff as the half-space.
     pub column_compliance: f64,
 }
 
 impl Asperity {
-    /// A asperity on the common level, without a rim and without a column that gives way.
+    /// An asperity on the reference level, without an edge and without a compliant pillar.
     #[must_use]
     pub fn new(apex: Point, top_radius: f64) -> Self {
         Self {
@@ -33,7 +33,7 @@ impl Asperity {
         }
     }
 
-    /// The same at another height over the common level, m.
+    /// The same at another height above the reference level, m.
     #[must_use]
     pub fn raised_by(self, raised: f64) -> Self {
         Self { raised, ..self }
@@ -42,8 +42,8 @@ impl Asperity {
 
 /// A lens or a plate above rounded tops: the complete problem, validated.
 ///
-/// Indentations count from where the lowest point of the lens, or the plate, is on the common level. A asperity that is raised above it is touched at
-/// negative ones.
+/// Indentations are measured from the position in which the lowest point of the lens, or the plate, is on the reference level. An asperity
+/// above this level is touched at a negative indentation.
 ///
 /// ```
 /// use fakir::problem::{Accuracy, Asperity, AsperityArray, Indenter, Load, Material};
@@ -65,34 +65,34 @@ pub struct AsperityArray {
     asperities: Vec<Asperity>,
 }
 
-/// Why asperities cannot be.
+/// The reason why an array of asperities is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidCaps {
-    /// There are none.
-    #[error("there are no asperities: give one at least")]
+    /// There are no asperities.
+    #[error("there are no asperities: at least one is required")]
     None,
-    /// A quantity of a body that cannot be.
+    /// A quantity of a body is invalid.
     #[error(transparent)]
     Body(#[from] InvalidQuantity),
-    /// A quantity of one of the asperities that cannot be.
+    /// A quantity of an asperity is invalid.
     #[error("asperity {number} (counted from 0): {invalid}")]
     Asperity {
-        /// Which one.
+        /// Index of the asperity.
         number: usize,
-        /// What it cannot have.
+        /// The invalid quantity.
         invalid: InvalidQuantity,
     },
-    /// Two asperities in one place, or pillars that overlap.
+    /// Two asperities have the same position, or their pillars overlap.
     #[error(
-        "asperities {0} and {1} (counted from 0) are {distance:.3e} m apart, and {least:.3e} m is the least", .asperities[0], .asperities[1]
+        "asperities {0} and {1} (counted from 0) are {distance:.3e} m apart: must be at least {least:.3e} m", .asperities[0], .asperities[1]
     )]
     TooClose {
-        /// Which ones.
+        /// Indices of the asperities.
         asperities: [usize; 2],
-        /// Distance of their highest points, m.
+        /// Distance of their summits, m.
         distance: f64,
-        /// The least that it can be: the sum of the radii of their pillars, m.
+        /// Smallest distance that is accepted: the sum of the radii of their pillars, m.
         least: f64,
     },
 }
@@ -101,7 +101,7 @@ impl AsperityArray {
     /// Checks all quantities.
     ///
     /// # Errors
-    /// No asperities, quantities that cannot be, two asperities in one place, and rims that overlap.
+    /// No asperities, invalid quantities, two asperities at the same position, and edges that overlap.
     pub fn new(
         indenter: Indenter,
         substrate: Material,
@@ -139,7 +139,7 @@ impl AsperityArray {
         })
     }
 
-    /// What is pressed onto the asperities.
+    /// The body that is pressed onto the asperities.
     #[must_use]
     pub fn indenter(&self) -> &Indenter {
         &self.indenter
@@ -165,21 +165,21 @@ impl AsperityArray {
         (indenter + self.substrate.plane_strain_compliance()).recip()
     }
 
-    /// The indentation at which the first asperity is touched where the indenter is a plate, and where an asperity under the axis of a lens would be; less
-    /// than nothing if asperities are raised, m.
+    /// Height of the highest asperity above the reference level, m: the indentation at first contact is its negative for a plate, and for a
+    /// lens whose axis is on this asperity.
     #[must_use]
     pub fn highest(&self) -> f64 {
         let raised = self.asperities.iter().map(|asperity| asperity.raised);
         raised.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The same field with asperities at other heights above the common level, m.
+    /// The same array with asperities at other heights above the reference level, m.
     ///
     /// # Errors
-    /// A height that is no number.
+    /// A height that is not finite.
     ///
     /// # Panics
-    /// If there is not one height for every asperity.
+    /// If the number of heights is not the number of asperities.
     pub fn with_heights(&self, heights: &[f64]) -> Result<Self, InvalidCaps> {
         assert_eq!(
             heights.len(),
@@ -201,7 +201,7 @@ impl AsperityArray {
         })
     }
 
-    /// The lens radius in metres; infinite of a plate.
+    /// The lens radius in metres; infinite for a plate.
     pub(crate) fn lens_radius(&self) -> f64 {
         match self.indenter {
             Indenter::Lens(Lens { radius, .. }) => radius,
@@ -243,7 +243,7 @@ mod tests {
         assert!(of(vec![good, beside]).is_ok());
         assert!(
             told(Asperity::new([1e-5, 0.0], -1.0))
-                .contains("asperity 1 (counted from 0): top radius")
+                .contains("asperity 1 (counted from 0): invalid top radius")
         );
         assert!(told(beside.raised_by(f64::NAN)).contains("height of an asperity"));
         assert!(told(good).contains("asperities 0 and 1"));
@@ -252,6 +252,6 @@ mod tests {
             rim_radius: rim,
             ..beside
         });
-        assert!(told.contains("1.100e-5 m is the least"), "{told}");
+        assert!(told.contains("at least 1.100e-5 m"), "{told}");
     }
 }

@@ -1,39 +1,41 @@
-//! How a lens is brought down onto pillars that stick, and off again.
+//! Loading and unloading of a lens on adhesive pillars.
 
 use super::load::Load;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
-/// A cycle of loading and unloading. The default goes to the critical state and back until nothing is in contact, by displacement.
+/// A cycle of loading and unloading. By default, the lens is loaded to the critical state and unloaded to detachment, at controlled
+/// displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CyclePlan {
-    /// Where loading ends.
+    /// End of loading.
     pub turn: UnloadingPoint,
-    /// What is held while tops snap into contact and out of it.
+    /// The quantity that is controlled while tops snap into contact and out of contact.
     pub drive: LoadingMode,
-    /// Whether the lens is pulled off again.
+    /// Whether the lens is unloaded.
     pub retract: bool,
 }
 
-/// Where loading ends. With a floor that is neither ignored nor [sticks](crate::problem::Adhesion::floor) it ends at the critical state at the latest:
-/// what follows with tops that stick alone is not solved. On a floor that sticks the critical indentation itself, the part 1, is where the lens has jumped onto it.
+/// End of loading. If the floor is neither ignored nor [adhesive](crate::problem::Adhesion::floor), loading ends at the critical state at
+/// the latest: contact of a non-adhesive floor with adhesive tops is not supported. On an adhesive floor, fraction 1 of the critical
+/// indentation is the state after the lens has jumped into contact with the floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum UnloadingPoint {
-    /// At this part of the critical indentation, above 0 and at most 1.
+    /// At this fraction of the critical indentation, above 0 and at most 1.
     Critical(f64),
     /// At an indentation, m.
     Indentation(f64),
-    /// Where a force (N) is first borne.
+    /// When this force (N) is first reached.
     Force(f64),
 }
 
-/// What drives the lens. Between events all are the same; they differ in what happens at one.
+/// The quantity that is controlled. The modes differ only in the behaviour at instabilities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LoadingMode {
-    /// The indentation is held.
+    /// Constant indentation.
     Displacement,
-    /// The force is held.
+    /// Constant force.
     Force,
-    /// The crosshead of a machine of this stiffness (N/m) is held: the indentation plus force over stiffness.
+    /// Constant crosshead position of a machine with this stiffness (N/m): indentation plus force divided by stiffness.
     Machine(f64),
 }
 
@@ -68,7 +70,7 @@ impl LoadingMode {
         }
     }
 
-    /// Stiffness of the machine, N/m; none unless one drives the lens.
+    /// Stiffness of the machine, N/m; `None` in the other modes.
     #[must_use]
     pub fn stiffness(self) -> Option<f64> {
         match self {
@@ -79,7 +81,7 @@ impl LoadingMode {
 }
 
 impl CyclePlan {
-    /// What is planned, if it can be; `length` and `modulus` as for [`Load::checked`].
+    /// Validates the plan; `length` and `modulus` as in [`Load::checked`].
     pub(crate) fn checked(self, length: f64, modulus: f64) -> Result<Self, InvalidQuantity> {
         let turn = match self.turn {
             UnloadingPoint::Critical(part) => UnloadingPoint::Critical(

@@ -1,4 +1,5 @@
-//! Which solver answers which question about which problem: the one table, with the reason where none does.
+//! The table of supported combinations of question, solver and features of the problem, with the reason for each combination that is not
+//! supported.
 
 use super::column::PillarCompliance;
 use super::lens::LensShape;
@@ -6,7 +7,7 @@ use super::method::Method;
 use super::scaled::Scene;
 use super::system::{FloorModel, System};
 
-/// What can be asked of a problem.
+/// A computation that can be requested for a problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
     /// The contact under a load.
@@ -19,11 +20,11 @@ pub enum Question {
     Cycle,
     /// Exact derivatives of a contact.
     Gradient,
-    /// The contact in which the floor bears a given part of the force.
+    /// The contact in which the floor carries a given fraction of the load.
     FloorShare,
-    /// A contact by a second method or mesh.
+    /// A contact computed with a second method or mesh.
     Verify,
-    /// The same past the transition, tops and floor together.
+    /// The same past the transition, with tops and floor together.
     VerifyFloor,
     /// Validity limits of the model.
     Limits,
@@ -35,19 +36,19 @@ pub enum Question {
     Theory,
     /// The critical state by every method.
     Compare,
-    /// The value of a quantity that gives a wanted result.
+    /// The value of a parameter that achieves a target result.
     Design,
-    /// The scatter of a critical state among samples.
+    /// The scatter of the critical state between samples.
     Spread,
-    /// Least squares on a measured curve.
+    /// Least-squares fit to a measured curve.
     Fit,
     /// Many cases.
     Sweep,
-    /// The page with sliders.
+    /// The interactive page.
     Explore,
 }
 
-/// What solves a problem: one of the [methods](Method) on pillars with flat tops, or that of another surface.
+/// The solver of a problem: one of the [methods](Method) on pillars with flat tops, or the solver for another kind of surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solver {
     /// Spectral expansion on flat pillar tops.
@@ -58,7 +59,7 @@ pub enum Solver {
     Elements,
     /// The homogenised lattice.
     Homogenised,
-    /// Pillars with rounded tops, each of which has a contact of unknown extent.
+    /// Pillars with rounded tops, each of which has a contact with an unknown radius.
     Asperities,
     /// Elements on a height map.
     HeightMap,
@@ -66,12 +67,12 @@ pub enum Solver {
     Flat,
 }
 
-/// What a problem can have that not every solver knows.
+/// A feature of a problem that some solvers do not support.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feature {
     /// The lens is a paraboloid.
     Paraboloid,
-    /// The lens has a table of heights.
+    /// The lens is a table of heights.
     Profile,
     /// The lens is a flat circular punch.
     Punch,
@@ -79,48 +80,48 @@ pub enum Feature {
     Cylinder,
     /// The lens is a plate.
     Plate,
-    /// The lens is a plate that is not level.
+    /// The lens is a tilted plate.
     TiltedPlate,
-    /// Pillars are on another arrangement than the paper's, the endless hexagonal lattice that is not turned.
+    /// The arrangement of pillars differs from the infinite hexagonal lattice of the paper without rotation.
     OtherArrangement,
     /// Pillars differ in diameter.
     SeveralDiameters,
-    /// Columns of pillars differ in compliance. This is looked at only where tops stick.
+    /// Columns of pillars differ in compliance. Evaluated only for adhesive tops.
     SeveralColumns,
     /// The lens or the substrate has a finite thickness.
     Layer,
-    /// Pillars are elastic bodies, which lean and whose tops deform, not columns.
+    /// Pillars are elastic bodies, which tilt and whose tops deform, instead of columns.
     ElasticPillars,
     /// The floor is ignored.
     IgnoredFloor,
-    /// Pillar tops stick.
+    /// Pillar tops are adhesive.
     AdhesiveTops,
-    /// The floor sticks too.
+    /// The floor is adhesive as well.
     AdhesiveFloor,
 }
 
-/// Why a question has no answer.
+/// The reason why a combination is not supported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("{why}: {instead}")]
 pub struct Unsupported {
     /// The reason.
     pub why: &'static str,
-    /// What to do in its place.
+    /// A supported alternative.
     pub instead: &'static str,
-    /// What of the problem is in the way: one of each of these groups. None where the question alone, or the method, is.
+    /// The features that are not supported: one of each of these groups. Empty if the question or the method alone is the reason.
     pub with: &'static [&'static [Feature]],
 }
 
-/// A line of the table: questions that some solvers do not answer where a problem has some features.
+/// A row of the table: questions that some solvers do not support for problems with some features.
 struct Rule {
-    /// All questions if there are none.
+    /// Empty for all questions.
     asked: &'static [Question],
     of: &'static [Solver],
     reason: Unsupported,
 }
 
 impl Question {
-    /// All of them.
+    /// All questions.
     pub const ALL: [Self; 18] = [
         Self::Press,
         Self::Transition,
@@ -142,7 +143,7 @@ impl Question {
         Self::Explore,
     ];
 
-    /// Its name: that of the command or function that asks it, where there is one.
+    /// The name of the question: that of the command or function, if there is one.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -167,10 +168,10 @@ impl Question {
         }
     }
 
-    /// Refuses what has no answer by a solver for a problem with these features.
+    /// Refuses the question if the solver does not support it for a problem with these features.
     ///
     /// # Errors
-    /// [`Unsupported`]: why not, and what to do in its place.
+    /// [`Unsupported`]: the reason and the alternative.
     pub fn check(self, solver: Solver, features: &[Feature]) -> Result<(), Unsupported> {
         let in_the_way = RULES
             .iter()
@@ -222,7 +223,7 @@ impl Feature {
         Self::AdhesiveFloor,
     ];
 
-    /// What a problem has.
+    /// The features of a system.
     #[must_use]
     pub fn of(system: &System) -> Vec<Self> {
         let sticks = !system.adhesion().is_none();
@@ -260,21 +261,21 @@ impl Rule {
 }
 
 impl Unsupported {
-    /// Of what is made for a spherical lens.
+    /// Functions that support only spherical lenses.
     pub const BUT_FOR_A_SPHERE: Self = Self {
-        why: "this is made for a spherical lens",
+        why: "only spherical lenses are supported",
         instead: "use the spectral method, or a sphere",
         with: &[OTHER_LENS],
     };
-    /// Of what is made for the lattice of the paper.
+    /// Functions that support only the lattice of the paper.
     pub const BUT_FOR_THE_LATTICE: Self = Self {
-        why: "this is made for equal pillars on an endless hexagonal lattice that is not turned",
+        why: "only equal pillars on an infinite hexagonal lattice without rotation are supported",
         instead: "use the spectral method",
         with: &[OTHER_ARRANGEMENT],
     };
 }
 
-/// A line with one of the reasons that several have.
+/// A row with one of the common reasons.
 const fn line(asked: &'static [Question], of: &'static [Solver], reason: Unsupported) -> Rule {
     Rule { asked, of, reason }
 }
@@ -303,14 +304,14 @@ const ASPERITIES: &[Solver] = &[Solver::Asperities];
 const HEIGHT_MAP: &[Solver] = &[Solver::HeightMap];
 const FLAT: &[Solver] = &[Solver::Flat];
 
-/// Lenses that are no spheres.
+/// Lenses that are not spheres.
 const OTHER_LENS: &[Feature] = &[
     Feature::Paraboloid,
     Feature::Profile,
     Feature::Cylinder,
     Feature::Plate,
 ];
-/// Lenses that come nearest to the floor beyond the pillars.
+/// Lenses that come closest to the floor outside the pillars.
 const WITHOUT_AXIS: &[Feature] = &[Feature::Cylinder, Feature::Plate];
 const STICKS: &[Feature] = &[Feature::AdhesiveTops];
 const FLOOR_STICKS: &[Feature] = &[Feature::AdhesiveFloor];
@@ -319,7 +320,7 @@ const OTHER_ARRANGEMENT: &[Feature] = &[Feature::OtherArrangement];
 const SEVERAL_DIAMETERS: &[Feature] = &[Feature::SeveralDiameters];
 const ELASTIC: &[Feature] = &[Feature::ElasticPillars];
 
-/// The table. The first line that applies gives the reason.
+/// The table. The first row that applies determines the reason.
 static RULES: &[Rule] = &[
     rule(
         ANY,
@@ -340,35 +341,35 @@ static RULES: &[Rule] = &[
         &[Question::Cycle],
         WITHOUT_ADHESION,
         &[],
-        "only the spectral method has adhesion, without which there is no cycle",
+        "a cycle requires adhesion, which only the spectral method supports",
         "use the spectral method",
     ),
     rule(
         &[Question::Verify, Question::VerifyFloor],
         ON_PILLARS,
         &[STICKS],
-        "there is no second opinion on adhesion: only the spectral method has it",
-        "with a work of adhesion of 0 the contact without adhesion is verified; the loop area of a cycle can be compared with what all its events dissipate",
+        "there is no second method for adhesion: only the spectral method supports it",
+        "with a work of adhesion of 0 the contact without adhesion is verified; the loop area of a cycle can be compared with the energy that its events dissipate",
     ),
     rule(
         &[Question::Gradient],
         ON_PILLARS,
         &[STICKS],
-        "with adhesion the contact depends on the way there, and has no derivatives here",
+        "with adhesion the contact depends on the loading path, and derivatives are not supported",
         "leave out the works of adhesion",
     ),
     rule(
         &[Question::FloorShare],
         ON_PILLARS,
         &[STICKS],
-        "with adhesion the contact depends on the way there",
+        "with adhesion the contact depends on the loading path",
         "use `cycle`",
     ),
     rule(
         ANY,
         WITHOUT_ADHESION,
         &[STICKS],
-        "only the spectral method has adhesion",
+        "only the spectral method supports adhesion",
         "use the spectral method, or leave out the works of adhesion",
     ),
     rule(
@@ -381,7 +382,7 @@ static RULES: &[Rule] = &[
         ],
         ON_PILLARS,
         &[WITHOUT_AXIS],
-        "a cylinder or a plate has no transition: it comes nearest to the floor beyond the pillars",
+        "a cylinder or a plate has no transition: it is closest to the floor outside the pillars",
         "prescribe an indentation or a force",
     ),
     rule(
@@ -400,14 +401,14 @@ static RULES: &[Rule] = &[
         &[Question::Verify, Question::VerifyFloor],
         ON_PILLARS,
         &[OTHER_LENS],
-        "there is no second opinion: elements on pillars are made for a spherical lens",
+        "there is no second method: elements on pillars support only spherical lenses",
         "compare the default with the accurate spectral method, or use a sphere",
     ),
     rule(
         ANY,
         SPECTRAL,
         &[STICKS, OTHER_LENS],
-        "adhesion is made for a spherical lens",
+        "adhesion is supported only for spherical lenses",
         "use a sphere, or leave out the works of adhesion",
     ),
     line(ANY, WITHOUT_ADHESION, Unsupported::BUT_FOR_A_SPHERE),
@@ -420,7 +421,7 @@ static RULES: &[Rule] = &[
         &[Question::Theory],
         ON_PILLARS,
         &[LAYER],
-        "the closed forms are made for half-spaces",
+        "the closed forms are valid only for half-spaces",
         "use the spectral method, or leave out the thicknesses",
     ),
     line(
@@ -432,14 +433,14 @@ static RULES: &[Rule] = &[
         &[Question::Gradient],
         WITHOUT_ADHESION,
         &[],
-        "only the spectral method has derivatives",
+        "only the spectral method supports derivatives",
         "use the spectral method",
     ),
     rule(
         &[Question::FloorShare],
         WITHOUT_ADHESION,
         &[],
-        "this method leaves the floor out",
+        "this method ignores the floor",
         "use the spectral method",
     ),
     rule(
@@ -447,27 +448,27 @@ static RULES: &[Rule] = &[
         ON_PILLARS,
         &[&[Feature::IgnoredFloor]],
         "the floor is ignored",
-        "let it be in contact",
+        "set the floor to contact",
     ),
     rule(
         &[Question::Fields],
         &[Solver::Elements, Solver::Homogenised],
         &[],
-        "this method has no maps of pressure, gap and displacement",
+        "this method does not compute maps of pressure, gap and displacement",
         "use the spectral method or the punch lattice",
     ),
     rule(
         ANY,
         ON_PILLARS,
         &[STICKS, LAYER],
-        "tops that stick are not solved yet where the lens or the substrate is a layer",
+        "adhesive tops are not supported if the lens or the substrate is a layer",
         "leave out the thicknesses or the works of adhesion",
     ),
     rule(
         ANY,
         ON_PILLARS,
         &[LAYER, SEVERAL_DIAMETERS],
-        "pillars of several diameters are not solved yet where the lens or the substrate is a layer",
+        "pillars of several diameters are not supported if the lens or the substrate is a layer",
         "leave out the thicknesses, or give all pillars the common diameter",
     ),
     rule(
@@ -481,93 +482,93 @@ static RULES: &[Rule] = &[
         ANY,
         SPECTRAL,
         &[STICKS, SEVERAL_DIAMETERS],
-        "adhesion is known on tops of one diameter, and here diameters differ",
+        "adhesion is supported only on tops of one diameter, and here diameters differ",
         "give all pillars the common diameter",
     ),
     rule(
         ANY,
         SPECTRAL,
         &[STICKS, &[Feature::SeveralColumns]],
-        "adhesion is known on columns that give way alike, and here heights differ, and so do columns",
-        "give all pillars one height, or let pillars be rigid",
+        "adhesion is supported only on columns of equal compliance, and here heights differ",
+        "give all pillars the same height, or use rigid pillars",
     ),
     rule(
         ANY,
         SPECTRAL,
         &[FLOOR_STICKS, OTHER_ARRANGEMENT],
-        "a floor that sticks is known between pillars on an endless hexagonal lattice that is not turned",
-        "use the hexagonal lattice without rotation, columns and scatter, or let the tops stick alone",
+        "an adhesive floor is supported only between pillars on an infinite hexagonal lattice without rotation",
+        "use the hexagonal lattice without rotation, columns and scatter, or adhesion of the tops only",
     ),
     rule(
         ANY,
         SPECTRAL,
         &[FLOOR_STICKS, ELASTIC],
-        "a floor that sticks is known between pillars that are columns or rigid",
-        "let pillars be columns, or let the tops stick alone",
+        "an adhesive floor is supported only between pillars that are columns or rigid",
+        "use columns, or adhesion of the tops only",
     ),
     // Rounded tops.
     rule(
         ANY,
         ASPERITIES,
         &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
-        "rounded pillar tops do not stick here",
+        "adhesion of rounded pillar tops is not supported",
         "leave out the works of adhesion, or the radius of curvature of the tops",
     ),
     rule(
         ANY,
         ASPERITIES,
         &[LAYER],
-        "under rounded pillar tops both bodies are half-spaces",
+        "layers are not supported with rounded pillar tops",
         "leave out the thicknesses, or the radius of curvature of the tops",
     ),
     rule(
         ANY,
         ASPERITIES,
         &[&[Feature::TiltedPlate]],
-        "a plate on rounded pillar tops is level here",
+        "a tilted plate is not supported on rounded pillar tops",
         "leave out the tilt",
     ),
     rule(
         ANY,
         ASPERITIES,
         &[&[Feature::Paraboloid, Feature::Profile, Feature::Cylinder]],
-        "rounded pillar tops are under a sphere or a plate here",
+        "rounded pillar tops support only a sphere or a plate",
         "use a sphere or a plate",
     ),
     rule(
         ANY,
         ASPERITIES,
         &[ELASTIC],
-        "how elastic pillars give way is known under flat tops only",
-        "let pillars be columns, or rigid",
+        "the compliance of elastic pillars is available only for flat tops",
+        "use columns, or rigid pillars",
     ),
     rule(
         &[Question::Gradient],
         ASPERITIES,
         &[],
-        "derivatives are those of flat pillar tops",
-        "leave them out: the result of rounded tops has the stiffness",
+        "derivatives are supported only for flat pillar tops",
+        "leave them out: the result for rounded tops contains the stiffness",
     ),
     rule(
         &[Question::AttractionRange],
         ASPERITIES,
         &[],
-        "the range of an attraction is that of tops that stick, and rounded ones do not",
+        "the range of the attraction applies to adhesive tops, and rounded tops are not adhesive",
         "leave it out",
     ),
     rule(
         &[Question::Limits],
         ASPERITIES,
         &[],
-        "contacts with rounded tops have no validity limits yet",
-        "leave them out: a warning says where contacts are wide",
+        "validity limits are not available for rounded tops",
+        "leave them out: a warning reports wide contacts",
     ),
     rule(
         &[Question::Fields],
         ASPERITIES,
         &[],
-        "there are no maps of the pressure on rounded tops",
-        "leave them out: the table of pillars has every contact",
+        "maps of the pressure are not available for rounded tops",
+        "leave them out: the table of pillars contains every contact",
     ),
     rule(
         &[
@@ -577,8 +578,8 @@ static RULES: &[Rule] = &[
         ],
         ASPERITIES,
         &[],
-        "the floor under rounded tops is left out",
-        "prescribe an indentation or a force; a warning says where the floor may be reached",
+        "floor contact is not computed under rounded tops",
+        "prescribe an indentation or a force; a warning reports where the floor may be reached",
     ),
     rule(
         &[
@@ -594,22 +595,22 @@ static RULES: &[Rule] = &[
         ASPERITIES,
         &[],
         "this is computed for flat pillar tops only",
-        "leave out the radius of curvature of the tops; rounded ones are known to `press`, `approach`, `sweep` and `design --free heights`",
+        "leave out the radius of curvature of the tops; `press`, `approach`, `sweep` and `design --free heights` support rounded tops",
     ),
     // Height maps.
     rule(
         &[Question::Cycle, Question::AttractionRange],
         HEIGHT_MAP,
         &[],
-        "adhesion is that of round pillars with flat tops; a height map has none",
-        "ask for the loading alone: without adhesion the lens is withdrawn the way it came",
+        "adhesion is supported only on round pillars with flat tops, not on a height map",
+        "compute the loading only: without adhesion, unloading follows the same curve",
     ),
     rule(
         ANY,
         HEIGHT_MAP,
         &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
-        "a height map is solved without adhesion",
-        "leave it out, or describe round pillars as a texture, whose tops can stick",
+        "adhesion is not supported on a height map",
+        "leave it out, or describe round pillars as a texture, which supports adhesion",
     ),
     rule(
         ANY,
@@ -620,70 +621,70 @@ static RULES: &[Rule] = &[
             Feature::Cylinder,
             Feature::TiltedPlate,
         ]],
-        "a height map is under a sphere or a level plate here",
-        "leave the shape of the lens out, or describe round pillars as a texture",
+        "a height map supports only a sphere or a level plate",
+        "leave out the shape of the lens, or describe round pillars as a texture",
     ),
     rule(
         ANY,
         HEIGHT_MAP,
         &[&[Feature::IgnoredFloor]],
-        "the floor of a height map is always in contact where it is touched",
-        "let it be in contact",
+        "the floor contact of a height map cannot be ignored",
+        "set the floor to contact",
     ),
     rule(
         ANY,
         HEIGHT_MAP,
         &[&[Feature::ElasticPillars]],
-        "pillars on a height map are columns, or rigid",
-        "let them be columns, or describe round pillars as a texture",
+        "elastic pillars are not supported on a height map",
+        "use columns, or describe round pillars as a texture",
     ),
     rule(
         &[Question::Gradient],
         HEIGHT_MAP,
         &[],
-        "a contact on a height map changes by whole cells, and has no derivatives",
+        "a contact on a height map changes in steps of cells, and has no derivatives",
         "use `sweep` with the quantity as an axis, and take differences over several cells",
     ),
     rule(
         &[Question::FloorShare],
         HEIGHT_MAP,
         &[],
-        "a contact on a height map changes by whole cells, and cannot be asked for a share of the floor",
-        "use `approach`, which gives the share of every state",
+        "a contact on a height map changes in steps of cells, so that a floor share cannot be prescribed",
+        "use `approach`, which reports the floor share of every state",
     ),
     rule(
         &[Question::Theory],
         HEIGHT_MAP,
         &[],
-        "the closed forms are those of round pillars on a hexagonal lattice; a height map has none",
-        "use `transition` and `approach`, which solve it by elements",
+        "the closed forms are valid for round pillars on a hexagonal lattice, not for a height map",
+        "use `transition` and `approach`, which use boundary elements",
     ),
     rule(
         &[Question::Compare],
         HEIGHT_MAP,
         &[],
-        "several methods are compared, and a height map has only one: elements",
+        "only one method, boundary elements, supports a height map",
         "use `verify`, which solves pillars on two meshes, or `press` and `transition`, which estimate their error",
     ),
     rule(
         &[Question::Design, Question::Spread],
         HEIGHT_MAP,
         &[],
-        "a design follows a critical state that changes smoothly with the free quantity; on a height map it changes by whole cells, and takes seconds each time",
+        "a design requires a critical state that changes smoothly with the free quantity; on a height map it changes in steps of cells, and each solution takes seconds",
         "use `sweep` with the quantity as an axis, and read the value from its table",
     ),
     rule(
         &[Question::Fit],
         HEIGHT_MAP,
         &[],
-        "a fit needs derivatives of the contact; on a height map it changes by whole cells, and takes seconds each time",
-        "use `approach` for a loading curve to draw over the measured one, or `sweep` with modulus and indentation as axes",
+        "a fit needs derivatives of the contact; on a height map it changes in steps of cells, and each solution takes seconds",
+        "use `approach` for a loading curve to compare with the measured one, or `sweep` with modulus and indentation as axes",
     ),
     rule(
         &[Question::Explore],
         HEIGHT_MAP,
         &[],
-        "the sliders of the page need an answer in milliseconds, and a height map takes seconds",
+        "the sliders of the page require results in milliseconds, and a height map takes seconds",
         "use `press` or `approach`, which save figures",
     ),
     // Flat surfaces.

@@ -1,4 +1,4 @@
-//! A grid of equal rectangles, and the cells of it that can carry a pressure.
+//! A grid of equal rectangles, and the subset of cells that can carry a pressure.
 
 use super::point::Point;
 
@@ -14,11 +14,11 @@ pub struct Grid {
     origin: Point,
 }
 
-/// A grid that cannot be.
+/// The reason why a grid is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidGrid {
-    /// No cells, or more than can be counted.
+    /// No cells, or more than the supported number.
     #[error("a grid of {columns} by {rows} cells: it must have at least one cell and at most 2^32")]
     CellCount {
         /// Cells along x.
@@ -35,12 +35,10 @@ pub enum InvalidGrid {
 }
 
 impl Grid {
-    /// A grid of `columns` by `rows` cells with sides `cell = [along x, along y]` (m), whose
-    /// lower left corner is `origin` (m).
+    /// A grid of `columns` by `rows` cells with sides `cell = [along x, along y]` (m), whose lower left corner is `origin` (m).
     ///
     /// # Errors
-    /// No cells or more than 2^32 of them, sides that are not finite and positive, or an origin
-    /// that is not finite.
+    /// No cells or more than 2^32 of them, sides that are not finite and positive, or an origin that is not finite.
     pub fn new(
         columns: usize,
         rows: usize,
@@ -67,10 +65,10 @@ impl Grid {
         })
     }
 
-    /// A grid of square cells of side `size` (m) with its centre at the origin.
+    /// A grid of square cells with side `size` (m), centred at the origin.
     ///
     /// # Errors
-    /// As [`Grid::new`].
+    /// As for [`Grid::new`].
     pub fn centred(columns: usize, rows: usize, size: f64) -> Result<Self, InvalidGrid> {
         let origin = [-0.5 * size * columns as f64, -0.5 * size * rows as f64];
         Self::new(columns, rows, [size, size], origin)
@@ -128,7 +126,7 @@ impl Grid {
     }
 }
 
-/// Neighbouring cells of one row.
+/// Adjacent cells of one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Segment {
     /// Row of the cells.
@@ -137,14 +135,14 @@ pub struct Segment {
     pub column: usize,
     /// Number of cells.
     pub count: usize,
-    /// Place of the first cell in vectors.
+    /// Index of the first cell in vectors.
     pub start: usize,
 }
 
 /// The cells of a grid that can carry a pressure, in the order of the grid.
 ///
-/// Vectors of unknowns have one entry for each of them and nothing for the others; kept as
-/// [`Segment`]s, because patterns are made of patches.
+/// Vectors of unknowns have one entry for each of these cells and none for the others. The cells are stored as [`Segment`]s, since patterns
+/// consist of patches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
     grid: Grid,
@@ -167,7 +165,7 @@ impl Cells {
         })
     }
 
-    /// The cells whose index in the grid is selected; asked for in increasing order.
+    /// The cells whose index in the grid is selected; `selected` is called in increasing order.
     #[must_use]
     pub fn where_true(grid: &Grid, mut selected: impl FnMut(usize) -> bool) -> Self {
         let mut segments: Vec<Segment> = Vec::new();
@@ -197,7 +195,7 @@ impl Cells {
         }
     }
 
-    /// The same cells of a grid that is larger by a factor.
+    /// The same cells of a grid that is scaled by a factor.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         scaled.grid.cell = scaled.grid.cell.map(|side| side * factor);
@@ -205,7 +203,7 @@ impl Cells {
         scaled
     }
 
-    /// The grid they are cells of.
+    /// The grid of the cells.
     #[must_use]
     pub fn grid(&self) -> &Grid {
         &self.grid
@@ -217,7 +215,7 @@ impl Cells {
         self.len
     }
 
-    /// Whether there are none.
+    /// Whether the set is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len == 0
@@ -248,7 +246,7 @@ impl Cells {
             .map(|(column, row)| self.grid.centre(column, row))
     }
 
-    /// Writes a vector into an array over the whole grid; other cells are left as they are.
+    /// Writes a vector into an array over the whole grid; other cells remain unchanged.
     ///
     /// # Panics
     /// If the lengths are not those of the cells and of the grid.

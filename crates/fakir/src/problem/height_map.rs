@@ -5,12 +5,11 @@ use super::point::Point;
 
 /// Heights of a rough or patterned surface at the centres of the cells of a [`Grid`], m.
 ///
-/// Cells are rectangles; they need not be square. Heights count upwards from any level, and are
-/// row-major with x fastest, as all arrays over a grid. The lens axis is the origin of the grid's
-/// coordinates.
+/// Cells are rectangles and need not be square. Heights are relative to an arbitrary level, positive upwards, and row-major with x fastest,
+/// as all arrays over a grid. The lens axis is the origin of the grid's coordinates.
 ///
-/// Cells may belong to pillars, which then sink as columns under the force on all of their
-/// cells; cells that belong to none are floor.
+/// Cells may belong to pillars, which are then compressed as columns by the force on all of their cells; cells that belong to no pillar are
+/// floor.
 ///
 /// ```
 /// use fakir::problem::{Grid, HeightMap};
@@ -25,7 +24,7 @@ use super::point::Point;
 pub struct HeightMap {
     grid: Grid,
     heights: Vec<f64>,
-    /// Height of its highest point, if that is known to be above the centres of all cells.
+    /// Height of the highest point, if it is known to be above the centres of all cells.
     summit: f64,
     pillars: Option<PillarColumns>,
 }
@@ -35,19 +34,18 @@ pub struct HeightMap {
 pub struct PillarColumns {
     /// Pillar of every cell, counted from zero; [`HeightMap::NO_PILLAR`] for the floor.
     pub labels: Vec<u32>,
-    /// How far each pillar sinks as a whole under a unit force, m/N; for a cylinder of height
-    /// `h` and diameter `d`, `4 h/(pi E d^2)`.
+    /// Uniform displacement of each pillar per unit force, m/N; for a cylinder of height `h` and diameter `d`, `4 h/(pi E d^2)`.
     pub compliance: Vec<f64>,
 }
 
-/// A height map that cannot be.
+/// The reason why a height map is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidHeightMap {
-    /// The grid cannot be.
+    /// The grid is invalid.
     #[error(transparent)]
     Grid(#[from] InvalidGrid),
-    /// Not one height for every cell.
+    /// The number of heights is not the number of cells.
     #[error("{found} heights for {columns} by {rows} cells")]
     HeightCount {
         /// Cells along x.
@@ -57,7 +55,7 @@ pub enum InvalidHeightMap {
         /// Number of heights given.
         found: usize,
     },
-    /// A height that is no number.
+    /// A height is not finite.
     #[error(
         "the height in column {column}, row {row} (counted from 0) is {value}: it must be finite"
     )]
@@ -69,7 +67,7 @@ pub enum InvalidHeightMap {
         /// The height given.
         value: f64,
     },
-    /// Not one pillar label for every cell.
+    /// The number of pillar labels is not the number of cells.
     #[error("{found} pillar labels for {expected} cells")]
     LabelCount {
         /// Number of cells.
@@ -77,7 +75,7 @@ pub enum InvalidHeightMap {
         /// Number of labels given.
         found: usize,
     },
-    /// A label of no pillar.
+    /// A label does not belong to a pillar.
     #[error(
         "the cell in column {column}, row {row} (counted from 0) is labelled {label}, but there \
          are {pillars} pillars"
@@ -92,7 +90,7 @@ pub enum InvalidHeightMap {
         /// Number of pillars.
         pillars: usize,
     },
-    /// A compliance that cannot be.
+    /// A compliance is invalid.
     #[error(
         "the compliance of pillar {pillar} is {value} m/N: it must be a finite number, 0 or greater"
     )]
@@ -105,13 +103,13 @@ pub enum InvalidHeightMap {
 }
 
 impl HeightMap {
-    /// Label of the cells that belong to no pillar.
+    /// Label of cells that belong to no pillar.
     pub const NO_PILLAR: u32 = u32::MAX;
 
-    /// A surface of these heights (m), one for every cell.
+    /// A surface with the given heights (m), one for every cell.
     ///
     /// # Errors
-    /// Not one height for every cell, or one that is not finite.
+    /// A number of heights that is not the number of cells, or a height that is not finite.
     pub fn new(grid: Grid, heights: Vec<f64>) -> Result<Self, InvalidHeightMap> {
         if heights.len() != grid.cell_count() {
             return Err(InvalidHeightMap::HeightCount {
@@ -146,11 +144,10 @@ impl HeightMap {
         Self::new(grid, grid.centres().map(height).collect())
     }
 
-    /// The same surface with pillars that sink as columns.
+    /// The same surface with pillars that are compressed as columns.
     ///
     /// # Errors
-    /// Not one label for every cell, a label without pillar, or a compliance that is negative or
-    /// not finite.
+    /// A number of labels that is not the number of cells, a label without a pillar, or a compliance that is negative or not finite.
     pub fn with_pillars(self, pillars: PillarColumns) -> Result<Self, InvalidHeightMap> {
         let PillarColumns { labels, compliance } = &pillars;
         if labels.len() != self.heights.len() {
@@ -216,12 +213,12 @@ impl HeightMap {
         self.pillars.as_ref()
     }
 
-    /// The same surface with a point of this height (m) on it, such as the apex of a cone that lies between the centres of cells.
+    /// The same surface with a highest point of this height (m), such as the apex of a cone between the centres of cells.
     pub(crate) fn with_summit(self, summit: f64) -> Self {
         Self { summit, ..self }
     }
 
-    /// Height of the highest point, m: that of the highest cell, or of the apex of a pillar that is higher than the centres of all cells.
+    /// Height of the highest point, m: that of the highest cell, or of the apex of a pillar above the centres of all cells.
     #[must_use]
     pub fn highest(&self) -> f64 {
         self.heights.iter().copied().fold(self.summit, f64::max)
@@ -240,12 +237,11 @@ impl HeightMap {
             .map_or(Self::NO_PILLAR, |pillars| pillars.labels[cell])
     }
 
-    /// The surface on cells twice as large; a last odd row or column is left out. None if there
-    /// would be nothing left.
+    /// The surface on cells twice as large; the last row or column is left out if its number is odd. Returns `None` if no cell would be
+    /// left.
     ///
-    /// Steps stay steps: a large cell belongs to the pillar of most of its four cells, of two
-    /// that share it to one and the other by turns, and has the mean height of the cells it
-    /// shares the pillar with. Without pillars it is the mean of the two middle heights.
+    /// Steps remain sharp: a large cell belongs to the pillar of most of its four cells, or to the two pillars alternately if they share it
+    /// equally, and has the mean height of the cells of this pillar. Without pillars, the height is the mean of the two middle heights.
     pub(crate) fn coarsened(&self) -> Option<Self> {
         let [width, height] = self.grid.cell();
         let (columns, rows) = (self.grid.columns() / 2, self.grid.rows() / 2);
@@ -288,7 +284,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// The label that most of the four have; of equally frequent ones the first, or the last.
+/// The most frequent of four labels; for equal frequencies, the first or the last one.
 fn majority(labels: [u32; 4], last: bool) -> u32 {
     let count = |label: u32| labels.iter().filter(|other| **other == label).count();
     let most = labels.into_iter().map(count).max().unwrap_or(0);

@@ -1,17 +1,16 @@
-//! The hexagonal lattice of pillar centres, seen from the lens axis.
+//! The hexagonal lattice of pillar centres relative to the lens axis.
 
 use super::point::Point;
 use std::f64::consts::PI;
 
-/// `pi/(2 sqrt 3)`: the surface fraction at which neighbouring pillars touch.
+/// `pi/(2 sqrt 3)`: the surface fraction at which adjacent pillars touch.
 pub const MAXIMUM_SURFACE_FRACTION: f64 = 0.906_899_682_117_108_9;
 
 pub(super) const HALF_SQRT_3: f64 = 0.866_025_403_784_438_6;
 
 /// A hexagonal lattice with vectors `a1 = e (sqrt3/2, 1/2)` and `a2 = e (sqrt3/2, -1/2)`.
 ///
-/// Pillar `(i, j)` stands at `a1 i + a2 j - o`, where `o` points from a pillar centre to
-/// the lens axis, which is the origin.
+/// Pillar `(i, j)` is at `a1 i + a2 j - o`, where `o` points from a pillar centre to the lens axis, which is the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HexagonalLattice {
     /// Distance `e` between the centres of neighbouring pillars, m.
@@ -33,8 +32,7 @@ impl HexagonalLattice {
         }
     }
 
-    /// Lattice on which pillars of `diameter` (m) cover the fraction
-    /// `surface_fraction` of the surface: `e = d sqrt(pi/(2 sqrt3 phi))`.
+    /// Lattice on which pillars of `diameter` (m) cover the fraction `surface_fraction` of the surface: `e = d sqrt(pi/(2 sqrt3 phi))`.
     #[must_use]
     pub fn with_surface_fraction(surface_fraction: f64, diameter: f64) -> Self {
         Self::new(diameter * (MAXIMUM_SURFACE_FRACTION / surface_fraction).sqrt())
@@ -72,8 +70,7 @@ impl HexagonalLattice {
         ]
     }
 
-    /// Indices of the pillar whose centre is nearest to `point` (m from the lens
-    /// axis). Of several equally near, any one.
+    /// Indices of the pillar whose centre is nearest to `point` (m from the lens axis). If several are equally near, one of these.
     #[must_use]
     pub fn nearest_pillar(&self, point: Point) -> (i64, i64) {
         let [offset_x, offset_y] = self.offset_vector();
@@ -99,8 +96,8 @@ impl HexagonalLattice {
         nearest
     }
 
-    /// The two middles of three pillars that lie beside a pillar centre along x, at `e/sqrt3` from it, m. Over all
-    /// pillars every middle comes once.
+    /// The two centres of triangles of pillars that are adjacent to a pillar centre along x, at `e/sqrt3` from it, m. Over all pillars,
+    /// each of these centres occurs once.
     #[must_use]
     pub fn middles_beside(&self, [x, y]: Point) -> [Point; 2] {
         let aside = self.pitch / 3f64.sqrt();
@@ -113,7 +110,7 @@ impl HexagonalLattice {
         HALF_SQRT_3 * self.pitch * self.pitch
     }
 
-    /// The rotations and mirrors about the lens axis that leave the lattice as it is.
+    /// The rotations and mirrors about the lens axis that leave the lattice unchanged.
     #[must_use]
     pub fn symmetry(&self) -> LatticeSymmetry {
         LatticeSymmetry::of(self)
@@ -122,10 +119,9 @@ impl HexagonalLattice {
 
 /// The point group of a lattice about the lens axis.
 ///
-/// Of the twelve operations of the hexagonal lattice (rotations by multiples of 60
-/// degrees, mirrors through lines at multiples of 30 degrees) it holds those that map the
-/// pillar centres onto themselves with the lens axis fixed: all twelve on a pillar, six on
-/// a hollow site, four between two pillars, two on a mirror line, one elsewhere.
+/// The group contains those of the twelve operations of the hexagonal lattice (rotations by multiples of 60 degrees, mirrors through lines
+/// at multiples of 30 degrees) that map the pillar centres onto themselves with the lens axis fixed: all twelve on a pillar, six on a
+/// hollow site, four between two pillars, two on a mirror line, and one elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSymmetry {
     operations: Vec<Operation>,
@@ -157,7 +153,7 @@ fn is_group(operations: &[(f64, Operation)]) -> bool {
 
 impl LatticeSymmetry {
     fn of(lattice: &HexagonalLattice) -> Self {
-        // The lattice keeps its place under an operation g when g o - o is a lattice vector.
+        // An operation g is a symmetry if g o - o is a lattice vector.
         let offset = lattice.offset_vector();
         let on_lattice = HexagonalLattice::new(lattice.pitch);
         let misfit = |operation: &Operation| {
@@ -176,8 +172,8 @@ impl LatticeSymmetry {
         let mut candidates: Vec<(f64, Operation)> = all.map(|g| (misfit(&g), g)).collect();
         let tolerance = 1e-9 * lattice.pitch * (1.0 + lattice.offset);
         candidates.retain(|(misfit, _)| *misfit <= tolerance);
-        // Beside a special site some operations may fit just so and their products not: the worst
-        // go until the rest is a group. The identity, which fits exactly, always remains.
+        // Near a special site some operations may be within the tolerance while their products are not: the worst are removed until the
+        // rest is a group. The identity, whose misfit is zero, always remains.
         while !is_group(&candidates) {
             let worst = candidates.iter().map(|c| c.0).fold(0.0, f64::max);
             candidates.retain(|(misfit, _)| *misfit < worst);
@@ -200,13 +196,13 @@ impl LatticeSymmetry {
             .map(move |operation| apply(operation, point))
     }
 
-    /// The one image of `point` that is reported: of those with y >= 0, the one farthest
-    /// along x. With a pillar under the lens axis it lies in the sector of 0 to 30
-    /// degrees; between two pillars in the first quadrant; on the mirror line x it has y >= 0.
+    /// The representative image of `point` for output: among the images with y >= 0, the one farthest along x. With a pillar under the lens
+    /// axis it is in the sector of 0 to 30 degrees; between two pillars, in the first quadrant; on the mirror line x, it has y >= 0.
     #[must_use]
     pub fn fold(&self, point: Point) -> Point {
         let size = point[0].hypot(point[1]);
-        // On an axis means on it: no rounding errors of either sign. The floor is flat about its lowest point, whose place is known less exactly than its height.
+        // Points close to an axis are set on it, to avoid rounding errors of either sign. The floor is flat about its lowest point, whose
+        // position is less accurate than its height.
         let clean = |point: Point| point.map(|v| if v.abs() < 1e-9 * size { 0.0 } else { v });
         let mut folded = clean(point);
         for image in self.images(point) {
@@ -257,7 +253,7 @@ mod tests {
                 let [x, y] = lattice.centre(i, j);
                 (x - point[0]).hypot(y - point[1])
             };
-            // No point is farther from its nearest lattice point than the hollow site.
+            // The distance to the nearest lattice point is at most that of the hollow site.
             assert!(distance((i, j)) <= 1.7 / 3f64.sqrt() + 1e-12);
             for (di, dj) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, -1), (-1, 1)] {
                 assert!(distance((i, j)) <= distance((i + di, j + dj)) + 1e-12);

@@ -3,19 +3,20 @@
 use super::lens::Material;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
-/// What the back of a [`Layer`] rests on.
+/// Support of the back of a [`Layer`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Base {
-    /// It is bonded to something rigid, such as glass.
+    /// Bonded to a rigid body, such as glass.
     #[default]
     Rigid,
-    /// It lies on something rigid without friction, and does not lift off.
+    /// In frictionless contact with a rigid body, without separation.
     Frictionless,
-    /// It is bonded to a half-space of this material.
+    /// Bonded to a half-space of this material.
     Elastic(Material),
 }
 
-/// A body that is no half-space but a flat layer of infinite extent. Its approach to the other body is that of its back if that is rigid.
+/// A flat layer of infinite extent instead of a half-space. On a rigid support, the approach of the layer to the other body is that of its
+/// back.
 ///
 /// ```
 /// use fakir::problem::{Base, Layer};
@@ -27,12 +28,12 @@ pub enum Base {
 pub struct Layer {
     /// Thickness `t`, m.
     pub thickness: f64,
-    /// What its back rests on.
+    /// Support of the back.
     pub base: Base,
 }
 
 impl Layer {
-    /// A layer of that thickness (m) bonded to something rigid.
+    /// A layer of the given thickness (m) bonded to a rigid body.
     #[must_use]
     pub fn new(thickness: f64) -> Self {
         Self {
@@ -41,7 +42,7 @@ impl Layer {
         }
     }
 
-    /// Checks its thickness, and modulus and Poisson's ratio of its base, which are named so.
+    /// Checks the thickness, and modulus and Poisson's ratio of the base; `names` are the quantities in errors.
     pub(super) fn check(&self, names: [Quantity; 3]) -> Result<(), InvalidQuantity> {
         let [thickness, modulus, ratio] = names;
         Requirement::Positive.check(thickness, self.thickness)?;
@@ -53,10 +54,10 @@ impl Layer {
     }
 }
 
-/// A layer among the bodies that are pressed together, in some unit of length.
+/// A layer among the bodies in contact, in some unit of length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WeightedLayer {
-    /// Share of its material in the contact compliance, `c_b/c`.
+    /// Fraction of its material in the contact compliance, `c_b/c`.
     pub(crate) weight: f64,
     pub(crate) thickness: f64,
     pub(crate) poisson_ratio: f64,
@@ -67,7 +68,7 @@ pub(crate) struct WeightedLayer {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum LayerBase {
     Frictionless,
-    /// Bonded. The shear modulus of the layer over that of the base, 0 on a rigid one, and Poisson's ratio of the base.
+    /// Bonded base: shear modulus of the layer divided by that of the base (0 for a rigid base), and Poisson's ratio of the base.
     Bonded {
         shear_ratio: f64,
         poisson_ratio: f64,
@@ -75,7 +76,7 @@ pub(crate) enum LayerBase {
 }
 
 impl WeightedLayer {
-    /// The layers among bodies, with lengths divided by `unit` (m). Half-spaces have none.
+    /// The layers among bodies, with lengths divided by `unit` (m). Half-spaces are omitted.
     pub(crate) fn among(bodies: &[(Material, Option<Layer>)], unit: f64) -> Vec<Self> {
         let compliances = bodies.iter().map(|body| body.0.plane_strain_compliance());
         let compliance: f64 = compliances.sum();
@@ -91,13 +92,13 @@ impl WeightedLayer {
         layered.collect()
     }
 
-    /// Thickness of the thinnest of them; none without layers.
+    /// Thickness of the thinnest layer; `None` without layers.
     pub(crate) fn thinnest(layers: &[Self]) -> Option<f64> {
         layers.iter().map(|layer| layer.thickness).reduce(f64::min)
     }
 
-    /// How what layers add to half-spaces changes between two states of the same bodies, over the width between them: as layers, as it is linear in
-    /// their weights.
+    /// The change of the correction for layers between two states of the same bodies, divided by the difference `width`. The result is
+    /// again a set of layers, since the correction is linear in their weights.
     pub(crate) fn change([before, after]: [Vec<Self>; 2], width: f64) -> Vec<Self> {
         let part = |sign: f64| {
             move |layer: Self| Self {
@@ -109,8 +110,8 @@ impl WeightedLayer {
         before.chain(after.into_iter().map(part(1.0))).collect()
     }
 
-    /// How far a uniform pressure brings the surface to the back, for unit contact compliance: `w t (1 - 2 nu)/(1 - nu)^2` of a layer that cannot
-    /// spread, `w t` of one that can.
+    /// Approach of surface and back under a uniform pressure, for unit contact compliance: `w t (1 - 2 nu)/(1 - nu)^2` for a layer without
+    /// lateral expansion, `w t` for one with free lateral expansion.
     pub(crate) fn squeeze(&self) -> f64 {
         let nu = self.poisson_ratio;
         let confined = match self.base {

@@ -1,4 +1,4 @@
-//! What is pressed: lenses of several shapes.
+//! The indenting bodies: lenses of several shapes.
 
 use super::lens_profile::LensProfile;
 use super::point::{Point, turned};
@@ -37,21 +37,19 @@ impl Material {
     }
 }
 
-/// A spherical lens of an elastic material: the paper's. Others are a [`ShapedLens`].
+/// A spherical lens of an elastic material, as in the paper. For other shapes see [`ShapedLens`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Radius of curvature `R`, m.
     pub radius: f64,
-    /// What it is made of.
+    /// Material of the lens.
     pub material: Material,
 }
 
 impl Lens {
-    /// Height of the undeformed lens above its lowest point, at distance
-    /// `distance` from the axis: `R - sqrt(R^2 - r^2)`, the exact sphere, m.
+    /// Height of the undeformed lens above its lowest point at `distance` from the axis: `R - sqrt(R^2 - r^2)`, the exact sphere, m.
     ///
-    /// Written as `r^2/(R + sqrt(R^2 - r^2))`, which does not cancel. Infinite
-    /// beyond the equator, where the lens has no lower surface.
+    /// Computed as `r^2/(R + sqrt(R^2 - r^2))` to avoid cancellation. Infinite beyond the equator, where the lens has no lower surface.
     #[must_use]
     pub fn sag(&self, distance: f64) -> f64 {
         sphere_at_square(self.radius, distance * distance)
@@ -67,7 +65,7 @@ fn sphere_at_square(radius: f64, squared: f64) -> f64 {
     squared / (radius + rest.sqrt())
 }
 
-/// The shape of the lower side of a lens. Its lowest point, or line, passes through the origin of coordinates, where the lens axis is.
+/// The shape of the lower surface of a lens. Its lowest point, or line, contains the origin of coordinates, where the lens axis is.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum LensShape {
@@ -88,26 +86,27 @@ pub enum LensShape {
         /// Direction of that line from x, rad.
         angle: f64,
     },
-    /// A plate that reaches beyond all pillars and is kept from turning: `s tan(tilt)` with the distance `s` along the direction in which it rises.
+    /// A plate that extends beyond all pillars and cannot rotate: `s tan(tilt)` with the distance `s` along the direction in which it
+    /// rises.
     Plate {
-        /// Between the plate and the floor, rad.
+        /// Angle between the plate and the floor, rad.
         tilt: f64,
-        /// In which it rises, from x, rad.
+        /// Direction in which the plate rises, from x, rad.
         direction: f64,
     },
-    /// Axisymmetric, by a table of heights.
+    /// Axisymmetric, from a table of heights.
     Profile(Arc<LensProfile>),
 }
 
-/// Contact radius over lens radius up to which a contact is solved.
+/// Largest contact radius that is supported, relative to the lens radius.
 pub(crate) const LARGEST_CONTACT: f64 = 0.5;
 
-/// Height, slope and bend of the undeformed lens at a point.
+/// Height, gradient and Hessian of the undeformed lens at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LensJet {
     pub(crate) value: f64,
     pub(crate) gradient: Point,
-    /// Along x twice, along x and y, along y twice.
+    /// `[xx, xy, yy]`.
     pub(crate) hessian: [f64; 3],
 }
 
@@ -124,9 +123,9 @@ pub(crate) struct LensJet {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapedLens {
-    /// Its lower side.
+    /// Shape of the lower surface.
     pub shape: LensShape,
-    /// What it is made of.
+    /// Material of the lens.
     pub material: Material,
 }
 
@@ -138,13 +137,13 @@ impl From<Lens> for ShapedLens {
 }
 
 impl ShapedLens {
-    /// A lens of a shape and a material.
+    /// Creates a lens from a shape and a material.
     #[must_use]
     pub fn new(shape: LensShape, material: Material) -> Self {
         Self { shape, material }
     }
 
-    /// `"sphere"`, `"paraboloid"`, `"cylinder"`, `"plate"` or `"profile"`.
+    /// The name of the shape: `"sphere"`, `"paraboloid"`, `"cylinder"`, `"plate"` or `"profile"`.
     #[must_use]
     pub fn shape_name(&self) -> &'static str {
         match self.shape {
@@ -156,7 +155,7 @@ impl ShapedLens {
         }
     }
 
-    /// The lens, if it is a sphere.
+    /// The spherical lens; `None` for other shapes.
     #[must_use]
     pub fn sphere(&self) -> Option<Lens> {
         let material = self.material;
@@ -166,7 +165,7 @@ impl ShapedLens {
         }
     }
 
-    /// Radius of the sphere, m; of no other shape a number, so that what is made for a sphere gives none.
+    /// Radius of the sphere, m; NaN for other shapes, so that formulas for spheres return NaN.
     #[must_use]
     pub fn sphere_radius(&self) -> f64 {
         self.sphere().map_or(f64::NAN, |sphere| sphere.radius)
@@ -183,8 +182,8 @@ impl ShapedLens {
         }
     }
 
-    /// Distance from the lens axis, or from the line on which a cylinder is lowest, up to which there is a lens: its radius, or where its table
-    /// ends, m. Infinite of a plate.
+    /// Largest distance from the lens axis, or from the lowest line of a cylinder, at which the shape is defined: its radius, or the end of
+    /// its table, m. Infinite for a plate.
     #[must_use]
     pub fn widest(&self) -> f64 {
         match &self.shape {
@@ -196,9 +195,9 @@ impl ShapedLens {
         }
     }
 
-    /// Height of the undeformed lens at a point (m from its axis) above the origin, its lowest point unless it is a tilted plate, m.
+    /// Height of the undeformed lens at a point (m from its axis) above the origin, which is its lowest point except for a tilted plate, m.
     ///
-    /// Infinite beyond the equator of a sphere or a cylinder, where it has no lower side.
+    /// Infinite beyond the equator of a sphere or a cylinder, where there is no lower surface.
     #[must_use]
     pub fn sag(&self, point: Point) -> f64 {
         let [x, y] = point;
@@ -214,7 +213,7 @@ impl ShapedLens {
         }
     }
 
-    /// Checks the numbers of the shape and the material.
+    /// Checks the parameters of the shape and the material.
     pub(super) fn check(&self) -> Result<(), InvalidQuantity> {
         use Quantity as Q;
         use Requirement as R;
@@ -237,12 +236,12 @@ impl ShapedLens {
         Ok(())
     }
 
-    /// Below which height pillars have to be: that of the lens; infinite of a shape without an equator.
+    /// Upper bound of the height of pillars: the height of the lens; infinite for shapes without an equator.
     pub(super) fn height(&self) -> f64 {
         self.radius().unwrap_or(f64::INFINITY)
     }
 
-    /// Whether it is as high at all places of one distance from the axis.
+    /// Whether the height depends on the distance from the axis only.
     pub(crate) fn is_axisymmetric(&self) -> bool {
         !matches!(
             self.shape,
@@ -250,7 +249,7 @@ impl ShapedLens {
         )
     }
 
-    /// Whether it is a plate.
+    /// Whether the shape is a plate.
     pub(crate) fn is_flat(&self) -> bool {
         match self.shape {
             LensShape::Plate { .. } => true,
@@ -259,7 +258,7 @@ impl ShapedLens {
         }
     }
 
-    /// [`sag`](Self::sag) with a level brim at an equator: a number everywhere.
+    /// [`sag`](Self::sag) continued by a level brim beyond an equator: finite everywhere.
     pub(crate) fn sag_with_brim(&self, point: Point) -> f64 {
         match self.shape {
             LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => {
@@ -269,7 +268,7 @@ impl ShapedLens {
         }
     }
 
-    /// The least of the undeformed lens over a disc.
+    /// The minimum of the undeformed lens over a disc.
     pub(crate) fn least_over(&self, centre: Point, radius: f64) -> f64 {
         match &self.shape {
             LensShape::Plate { tilt, .. } => self.sag(centre) - tilt.tan() * radius,
@@ -277,7 +276,7 @@ impl ShapedLens {
         }
     }
 
-    /// Distance of a point from where the lens is lowest; 0 of a plate, which has no such place.
+    /// Distance of a point from the lowest point or line of the lens; 0 for a plate, which has none.
     pub(crate) fn distance(&self, point: Point) -> f64 {
         match &self.shape {
             LensShape::Cylinder { angle, .. } => across(point, *angle).abs(),
@@ -286,7 +285,7 @@ impl ShapedLens {
         }
     }
 
-    /// Height at a [distance](Self::distance) from where it is lowest.
+    /// Height at a [distance](Self::distance) from the lowest point or line.
     fn sag_at_distance(&self, distance: f64) -> f64 {
         match &self.shape {
             LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => {
@@ -298,7 +297,8 @@ impl ShapedLens {
         }
     }
 
-    /// The [distance](Self::distance) up to which the undeformed lens is no higher than this; `None` where that is beyond its equator, or everywhere.
+    /// The [distance](Self::distance) up to which the undeformed lens is at most `rise` high; `None` if this is beyond its equator, or
+    /// infinite.
     pub(crate) fn distance_of_rise(&self, rise: f64) -> Option<f64> {
         let rise = rise.max(0.0);
         match &self.shape {
@@ -311,7 +311,7 @@ impl ShapedLens {
         }
     }
 
-    /// The [distance](Self::distance) from where the lens is lowest up to which a contact is solved.
+    /// The largest [distance](Self::distance) from the lowest point or line at which a contact is supported.
     pub(crate) fn largest_contact(&self) -> f64 {
         match &self.shape {
             LensShape::Profile(profile) => profile.range(),
@@ -319,7 +319,8 @@ impl ShapedLens {
         }
     }
 
-    /// The slope of the lens where a contact ends that reaches so far from where it is lowest, about: over the radius, as results have it.
+    /// Approximate slope of the lens at the edge of a contact that extends to this distance from the lowest point or line: distance over
+    /// radius, as in results.
     pub(crate) fn slope_at(&self, distance: f64) -> f64 {
         match &self.shape {
             LensShape::Sphere { radius }
@@ -330,7 +331,7 @@ impl ShapedLens {
         }
     }
 
-    /// Radius of curvature where it is lowest; infinite of a plate.
+    /// Radius of curvature at the lowest point; infinite for a plate.
     pub(crate) fn apex_radius(&self) -> f64 {
         match &self.shape {
             LensShape::Profile(profile) => profile.apex_radius(),
@@ -338,13 +339,13 @@ impl ShapedLens {
         }
     }
 
-    /// The radius of the paraboloid that is as high at a distance from the axis.
+    /// The radius of the paraboloid with the same height at a distance from the axis.
     pub(crate) fn radius_through(&self, distance: f64) -> f64 {
         distance * distance / (2.0 * self.sag_at_distance(distance))
     }
 
-    /// The radius below which the lens differs from a quadratic surface over a pillar top: infinite of those that do not differ, 0 of a table,
-    /// of which it is not known.
+    /// The radius for the criterion whether the lens differs from a quadratic surface over a pillar top: infinite for quadratic shapes, 0
+    /// for a table, for which it is unknown.
     pub(crate) fn quadratic_radius(&self) -> f64 {
         match &self.shape {
             LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => *radius,
@@ -427,8 +428,8 @@ impl ShapedLens {
         self.jet(point).map_or([f64::NAN; 2], |jet| jet.gradient)
     }
 
-    /// The derivative of the lens shape with its radius; 0 of a shape that has none. Of a circle it is `1 - R/sqrt(R^2 - r^2)`, written so that nothing
-    /// cancels.
+    /// The derivative of the lens shape with respect to its radius; 0 for shapes without a radius. For a circle it is
+    /// `1 - R/sqrt(R^2 - r^2)`, in a form without cancellation.
     pub(crate) fn by_radius(&self, point: Point) -> f64 {
         if self.is_flat() {
             return 0.0;
@@ -448,7 +449,7 @@ impl ShapedLens {
         }
     }
 
-    /// The same in another unit of length, given in the old one.
+    /// The same lens in another unit of length, which is given in the old one.
     pub(crate) fn in_unit(&self, unit: f64) -> Self {
         let shape = match &self.shape {
             LensShape::Sphere { radius } => LensShape::Sphere {
@@ -470,7 +471,7 @@ impl ShapedLens {
         Self::new(shape, self.material)
     }
 
-    /// The same turned about its axis by an angle, rad.
+    /// The same lens rotated about its axis by an angle, rad.
     pub(crate) fn turned(&self, by: f64) -> Self {
         let shape = match &self.shape {
             LensShape::Cylinder { radius, angle } => LensShape::Cylinder {
@@ -487,13 +488,13 @@ impl ShapedLens {
     }
 }
 
-/// The inverse of the depth of the centre of a circle below its equator; `None` beyond that.
+/// The inverse of the depth of the centre of a circle below its equator; `None` beyond the equator.
 fn inverse_depth(radius: f64, squared: f64) -> Option<f64> {
     let depth_squared = radius * radius - squared;
     (depth_squared > 0.0).then(|| depth_squared.sqrt().recip())
 }
 
-/// The coordinates of a point along a direction (rad from x), and across it.
+/// The coordinate of a point along a direction (rad from x).
 fn along(point: Point, direction: f64) -> f64 {
     turned(point, -direction)[0]
 }

@@ -5,10 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 use std::sync::LazyLock;
 
-/// Heights of an axisymmetric lens over its lowest point, at some distances from its axis, and smoothly between them.
+/// Heights of an axisymmetric lens above its lowest point as a function of the distance from its axis, with a smooth interpolation.
 ///
-/// Between the rows it is a cubic spline that is level on the axis, twice continuously differentiable, and rises everywhere. Of a smooth lens its
-/// error falls with the fourth power of the distance of the rows. It is known up to the last row and used no farther.
+/// The interpolant is a monotonically increasing cubic spline with zero slope on the axis and two continuous derivatives. For a smooth
+/// lens, its error is proportional to the fourth power of the row spacing. The profile is defined up to the last row; contacts beyond are
+/// refused.
 ///
 /// ```
 /// use fakir::problem::LensProfile;
@@ -24,50 +25,50 @@ use std::sync::LazyLock;
 pub struct LensProfile {
     radii: Vec<f64>,
     heights: Vec<f64>,
-    /// Of the spline at the rows.
+    /// Slopes of the spline at the rows.
     slopes: Vec<f64>,
 }
 
-/// Why a table is no profile. Rows are counted from 0.
+/// The reason why a table is not a valid profile. Rows are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum InvalidProfile {
-    /// Fewer rows than a spline takes, or not as many heights as radii.
+    /// Fewer rows than a spline requires, or different numbers of heights and radii.
     TooFew {
-        /// How many there are.
+        /// Number of rows.
         rows: usize,
     },
-    /// A radius or a height that is no number.
+    /// A radius or a height is not finite.
     NoNumber {
-        /// In which row.
+        /// Index of the row.
         row: usize,
     },
     /// The first row is not the lowest point on the axis.
     NoApex {
-        /// Its radius, m.
+        /// Radius of the first row, m.
         radius: f64,
-        /// Its height, m.
+        /// Height of the first row, m.
         height: f64,
     },
-    /// A radius that is not larger than the one before.
+    /// A radius is not larger than the preceding one.
     NoOrder {
-        /// In which row.
+        /// Index of the row.
         row: usize,
     },
-    /// A height that is not larger than the one before.
+    /// A height is not larger than the preceding one.
     NotRising {
-        /// In which row.
+        /// Index of the row.
         row: usize,
     },
-    /// The curve through the rows comes down before this one.
+    /// The interpolant decreases before this row.
     Uneven {
-        /// Before which row.
+        /// Index of the row.
         row: usize,
     },
 }
 
 impl InvalidProfile {
-    /// The row that is wrong, from 0, if it is one of them.
+    /// The invalid row, from 0, if the error is in one.
     #[must_use]
     pub fn row(&self) -> Option<usize> {
         match self {
@@ -86,17 +87,17 @@ impl fmt::Display for InvalidProfile {
         match self {
             Self::TooFew { rows } => write!(
                 f,
-                "a profile of {rows} rows is none: it needs at least {FEWEST_ROWS}, each with a radius and a height"
+                "{rows} rows are too few for a profile: at least {FEWEST_ROWS} are required, each with a radius and a height"
             ),
-            Self::NoNumber { .. } => f.write_str("radius and height have to be finite numbers"),
+            Self::NoNumber { .. } => f.write_str("radius and height must be finite numbers"),
             Self::NoApex { radius, height } => write!(
                 f,
-                "the first row is at radius {radius:e} m and height {height:e} m, and has to be the lowest point on the axis, at 0 and 0"
+                "the first row is at radius {radius:e} m and height {height:e} m, and must be the lowest point on the axis, at 0 and 0"
             ),
-            Self::NoOrder { .. } => f.write_str("the radius has to be larger than that of the row before"),
-            Self::NotRising { .. } => f.write_str("the height has to be larger than that of the row before"),
+            Self::NoOrder { .. } => f.write_str("the radius must be larger than that of the preceding row"),
+            Self::NotRising { .. } => f.write_str("the height must be larger than that of the preceding row"),
             Self::Uneven { .. } => f.write_str(
-                "the smooth curve through the rows comes down before this one: the rows are too rough or too far apart here for a lens that rises",
+                "the smooth curve through the rows decreases before this row: the rows are too irregular or too far apart for an increasing profile",
             ),
         }
     }
@@ -104,14 +105,14 @@ impl fmt::Display for InvalidProfile {
 
 impl std::error::Error for InvalidProfile {}
 
-/// Rows that a spline takes.
+/// Smallest number of rows of a spline.
 const FEWEST_ROWS: usize = 4;
 
 impl LensProfile {
-    /// Of distances from the axis and heights over the lowest point, m, row by row from the axis outwards.
+    /// Creates a profile from distances from the axis and heights above the lowest point, m, in order from the axis outwards.
     ///
     /// # Errors
-    /// Rows that do not begin on the axis at height 0, do not rise, or are too few or too rough for a curve that rises.
+    /// Rows that do not begin on the axis at height 0, do not increase, are too few, or are too irregular for an increasing interpolant.
     pub fn new(radii: Vec<f64>, heights: Vec<f64>) -> Result<Self, InvalidProfile> {
         let rows = radii.len().min(heights.len());
         if rows < FEWEST_ROWS || radii.len() != heights.len() {
@@ -152,19 +153,19 @@ impl LensProfile {
         &self.radii
     }
 
-    /// Their heights, m.
+    /// Heights of the rows, m.
     #[must_use]
     pub fn heights(&self) -> &[f64] {
         &self.heights
     }
 
-    /// Distance from the axis up to which it is known: that of the last row, m.
+    /// Largest distance from the axis at which the profile is defined: that of the last row, m.
     #[must_use]
     pub fn range(&self) -> f64 {
         self.radii[self.radii.len() - 1]
     }
 
-    /// Height over the lowest point at a distance from the axis, m. Beyond the last row it goes straight on, which no answer makes use of.
+    /// Height above the lowest point at a distance from the axis, m. The extrapolation beyond the last row is linear and affects no result.
     #[must_use]
     pub fn height(&self, distance: f64) -> f64 {
         let [height, ..] = self.at(distance);
@@ -178,7 +179,7 @@ impl LensProfile {
         bend.recip()
     }
 
-    /// Height, slope and bend at a distance from the axis.
+    /// Height, slope and second derivative at a distance from the axis.
     pub(crate) fn at(&self, distance: f64) -> [f64; 3] {
         let last = self.radii.len() - 1;
         let beyond = distance - self.radii[last];
@@ -229,7 +230,7 @@ impl LensProfile {
         }
         let next = self.heights.partition_point(|other| *other <= height);
         let (mut low, mut high) = (self.radii[next - 1], self.radii[next]);
-        // It rises, so that halving finds the place to the last digit.
+        // The profile increases, so that bisection finds the distance to the last digit.
         for _ in 0..100 {
             let middle = 0.5 * (low + high);
             if self.height(middle) <= height {
@@ -241,7 +242,7 @@ impl LensProfile {
         high
     }
 
-    /// The same in another unit of length, given in the old one.
+    /// The same profile in another unit of length, which is given in the old one.
     pub(crate) fn in_unit(&self, unit: f64) -> Self {
         let scaled = |values: &[f64]| values.iter().map(|value| value / unit).collect();
         Self {
@@ -251,7 +252,7 @@ impl LensProfile {
         }
     }
 
-    /// Width of an interval, and the coefficients of its cubic but the height.
+    /// Width of an interval, and the coefficients of its cubic without the constant.
     fn cubic(&self, interval: usize) -> [f64; 4] {
         let width = self.radii[interval + 1] - self.radii[interval];
         let mean = (self.heights[interval + 1] - self.heights[interval]) / width;
@@ -264,7 +265,7 @@ impl LensProfile {
         ]
     }
 
-    /// Whether the curve comes down nowhere in an interval, but for rounding.
+    /// Whether the interpolant does not decrease in an interval, up to rounding.
     fn rises_in(&self, interval: usize) -> bool {
         const ROUNDING: f64 = 1e-9;
         let [width, start, square, cube] = self.cubic(interval);
@@ -282,15 +283,15 @@ impl LensProfile {
     }
 }
 
-/// Slopes at the rows of the cubic spline that is level on the axis and has no break of its third derivative at the last row but one (C. de Boor,
-/// A Practical Guide to Splines, ch. IV: "not a knot").
+/// Slopes at the rows of the cubic spline with zero slope on the axis and a continuous third derivative at the last row but one (C. de
+/// Boor, A Practical Guide to Splines, ch. IV: "not a knot").
 fn slopes(radii: &[f64], heights: &[f64]) -> Vec<f64> {
     let last = radii.len() - 1;
     let width: Vec<f64> = radii.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mean: Vec<f64> = (0..last)
         .map(|k| (heights[k + 1] - heights[k]) / width[k])
         .collect();
-    // Rows `below s[k-1] + middle s[k] + above s[k+1] = right`, reduced from the axis outwards to `s[k] = right - above s[k+1]`.
+    // Rows `below s[k-1] + middle s[k] + above s[k+1] = right`, eliminated from the axis outwards to `s[k] = right - above s[k+1]`.
     let (mut above, mut right) = (vec![0.0; last + 1], vec![0.0; last + 1]);
     for k in 1..last {
         let [below, middle] = [width[k], 2.0 * (width[k - 1] + width[k])];
@@ -319,7 +320,7 @@ mod tests {
         LensProfile::new(radii.to_vec(), heights).unwrap()
     }
 
-    /// `r^2 + r^3/5` is a cubic that is level on the axis: the spline is that, on any rows.
+    /// `r^2 + r^3/5` is a cubic with zero slope on the axis: the spline reproduces it for any rows.
     #[test]
     fn cubics_are_met_at_every_place() {
         let cubic = |r: f64| r * r + 0.2 * r.powi(3);
@@ -333,12 +334,12 @@ mod tests {
             assert!((profile.distance_of(cubic(r)) - r).abs() < 1e-7, "{r}");
         }
         assert!((profile.apex_radius() - 0.5).abs() < 1e-12);
-        // Beyond the last row it goes on with its slope there: 2 r + 0.6 r^2 = 6.4.
+        // Linear extrapolation beyond the last row with the slope 2 r + 0.6 r^2 = 6.4.
         assert!((profile.height(2.5) - cubic(2.0) - 3.2).abs() < 1e-12);
         assert!((profile.distance_of(cubic(2.0) + 3.2) - 2.5).abs() < 1e-12);
     }
 
-    /// The error of a cubic spline falls with the fourth power of the width of its intervals (de Boor, ch. V).
+    /// The error of a cubic spline is proportional to the fourth power of the width of its intervals (de Boor, ch. V).
     #[test]
     fn spheres_are_met_to_the_fourth_order() {
         let sphere = |r: f64| 3.0 - (9.0 - r * r).sqrt();
@@ -372,12 +373,12 @@ mod tests {
         assert_eq!(row(&[0.0, 1.0, 2.0, 3.0], &[0.0, 1.0, 1.0, 3.0]), Some(2));
         let odd = refused(&[0.0, 1.0, 2.0, f64::NAN], &[0.0, 1.0, 2.0, 3.0]);
         assert_eq!(odd, InvalidProfile::NoNumber { row: 3 });
-        // A step: the spline swings after it.
+        // A step: the spline oscillates after it.
         let step = refused(
             &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
             &[0.0, 0.001, 0.002, 1.0, 1.001, 1.002],
         );
         assert!(matches!(step, InvalidProfile::Uneven { .. }), "{step:?}");
-        assert!(step.to_string().contains("too rough"));
+        assert!(step.to_string().contains("too irregular"));
     }
 }

@@ -1,23 +1,23 @@
-//! What is prescribed to a contact.
+//! The prescribed load of a contact.
 
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
-/// What is prescribed, and with it how far the lens comes down.
+/// The prescribed quantity, which determines the position of the lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
     /// Indentation `zeta`, m: zero, or at least 1e-20 of a pillar radius.
     Indentation(f64),
     /// Normal force `F`, N: zero, or at least 1e-30 of `E*` times a pillar radius squared.
     Force(f64),
-    /// That the lens just reaches the floor: the critical state.
+    /// Contact of the lens with the floor: the critical state.
     FloorContact,
 }
 
-/// Smallest contact radius that has a meaning, over the size of what is touched: of a pillar a
-/// metre wide it is the size of an atom, 1e-10 m, and of all others less.
+/// Smallest contact radius that is meaningful, relative to the size of the pattern: for a pillar one metre wide it is the size of an atom,
+/// 1e-10 m; for smaller pillars it is less.
 const SMALLEST_CONTACT: f64 = 1e-10;
 
-/// A load for a solver that has no floor to reach, in any units.
+/// A load without floor contact, in arbitrary units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Prescribed {
     /// An indentation.
@@ -27,7 +27,7 @@ pub enum Prescribed {
 }
 
 impl Load {
-    /// The load of an indentation (m) or else of a force (N), if either is given, such as by the arguments of a command.
+    /// The load from an indentation (m) or otherwise a force (N), if one is given, for example by the arguments of a command.
     #[must_use]
     pub fn given(indentation: Option<f64>, force: Option<f64>) -> Option<Self> {
         indentation
@@ -35,7 +35,7 @@ impl Load {
             .or(force.map(Self::Force))
     }
 
-    /// The same load with another value, such as the value in other units.
+    /// Maps the value of the load, for example to other units.
     #[must_use]
     pub fn map(self, indentation: impl FnOnce(f64) -> f64, force: impl FnOnce(f64) -> f64) -> Self {
         match self {
@@ -45,7 +45,7 @@ impl Load {
         }
     }
 
-    /// The indentation or the force; none of the critical state.
+    /// The indentation or the force; `None` for the critical state.
     pub(crate) fn prescribed(self) -> Option<Prescribed> {
         match self {
             Self::Indentation(value) => Some(Prescribed::Indentation(value)),
@@ -54,13 +54,11 @@ impl Load {
         }
     }
 
-    /// What is prescribed, if it can be. A load is a finite number, zero or large enough for a contact of
-    /// [`SMALLEST_CONTACT`] under a lens as small as what is touched. By Hertz's solution that
-    /// takes an indentation of `length SMALLEST_CONTACT^2` and a force of about
-    /// `modulus length^2 SMALLEST_CONTACT^3`. `length` is half the width of what is touched (m),
-    /// `modulus` is `E*` (Pa).
+    /// Validates the load. It must be a finite number, either zero or large enough for a contact of [`SMALLEST_CONTACT`] under a lens of
+    /// the same size as the pattern. According to Hertz's solution, this requires an indentation of `length SMALLEST_CONTACT^2` and a force
+    /// of about `modulus length^2 SMALLEST_CONTACT^3`. `length` is half the width of a pillar or pattern (m), `modulus` is `E*` (Pa).
     pub(crate) fn checked(self, length: f64, modulus: f64) -> Result<Self, InvalidQuantity> {
-        // Adding zero takes the sign from a negative one.
+        // Adding zero removes the sign of a negative zero.
         match self {
             Self::Indentation(value) => {
                 let smallest = length * SMALLEST_CONTACT.powi(2);

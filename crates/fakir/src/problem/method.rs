@@ -1,10 +1,10 @@
-//! By which method a question is answered.
+//! Solution methods.
 
-/// How a question is answered.
+/// The solution method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
-    /// Spectral expansion of the pressure on every pillar top; the exact method.
+    /// Spectral expansion of the pressure on every pillar top; the method without model errors.
     Spectral(Accuracy),
     /// One flat punch per pillar.
     Punch(PunchForm),
@@ -33,46 +33,46 @@ impl Method {
     }
 }
 
-/// How finely the spectral method resolves the pressure.
+/// Resolution of the pressure in the spectral method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Accuracy {
-    /// About 1e-6 in force where all touched pillars are fully covered, 1e-5 where the
-    /// contact edge crosses a few of many pillar tops, 1e-4 where it crosses most of them.
+    /// About 1e-6 in force if all touched pillars are fully covered, 1e-5 if the contact edge crosses a few of many pillar tops, 1e-4 if it
+    /// crosses most of them.
     #[default]
     Default,
-    /// About 1e-8, 1e-6 and 1e-5, at ten times the cost. A floor that sticks has cells of 0.6 times the size.
+    /// About 1e-8, 1e-6 and 1e-5 in these cases, at ten times the cost. Cells of an adhesive floor are 0.6 times as large.
     Accurate,
 }
 
 /// The two forms of the punch lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PunchForm {
-    /// As in the paper's approximations: pillars act on each other as flat punches seen
-    /// from their centre, and meet the lens at their centre.
+    /// As in the approximations of the paper: pillars interact as flat punches evaluated at the centre of the receiving pillar, and the
+    /// lens shape is evaluated at the pillar centre.
     Plain,
-    /// Both averaged over the receiving pillar top: the lowest degree of the spectral method.
+    /// Both are averaged over the receiving pillar top: the lowest degree of the spectral method.
     #[default]
     Corrected,
 }
 
-/// How pillar tops are divided into squares.
+/// Division of pillar tops into square elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElementMesh {
-    /// Cells along a pillar's diameter, at least 8; about as many on a grid over the pattern.
+    /// Number of cells along a pillar's diameter, at least 8; an approximate number for a single grid over the pattern.
     pub cells_per_diameter: usize,
-    /// Where the grids lie.
+    /// Position of the grids.
     pub layout: MeshLayout,
     /// Whether cells are matched to the compliance of a flat punch.
     pub matched: bool,
 }
 
-/// Where the grids of elements lie.
+/// Position of the grids of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MeshLayout {
-    /// A grid centred on each pillar.
+    /// A separate grid centred on each pillar.
     #[default]
     Pillars,
-    /// One grid over the whole pattern, as in the paper.
+    /// A single grid over the whole pattern, as in the paper.
     Pattern,
 }
 

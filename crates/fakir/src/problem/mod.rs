@@ -1,17 +1,14 @@
-//! What is asked: the bodies that are pressed, the load, and the method.
+//! Definition of problems: the bodies in contact, the load, and the method.
 //!
-//! A [`System`] is a smooth elastic lens on an elastic substrate that carries
-//! cylindrical pillars in any [`Arrangement`]: the paper's hexagonal lattice, another one, or a list; a [`SurfaceSystem`] is a lens or a plate on any [`HeightMap`], such as those of [`pattern`].
+//! A [`System`] is a smooth elastic lens on an elastic substrate with cylindrical pillars in any [`Arrangement`]: the hexagonal lattice of
+//! the paper, another lattice, or a list. A [`SurfaceSystem`] is a lens or a plate on any [`HeightMap`], such as those of [`pattern`].
 //!
-//! Everything is in SI units and valid once constructed: a [`System`] that
-//! exists can be solved. Both bodies are elastic half-spaces without friction;
-//! a pressure `p` on the pillar tops moves the two surfaces apart by
-//! `w(x) = (c/pi) ∫ p(x')/|x - x'| dA'`, with `c` the [`System::contact_compliance`].
-//! Symbols follow R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard,
-//! Phys. Rev. E 104, 055007 (2021), "the paper" throughout this crate.
+//! All quantities are in SI units and validated by the constructors: every [`System`] can be solved. Both bodies are elastic half-spaces
+//! without friction; a pressure `p` on the pillar tops changes the distance of the two surfaces by `w(x) = (c/pi) ∫ p(x')/|x - x'| dA'`,
+//! with `c` the [`System::contact_compliance`]. Symbols follow R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104,
+//! 055007 (2021), "the paper" throughout this crate.
 //!
-//! Coordinates: the lens axis is the origin, x is the second-neighbour
-//! direction of the lattice.
+//! Coordinates: the lens axis is the origin, x is the second-neighbour direction of the lattice.
 #![doc = ""]
 #![doc = include_str!("../../doc/rendered/problem.md")]
 
@@ -66,6 +63,6 @@ pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
 pub use system::{FloorModel, System, Texture};
 pub use tops::Tops;
 
-/// The former name of [`Load`].
+/// Former name of [`Load`].
 #[deprecated(note = "renamed to `Load`")]
 pub type Control = Load;

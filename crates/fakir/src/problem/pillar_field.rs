@@ -1,4 +1,4 @@
-//! Where pillars stand and how they are made: a hexagonal lattice of equal ones, any other lattice, or a list. In the units of the solvers.
+//! Positions and bodies of pillars in the units of the solvers: a hexagonal lattice of equal pillars, any other lattice, or a list.
 
 use super::arrangement::{self, Arrangement, coordinates, reduced};
 use super::column::{Column, ColumnLaw};
@@ -13,19 +13,19 @@ use std::sync::Arc;
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
-/// A pillar without its place.
+/// The properties of a pillar without its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PillarBody {
-    /// Radius of its top.
+    /// Radius of the top.
     pub(crate) radius: f64,
-    /// By how much it is higher than the common height over the floor.
+    /// Height above the common height of pillars.
     pub(crate) raised: f64,
-    /// How it gives way, by its own height and radius.
+    /// Compliance, according to its height and radius.
     pub(crate) column: Column,
 }
 
 impl PillarBody {
-    /// Of the unit radius and the common height.
+    /// A pillar of unit radius and common height.
     pub(crate) fn of_column(column: impl Into<Column>) -> Self {
         Self {
             radius: 1.0,
@@ -38,35 +38,35 @@ impl PillarBody {
 /// A pillar of a list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ListedPillar {
-    /// From the lens axis.
+    /// Centre relative to the lens axis.
     pub(crate) centre: Point,
     pub(crate) body: PillarBody,
 }
 
-/// Points of a lattice as rows and columns of an array that begins with the first of both.
+/// Points of a lattice as rows and columns of an array that begins at the first row and column.
 #[derive(Debug, Clone)]
 pub(crate) struct Counted {
     pub(crate) places: Vec<(usize, usize)>,
-    /// From row to row, and from column to column.
+    /// Vectors between adjacent rows, and between adjacent columns.
     pub(crate) vectors: [Point; 2],
 }
 
-/// Points at whole numbers of columns and rows along x and y, on some of which all pillars of a lattice stand.
+/// Points at integer numbers of columns and rows along x and y, a subset of which are the pillars of a lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PillarGrid {
-    /// Distance of its columns, and of its rows.
+    /// Distances of adjacent columns, and of adjacent rows.
     pub(crate) sides: [f64; 2],
-    /// From the lens axis to the point of pillar (0, 0).
+    /// Position of pillar (0, 0) relative to the lens axis.
     pub(crate) origin: Point,
-    /// Columns and rows from a pillar to the next one by its first index, and by its second.
+    /// Numbers of columns and rows between adjacent pillars along the first index, and along the second.
     steps: [[i64; 2]; 2],
 }
 
-/// Columns, or rows, from one point of a lattice to the next at the most.
+/// Largest number of columns, or rows, between adjacent points of a lattice.
 const MOST_STEPS: i64 = 4;
 
 impl PillarGrid {
-    /// Of a lattice, with no sides shorter than that.
+    /// The grid of a lattice; `None` if one of its sides would be shorter than `shortest`.
     fn new([a, b]: [Point; 2], origin: Point, shortest: f64) -> Option<Self> {
         let longest = a[0].hypot(a[1]).max(b[0].hypot(b[1]));
         let [(width, columns), (height, rows)] = [
@@ -81,26 +81,27 @@ impl PillarGrid {
         })
     }
 
-    /// Columns and rows from pillar (0, 0) to another.
+    /// Columns and rows from pillar (0, 0) to another pillar.
     pub(crate) fn place(&self, (i, j): (i64, i64)) -> [i64; 2] {
         let [one, other] = self.steps;
         [0, 1].map(|k| one[k] * i + other[k] * j)
     }
 
-    /// Columns and rows from pillar (0, 0) to the lens axis, if all places of pillars are mirror images of each other along x and along y there.
+    /// Columns and rows from pillar (0, 0) to the lens axis, if the positions of pillars are symmetric under reflections of x and of y
+    /// there.
     fn mirrored_at(&self) -> Option<[i64; 2]> {
         let [u, v] = [0, 1].map(|k| -self.origin[k] / self.sides[k]);
         let axis = [u.round(), v.round()];
         let is_point = (u - axis[0]).abs() < ON_AXIS && (v - axis[1]).abs() < ON_AXIS;
         let axis = axis.map(|x| x as i64);
         let images = self.steps.iter().flat_map(|[u, v]| [[-u, *v], [*u, -v]]);
-        // Where pillar (0, 0) goes.
+        // Images of pillar (0, 0).
         let shifts = [[2 * axis[0], 0], [0, 2 * axis[1]]];
         let mut all = images.chain(shifts);
         (is_point && all.all(|place| self.index(place).is_some())).then_some(axis)
     }
 
-    /// The pillar so many columns and rows from pillar (0, 0), if one stands there.
+    /// The pillar this number of columns and rows from pillar (0, 0), if there is one.
     pub(crate) fn index(&self, [u, v]: [i64; 2]) -> Option<(i64, i64)> {
         let [[a, b], [c, d]] = self.steps;
         let area = a * d - b * c;
@@ -110,16 +111,17 @@ impl PillarGrid {
     }
 }
 
-/// Rows of a lattice on each side of the lens axis that are counted at most; its ends come long before.
+/// Largest number of rows of a lattice on each side of the lens axis that are counted; finite lattices are smaller.
 const MOST_ROWS: f64 = 1e15;
 
-/// Relative differences of lengths that are rounding.
+/// Relative differences of lengths below this are rounding errors.
 const ROUNDING: f64 = 1e-9;
 
-/// A lens axis that is less than this beside a point of the grid, in its sides, is at it: what is mirrored there is so to rounding.
+/// Distance of the lens axis from a grid point, relative to the grid sides, below which the axis is considered to be on this point: the
+/// symmetry is then exact to rounding.
 pub(super) const ON_AXIS: f64 = 1e-13;
 
-/// The length of which two others are small whole multiples, and these. Of one length that is 0, the other.
+/// The length of which two others are small integer multiples, and these multiples. If one length is 0, the other length.
 fn common_side(lengths: [f64; 2], longest: f64) -> Option<(f64, [i64; 2])> {
     let is_none = |length: f64| length.abs() < ROUNDING * longest;
     let [a, b] = lengths;
@@ -138,27 +140,28 @@ fn common_side(lengths: [f64; 2], longest: f64) -> Option<(f64, [i64; 2])> {
     }
 }
 
-/// What a pillar is known by, and the pillar.
+/// Index of a pillar, and the pillar.
 pub(crate) type IndexedPillar = ((i64, i64), ListedPillar);
 
-/// Pillars on any plane lattice, all alike but for their scatter.
+/// Pillars on any plane lattice that differ only by their disorder.
 #[derive(Debug, Clone)]
 pub(crate) struct PlaneLattice {
-    /// Those that pillars are counted by.
+    /// The vectors that define the pillar indices.
     vectors: [Point; 2],
-    /// Reduced.
+    /// The reduced vectors.
     basis: [Point; 2],
-    /// From the lens axis to the pillar of index (0, 0).
+    /// Position of the pillar with index (0, 0) relative to the lens axis.
     origin: Point,
     body: PillarBody,
     scatter: Option<Scattered>,
-    /// From how a lattice of its form is drawn: along its first vector, and a hexagonal one at 30 degrees from it, however it is given.
+    /// Rotation relative to the standard orientation of its type: the first vector along x, or, for a hexagonal lattice in any description,
+    /// at 30 degrees to it.
     rotation: f64,
-    /// The first index along each of the vectors and the end, if it is cut.
+    /// First index along each of the vectors and index after the last one, for a finite lattice.
     ends: Option<[i64; 2]>,
 }
 
-/// By how much vectors of a hexagonal lattice are turned from those of the paper, rad; none of another lattice.
+/// Rotation of the vectors of a hexagonal lattice relative to those of the paper, rad; `None` for another lattice.
 fn from_hexagonal(vectors: [Point; 2]) -> f64 {
     const ROUNDING: f64 = 1e-12;
     let [a, b] = reduced(vectors);
@@ -174,7 +177,7 @@ fn from_hexagonal(vectors: [Point; 2]) -> f64 {
     if turned.abs() < ROUNDING { 0.0 } else { turned }
 }
 
-/// How the pillars of a lattice differ.
+/// Disorder of the pillars of a lattice.
 #[derive(Debug, Clone)]
 struct Scattered {
     disorder: Disorder,
@@ -184,12 +187,12 @@ struct Scattered {
 }
 
 impl PlaneLattice {
-    /// `None` if the vectors do not span the plane.
+    /// Returns `None` if the vectors do not span the plane.
     pub(crate) fn new(vectors: [Point; 2], origin: Point, body: PillarBody) -> Option<Self> {
         let [[a, b], [c, d]] = vectors;
         let area = (a * d - b * c).abs();
         let longest = a.hypot(b).max(c.hypot(d));
-        // An area of rounding errors is none; nor is one that is no number.
+        // Rejects areas that are rounding errors or NaN.
         (area > 1e-9 * longest * longest && area.is_finite()).then(|| Self {
             vectors,
             basis: reduced(vectors),
@@ -201,7 +204,7 @@ impl PlaneLattice {
         })
     }
 
-    /// In units of a length (m), with common pillars of a height.
+    /// Converts a lattice to units of a length (m), with common pillars of the given height.
     fn of(
         lattice: &arrangement::PlaneLattice,
         length: f64,
@@ -226,7 +229,7 @@ impl PlaneLattice {
         })
     }
 
-    /// The pillar of an index, if there is one.
+    /// The pillar with an index, if there is one.
     fn body_at(&self, (i, j): (i64, i64)) -> Option<PillarBody> {
         if let Some([first, end]) = self.ends {
             let inside = first..end;
@@ -251,7 +254,7 @@ impl PlaneLattice {
         }
     }
 
-    /// The index of the lattice point nearest to a point, whether or not a pillar stands there.
+    /// The index of the lattice point nearest to a point, whether or not it has a pillar.
     fn nearest(&self, near: Point) -> (i64, i64) {
         let from_origin = [near[0] - self.origin[0], near[1] - self.origin[1]];
         let [u, v] = coordinates(from_origin, self.basis).map(f64::round);
@@ -274,11 +277,11 @@ impl PlaneLattice {
         (a * d - b * c).abs()
     }
 
-    /// All pillars with centres within a radius of the lens axis, by rising index.
+    /// All pillars with centres within a radius of the lens axis, by increasing index.
     fn within(&self, radius: f64) -> Vec<IndexedPillar> {
         let lengths = self.vectors.map(|[x, y]| x.hypot(y));
         let reach = radius + self.origin[0].hypot(self.origin[1]);
-        // The distance of rows i = constant is the area of the cell over the length of the other vector.
+        // The distance between rows i = constant is the cell area divided by the length of the other vector.
         let most = |other: usize| {
             let most = (reach * lengths[other] / self.cell_area()).ceil();
             most.min(MOST_ROWS) as i64
@@ -302,7 +305,7 @@ impl PlaneLattice {
         pillars
     }
 
-    /// Distance of the farthest place from the lens axis; none of a lattice without end.
+    /// Distance of the farthest position from the lens axis; `None` for an infinite lattice.
     fn farthest(&self) -> Option<f64> {
         self.ends.map(|[first, end]| {
             let sides = [first, end - 1];
@@ -313,12 +316,12 @@ impl PlaneLattice {
         })
     }
 
-    /// Whether all pillars stand within a radius of the lens axis.
+    /// Whether all pillars are within a radius of the lens axis.
     fn is_within(&self, radius: f64) -> bool {
         self.farthest().is_some_and(|farthest| farthest <= radius)
     }
 
-    /// The most that a pillar is higher than the common one.
+    /// The largest height above the common height.
     fn highest(&self) -> f64 {
         let scattered = self.scatter.as_ref().map_or(0.0, |scatter| {
             scatter.disorder.heights.most() * scatter.height
@@ -327,20 +330,20 @@ impl PlaneLattice {
     }
 }
 
-/// Pillars of a list, and no others.
+/// The pillars of a list only.
 #[derive(Debug, Clone)]
 pub(crate) struct PillarList {
     pillars: Vec<ListedPillar>,
     /// The largest distance of a pillar from its nearest neighbour.
     spacing: f64,
-    /// The least gap between two tops over the smaller of their radii.
+    /// The smallest gap between two tops divided by the smaller of their radii.
     least_gap: f64,
-    /// Their tops.
+    /// Search structure of the tops.
     tops: Neighbours,
 }
 
 impl PillarList {
-    /// `None` of no pillars, of some that overlap, and of places or sizes that are none.
+    /// Returns `None` for an empty list, overlapping pillars, and invalid positions or sizes.
     pub(crate) fn new(pillars: Vec<ListedPillar>) -> Option<Self> {
         let largest = pillars.iter().map(|p| p.body.radius).fold(0.0, f64::max);
         let are_numbers = pillars.iter().all(|ListedPillar { centre, body }| {
@@ -355,9 +358,9 @@ impl PillarList {
         }
         let neighbours = neighbours_of(&pillars);
         let least_gap = neighbours.least_gap();
-        // Without neighbours, as if one stood twice the diameter away.
+        // For a single pillar, as if there were another at twice the diameter.
         let spacing = neighbours.spacing().unwrap_or(4.0 * largest);
-        // Those that touch may overlap by rounding.
+        // Touching pillars may overlap due to rounding.
         (least_gap >= -1e-9).then_some(Self {
             pillars,
             spacing,
@@ -375,10 +378,10 @@ fn neighbours_of(pillars: &[ListedPillar]) -> Neighbours {
     )
 }
 
-/// Where pillars stand and how they are made.
+/// Positions and bodies of pillars.
 #[derive(Debug, Clone)]
 pub(crate) enum PillarField {
-    /// All of the unit radius and the common height.
+    /// All pillars have unit radius and the common height.
     Hexagonal {
         lattice: HexagonalLattice,
         column: Column,
@@ -388,20 +391,20 @@ pub(crate) enum PillarField {
 }
 
 impl PillarField {
-    /// In units of a length (m), the common pillar radius.
-    /// Besides, by how much it is to be turned about the lens axis to stand as it was asked for (rad).
+    /// Converts the pillars to units of a length (m), the common pillar radius. Also returns the rotation about the lens axis (rad) that
+    /// restores the orientation of the input.
     pub(super) fn new(system: &System, length: f64) -> (Self, f64) {
         let law = system.column_law();
         let height = system.pillar().height / length;
         let on_plane = |lattice: &arrangement::PlaneLattice| {
-            let lattice =
-                PlaneLattice::of(lattice, length, height, law).expect("its angle was checked");
+            let lattice = PlaneLattice::of(lattice, length, height, law)
+                .expect("a lattice with a checked angle");
             let rotation = lattice.rotation;
             let field = Self::Lattice(Arc::new(lattice));
             (field.turned(-rotation), rotation)
         };
         let field = match system.arrangement() {
-            // Under a table of heights the floor is looked at in all holes, not in those next to the lens axis.
+            // Under a table of heights, floor contact is searched at all holes instead of only those next to the lens axis.
             Arrangement::Hexagonal(lattice)
                 if matches!(system.lens().shape, LensShape::Profile(_)) =>
             {
@@ -430,14 +433,14 @@ impl PillarField {
                 };
                 let pillars = list.pillars().iter().map(pillar).collect();
                 let list = PillarList::new(pillars);
-                Self::Listed(Arc::new(list.expect("its pillars were checked")))
+                Self::Listed(Arc::new(list.expect("a list of checked pillars")))
             }
-            Arrangement::Random(_) => unreachable!("systems have no pillars at random"),
+            Arrangement::Random(_) => unreachable!("a system has no random positions"),
         };
         (field, 0.0)
     }
 
-    /// The same turned about the lens axis by an angle (rad). Only lattices turn.
+    /// The same field rotated about the lens axis by an angle (rad). Only lattices are rotated.
     pub(super) fn turned(&self, angle: f64) -> Self {
         match self {
             Self::Lattice(lattice) if angle != 0.0 => {
@@ -453,7 +456,7 @@ impl PillarField {
         }
     }
 
-    /// The points along x and y on which all pillars stand, if they are of a lattice and not too near each other for its kind.
+    /// The grid along x and y that contains all pillars, if they are on a lattice and the grid is not too fine.
     pub(crate) fn pillar_grid(&self) -> Option<PillarGrid> {
         let half = 0.5 * self.shortest_distance();
         match self {
@@ -470,14 +473,14 @@ impl PillarField {
         }
     }
 
-    /// Columns and rows of the [grid of pillars](Self::pillar_grid) from pillar (0, 0) to the lens axis, if all that stands is its own mirror image along x
-    /// and along y there.
+    /// Columns and rows of the [grid of pillars](Self::pillar_grid) from pillar (0, 0) to the lens axis, if all pillars are symmetric under
+    /// reflections of x and of y there.
     pub(crate) fn mirrored_at(&self) -> Option<[i64; 2]> {
         self.endless_lattice()?;
         self.pillar_grid()?.mirrored_at()
     }
 
-    /// The vectors of a lattice of equal pillars that has no end, and pillar (0, 0) of it.
+    /// The vectors of an infinite lattice of equal pillars, and the position of pillar (0, 0).
     pub(super) fn endless_lattice(&self) -> Option<([Point; 2], Point)> {
         match self {
             Self::Hexagonal { lattice, .. } => {
@@ -492,7 +495,7 @@ impl PillarField {
         }
     }
 
-    /// Distance of the nearest neighbours of a lattice; the spacing of a list.
+    /// Distance of nearest neighbours on a lattice; the spacing of a list.
     pub(crate) fn shortest_distance(&self) -> f64 {
         match self {
             Self::Hexagonal { lattice, .. } => lattice.pitch,
@@ -501,7 +504,7 @@ impl PillarField {
         }
     }
 
-    /// How far apart neighbours stand.
+    /// Typical distance between neighbours.
     pub(crate) fn spacing(&self) -> f64 {
         match self {
             Self::Hexagonal { lattice, .. } => lattice.pitch,
@@ -510,7 +513,7 @@ impl PillarField {
         }
     }
 
-    /// Area for each, about.
+    /// Approximate area per pillar.
     pub(crate) fn cell_area(&self) -> f64 {
         match self {
             Self::Hexagonal { lattice, .. } => lattice.cell_area(),
@@ -519,7 +522,7 @@ impl PillarField {
         }
     }
 
-    /// The least gap between two tops over the smaller of their radii; of a lattice, at the most that.
+    /// The smallest gap between two tops divided by the smaller of their radii; an upper bound for a lattice.
     pub(crate) fn least_gap(&self) -> f64 {
         match self {
             Self::Hexagonal { lattice, .. } => lattice.pitch - 2.0,
@@ -531,7 +534,7 @@ impl PillarField {
         }
     }
 
-    /// How the pillars give way, or the first one.
+    /// The compliance of the pillars, or of the first one.
     pub(crate) fn column(&self) -> Column {
         match self {
             Self::Hexagonal { column, .. } => *column,
@@ -540,7 +543,7 @@ impl PillarField {
         }
     }
 
-    /// Whether all columns give way as the first one.
+    /// Whether all columns have the compliance of the first one.
     pub(crate) fn has_common_columns(&self) -> bool {
         match self {
             Self::Hexagonal { .. } => true,
@@ -560,7 +563,7 @@ impl PillarField {
         }
     }
 
-    /// The largest radius of a top, and the largest height over the common one.
+    /// The largest radius of a top, and the largest height above the common height.
     pub(crate) fn bounds(&self) -> [f64; 2] {
         let largest = |[radius, raised]: [f64; 2], body: &PillarBody| {
             [radius.max(body.radius), raised.max(body.raised)]
@@ -576,7 +579,7 @@ impl PillarField {
         }
     }
 
-    /// A distance from the lens axis within which all pillars stand; none of a lattice without end.
+    /// A distance from the lens axis that includes all pillars; `None` for an infinite lattice.
     pub(crate) fn extent(&self) -> Option<f64> {
         const ROUNDING: f64 = 1e-9;
         let farthest = match self {
@@ -590,7 +593,7 @@ impl PillarField {
         farthest.map(|farthest| (1.0 + ROUNDING) * farthest + self.spacing())
     }
 
-    /// Whether some pillars may be higher than others.
+    /// Whether pillars may differ in height.
     pub(crate) fn has_unlike_heights(&self) -> bool {
         match self {
             Self::Hexagonal { .. } => false,
@@ -615,7 +618,7 @@ impl PillarField {
         }
     }
 
-    /// Points of any but the hexagonal lattice; none of a list.
+    /// Points of any lattice but the hexagonal one; `None` for a list.
     pub(crate) fn counted(&self, points: &[Point]) -> Option<Counted> {
         let Self::Lattice(lattice) = self else {
             return None;
@@ -635,7 +638,7 @@ impl PillarField {
         })
     }
 
-    /// About how many pillars stand within a radius of the lens axis.
+    /// Approximate number of pillars within a radius of the lens axis.
     pub(crate) fn expected_len(&self, radius: f64) -> f64 {
         let on_lattice = |area: f64| PI * radius * radius / area;
         match self {
@@ -650,7 +653,7 @@ impl PillarField {
         }
     }
 
-    /// The pillar whose top holds a point, if any does.
+    /// The pillar whose top contains a point, if there is one.
     pub(crate) fn under(&self, point: Point) -> Option<IndexedPillar> {
         let holds = |(_, pillar): &IndexedPillar| {
             let [x, y] = pillar.centre;
@@ -679,7 +682,7 @@ impl PillarField {
         pillar.filter(holds)
     }
 
-    /// The pillars within a radius of the lens axis, by rising index. Whether these are all that there are.
+    /// The pillars within a radius of the lens axis, by increasing index, and whether these are all pillars.
     pub(crate) fn listed_within(&self, radius: f64) -> (Vec<IndexedPillar>, bool) {
         match self {
             Self::Hexagonal {
@@ -753,7 +756,7 @@ mod tests {
         assert!(found.is_sorted_by_key(|(index, _)| *index));
     }
 
-    /// Square, rectangular and centred lattices stand on grids along x and y, others do not.
+    /// Square, rectangular and centred lattices have grids along x and y, others do not.
     #[test]
     fn some_lattices_stand_on_grids() {
         let body = PillarBody::of_column(0.0);
@@ -775,7 +778,7 @@ mod tests {
             let field = field(vectors);
             let grid = field.pillar_grid();
             if (sides[0] - 2.0).abs() < 1e-12 {
-                // Columns nearer to each other than half the pillars.
+                // Columns closer to each other than half the pillar distance.
                 assert!(grid.is_none());
                 continue;
             }

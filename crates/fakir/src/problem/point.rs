@@ -1,9 +1,9 @@
-//! Places on the surface.
+//! Points on the surface.
 
 /// A point or a vector in the plane of the surface, m.
 pub type Point = [f64; 2];
 
-/// A point turned about the origin by an angle (rad); exactly itself by none.
+/// A point rotated about the origin by an angle (rad); bitwise equal for angle zero.
 pub(crate) fn turned([x, y]: Point, angle: f64) -> Point {
     if angle == 0.0 {
         return [x, y];

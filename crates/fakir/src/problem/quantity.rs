@@ -1,12 +1,11 @@
-//! The input quantities and the ranges in which they make sense.
+//! The input quantities and their valid ranges.
 
 use super::lattice::MAXIMUM_SURFACE_FRACTION;
 use std::fmt;
 
 /// An input quantity of a [`System`](super::System).
 ///
-/// Errors carry it, so that a caller who read the value from a file or a form
-/// can point at the place it came from.
+/// Errors contain it, so that a caller who read the value from a file or a form can refer to its source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -14,7 +13,7 @@ pub enum Quantity {
     LensRadius,
     /// Direction of the axis of a cylindrical lens from x, rad.
     LensAngle,
-    /// Between a plate and the floor, rad.
+    /// Angle between a plate and the floor, rad.
     LensTilt,
     /// Direction from x in which a plate rises, rad.
     LensTiltDirection,
@@ -28,15 +27,15 @@ pub enum Quantity {
     SubstratePoissonRatio,
     /// Thickness of the substrate, m.
     SubstrateThickness,
-    /// Young's modulus of what the substrate is bonded to, Pa.
+    /// Young's modulus of the body to which the substrate is bonded, Pa.
     SubstrateBaseYoungModulus,
-    /// Poisson's ratio of what the substrate is bonded to.
+    /// Poisson's ratio of the body to which the substrate is bonded.
     SubstrateBasePoissonRatio,
     /// Thickness of the lens, m.
     LensThickness,
-    /// Young's modulus of what the lens is bonded to, Pa.
+    /// Young's modulus of the body to which the lens is bonded, Pa.
     LensBaseYoungModulus,
-    /// Poisson's ratio of what the lens is bonded to.
+    /// Poisson's ratio of the body to which the lens is bonded.
     LensBasePoissonRatio,
     /// Pillar diameter, m.
     PillarDiameter,
@@ -54,15 +53,15 @@ pub enum Quantity {
     OffsetAngle,
     /// Distance of pillars along the second rows of a lattice, m.
     PitchY,
-    /// Between the rows of an oblique lattice, rad.
+    /// Angle between the rows of an oblique lattice, rad.
     LatticeAngle,
-    /// By how much a lattice is turned, rad.
+    /// Rotation of a lattice, rad.
     Rotation,
-    /// Standard deviation of the heights over the common height.
+    /// Relative standard deviation of the heights.
     HeightSpread,
     /// Probability that a pillar is missing.
     Missing,
-    /// Pillars along each side of a finite lattice.
+    /// Number of pillars along each side of a finite lattice.
     Columns,
     /// Prescribed indentation, m.
     Indentation,
@@ -72,35 +71,35 @@ pub enum Quantity {
     WorkOfAdhesion,
     /// Work of adhesion where contact is broken, J/m^2.
     RecedingWorkOfAdhesion,
-    /// Part of the critical indentation at which a loading ends.
+    /// Fraction of the critical indentation at which loading ends.
     CriticalPart,
     /// Stiffness of the machine that moves the lens, N/m.
     MachineStiffness,
     /// Range of the attraction, m.
     AttractionRange,
-    /// Coordinate of the highest point of an asperity, m.
+    /// Coordinate of the summit of an asperity, m.
     AsperityPlace,
-    /// Height of an asperity over the common level, m.
+    /// Height of an asperity above the reference level, m.
     AsperityHeight,
     /// Radius of curvature of a rounded top, m.
     TopRadius,
     /// Radius of the pillar under a rounded top, m.
     RimRadius,
-    /// Shortening of a pillar by a unit force, m/N.
+    /// Shortening of a pillar per unit force, m/N.
     ColumnCompliance,
     /// Reduced modulus of lens and substrate, Pa.
     ReducedModulus,
     /// Radius of a pillar, m.
     PillarRadius,
-    /// Outer radius of a free annulus round a pillar, m.
+    /// Outer radius of a free annulus around a pillar, m.
     AnnulusRadius,
     /// Pressure far from a pillar, Pa.
     BackgroundPressure,
     /// Area of the floor that belongs to one pillar, m^2.
     CellArea,
-    /// Width of a strip that touches, m.
+    /// Width of a strip in contact, m.
     StripWidth,
-    /// Radius of the floor that is stuck, m.
+    /// Radius of the bonded floor region, m.
     FrontRadius,
 }
 
@@ -123,7 +122,7 @@ impl fmt::Display for Quantity {
             Self::LensBasePoissonRatio => "Poisson's ratio of the base of the lens",
             Self::PillarDiameter => "pillar diameter",
             Self::PillarHeight => "pillar height",
-            Self::PillarSlenderness => "pillar height over diameter",
+            Self::PillarSlenderness => "ratio of pillar height to diameter",
             Self::Pitch => "pitch",
             Self::SurfaceFraction => "surface fraction",
             Self::Offset => "offset",
@@ -132,16 +131,16 @@ impl fmt::Display for Quantity {
             Self::LatticeAngle => "angle of the lattice",
             Self::Rotation => "rotation",
             Self::HeightSpread => "standard deviation of the heights",
-            Self::Missing => "share of missing pillars",
+            Self::Missing => "fraction of missing pillars",
             Self::Columns => "number of columns",
             Self::Indentation => "indentation",
             Self::Force => "force",
             Self::WorkOfAdhesion => "work of adhesion",
             Self::RecedingWorkOfAdhesion => "receding work of adhesion",
-            Self::CriticalPart => "part of the critical indentation",
+            Self::CriticalPart => "fraction of the critical indentation",
             Self::MachineStiffness => "stiffness of the machine",
             Self::AttractionRange => "range of the attraction",
-            Self::AsperityPlace => "place of an asperity",
+            Self::AsperityPlace => "position of an asperity",
             Self::AsperityHeight => "height of an asperity",
             Self::TopRadius => "top radius",
             Self::RimRadius => "radius of a rim",
@@ -165,7 +164,7 @@ impl Quantity {
         Self::SubstrateBasePoissonRatio,
     ];
 
-    /// Those of the lens.
+    /// The same quantities of the lens.
     pub(super) const LENS_LAYER: [Self; 3] = [
         Self::LensThickness,
         Self::LensBaseYoungModulus,
@@ -173,22 +172,22 @@ impl Quantity {
     ];
 }
 
-/// A quantity whose value cannot be.
+/// An invalid value of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("{quantity} cannot be {value}: it must be {requirement}")]
+#[error("invalid {quantity} {value}: must be {requirement}")]
 pub struct InvalidQuantity {
-    /// Which quantity.
+    /// The quantity.
     pub quantity: Quantity,
     /// The value given, in SI units.
     pub value: f64,
-    /// What would be accepted.
+    /// The accepted values.
     pub requirement: Requirement,
 }
 
-/// Largest tilt of a plate, rad: 10 degrees, as far as slopes are small.
+/// Largest tilt of a plate, rad: 10 degrees, within the range of small slopes.
 pub const LARGEST_TILT: f64 = 0.175;
 
-/// What a quantity has to satisfy.
+/// The condition that a quantity must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Requirement {
@@ -206,53 +205,53 @@ pub enum Requirement {
     PartOfWhole,
     /// A finite number.
     Finite,
-    /// Pitches, zero or above, few enough to tell positions within one of them apart.
+    /// Pitches, zero or above, small enough to resolve positions within a pitch.
     Pitches,
     /// A number from 0 to 0.5, ends included.
     PoissonRatio,
     /// At least the pillar diameter (m), so that neighbours do not overlap.
     AtLeastDiameter(f64),
-    /// Of a film: at least the height of the pillars on it (m).
+    /// For a film: at least the height of the pillars on it (m).
     AtLeastPillarHeight(f64),
-    /// Of a layer: at least a quarter of this diameter (m).
+    /// For a layer: at least a quarter of this diameter (m).
     AtLeastQuarterDiameter(f64),
     /// Above zero and below half a turn (rad).
     BetweenRows,
-    /// From zero to this.
+    /// From zero to this value.
     UpTo(f64),
-    /// Such that some of a finite number of pillars are left.
+    /// Such that at least some of a finite number of pillars are left.
     SomeLeft,
     /// Such that no pillars overlap.
     NoOverlap {
-        /// Of the nearest two, m.
+        /// Distance of the two nearest pillars, m.
         distance: f64,
-        /// Of a pillar, m.
+        /// Diameter of a pillar, m.
         diameter: f64,
     },
     /// Above zero and at most pi/(2 sqrt 3), where neighbouring pillars touch.
     SurfaceFraction,
     /// Above zero and below the lens radius (m).
     BelowLensRadius(f64),
-    /// Of a plate: from zero to 10 degrees.
+    /// For a plate: from zero to 10 degrees.
     Tilt,
-    /// Of elastic pillars: within the range for which their compliance is known.
+    /// For elastic pillars: within the range for which their compliance is available.
     KnownElastic {
-        /// The least.
+        /// Lower end.
         least: f64,
-        /// The most.
+        /// Upper end.
         most: f64,
     },
-    /// Zero on elastic pillars, whose edges do not say when contact breaks.
+    /// Zero for elastic pillars, for which the stress at the edge does not determine detachment.
     ZeroOnElastic,
     /// A finite number above this one.
     Above(f64),
-    /// Between these, ends not included.
+    /// Between these values, excluding them.
     Between(f64, f64),
-    /// Finite, under a lens of this shape, which touches endlessly many pillars of a lattice without end.
+    /// Finite, under a lens of this shape, which would touch an infinite number of pillars of an infinite lattice.
     FiniteUnder(&'static str),
-    /// That of a lattice or a list, not of pillars at random.
+    /// For lattices or lists, not for random positions.
     OfPlaced,
-    /// That of a normal law, not the half-width of a uniform one.
+    /// For a normal law; it is not the half-width of a uniform law.
     OfNormalLaw,
 }
 
@@ -271,8 +270,8 @@ impl fmt::Display for Requirement {
             }
             Self::AtLeastWork(work) => write!(
                 f,
-                "at least the work of adhesion where contact is made, {work:e} J/m^2 (parting takes no \
-                 less than what was won)"
+                "at least the work of adhesion where contact is made, {work:e} J/m^2 (breaking \
+                 contact takes at least the energy gained)"
             ),
             Self::PartOfWhole => f.write_str("greater than 0 and at most 1"),
             Self::Finite => f.write_str("a finite number"),
@@ -284,17 +283,17 @@ impl fmt::Display for Requirement {
             ),
             Self::AtLeastPillarHeight(height) => write!(
                 f,
-                "at least the pillar height, {height:e} m: in a thinner film the feet of the pillars, where they join it, give way otherwise than \
-                 the model has it"
+                "at least the pillar height, {height:e} m: in a thinner film the deformation at the feet of the pillars differs \
+                 from the model"
             ),
             Self::AtLeastQuarterDiameter(diameter) => write!(
                 f,
-                "at least a quarter of the diameter of the widest pillar, {diameter:e} m: a thinner layer under a pillar is out of the range of \
-                 the model, in which pillars are punches on its surface"
+                "at least a quarter of the diameter of the widest pillar, {diameter:e} m: on a thinner layer the model, in which pillars are punches \
+                 on its surface, is not valid"
             ),
             Self::BetweenRows => f.write_str("above 0 and below 180 deg"),
             Self::UpTo(most) => write!(f, "between 0 and {most}"),
-            Self::SomeLeft => f.write_str("lower, or the seed another one: of the columns given no pillar is left"),
+            Self::SomeLeft => f.write_str("lower, or the seed different: no pillar is left in the given columns"),
             Self::NoOverlap { distance, diameter } => write!(
                 f,
                 "such that pillars do not overlap (the nearest are {distance:.4e} m apart, the diameter \
@@ -303,14 +302,14 @@ impl fmt::Display for Requirement {
             Self::SurfaceFraction => f.write_str(
                 "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
             ),
-            Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), as far as slopes are small"),
+            Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), the range of small slopes"),
             Self::KnownElastic { least, most } => write!(
                 f,
-                "between {least} and {most}, for which the compliance of elastic pillars is known (compliance = \"column\" takes any)"
+                "between {least} and {most}, the range in which the compliance of elastic pillars is available (compliance = \"column\" accepts any value)"
             ),
             Self::ZeroOnElastic => f.write_str(
-                "0 on elastic pillars: at the corner of a real pillar the stress is not that of a half-space, from which it is told when \
-                 contact breaks (compliance = \"column\" takes it as if it were)",
+                "0 for elastic pillars: the stress at the corner of a real pillar differs from that of a half-space, which is used as the \
+                 criterion of detachment (compliance = \"column\" uses it)",
             ),
             Self::Above(least) => write!(f, "a finite number greater than {least:.4e}"),
             Self::Between(least, most) => {
@@ -318,7 +317,7 @@ impl fmt::Display for Requirement {
             }
             Self::FiniteUnder(shape) => write!(
                 f,
-                "finite under a {shape}, which touches endlessly many pillars of a lattice without end: give `columns`, or a list of pillars"
+                "finite under a {shape}, which touches an infinite number of pillars of an infinite lattice: give `columns`, or a list of pillars"
             ),
             Self::OfPlaced => f.write_str(
                 "that of a lattice or a list: only a pattern on a height map has pillars at random",
@@ -334,7 +333,7 @@ impl fmt::Display for Requirement {
 }
 
 impl Requirement {
-    /// `value` if it satisfies the requirement.
+    /// Returns `value` if it satisfies the requirement.
     pub(crate) fn check(self, quantity: Quantity, value: f64) -> Result<f64, InvalidQuantity> {
         let accepted = value.is_finite()
             && match self {

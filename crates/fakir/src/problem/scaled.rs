@@ -11,29 +11,29 @@ use super::symmetry::Symmetry;
 use super::system::System;
 use crate::numerics::convergence::smaller;
 
-/// How much wider a contact can be than the circle in which the undeformed bodies overlap: a sphere on a thin incompressible layer has `a^2 = 4 R zeta`
-/// (K. L. Johnson, Contact Mechanics, section 5.8), and the circle half of that.
+/// Largest ratio of the contact radius to the radius of the circle in which the undeformed bodies overlap: for a sphere on a thin
+/// incompressible layer, `a^2 = 4 R zeta` (K. L. Johnson, Contact Mechanics, section 5.8), twice the square of the circle's radius.
 pub(crate) const RISING: f64 = std::f64::consts::SQRT_2;
 
-/// Lens radius, in pillar radii, below which the sphere differs from a paraboloid over a single pillar top:
-/// by `1/(2R)^2`, so that truncation at degree 2 makes an error of 2e-5 at 8 and 1e-6 here.
+/// Lens radius, in pillar radii, below which the sphere differs from a paraboloid over a single pillar top: by `1/(2R)^2`, so that
+/// truncation at degree 2 causes an error of 2e-5 at a radius of 8 and 1e-6 at this radius.
 pub(crate) const SMALL_LENS: f64 = 40.0;
 
-/// A lens over pillars of any arrangement on a floor. Lengths are in units of the common pillar radius.
+/// A lens above pillars in any arrangement on a floor. Lengths are in units of the common pillar radius.
 #[derive(Debug, Clone)]
 pub(crate) struct Scene {
     pub(crate) lens: ShapedLens,
     /// Common height of the pillars: the depth of the floor.
     pub(crate) height: f64,
     pub(crate) field: PillarField,
-    /// The bodies that are no half-spaces.
+    /// The bodies that are layers instead of half-spaces.
     pub(crate) layers: Vec<WeightedLayer>,
     /// Unit of length, m.
     pub(crate) length: f64,
     /// Unit of pressure, `E*`, Pa.
     pub(crate) pressure: f64,
-    /// By how much it is to be turned about the lens axis to stand as it was asked for, rad. It is solved as lattices are drawn, so that
-    /// one that is turned has the same answer to the last digits.
+    /// Rotation about the lens axis that restores the orientation of the input, rad. Lattices are solved in a standard orientation, so that
+    /// the result for a rotated lattice is bitwise the same.
     pub(crate) rotation: f64,
 }
 
@@ -52,7 +52,7 @@ impl Scene {
         }
     }
 
-    /// The same as it was asked for.
+    /// The same scene in the orientation of the input.
     pub(crate) fn as_asked(&self) -> Self {
         Self {
             lens: self.lens.turned(self.rotation),
@@ -62,7 +62,7 @@ impl Scene {
         }
     }
 
-    /// By how much the highest pillar may be higher than the common height, m.
+    /// The largest height of a pillar above the common height, m.
     pub(crate) fn highest(&self) -> f64 {
         let [_, highest] = self.field.bounds();
         highest * self.length
@@ -73,7 +73,7 @@ impl Scene {
         self.pressure * self.length * self.length
     }
 
-    /// A load in its units.
+    /// Converts a load to units of the scene.
     pub(crate) fn scaled(&self, load: Load) -> Load {
         load.map(
             |indentation| indentation / self.length,
@@ -81,7 +81,7 @@ impl Scene {
         )
     }
 
-    /// A point in metres.
+    /// Converts a point to metres.
     pub(crate) fn metres(&self, point: Point) -> Point {
         turned(point, self.rotation).map(|x| x * self.length)
     }
@@ -91,7 +91,7 @@ impl Scene {
         self.lens.sag(point)
     }
 
-    /// The lattice under a sphere, if it is the endless hexagonal one of equal pillars.
+    /// The lattice under a sphere, if it is the infinite hexagonal lattice of equal pillars.
     pub(crate) fn hexagonal_lattice(&self) -> Option<&HexagonalLattice> {
         match &self.field {
             PillarField::Hexagonal { lattice, .. } if self.lens.sphere().is_some() => Some(lattice),
@@ -99,18 +99,19 @@ impl Scene {
         }
     }
 
-    /// Whether the floor bears its part where the lens reaches it: under a lens that is lowest at its axis alone.
+    /// Whether floor contact is included in the load: for a lens that is lowest at its axis only.
     pub(crate) fn floor_bears(&self) -> bool {
         self.lens.is_axisymmetric()
     }
 
-    /// Columns and rows of the grid of pillars from pillar (0, 0) to the lens axis, if lens and pillars are their own mirror images along x and along y there.
+    /// Columns and rows of the grid of pillars from pillar (0, 0) to the lens axis, if lens and pillars are symmetric under reflections of
+    /// x and of y there.
     pub(crate) fn mirrored_at(&self) -> Option<[i64; 2]> {
         let axis = self.field.mirrored_at();
         axis.filter(|_| self.lens.is_axisymmetric())
     }
 
-    /// Rotations and reflections about the lens axis under which all is what it was.
+    /// Rotations and reflections about the lens axis that leave the scene unchanged.
     pub(crate) fn symmetries(&self) -> Vec<Symmetry> {
         if self.lens.is_axisymmetric() {
             Symmetry::of(&self.field)
@@ -124,7 +125,7 @@ impl Scene {
         self.first_touch() >= self.height
     }
 
-    /// Whether the undeformed lens reaches a pillar other than one at an indentation.
+    /// Whether the undeformed lens touches a pillar other than the given one at an indentation.
     pub(crate) fn reaches_another(&self, one: (i64, i64), indentation: f64) -> bool {
         if let PillarField::Hexagonal { lattice, .. } = &self.field {
             let next = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, -1), (-1, 1)].map(|(i, j)| {
@@ -160,8 +161,8 @@ impl Scene {
         }
     }
 
-    /// Distance from the lens axis within which the undeformed lens may reach a top that is higher than the common one at an indentation;
-    /// 0 where none is.
+    /// Distance from the lens axis within which the undeformed lens may touch a top above the common height at an indentation; 0 if it
+    /// touches none.
     pub(crate) fn reach_of_tops(&self, indentation: f64) -> f64 {
         let [_, highest] = self.field.bounds();
         if highest <= 0.0 {
@@ -170,8 +171,8 @@ impl Scene {
         self.farthest_reached(indentation)
     }
 
-    /// Distance from the lens axis beyond which no pillar is so high that the undeformed lens reaches it at an indentation; on layers, which rise around
-    /// what is pressed, so much farther as a contact can be.
+    /// Distance from the lens axis beyond which the undeformed lens touches no pillar at an indentation; on layers, whose surface may rise
+    /// around the load, increased by the largest ratio of contact radii.
     pub(crate) fn farthest_reached(&self, indentation: f64) -> f64 {
         let [largest, highest] = self.field.bounds();
         let reach = self.lens.distance_of_rise(indentation + highest);
@@ -206,7 +207,7 @@ impl Scene {
             }
             radius *= 2.0;
         };
-        // One farther off is touched before these only if it is higher by what the lens rises.
+        // A more distant pillar is touched earlier only if it is higher by at least the rise of the lens.
         if self.lens.is_flat() {
             return near.min(-highest);
         }
@@ -216,8 +217,8 @@ impl Scene {
         }
     }
 
-    /// The pillars that a lens may touch which touches none farther off than this from where it is lowest: those within that distance of the lens
-    /// axis, or all under a lens that is not axisymmetric. Whether these are all that there are.
+    /// The pillars that a lens may touch if it touches none farther than `distance` from its lowest point or line: those within this
+    /// distance of the lens axis, or all pillars if the lens is not axisymmetric; and whether these are all pillars.
     fn listed_within(&self, distance: f64) -> (Vec<IndexedPillar>, bool) {
         let all = self.field.extent().filter(|_| !self.lens.is_axisymmetric());
         self.field.listed_within(all.unwrap_or(distance))

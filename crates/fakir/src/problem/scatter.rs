@@ -1,11 +1,11 @@
-//! How heights scatter, and the random numbers that everything random about a surface is drawn from.
+//! Distributions of pillar heights, and the random numbers for all random properties of surfaces.
 
 use std::f64::consts::PI;
 
 /// The distribution of the heights of pillars.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Law {
-    /// A normal law, cut off at four standard deviations. Its parameter is the standard deviation.
+    /// A normal law, truncated at four standard deviations. Its parameter is the standard deviation.
     #[default]
     Normal,
     /// A uniform law. Its parameter is the half-width.
@@ -13,7 +13,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// The largest deviation over the parameter.
+    /// The largest deviation divided by the parameter.
     pub(crate) fn reach(self) -> f64 {
         match self {
             Self::Normal => 4.0,
@@ -22,20 +22,20 @@ impl Law {
     }
 }
 
-/// How the heights of pillars scatter about the common height. Every height is independent of the others and follows from the seed and the index of
-/// its pillar.
+/// Variation of the heights of pillars about the common height. Every height is independent of the others and determined by the seed and
+/// the index of its pillar.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Scatter {
     /// The distribution of the heights.
     pub law: Law,
-    /// The parameter of the law over the common height; 0 of equal heights.
+    /// The parameter of the law relative to the common height; 0 for equal heights.
     pub parameter: f64,
-    /// What the heights are drawn from.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl Scatter {
-    /// Heights of a normal law with a standard deviation over the common height.
+    /// Normally distributed heights with a standard deviation relative to the common height.
     #[must_use]
     pub fn normal(standard_deviation: f64, seed: u64) -> Self {
         Self {
@@ -45,7 +45,7 @@ impl Scatter {
         }
     }
 
-    /// Heights of a uniform law with a half-width over the common height.
+    /// Uniformly distributed heights with a half-width relative to the common height.
     #[must_use]
     pub fn uniform(half_width: f64, seed: u64) -> Self {
         Self {
@@ -61,13 +61,13 @@ impl Scatter {
         self.parameter == 0.0
     }
 
-    /// The largest deviation from the common height, over that height.
+    /// The largest deviation from the common height, relative to that height.
     #[must_use]
     pub fn most(&self) -> f64 {
         self.law.reach() * self.parameter
     }
 
-    /// The standard deviation over the common height, but for the cut-off of a normal law.
+    /// The standard deviation relative to the common height, neglecting the truncation of a normal law.
     #[must_use]
     pub fn standard_deviation(&self) -> f64 {
         match self.law {
@@ -77,26 +77,27 @@ impl Scatter {
     }
 }
 
-/// How the pillars of an arrangement differ: each is present or missing and has its own height, independent of the others and the same for the same seed.
+/// Differences between the pillars of an arrangement: each pillar is present or missing and has a random height, independent of the others
+/// and reproducible for the same seed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disorder {
-    /// The scatter of the heights. Its seed also decides which pillars are missing.
+    /// The variation of the heights. Its seed also determines which pillars are missing.
     pub heights: Scatter,
     /// Probability that a pillar is missing.
     pub missing: f64,
 }
 
 impl Disorder {
-    /// Whether no pillar is missing, and all have the same height.
+    /// Whether no pillar is missing and all have the same height.
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.heights.is_none() && self.missing == 0.0
     }
 
-    /// Height of the pillar of an index over the common height; `None` if the pillar is missing.
+    /// Height of the pillar with an index, relative to the common height; `None` if the pillar is missing.
     ///
-    /// Pillars that were published must not change, so that each law keeps the stream that it was introduced with: textures have normal heights,
-    /// height maps uniform ones.
+    /// Published samples must be reproducible in every version, so that each law keeps the random stream with which it was introduced:
+    /// textures have normally distributed heights, height maps uniformly distributed ones.
     #[must_use]
     pub fn height_ratio(&self, index: (i64, i64)) -> Option<f64> {
         match self.heights.law {
@@ -109,7 +110,7 @@ impl Disorder {
         let Scatter {
             parameter, seed, ..
         } = self.heights;
-        // Two streams, so that a height does not change with the probability that pillars are missing.
+        // Two streams, so that heights do not depend on the probability that pillars are missing.
         let stream = |number: u64| {
             let mut state = mixed(seed ^ mixed(number));
             for index in [i, j] {
@@ -149,7 +150,7 @@ impl Disorder {
     }
 }
 
-/// 2^64 over the golden ratio, by which SplitMix64 counts.
+/// 2^64 divided by the golden ratio, the increment of SplitMix64.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// A sequence of random numbers: SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014).
@@ -166,13 +167,13 @@ impl Random {
         next
     }
 
-    /// A number from 0 to below 1.
+    /// A uniformly distributed number in [0, 1).
     pub(super) fn uniform(&mut self) -> f64 {
         uniform(self.next())
     }
 }
 
-/// The number that SplitMix64 makes of a state: of neighbouring states unlike ones.
+/// The output function of SplitMix64: adjacent states have unrelated outputs.
 fn mixed(state: u64) -> u64 {
     let mut z = state.wrapping_add(GOLDEN);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -180,7 +181,7 @@ fn mixed(state: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// A number from 0 to below 1 from the 53 bits that a double holds.
+/// A number in [0, 1) from the 53 bits of the mantissa.
 fn uniform(bits: u64) -> f64 {
     (bits >> 11) as f64 * 2f64.powi(-53)
 }
@@ -189,7 +190,7 @@ fn uniform(bits: u64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Means and deviations of many draws, within four of their standard errors.
+    /// Means and deviations of many samples, within four of their standard errors.
     #[test]
     fn heights_scatter_as_asked() {
         let disorder = Disorder {
@@ -213,7 +214,7 @@ mod tests {
         assert!((mean - 1.0).abs() < 4.0 * 0.05 / count.sqrt());
         assert!((variance.sqrt() / 0.05 - 1.0).abs() < 4.0 / (2.0 * count).sqrt() + 1e-3);
         assert!(heights.iter().all(|h| (h - 1.0).abs() <= 0.2));
-        // Neighbours are independent.
+        // Heights of neighbours are independent.
         let row: Vec<f64> = (0..10_000)
             .filter_map(|i| {
                 Disorder {
@@ -226,7 +227,7 @@ mod tests {
             .collect();
         let product: f64 = row.windows(2).map(|pair| pair[0] * pair[1]).sum();
         assert!((product / 1e4).abs() < 0.04);
-        // A height stays what it is when others go.
+        // The height of a pillar does not change when others are removed.
         let whole = Disorder {
             missing: 0.0,
             ..disorder
@@ -244,7 +245,8 @@ mod tests {
         assert_ne!(other.height_ratio((0, 0)), whole.height_ratio((0, 0)));
     }
 
-    /// Draws of the streams as they were first published, computed by an independent program: a seed gives the same pillars in every version.
+    /// Samples of the random streams as first published, computed by an independent program: a seed must define the same pillars in every
+    /// version.
     #[test]
     fn published_draws_stay() {
         let drawn = |heights: Scatter| {

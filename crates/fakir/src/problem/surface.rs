@@ -5,13 +5,12 @@ use super::layer::{Layer, WeightedLayer};
 use super::lens::{Lens, Material};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
-/// What is pressed onto a surface.
+/// The body that is pressed onto a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Indenter {
     /// A lens, its axis at the origin of the surface's coordinates.
     Lens(Lens),
-    /// A flat plate parallel to the surface and larger than it, kept from tilting; rigid if no
-    /// material is given.
+    /// A flat plate parallel to the surface and larger than it, which cannot rotate; rigid if no material is given.
     Flat(Option<Material>),
 }
 
@@ -36,18 +35,18 @@ impl Indenter {
     }
 }
 
-/// What lies around the grid of a surface.
+/// Boundary condition around the grid of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Boundary {
-    /// A free half-space, not touched outside of the grid.
+    /// A non-periodic half-space without contact outside the grid.
     #[default]
     FreeSpace,
-    /// The grid is one period of a surface that repeats for ever.
+    /// The grid is one period of a periodic surface.
     Periodic,
 }
 
-/// Which part of a surface is the floor, for the [shares](crate::state::SurfaceContact::shares) of the load and
-/// the [transition](SurfaceSystem::transition).
+/// The part of a surface that counts as floor, for the [fractions](crate::state::SurfaceContact::shares) of the load and the
+/// [transition](SurfaceSystem::transition).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Floor {
     /// The cells that belong to no pillar.
@@ -99,11 +98,11 @@ pub struct SurfaceSystem {
 }
 
 impl SurfaceSystem {
-    /// Checks the quantities of both bodies; the surface is valid already.
+    /// Checks the quantities of both bodies; the surface has been validated before.
     ///
     /// # Errors
-    /// A radius or modulus that is not positive and finite, or a Poisson's ratio not between 0
-    /// and 0.5; those of a plate are named as the lens's.
+    /// A radius or modulus that is not positive and finite, or a Poisson's ratio not between 0 and 0.5; errors for a plate refer to the
+    /// quantities of the lens.
     pub fn new(
         indenter: Indenter,
         substrate: Material,
@@ -126,12 +125,11 @@ impl SurfaceSystem {
         })
     }
 
-    /// The same system, told that its pillars have round flat tops of this diameter (m).
+    /// The same system with round flat pillar tops of this diameter (m).
     ///
-    /// Cells cover a disc badly, and the force under them converges only as their size. What the
-    /// cells of each pillar lack of the compliance `1/(2 E* a)` of a flat punch (Johnson, Contact
-    /// Mechanics, eq. 3.36) is then added to its own, which removes most of that error. Pillars
-    /// cut by the border of the grid are left as they are.
+    /// The cells approximate a disc poorly, and the error of the force is proportional to their size. The difference between the compliance
+    /// of the cells of each pillar and the compliance `1/(2 E* a)` of a flat punch (Johnson, Contact Mechanics, eq. 3.36) is therefore
+    /// added to the compliance of the pillar, which removes most of this error. Pillars at the border of the grid are not corrected.
     ///
     /// # Errors
     /// A diameter that is not positive and finite.
@@ -143,9 +141,10 @@ impl SurfaceSystem {
         })
     }
 
-    /// The same system with bodies of finite thickness, the substrate and the indenter; those without a layer are half-spaces, and a rigid plate has
-    /// none. Indentations are then the approach of their backs. On a [periodic](Boundary::Periodic) surface the mean pressure squeezes the layers, so
-    /// that the mean displacement is no longer zero; what half-spaces among the bodies would add to it without limit is left out.
+    /// The same system with bodies of finite thickness, in the order substrate, indenter; those without a layer are half-spaces, and a
+    /// rigid plate has none. Indentations are then the approach of the backs of the bodies. On a [periodic](Boundary::Periodic) surface the
+    /// mean pressure compresses the layers, so that the mean displacement is not zero; the unbounded mean displacement of half-spaces among
+    /// the bodies is omitted.
     ///
     /// # Errors
     /// Thicknesses and moduli of bases must be positive and finite, Poisson's ratios between 0 and 0.5.
@@ -166,9 +165,9 @@ impl SurfaceSystem {
         })
     }
 
-    /// The same system, told that the surface goes on around its grid as inside, as a pattern does
-    /// of which the grid shows a part: a lens that could touch the highest of it outside is refused
-    /// with [`SolveError::SurfaceEnds`](crate::state::SolveError::SurfaceEnds). Otherwise that is judged by what lies near the border.
+    /// The same system with a surface that continues in the same way outside its grid, as for a pattern of which the grid contains a part:
+    /// a lens that could touch the highest points outside is refused with
+    /// [`SolveError::SurfaceEnds`](crate::state::SolveError::SurfaceEnds). Otherwise only the surface near the border is considered.
     #[must_use]
     pub fn continued(self) -> Self {
         Self {
@@ -177,8 +176,8 @@ impl SurfaceSystem {
         }
     }
 
-    /// The same system, told which part of the surface is the floor: what the load is shared with and what is
-    /// reached at the [transition](Self::transition).
+    /// The same system with a definition of the floor, which is used for the fractions of the load and for the
+    /// [transition](Self::transition).
     #[must_use]
     pub fn with_floor(self, floor: Floor) -> Self {
         Self {
@@ -187,7 +186,7 @@ impl SurfaceSystem {
         }
     }
 
-    /// What is pressed onto the surface.
+    /// The body that is pressed onto the surface.
     #[must_use]
     pub fn indenter(&self) -> &Indenter {
         &self.indenter
@@ -205,7 +204,7 @@ impl SurfaceSystem {
         &self.surface
     }
 
-    /// The substrate and the indenter as layers, those that are no half-spaces.
+    /// The substrate and the indenter as layers; `None` for half-spaces.
     #[must_use]
     pub fn layers(&self) -> [Option<&Layer>; 2] {
         [0, 1].map(|body| self.layers[body].as_ref())
@@ -227,13 +226,13 @@ impl SurfaceSystem {
         WeightedLayer::among(&bodies.collect::<Vec<_>>(), 1.0)
     }
 
-    /// What lies around it.
+    /// The boundary condition.
     #[must_use]
     pub fn boundary(&self) -> Boundary {
         self.boundary
     }
 
-    /// Which part of it is the floor, if that was told.
+    /// The definition of the floor, if there is one.
     #[must_use]
     pub fn floor(&self) -> Option<Floor> {
         self.floor

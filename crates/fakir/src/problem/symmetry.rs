@@ -1,27 +1,27 @@
-//! Rotations and reflections about the lens axis that leave all pillars where pillars are.
+//! Rotations and reflections about the lens axis that map pillars to pillars.
 
 use super::pillar_field::{ON_AXIS, PillarField};
 use super::point::{Point, turned};
 use std::f64::consts::PI;
 
-/// A rotation after a reflection or none, under which every pillar of a lattice comes to where one stands.
+/// A rotation, optionally preceded by a reflection, that maps every pillar of a lattice to another one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Symmetry {
     /// Angle of the rotation, rad.
     pub(crate) angle: f64,
-    /// Whether `y` becomes `-y` before that.
+    /// Whether `y` is reflected to `-y` before the rotation.
     pub(crate) reflected: bool,
-    /// What a step by the first index becomes, and one by the second.
+    /// Images of a step along the first index, and along the second.
     steps: [[i64; 2]; 2],
-    /// The pillar to which pillar (0, 0) comes.
+    /// The image of pillar (0, 0).
     first: [i64; 2],
 }
 
-/// Relative rounding of the vectors of a lattice.
+/// Relative rounding error of the vectors of a lattice.
 const ROUNDING: f64 = 1e-12;
 
 impl Symmetry {
-    /// All that a field of pillars has, first of them that which changes nothing. Only endless lattices of equal pillars are looked at.
+    /// All symmetries of a field of pillars, beginning with the identity. Only infinite lattices of equal pillars are considered.
     pub(crate) fn of(field: &PillarField) -> Vec<Self> {
         let Some((vectors, origin)) = field.endless_lattice() else {
             return Vec::new();
@@ -34,7 +34,7 @@ impl Symmetry {
             .collect()
     }
 
-    /// With that rotation, of the lattice with these vectors and a pillar at the origin, if it is one.
+    /// The symmetry with this rotation, of the lattice with these vectors and a pillar at `origin`, if it is one.
     fn new(vectors: [Point; 2], origin: Point, angle: f64, reflected: bool) -> Option<Self> {
         let [[ax, ay], [bx, by]] = vectors;
         let area = ax * by - ay * bx;
@@ -56,14 +56,14 @@ impl Symmetry {
         })
     }
 
-    /// The pillar to which one comes.
+    /// The image of a pillar.
     pub(crate) fn index(&self, (i, j): (i64, i64)) -> (i64, i64) {
         let [one, other] = self.steps;
         let [first, second] = [0, 1].map(|k| self.first[k] + one[k] * i + other[k] * j);
         (first, second)
     }
 
-    /// The point to which one comes.
+    /// The image of a point.
     pub(crate) fn image(&self, point: Point) -> Point {
         image(point, self.angle, self.reflected)
     }
@@ -102,7 +102,7 @@ mod tests {
             (0.3, right_angle, 2),
             (0.3, PI / 6.0, 2),
             (0.3, 0.4, 1),
-            // Nearly the middle between two pillars, on the line through both.
+            // Close to the middle between two pillars, on the line through both.
             (0.5 * 3f64.sqrt() + 3e-10, 0.0, 2),
         ] {
             let found = Symmetry::of(&field(offset, angle));

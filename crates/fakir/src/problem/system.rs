@@ -9,23 +9,24 @@ use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
 
-/// By which part of themselves quantities are changed for [`System::layer_changes`], and Poisson's ratios by how much.
+/// Step of the central differences in [`System::layer_changes`]: relative for lengths and moduli, absolute for Poisson's ratios.
 const CHANGE: f64 = 1e-5;
 
-/// A material, and a layer if it is one.
+/// A material, and a layer if the body is one.
 type Body = (Material, Option<Layer>);
 
-/// Pillars, and where the lens lands on them.
+/// Pillars and their positions relative to the lens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// The pillar that is common: all are like it, or scatter around it. Indentations are counted from its height, over pillars of a list too.
+    /// The common pillar: all pillars are equal to it, or vary around it. Indentations are measured from its height, also for lists of
+    /// pillars.
     pub pillar: Pillar,
-    /// Where the pillars stand, relative to the lens axis.
+    /// Positions of the pillars relative to the lens axis.
     pub arrangement: Arrangement,
 }
 
 impl Texture {
-    /// Pillars on a lattice or of a list.
+    /// Pillars on a lattice or in a list.
     pub fn new(pillar: Pillar, arrangement: impl Into<Arrangement>) -> Self {
         Self {
             pillar,
@@ -33,7 +34,7 @@ impl Texture {
         }
     }
 
-    /// The fraction of the surface that is pillar top: `phi = pi/(2 sqrt 3) (d/e)^2` on the hexagonal lattice.
+    /// The fraction of the surface covered by pillar tops: `phi = pi/(2 sqrt 3) (d/e)^2` for the hexagonal lattice.
     #[must_use]
     pub fn surface_fraction(&self) -> f64 {
         self.arrangement.surface_fraction(self.pillar.diameter)
@@ -64,17 +65,17 @@ pub struct System {
     floor: FloorModel,
     adhesion: Adhesion,
     leaning: bool,
-    /// Of the substrate and of the lens.
+    /// The substrate and the lens as layers.
     layers: [Option<Layer>; 2],
 }
 
-/// What becomes of the floor between the pillars where the lens comes down to it.
+/// Treatment of the floor between the pillars when the lens reaches it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FloorModel {
-    /// It bears its part of the load.
+    /// The floor carries load.
     #[default]
     Contact,
-    /// It is not there, as in the paper: past the transition the lens goes through it.
+    /// Floor contact is ignored, as in the paper.
     Ignored,
 }
 
@@ -82,11 +83,10 @@ impl System {
     /// Checks every quantity and the relations between them. The lens is a [`Lens`](super::lens::Lens), a sphere, or a [`ShapedLens`].
     ///
     /// # Errors
-    /// The first [`InvalidQuantity`]: lengths and moduli must be positive and
-    /// finite, Poisson's ratios between 0 and 0.5, the pitch at least the
-    /// diameter, the pillars lower than the lens radius, a scatter within its limits, a plate tilted by 10 degrees at the most; and under a
-    /// cylinder or a plate, which touch endlessly many pillars of a lattice without end, these have to be finitely many; and of elastic pillars it has
-    /// to be known how they give way.
+    /// The first [`InvalidQuantity`]. Lengths and moduli must be positive and finite, Poisson's ratios between 0 and 0.5, the pitch at
+    /// least the diameter, the pillars lower than the lens radius, the disorder within its limits, and the tilt of a plate at most 10
+    /// degrees. Cylinders and plates require a finite number of pillars, since they touch an infinite number on an infinite lattice. The
+    /// compliance of elastic pillars must be available.
     pub fn new(
         lens: impl Into<ShapedLens>,
         substrate: Material,
@@ -130,14 +130,15 @@ impl System {
         Ok(system)
     }
 
-    /// The same system with bodies of finite thickness, the substrate and the lens; those without a layer are half-spaces. Indentations are
-    /// then the approach of their backs.
+    /// The same system with bodies of finite thickness, in the order substrate, lens; those without a layer are half-spaces. Indentations
+    /// are then the approach of the backs of the bodies.
     ///
-    /// A lens counts as a flat layer: [`asperity_reduction`](crate::theory::layer::asperity_reduction) tells how much stiffer that is than an asperity.
+    /// A lens is treated as a flat layer: [`asperity_reduction`](crate::theory::layer::asperity_reduction) returns how much stiffer this is
+    /// than a spherical asperity.
     ///
     /// # Errors
-    /// Thicknesses and moduli of bases must be positive and finite, Poisson's ratios between 0 and 0.5; a film must not be thinner than the
-    /// pillars are high, nor a layer than a quarter of the widest pillar.
+    /// Thicknesses and moduli of bases must be positive and finite, Poisson's ratios between 0 and 0.5; a film must be at least as thick as
+    /// the pillars are high, and a layer at least a quarter of the widest pillar.
     pub fn with_layers(
         &self,
         substrate: Option<Layer>,
@@ -163,13 +164,13 @@ impl System {
         })
     }
 
-    /// The substrate as a layer, if it is no half-space.
+    /// The substrate as a layer; `None` for a half-space.
     #[must_use]
     pub fn substrate_layer(&self) -> Option<&Layer> {
         self.layers[0].as_ref()
     }
 
-    /// The lens as a layer, if it is no half-space.
+    /// The lens as a layer; `None` for a half-space.
     #[must_use]
     pub fn lens_layer(&self) -> Option<&Layer> {
         self.layers[1].as_ref()
@@ -181,20 +182,20 @@ impl System {
         self.layers.iter().any(Option::is_some)
     }
 
-    /// Thickness of the thinnest layer, m; none between half-spaces.
+    /// Thickness of the thinnest layer, m; `None` for half-spaces.
     pub(crate) fn thinnest_layer(&self) -> Option<f64> {
         let layers = self.layers.iter().flatten();
         layers.map(|layer| layer.thickness).reduce(f64::min)
     }
 
-    /// Substrate and lens.
+    /// The substrate and the lens.
     fn bodies(&self) -> [Body; 2] {
         let [substrate, lens] = self.layers;
         [(self.substrate, substrate), (self.lens.material, lens)]
     }
 
-    /// How what layers add changes with the quantities on which it depends, in a unit of length (m): by central differences of the layers
-    /// themselves, to 1e-9.
+    /// Derivatives of the correction for layers with respect to the quantities on which it depends, in a unit of length (m): by central
+    /// differences of the layers themselves, accurate to 1e-9.
     pub(crate) fn layer_changes(&self, unit: f64) -> Vec<(Quantity, Vec<WeightedLayer>)> {
         use Quantity as Q;
         if !self.has_layers() {
@@ -268,16 +269,16 @@ impl System {
         }
     }
 
-    /// What becomes of the floor where the lens comes down to it. Methods other than the spectral one ignore it.
+    /// The model of the floor. Methods other than the spectral one ignore floor contact.
     #[must_use]
     pub fn floor_model(&self) -> FloorModel {
         self.floor
     }
 
-    /// The same system with pillar tops that stick.
+    /// The same system with adhesion.
     ///
     /// # Errors
-    /// Works of adhesion that are negative or no numbers, a receding one below the advancing one, and any on elastic pillars.
+    /// Works of adhesion that are negative or not finite, a receding one below the advancing one, and adhesion of elastic pillars.
     pub fn with_adhesion(&self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
         let adhesion = adhesion.checked()?;
         if self.pillar().compliance == PillarCompliance::Elastic {
@@ -289,7 +290,7 @@ impl System {
         })
     }
 
-    /// The same system with pillars that do not lean, as all methods but the spectral one have them.
+    /// The same system with pillars that do not tilt, as in all methods except the spectral one.
     pub(crate) fn without_leaning(&self) -> Self {
         Self {
             leaning: false,
@@ -297,12 +298,12 @@ impl System {
         }
     }
 
-    /// Whether elastic pillars lean, by a method that knows how.
+    /// Whether elastic pillars tilt, in a method that supports this.
     pub(crate) fn leans(&self) -> bool {
         self.leaning && self.pillar().compliance == PillarCompliance::Elastic
     }
 
-    /// The same system with pillar tops that do not stick.
+    /// The same system without adhesion.
     #[must_use]
     pub fn without_adhesion(&self) -> Self {
         Self {
@@ -311,7 +312,7 @@ impl System {
         }
     }
 
-    /// How the pillar tops stick. Only the spectral method has it.
+    /// The adhesion. Only the spectral method supports it.
     #[must_use]
     pub fn adhesion(&self) -> Adhesion {
         self.adhesion
@@ -341,13 +342,13 @@ impl System {
         &self.texture.pillar
     }
 
-    /// Where the pillars stand.
+    /// The positions of the pillars.
     #[must_use]
     pub fn arrangement(&self) -> &Arrangement {
         &self.texture.arrangement
     }
 
-    /// The endless hexagonal lattice of equal pillars, if that is what there is.
+    /// The infinite hexagonal lattice of equal pillars, if the arrangement is one.
     #[must_use]
     pub fn hexagonal_lattice(&self) -> Option<&HexagonalLattice> {
         match self.arrangement() {
@@ -356,7 +357,7 @@ impl System {
         }
     }
 
-    /// [How far apart](Arrangement::pitch) neighbouring pillars stand, m.
+    /// [Typical distance](Arrangement::pitch) of neighbouring pillars, m.
     #[must_use]
     pub fn pitch(&self) -> f64 {
         self.arrangement().pitch()
@@ -399,14 +400,14 @@ impl System {
         self.contact_compliance().recip()
     }
 
-    /// How far a pillar top sinks below its foot per unit force,
-    /// `4 h/(pi E_s d^2)`, m/N; 0 without column compliance, and of elastic pillars what they give way by more than a half-space.
+    /// Displacement of a pillar top relative to its foot per unit force, `4 h/(pi E_s d^2)`, m/N; 0 without column compliance; for elastic
+    /// pillars, their compliance in excess of a half-space.
     #[must_use]
     pub fn column_compliance(&self) -> f64 {
         self.column_compliance_of(self.pillar().height, self.pillar().diameter)
     }
 
-    /// [`column_compliance`](Self::column_compliance) of a pillar of some height and diameter (m).
+    /// [`column_compliance`](Self::column_compliance) of a pillar with the given height and diameter (m).
     #[must_use]
     pub fn column_compliance_of(&self, height: f64, diameter: f64) -> f64 {
         match self.pillar().compliance {
@@ -423,7 +424,7 @@ impl System {
         }
     }
 
-    /// How its pillars give way.
+    /// The compliance of the pillars.
     pub(crate) fn column_law(&self) -> ColumnLaw {
         let materials = [self.lens.material, self.substrate];
         ColumnLaw::new(self.pillar(), materials, self.leaning)
@@ -436,22 +437,21 @@ impl System {
         self.column_compliance() * self.pillar().diameter * self.reduced_modulus()
     }
 
-    /// The paper's `gamma_int = c + 4h/(pi E_s d)`, 1/Pa: a lone pillar under
-    /// force `F` gives way by `gamma_int F/d`. Without column compliance it is `c`.
+    /// The paper's `gamma_int = c + 4h/(pi E_s d)`, 1/Pa: the displacement of a single pillar under the force `F` is `gamma_int F/d`.
+    /// Equals `c` without column compliance.
     #[must_use]
     pub fn internal_compliance(&self) -> f64 {
         self.contact_compliance() + self.column_compliance() * self.pillar().diameter
     }
 
-    /// The paper's `gamma_ext = 2c/pi`, 1/Pa: a force `F` moves the surfaces apart
-    /// by `gamma_ext F/(2r)` at a distance `r`.
+    /// The paper's `gamma_ext = 2c/pi`, 1/Pa: a force `F` changes the distance of the surfaces by `gamma_ext F/(2r)` at a distance `r`.
     #[must_use]
     pub fn external_compliance(&self) -> f64 {
         2.0 / PI * self.contact_compliance()
     }
 
-    /// Tensile stress of a lone flat punch at pull-off (K. Kendall, J. Phys. D 4, 1186 (1971)) over the Young's modulus of the substrate, for
-    /// the work at which contact breaks: about the strain of the pillars, `sqrt(8 w E*/(pi a))/E_s`.
+    /// Tensile stress of a single flat punch at pull-off (K. Kendall, J. Phys. D 4, 1186 (1971)), divided by Young's modulus of the
+    /// substrate, for the receding work of adhesion: approximate strain of the pillars, `sqrt(8 w E*/(pi a))/E_s`.
     #[must_use]
     pub fn kendall_strain(&self) -> f64 {
         let radius = 0.5 * self.pillar().diameter;
@@ -460,9 +460,9 @@ impl System {
         stress / self.substrate.young_modulus
     }
 
-    /// Tabor number of a pillar top for a range of the attraction (m): the stretch of the surfaces at pull-off over the range,
-    /// `sqrt(8 w a/(pi E*))/range`. The attraction acts in a zone along the rim of width `2 a/mu^2`, so that its range counts as small
-    /// where the number is much larger than one (D. Tabor, J. Colloid Interface Sci. 58, 2 (1977), for spheres).
+    /// Tabor number of a pillar top for a range of the attraction (m): the elongation of the surfaces at pull-off divided by the range,
+    /// `sqrt(8 w a/(pi E*))/range`. The attraction acts in a zone of width `2 a/mu^2` along the rim, so that its range is small if the
+    /// number is much larger than one (D. Tabor, J. Colloid Interface Sci. 58, 2 (1977), for spheres).
     #[must_use]
     pub fn tabor_number(&self, range: f64) -> f64 {
         let radius = 0.5 * self.pillar().diameter;
@@ -470,10 +470,10 @@ impl System {
         (8.0 * work * radius / (PI * self.reduced_modulus())).sqrt() / range
     }
 
-    /// The same system with its pillars elsewhere.
+    /// The same system with another arrangement of its pillars.
     ///
     /// # Errors
-    /// As [`System::new`].
+    /// As for [`System::new`].
     pub fn with_arrangement(
         &self,
         arrangement: impl Into<Arrangement>,

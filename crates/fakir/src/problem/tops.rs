@@ -1,4 +1,4 @@
-//! What of the pillars of a system is where: what the lens meets first, and which pillars stand around it.
+//! First contact of the lens, and positions of pillar tops.
 
 use super::arrangement::PlacedPillar;
 use super::point::Point;
@@ -6,8 +6,9 @@ use super::scaled::Scene;
 use super::system::System;
 
 impl System {
-    /// Indentation at which the lens touches the first pillar: its height above its lowest point over the nearest pillar edge less by what that
-    /// pillar is higher than the common height, m. Zero with the lens axis on a pillar of that height, infinite if no pillar is under the lens.
+    /// Indentation at which the lens touches the first pillar, m: the height of the lens at the nearest pillar edge above its lowest point,
+    /// minus the height of this pillar above the common height. Zero if the lens axis is on a pillar of the common height, infinite if no
+    /// pillar is under the lens.
     #[must_use]
     pub fn first_touch(&self) -> f64 {
         let scene = Scene::new(self);
@@ -20,7 +21,7 @@ impl System {
         Scene::new(self).touches_floor_first()
     }
 
-    /// The pillars with centres within a distance (m) of the lens axis, by rising index.
+    /// The pillars with centres within a distance (m) of the lens axis, by increasing index.
     #[must_use]
     pub fn pillars_within(&self, distance: f64) -> Vec<PlacedPillar> {
         let common = self.pillar();
@@ -35,8 +36,8 @@ impl System {
         placed.collect()
     }
 
-    /// A point (m from the lens axis) and its images under the symmetry of the arrangement about the lens axis, each once. Only an endless
-    /// hexagonal lattice is looked at for symmetry: of other arrangements it is the point alone.
+    /// A point (m from the lens axis) and its distinct images under the symmetries of the arrangement about the lens axis. Symmetries are
+    /// evaluated only for infinite hexagonal lattices; for other arrangements the result is the point alone.
     #[must_use]
     pub fn symmetric_copies(&self, point: Point) -> Vec<Point> {
         let Some(lattice) = self.hexagonal_lattice() else {
@@ -53,7 +54,7 @@ impl System {
         copies
     }
 
-    /// The pillar tops, to ask which points they hold.
+    /// The pillar tops, for queries by position.
     #[must_use]
     pub fn tops(&self) -> Tops {
         Tops(Scene::new(self).as_asked())

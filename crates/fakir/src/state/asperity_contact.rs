@@ -11,41 +11,41 @@ use std::sync::Arc;
 /// One asperity of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AsperityState {
-    /// Whether it is touched: in part, or all of its top up to the rim.
+    /// Whether it is in contact: partially, or with its whole top up to the rim.
     pub status: PillarStatus,
-    /// Centre of the contact, m; of an asperity that is not touched, where it is nearest to be.
+    /// Centre of the contact, m; for an asperity without contact, the point of the smallest gap.
     pub centre: Point,
     /// Radius of the contact, m.
     pub radius: f64,
     /// Normal force on it, N.
     pub force: f64,
-    /// Gap above an asperity that is not touched, m; nothing of others.
+    /// Gap at an asperity without contact, m; zero for others.
     pub gap: f64,
 }
 
-/// How force and area change. Those with a height are at the same indentation: contacts that begin or end at this very load have other
-/// changes upwards than downwards.
+/// Derivatives of force and area. Those with respect to heights are at constant indentation. They are one-sided at loads at which contacts
+/// begin or end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AsperitySlopes {
-    /// Change of the force with the indentation, N/m.
+    /// Derivative of the force with respect to the indentation, N/m.
     pub force_with_indentation: f64,
-    /// Change of the area with the indentation, m.
+    /// Derivative of the area with respect to the indentation, m.
     pub area_with_indentation: f64,
-    /// Change of the force with the height of every asperity, N/m.
+    /// Derivative of the force with respect to the height of every asperity, N/m.
     pub force_with_height: Vec<f64>,
-    /// Change of the area with the height of every asperity, m.
+    /// Derivative of the area with respect to the height of every asperity, m.
     pub area_with_height: Vec<f64>,
 }
 
 impl AsperitySlopes {
-    /// Change of the area with the height of an asperity at the same force, m; where nothing is touched, nothing.
+    /// Derivative of the area with respect to the height of an asperity at constant force, m; zero without contact.
     #[must_use]
     pub fn area_with_height_at_force(&self, asperity: usize) -> f64 {
         self.area_with_height[asperity]
             + self.area_with_indentation * self.indentation_with_height(asperity)
     }
 
-    /// Change of the indentation with the height of an asperity at the same force; where nothing is touched, nothing.
+    /// Derivative of the indentation with respect to the height of an asperity at constant force; zero without contact.
     #[must_use]
     pub fn indentation_with_height(&self, asperity: usize) -> f64 {
         if self.force_with_indentation > 0.0 {
@@ -56,7 +56,8 @@ impl AsperitySlopes {
     }
 }
 
-/// Estimated errors of a contact, from a pressure of a higher degree and from the ovalness of the contacts. They are errors of the solution, not of the model.
+/// Estimated errors of a contact, from a pressure of a higher degree and from the ovality of the contacts. They are errors of the solution,
+/// not of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AsperityErrors {
     /// Relative error of the force.
@@ -70,38 +71,39 @@ pub struct AsperityErrors {
 /// The contact of a [`AsperityArray`](crate::problem::AsperityArray).
 #[derive(Debug, Clone)]
 pub struct AsperityContact {
-    /// How well it was solved.
+    /// Accuracy setting of the solution.
     pub accuracy: Accuracy,
-    /// Indentation, m: how far the lens or the plate is below the common level.
+    /// Indentation, m: displacement of the lens or the plate below the reference level.
     pub indentation: f64,
     /// Normal force, N.
     pub force: f64,
     /// Area in contact, m^2.
     pub area: f64,
-    /// Distance from the lens axis of the farthest point in contact, m; none under a plate.
+    /// Distance from the lens axis of the farthest point in contact, m; `None` for a plate.
     pub contact_radius: Option<f64>,
-    /// Every asperity, in the order of the field.
+    /// Every asperity, in the order of the array.
     pub asperities: Vec<AsperityState>,
-    /// How force and area change with indentation and heights: exactly those of the discrete solution.
+    /// Derivatives of force and area with respect to indentation and heights; exact for the discrete solution.
     pub slopes: AsperitySlopes,
-    /// Estimated errors, if they were asked for and can be given.
+    /// Estimated errors, if they were requested and are available.
     pub error: Option<AsperityErrors>,
     /// Why the solver stopped.
     pub termination: Termination,
-    /// Newton steps taken.
+    /// Number of Newton steps.
     pub iterations: usize,
     pub(crate) contacts: Arc<Contacts>,
 }
 
 impl AsperityContact {
-    /// Whether the numbers are the solution.
+    /// Whether the solver converged.
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
     }
 
-    /// The first number of a solution that is [not resolved](Unresolved), of force, contact area and indentation, where errors are estimated. That of the indentation
-    /// counts relative to it or to the way over which the force rises, whichever is longer: the common level may be anywhere.
+    /// The first result of a converged solution that is [not resolved](Unresolved), among force, contact area and indentation, if errors
+    /// are estimated. The error of the indentation is relative to the indentation or to force divided by stiffness, whichever is larger,
+    /// since the reference level is arbitrary.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
         let error = self.error.filter(|_| self.converged())?;
@@ -125,7 +127,7 @@ impl AsperityContact {
         self.contacts.discs.len()
     }
 
-    /// The contact as it is handed out: all of its numbers are numbers.
+    /// Checks that all numbers are finite before the contact is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         check_number("force", &mut self.force)?;
         check_number("indentation", &mut self.indentation)?;

@@ -1,11 +1,10 @@
 //! Means of the pressure over the cells of a grid.
 //!
-//! With `x = sqrt(1 - y^2) sin s` on a disc, `p dx = q/mu dx = q ds`: along a row of cells the pressure is
-//! integrated without its singularity at the edge, and all cells of a row that hold a disc together have its
-//! force.
+//! With `x = sqrt(1 - y^2) sin s` on a disc, `p dx = q/mu dx = q ds`: along a row of cells the pressure is integrated without its
+//! singularity at the edge, and the cells of a row that contain a disc add up to its force.
 //!
-//! A cell whose middle is not in contact has no pressure, as there the gap is open: what is in contact of it
-//! counts for the nearest cells whose middle is.
+//! The pressure of a cell whose centre is not in contact is zero, since the gap is open there: the force on its part in contact is assigned
+//! to the nearest cells whose centre is in contact.
 
 use super::error::SolveError;
 use super::fields::{Density, Disc, Fields};
@@ -15,19 +14,19 @@ use crate::numerics::quadrature::gauss_legendre;
 use crate::problem::Point;
 use std::ops::Range;
 
-/// Points of the rule on a piece, and longest pieces, in disc radii or rad.
+/// Number of points of the rule on a subinterval, and largest length of subintervals in disc radii or rad.
 const POINTS: usize = 4;
 const PIECE: f64 = 0.3;
 
-/// Cells across a pillar where there is only one point.
+/// Number of cells across a pillar if there is only one point.
 const LONE_CELLS: f64 = 12.0;
 
-/// Cells along one direction, in rising order, in pillar radii.
+/// Cells along one direction in increasing order, in pillar radii.
 struct Cells {
     bounds: Vec<[f64; 2]>,
-    /// The coordinates they are around.
+    /// The coordinates of the cells.
     middles: Vec<f64>,
-    /// Of every coordinate, its cell.
+    /// The cell of every coordinate.
     place: Vec<usize>,
 }
 
@@ -67,12 +66,12 @@ impl Cells {
         }
     }
 
-    /// The coordinate that a cell belongs to.
+    /// The coordinate of a cell.
     fn middle(&self, cell: usize) -> f64 {
         self.middles[cell]
     }
 
-    /// The cells that overlap a piece.
+    /// The cells that overlap an interval.
     fn over(&self, low: f64, high: f64) -> Range<usize> {
         let start = self.bounds.partition_point(|[_, end]| *end <= low);
         let end = self.bounds.partition_point(|[start, _]| *start < high);
@@ -81,7 +80,7 @@ impl Cells {
 }
 
 impl Fields {
-    /// Mean pressure, Pa, over the cells of a grid, `x` fastest.
+    /// Mean pressure, Pa, over the cells of a grid; `x` varies fastest.
     pub(super) fn mean_pressures(
         &self,
         x: &[f64],
@@ -131,10 +130,10 @@ impl Fields {
     }
 }
 
-/// Parts of the side of a cell of the floor that is turned, of which each acts where its middle is.
+/// Number of parts along the side of a rotated floor cell; the force on each part acts at its centre.
 const PARTS: usize = 4;
 
-/// Adds the forces by the floor: every cell of that shares its own by area.
+/// Adds the forces on the floor: the force on every floor cell is distributed over grid cells by area.
 fn add_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &mut [f64]) {
     if floor.is_turned() {
         return add_turned_floor(floor, columns, rows, forces);
@@ -154,7 +153,7 @@ fn add_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &mut [f64
     }
 }
 
-/// The same where the cells of the floor are turned: by parts of these.
+/// The same for rotated floor cells: by parts of these.
 fn add_turned_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &mut [f64]) {
     let width = columns.bounds.len();
     let sides = floor.cell().map(|side| side / PARTS as f64);
@@ -175,7 +174,7 @@ fn add_turned_floor(floor: &FloorLoad, columns: &Cells, rows: &Cells, forces: &m
     }
 }
 
-/// The forces on the cells that a disc overlaps, row by row.
+/// The forces on the cells that a disc overlaps, by rows.
 struct Block {
     rows: Range<usize>,
     columns: Range<usize>,
@@ -240,7 +239,7 @@ impl Block {
         }
     }
 
-    /// LoadSharing the forces of cells whose middle is not in contact among the nearest whose middle is, if any.
+    /// Distributes the forces on cells whose centre is not in contact to the nearest cells whose centre is, if any.
     fn gather(&mut self, disc: &Disc, density: &mut Density<'_>, columns: &Cells, rows: &Cells) {
         let places: Vec<(Point, f64)> = self
             .cells()
@@ -259,7 +258,7 @@ impl Block {
                 continue;
             }
             let (row, column) = (k / width, k % width);
-            // Nearly always among the next.
+            // Nearly always among the adjacent cells.
             let nearest = (1..height.max(width)).find_map(|reach| {
                 let near = |place: usize, end: usize| {
                     place.saturating_sub(reach)..(place + reach + 1).min(end)
@@ -279,7 +278,7 @@ impl Block {
     }
 }
 
-/// Visits the points of the rule on pieces of an interval.
+/// Visits the points of the rule on subintervals of an interval.
 fn over_pieces(low: f64, high: f64, rule: &[(f64, f64)], mut visit: impl FnMut(f64, f64)) {
     if high <= low {
         return;

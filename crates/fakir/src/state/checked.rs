@@ -1,5 +1,4 @@
-//! The last look at an answer before it is handed out: all of its numbers are numbers, and no zero
-//! has a sign.
+//! Final check of results: all numbers are finite, and no zero is negative.
 
 use super::contact::{ContactState, Warning};
 use super::critical::CriticalState;
@@ -9,7 +8,7 @@ use super::floor_contact::FloorContact;
 use crate::problem::{Method, PillarCompliance};
 
 impl ContactState {
-    /// The state as it is handed out.
+    /// Checks the state before it is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         let [x, y] = &mut self.smallest_gap_position;
         for (what, value) in [
@@ -21,8 +20,8 @@ impl ContactState {
                 &mut self.contact_radius_error,
             ),
             ("smallest floor gap", &mut self.smallest_floor_gap),
-            ("place of the smallest floor gap", x),
-            ("place of the smallest floor gap", y),
+            ("position of the smallest floor gap", x),
+            ("position of the smallest floor gap", y),
             ("error estimate of the force", &mut self.error.force),
             (
                 "error estimate of the indentation",
@@ -52,11 +51,11 @@ impl ContactState {
 }
 
 impl FloorContact {
-    /// The contact as it is handed out: all of its numbers are numbers.
+    /// Checks that all numbers of the contact are finite before it is returned.
     fn check(&mut self) -> Result<(), SolveError> {
         for (what, value) in [
             ("force on the floor", &mut self.force),
-            ("share of the floor", &mut self.share),
+            ("fraction of the load on the floor", &mut self.share),
             ("area of the floor contact", &mut self.area),
             ("radius of the floor contact", &mut self.radius),
             (
@@ -77,12 +76,12 @@ impl FloorContact {
 }
 
 impl Cycle {
-    /// The cycle as it is handed out.
+    /// Checks the cycle before it is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         for station in &mut self.stations {
-            check_number("force on the way", &mut station.force)?;
-            check_number("indentation on the way", &mut station.indentation)?;
-            check_number("contact radius on the way", &mut station.contact_radius)?;
+            check_number("force at a load step", &mut station.force)?;
+            check_number("indentation at a load step", &mut station.indentation)?;
+            check_number("contact radius at a load step", &mut station.contact_radius)?;
         }
         for (what, value) in [
             ("work of separation", &mut self.work_of_separation),
@@ -100,10 +99,10 @@ impl Cycle {
 }
 
 impl CriticalState {
-    /// The state as it is handed out.
+    /// Checks the state before it is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         for coordinate in &mut self.floor_contact {
-            check_number("place of the floor contact", coordinate)?;
+            check_number("position of the floor contact", coordinate)?;
         }
         Ok(Self {
             contact: self.contact.checked()?,
@@ -112,7 +111,7 @@ impl CriticalState {
     }
 }
 
-/// Refuses a number that is infinite or undefined, and takes the sign from a zero.
+/// Refuses a number that is infinite or undefined, and removes the sign of a negative zero.
 pub(crate) fn check_number(what: &'static str, value: &mut f64) -> Result<(), SolveError> {
     if !value.is_finite() {
         return Err(SolveError::NotFinite { what });

@@ -1,4 +1,4 @@
-//! The contact under a load, pillar by pillar.
+//! The contact under a load, by pillars.
 
 use super::fields::Fields;
 use super::floor_contact::{FloorContact, FloorErrors};
@@ -8,14 +8,14 @@ use crate::problem::{Accuracy, Method, Point, System};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// How much of a pillar top the lens touches.
+/// Extent of the contact on a pillar top.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum PillarStatus {
-    /// Nothing of it.
+    /// No contact.
     Untouched,
-    /// A part of it: the edge of the contact crosses the pillar top.
+    /// Partial contact: the edge of the contact crosses the pillar top.
     Partial,
-    /// All of it.
+    /// Contact on the whole top.
     Full,
 }
 
@@ -35,24 +35,23 @@ impl PillarStatus {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PillarState {
     /// Lattice indices `(i, j)` of [`HexagonalLattice::centre`](crate::problem::lattice::HexagonalLattice::centre) or
-    /// [`PlaneLattice`](crate::problem::arrangement::PlaneLattice); of a list, the place in it from 0, and 0.
+    /// [`PlaneLattice`](crate::problem::arrangement::PlaneLattice); for a list, the index in it from 0, and 0.
     pub index: (i64, i64),
     /// Centre, m from the lens axis.
     pub centre: Point,
     /// Diameter of its top, m.
     pub diameter: f64,
-    /// Height over the floor, m.
+    /// Height above the floor, m.
     pub height: f64,
-    /// Whether the lens touches it.
+    /// Extent of the contact.
     pub status: PillarStatus,
     /// Normal force on it, N.
     pub force: f64,
     /// Pressure at the centre of its top, Pa.
     pub centre_pressure: f64,
-    /// Smallest and largest edge coefficient around its rim, Pa: the pressure near the edge
-    /// of a pillar of radius `a` is `coefficient/sqrt(1 - (r/a)^2)`, and so is infinite at the
-    /// edge itself wherever the coefficient is positive.
-    /// `None` for methods that do not resolve it.
+    /// Smallest and largest edge coefficient around the rim, Pa: the pressure near the edge of a pillar of radius `a` is
+    /// `coefficient/sqrt(1 - (r/a)^2)`, and is therefore infinite at the edge if the coefficient is positive. `None` for methods that do
+    /// not resolve it.
     pub edge_coefficient: Option<[f64; 2]>,
 }
 
@@ -64,7 +63,7 @@ impl PillarState {
     }
 }
 
-/// Estimated relative errors of a result, from refinement of what was computed.
+/// Estimated relative errors of a result, from refinement of the discretisation.
 ///
 /// They are errors of the numerical solution, not of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,58 +74,57 @@ pub struct ErrorEstimate {
     pub indentation: f64,
 }
 
-/// A condition under which a result should be read with care.
+/// A condition that limits the validity of a result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// The contact radius is more than a fifth of the lens radius, where treating the lens as
-    /// a half-space becomes doubtful.
+    /// The contact radius is more than a fifth of the lens radius, so that the half-space approximation of the lens is inaccurate.
     LargeContact {
-        /// Contact radius over lens radius.
+        /// Ratio of contact radius to lens radius.
         ratio: f64,
     },
-    /// The floor is in contact less than two of its cells from the rim of a pillar, where its pressure and the gap beside it change
-    /// over less than a cell.
+    /// The floor is in contact less than two cells from the rim of a pillar, where its pressure and the adjacent gap vary within a cell.
     FloorNearRim {
-        /// The smallest distance of the contact with the floor from a rim, m.
+        /// Smallest distance of the floor contact from a rim, m.
         distance: f64,
         /// The longer side of a cell, m.
         cell: f64,
     },
-    /// Under a cylinder or a plate: undeformed it would be below the floor beside the pillars, which bears nothing.
+    /// For a cylinder or a plate: the undeformed lens is below the floor beside the pillars, whose load is not computed.
     FloorBeside {
-        /// How far below, m.
+        /// Depth below the floor, m.
         depth: f64,
     },
-    /// At pull-off the tensile stress on a lone pillar is a large part of its modulus, beyond what linear elasticity is good for.
+    /// At pull-off, the tensile stress on a single pillar is a large fraction of its modulus, beyond the range of linear elasticity.
     AdhesiveStretch {
-        /// Stress over the Young's modulus of the substrate.
+        /// Stress divided by Young's modulus of the substrate.
         ratio: f64,
     },
-    /// Elastic pillars also lean under a moment, which this method leaves out.
+    /// Elastic pillars also tilt under a moment, which this method neglects.
     LeaningLeftOut,
-    /// The lens is a layer, and counts as a flat one: a spherical asperity as thick in its middle is softer.
+    /// The lens is a layer, which is treated as flat: a spherical asperity with the same central thickness is more compliant.
     FlatLens {
-        /// By how much more an asperity comes down under this force, m; none where the lens is nearly half a sphere, for which that is not known.
+        /// Additional indentation of the asperity under this force, m; `None` for a lens that is nearly a hemisphere, for which it is not
+        /// available.
         deeper: Option<f64>,
     },
-    /// A layer is thinner than two diameters of a pillar: how the pillars join it is left out.
+    /// A layer is thinner than two pillar diameters: the deformation at the feet of the pillars is neglected.
     ThinLayer {
-        /// Thickness over the diameter of the pillars.
+        /// Ratio of the thickness to the diameter of the pillars.
         ratio: f64,
     },
-    /// The indentation is a large part of a thickness, beyond what small strains are good for.
+    /// The indentation is a large fraction of a thickness, beyond the range of small strains.
     LayerStrain {
-        /// Indentation over the thickness of the thinnest layer.
+        /// Ratio of the indentation to the thickness of the thinnest layer.
         ratio: f64,
     },
-    /// A floor that sticks is resolved by too few cells across the free rings round pillars.
+    /// Too few cells resolve the free annuli around pillars on an adhesive floor.
     CoarseFloor {
-        /// So many.
+        /// Number of cells.
         cells: f64,
     },
-    /// The contact of a plate reaches the border of a grid that stands free, or at the border a lens
-    /// is below the highest of the surface: there may be more contact on a larger surface.
+    /// The contact of a plate reaches the border of a non-periodic grid, or a lens is below the highest point of the surface at the border:
+    /// on a larger surface, the contact may be larger.
     ReachesBorder,
 }
 
@@ -144,52 +142,52 @@ impl std::fmt::Display for Warning {
         match self {
             Self::LargeContact { ratio } => write!(
                 f,
-                "the contact radius is {ratio:.2} of the lens radius: above 0.2 the lens is no \
-                 longer well described as a half-space"
+                "the contact radius is {ratio:.2} of the lens radius: above 0.2 the half-space \
+                 approximation of the lens is inaccurate"
             ),
             Self::FloorNearRim { distance, cell } => write!(
                 f,
                 "the floor is in contact {distance:.2e} m from the rim of a pillar, less than two \
-                 of its cells of {cell:.2e} m: what it bears may be less exact than estimated; \
+                 of its cells of {cell:.2e} m: its load may be less accurate than estimated; \
                  use the accuracy \"accurate\", whose cells are smaller"
             ),
             Self::FloorBeside { depth } => write!(
                 f,
-                "beside the pillars the lens is {depth:.2e} m below the floor, if it reaches beyond them: what the floor would bear is left out"
+                "beside the pillars the lens is {depth:.2e} m below the floor, if it extends beyond them: the load on the floor is not computed"
             ),
             Self::AdhesiveStretch { ratio } => write!(
                 f,
                 "with this work of adhesion pillars are stretched by about {ratio:.2} of their length \
-                 before they come off: above 0.3 linear elasticity no longer describes that"
+                 before they detach: above 0.3 linear elasticity is not valid"
             ),
             Self::LeaningLeftOut => f.write_str(
-                "elastic pillars also lean where they are pressed on one side: only the spectral method knows how, and by this one the \
-                 critical force was up to 0.3 % off for that",
+                "elastic pillars also tilt under eccentric loads, which only the spectral method includes: without this, the error of the \
+                 critical force was up to 0.3 %",
             ),
             Self::FlatLens { deeper: Some(deeper) } => write!(
                 f,
-                "the lens counts as a flat layer: a spherical asperity as thick in its middle is softer, and comes down by about {deeper:.1e} m more \
-                 under this force"
+                "the lens is treated as a flat layer: a spherical asperity with the same central thickness is more compliant, and its indentation \
+                 under this force is larger by about {deeper:.1e} m"
             ),
             Self::FlatLens { deeper: None } => f.write_str(
-                "the lens counts as a flat layer, which is doubtful of one as thick as its radius of curvature",
+                "the lens is treated as a flat layer, which is inaccurate for a thickness close to its radius of curvature",
             ),
             Self::ThinLayer { ratio } => write!(
                 f,
-                "a layer is only {ratio:.2} pillar diameters thick: below 2 the way in which pillars join it matters, which is left out"
+                "a layer is only {ratio:.2} pillar diameters thick: below 2 the deformation at the feet of the pillars, which is neglected, is significant"
             ),
             Self::LayerStrain { ratio } => write!(
                 f,
-                "the indentation is {ratio:.2} of the thickness of a layer: above 0.05 small strains no longer describe that"
+                "the indentation is {ratio:.2} of the thickness of a layer: above 0.05 strains are not small"
             ),
             Self::CoarseFloor { cells } => write!(
                 f,
-                "the cells of the floor are only {cells:.1} across the free rings round pillars: where it is in contact, and for how long, is an \
-                 order of magnitude; on so coarse cells it sticks too long"
+                "only {cells:.1} cells resolve the free annuli around pillars: the extent and duration of the floor contact are accurate in order \
+                 of magnitude only; on such coarse cells the floor detaches too late"
             ),
             Self::ReachesBorder => f.write_str(
-                "at the border of the height map what is pressed is as low as the surface: what lies \
-                 outside is taken as out of reach",
+                "at the border of the height map the indenter is as low as the surface: contact \
+                 outside the map is neglected",
             ),
         }
     }
@@ -198,49 +196,48 @@ impl std::fmt::Display for Warning {
 /// The contact under a load.
 #[derive(Debug, Clone)]
 pub struct ContactState {
-    /// What was solved.
+    /// The system that was solved.
     pub system: System,
-    /// How.
+    /// The method of solution.
     pub method: Method,
     /// Indentation `zeta`, m.
     pub indentation: f64,
     /// Normal force `F`, N.
     pub force: f64,
-    /// Distance from the lens axis of the farthest point of a pillar top in contact, m; under a cylinder or a plate too, from the origin.
+    /// Distance from the lens axis of the farthest point of a pillar top in contact, m; for a cylinder or a plate, distance from the
+    /// origin.
     pub contact_radius: f64,
-    /// Estimated error of the contact radius, m: how well the edge of the contact is known on the pillar tops
-    /// that it crosses, and by how much the radius would change with a pillar that is about to be touched, or
-    /// only just is. As large as the radius if the solution did not converge.
+    /// Estimated error of the contact radius, m: uncertainty of the edge of the contact on the pillar tops that it crosses, and change of
+    /// the radius due to a pillar that is nearly, or only just, in contact. Equals the radius if the solution did not converge.
     pub contact_radius_error: f64,
-    /// Number of pillars touched, fully or partially.
+    /// Number of pillars in contact, fully or partially.
     pub pillars_in_contact: usize,
     /// Number of pillars crossed by the edge of the contact.
     pub pillars_partially_in_contact: usize,
-    /// The touched pillars, those nearest to the lens axis first. Empty for methods that do
-    /// not resolve pillars.
+    /// The pillars in contact, by increasing distance from the lens axis. Empty for methods that do not resolve pillars.
     pub pillars: Vec<PillarState>,
-    /// What the floor bears; none where it is not touched, or was to be ignored.
+    /// The floor contact; `None` if the floor is not touched or its contact is ignored.
     pub floor: Option<FloorContact>,
-    /// Smallest gap between lens and floor, m; zero where the floor is in contact. Negative past the transition if the floor was to be
-    /// ignored: the state is then computed as if it were not there. Under a cylinder or a plate, which come nearest to the floor beyond the pillars, how
-    /// far the lowest of the undeformed lens is above it, between the farthest pillars.
+    /// Smallest gap between lens and floor, m; zero if the floor is in contact. Negative past the transition if floor contact is ignored:
+    /// the state is then computed as if there were no floor. For a cylinder or a plate, whose lowest point above the floor is outside the
+    /// pillars, the height of the undeformed lens above the floor, between the farthest pillars.
     pub smallest_floor_gap: f64,
-    /// Where the floor gap is smallest, m from the lens axis (one of its symmetric copies).
+    /// Position of the smallest floor gap, m from the lens axis (one of its symmetric copies).
     pub smallest_gap_position: Point,
     /// Estimated relative errors of the numerical solution.
     pub error: ErrorEstimate,
     /// Why the solver stopped.
     pub termination: Termination,
-    /// Newton steps taken.
+    /// Number of Newton steps.
     pub iterations: usize,
-    /// What to be careful about.
+    /// Validity warnings.
     pub warnings: Vec<Warning>,
-    /// Displacement, gap and pressure at any point; not for methods that do not resolve pillars.
+    /// Displacement, gap and pressure as functions of position; `None` for methods that do not resolve pillars.
     pub fields: Option<Arc<Fields>>,
 }
 
 impl ContactState {
-    /// The state at an indentation (m) at which nothing is touched.
+    /// The state without contact at an indentation (m).
     pub(crate) fn untouched(system: &System, method: Method, indentation: f64) -> Self {
         Self {
             system: system.clone(),
@@ -266,13 +263,13 @@ impl ContactState {
         }
     }
 
-    /// Whether the lens has reached the floor, which bears its part then or is ignored.
+    /// Whether the lens has reached the floor, whether or not floor contact is ignored.
     #[must_use]
     pub fn beyond_transition(&self) -> bool {
         self.floor.is_some() || self.smallest_floor_gap < 0.0
     }
 
-    /// Estimated error of the contact radius relative to it; 0 where there is no contact.
+    /// Estimated error of the contact radius relative to it; 0 without contact.
     #[must_use]
     pub fn relative_contact_radius_error(&self) -> f64 {
         relative(self.contact_radius_error, self.contact_radius)
@@ -285,7 +282,7 @@ impl ContactState {
         self.contact_radius.max(floor)
     }
 
-    /// Estimated error of [`whole_contact_radius`](Self::whole_contact_radius) relative to it: on the floor that of a cell, from corner to corner.
+    /// Estimated error of [`whole_contact_radius`](Self::whole_contact_radius) relative to it: on the floor, the diagonal of a cell.
     #[must_use]
     pub fn relative_whole_contact_radius_error(&self) -> f64 {
         match &self.floor {
@@ -297,14 +294,15 @@ impl ContactState {
         }
     }
 
-    /// Whether the numbers are the solution.
+    /// Whether the solver converged.
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
     }
 
-    /// The first number of a solution that is [not resolved](Unresolved), of force, indentation, and force and area on the floor. Where nothing is known of the floor its
-    /// numbers are not looked at. The contact radius is not among them: where a pillar is about to be touched it jumps, which its error says.
+    /// The first result of a converged solution that is [not resolved](Unresolved), among force, indentation, and force and area on the
+    /// floor. Results for the floor whose error is unknown are not checked. The contact radius is not checked either: it is discontinuous
+    /// when a pillar comes into contact, which its error includes.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
         if !self.converged() {
@@ -313,13 +311,14 @@ impl ContactState {
         let floor = self.floor.as_ref();
         let on_floor = floor.map_or(0.0, |floor| floor.force);
         let each = self.pillars.iter().map(|pillar| pillar.force);
-        // Where some pull and others press, a small difference of large forces has a large relative error. Where nothing is carried nothing is
-        // relative to it: the error of a force of 0 counts whole, and the indentation is that of the first touch.
+        // If some pillars are in tension and others in compression, the total force is a small difference of large forces and has a large
+        // relative error. Without any load no relative error is defined: the error of a force of 0 is used as it is, and the indentation is
+        // that of first contact.
         let carried = each.chain([on_floor]).map(f64::abs).sum::<f64>();
         let carries = carried > 0.0;
         let part = relative(self.force.abs(), carried.max(self.force.abs()));
         let known = floor.filter(|floor| floor.error != FloorErrors::UNKNOWN);
-        // Without a force at an indentation of 0, and where nothing is known of the floor, none is estimated.
+        // No error is estimated without a force at an indentation of 0, and if the error of the floor is unknown.
         let estimated = (carries || self.indentation != 0.0) && known.is_some() == floor.is_some();
         let counts = |part: f64, error: f64| {
             if estimated && part * error > LARGEST_ERROR {
@@ -343,7 +342,7 @@ impl ContactState {
                 known.map_or(0.0, |floor| floor.error.area),
             ),
         ];
-        // The fronts of adhesive tops are the same with every accuracy.
+        // The fronts on adhesive tops do not depend on the accuracy setting.
         let has_fronts = floor.is_none() && self.system.adhesion().work > 0.0;
         let remedy = if has_fronts {
             Remedy::HigherLoad
@@ -355,7 +354,7 @@ impl ContactState {
 }
 
 impl Method {
-    /// What a result that is not resolved needs.
+    /// The remedy for a result that is not resolved.
     fn finer(self) -> Remedy {
         match self {
             Self::Spectral(Accuracy::Default) => Remedy::AccurateSetting,
@@ -370,20 +369,20 @@ impl Method {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// The contact conditions hold to the tolerance.
+    /// The contact conditions are satisfied within the tolerance.
     Converged,
-    /// The limit on Newton steps was reached first; the numbers are not the solution.
+    /// The limit on Newton steps was reached; the results are not converged.
     IterationLimit,
-    /// Steps no longer improved the solution; the numbers are not the solution.
+    /// Steps no longer improved the solution; the results are not converged.
     Stagnated,
-    /// A number of the solver became infinite or undefined; the numbers are not the solution.
+    /// A number in the solver became infinite or undefined; the results are not converged.
     NotFinite,
-    /// The caller asked to stop.
+    /// The caller cancelled the computation.
     Interrupted,
 }
 
 impl Termination {
-    /// A sentence for a person.
+    /// Description for output.
     #[must_use]
     pub fn description(self) -> &'static str {
         match self {
@@ -396,7 +395,7 @@ impl Termination {
     }
 }
 
-/// An error over the value; 0 of nothing.
+/// An error divided by the value; 0 for zero errors.
 pub(super) fn relative(error: f64, value: f64) -> f64 {
     if value > 0.0 { error / value } else { 0.0 }
 }

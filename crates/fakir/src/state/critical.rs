@@ -1,14 +1,14 @@
-//! The critical state, in which the lens just reaches the floor.
+//! The critical state, in which the lens first touches the floor.
 
 use super::contact::{ContactState, relative};
 use crate::problem::{Method, Point, PunchForm, System};
 
-/// What the lens meets first.
+/// The part of the surface that the lens touches first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regime {
-    /// Pillar tops: there is a top contact before the transition.
+    /// Pillar tops: there is contact on tops before the transition.
     TopFirst,
-    /// The floor: it is reached before any pillar, without force.
+    /// The floor: it is touched before any pillar, at zero force.
     BottomFirst,
 }
 
@@ -23,17 +23,17 @@ impl Regime {
     }
 }
 
-/// The state in which what is pressed just reaches the floor, with a contact of either kind.
+/// The state in which the indenter first touches the floor, with a contact of either kind.
 #[derive(Debug, Clone)]
 pub struct Critical<C> {
-    /// Whether there was contact elsewhere before.
+    /// Whether other parts of the surface were in contact before.
     pub regime: Regime,
     /// The contact at the transition: critical force `F_c`, critical indentation `zeta_c`,
     /// top contact radius, pillars or cells.
     pub contact: C,
-    /// Where the floor is touched, m from the lens axis. On a lattice folded into one symmetry copy by
-    /// [`LatticeSymmetry::fold`](crate::problem::lattice::LatticeSymmetry::fold); on a surface
-    /// between the centres of cells too.
+    /// Position of the floor contact, m from the lens axis. On a lattice, the representative of its symmetric copies according to
+    /// [`LatticeSymmetry::fold`](crate::problem::lattice::LatticeSymmetry::fold); on a surface, the position may be between the centres of
+    /// cells.
     pub floor_contact: Point,
 }
 
@@ -46,7 +46,7 @@ impl CriticalState {
     pub fn new(contact: ContactState) -> Self {
         let system = &contact.system;
         let on_axis = |[x, y]: Point| x.hypot(y) < 1e-9 * system.pillar().diameter;
-        // With one pillar, under the axis, the floor is touched all around it.
+        // With a single pillar under the axis, the floor is touched along a circle.
         let round = contact.pillars.len() == 1 && on_axis(contact.pillars[0].centre);
         let [x, y] = contact.smallest_gap_position;
         Self {
@@ -94,8 +94,7 @@ impl CriticalState {
         relative(error, self.contact_radius())
     }
 
-    /// Estimated error of the place of the floor contact, m: how far it moves between methods and
-    /// accuracies, relative to the pitch.
+    /// Estimated error of the position of the floor contact, m: its variation between methods and accuracy settings, relative to the pitch.
     #[must_use]
     pub fn floor_contact_error(&self) -> f64 {
         let part = match self.contact.method {

@@ -1,4 +1,4 @@
-//! What comes back of a cycle of loading and unloading with adhesion.
+//! Results of a cycle of loading and unloading with adhesion.
 
 use super::contact::{ContactState, PillarState, Termination, Warning};
 use super::critical::CriticalState;
@@ -9,12 +9,12 @@ use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, CyclePlan, Point, System};
 use std::sync::Arc;
 
-/// Which way the lens goes.
+/// Direction of the cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Branch {
-    /// Down.
+    /// Increasing indentation.
     Loading,
-    /// Up.
+    /// Decreasing indentation.
     Unloading,
 }
 
@@ -29,81 +29,82 @@ impl Branch {
     }
 }
 
-/// A point of the curve of force over indentation. Between one and the next the force is linear, so that these are the whole curve.
+/// A point of the force-indentation curve. The force is linear between consecutive points, which therefore define the complete curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleLoadStep {
-    /// Which branch it is on.
+    /// The branch of the point.
     pub branch: Branch,
-    /// Indentation, m; negative where the lens pulls at the tops above their height.
+    /// Indentation, m; negative if tops are in contact above their undeformed height.
     pub indentation: f64,
-    /// Normal force, N; negative where the lens is held back.
+    /// Normal force, N; negative for tension.
     pub force: f64,
     /// Distance of the farthest point in contact from the lens axis, m.
     pub contact_radius: f64,
     /// Number of pillars in contact.
     pub pillars_in_contact: usize,
-    /// Number of those in contact in part.
+    /// Number of pillars in partial contact.
     pub pillars_partially_in_contact: usize,
     /// Area in contact, m^2.
     pub contact_area: f64,
-    /// How many of [`Cycle::events`] had happened.
+    /// Number of [`Cycle::events`] up to this point.
     pub events: usize,
-    /// What of the floor is in contact, if it sticks.
+    /// The contact with an adhesive floor.
     pub floor: Option<HeldFloor>,
 }
 
-/// What of a floor that sticks is in contact.
+/// The contact with an adhesive floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldFloor {
-    /// Force on it, N; negative where it pulls.
+    /// Force on the floor, N; negative for tension.
     pub force: f64,
     /// Area in contact, m^2.
     pub area: f64,
     /// Distance of the farthest cell in contact from the lens axis, m.
     pub radius: f64,
-    /// Middles between three pillars of a hexagonal lattice that are in contact.
+    /// Number of centres of three pillars of a hexagonal lattice in contact.
     pub holes: usize,
 }
 
-/// How a floor that sticks was resolved.
+/// Resolution of an adhesive floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorResolution {
     /// Root of the area of a cell, m.
     pub cell: f64,
-    /// Cells across the free ring round a pillar, by the closed form of a ring without pressure. With fewer than
-    /// [`ENOUGH`](Self::ENOUGH) the numbers are orders of magnitude: the floor sticks too long.
+    /// Number of cells across the free annulus around a pillar, from the closed form of an annulus without pressure. With fewer than
+    /// [`ENOUGH`](Self::ENOUGH), the results are correct in order of magnitude only: the floor detaches too late.
     pub cells_across_ring: f64,
-    /// Cells along the radius of the first patch, by its energy.
+    /// Number of cells along the radius of the first patch, from its energy.
     pub cells_along_patch: f64,
-    /// What that and the model of its fronts do to the figures.
+    /// Errors of the results due to the cell size and the model of fronts.
     pub errors: StuckFloorErrors,
 }
 
-/// Estimated relative errors of what a floor that sticks does: the largest differences from two more cycles, on cells 1.5 times as large, whose fronts
-/// on the floor move at 7 % less and 7 % more work. So right are the works at which fronts move, and next to a barrier between rings of holes that decides whether
-/// one ring more is in contact. What is not found in both is not known, 1; nor is anything on [coarse](FloorResolution::is_coarse) cells.
+/// Estimated relative errors of results for an adhesive floor: the largest differences from two additional cycles on cells 1.5 times as
+/// large, with a work of adhesion for fronts on the floor that is 7 % smaller and 7 % larger. This is the uncertainty of the work of
+/// adhesion at which fronts move; close to a barrier between rings of holes it determines whether one ring more is in contact. The error is
+/// 1 (unknown) for results that are not found in both cycles, and for all results on [coarse](FloorResolution::is_coarse) cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StuckFloorErrors {
-    /// Of the force at the end of loading.
+    /// Error of the force at the end of loading.
     pub turn_force: f64,
-    /// Of the floor's share of it.
+    /// Error of the fraction of this force carried by the floor.
     pub turn_share: f64,
-    /// Of the area of the floor in contact there.
+    /// Error of the area of the floor in contact at the end of loading.
     pub turn_area: f64,
-    /// Of the force after the jump.
+    /// Error of the force after the jump.
     pub jump_force: f64,
-    /// Of the area in contact after the jump.
+    /// Error of the area in contact after the jump.
     pub jump_area: f64,
-    /// Of the indentation at which the floor is lost.
+    /// Error of the indentation at which the floor detaches.
     pub lost_indentation: f64,
-    /// Of the pull-off force.
+    /// Error of the pull-off force.
     pub pull_off_force: f64,
-    /// Of the loop area.
+    /// Error of the loop area.
     pub loop_area: f64,
 }
 
 impl StuckFloorErrors {
-    /// Nothing is known but orders of magnitude.
+    /// Only orders of magnitude are known.
     pub(crate) const UNKNOWN: Self = Self {
         turn_force: 1.0,
         turn_share: 1.0,
@@ -131,35 +132,35 @@ impl StuckFloorErrors {
 }
 
 impl FloorResolution {
-    /// Cells across the ring with which the error of the fronts is a few per cent.
+    /// Number of cells across the annulus for which the error of the fronts is a few per cent.
     pub const ENOUGH: f64 = 3.0;
-    /// Cells across the ring that are laid where they are affordable.
+    /// Number of cells across the annulus that are used if affordable.
     pub const WANTED: f64 = 5.0;
-    /// Side of the largest cells, pillar radii.
+    /// Side of the largest cells, in pillar radii.
     pub const LARGEST_CELL: f64 = 0.7;
-    /// Cells under the contact in the critical state that are affordable by default, about: their limit is one of the points of a transform, of which
-    /// there are nine for every such cell.
+    /// Approximate number of cells under the contact in the critical state that are affordable by default: the limit applies to the points
+    /// of a transform, of which there are nine for every such cell.
     pub const MOST_CELLS: f64 = 2e6 / 9.0;
 
-    /// Whether the numbers are orders of magnitude.
+    /// Whether results are correct in order of magnitude only.
     #[must_use]
     pub fn is_coarse(self) -> bool {
         self.cells_across_ring < Self::ENOUGH
     }
 }
 
-/// What happens at an event.
+/// Kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CycleEventKind {
-    /// A pillar comes into contact.
+    /// A pillar jumps into contact.
     SnapIn,
     /// The contact with a pillar grows.
     Growth,
     /// The contact with a pillar recedes.
     Recession,
-    /// A pillar comes out of contact.
+    /// A pillar detaches.
     Release,
-    /// The lens reaches the floor.
+    /// The lens touches the floor.
     FloorContact,
 }
 
@@ -177,186 +178,187 @@ impl CycleEventKind {
     }
 }
 
-/// A change of what is in contact.
+/// A change of the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleEvent {
-    /// On which branch.
+    /// The branch of the event.
     pub branch: Branch,
-    /// What happened.
+    /// Kind of the event.
     pub kind: CycleEventKind,
-    /// Indentation after it, m. Events of one cascade share it.
+    /// Indentation after the event, m; equal for all events of a cascade.
     pub indentation: f64,
-    /// Force after it, N.
+    /// Force after the event, N.
     pub force: f64,
-    /// The pillar, with the part of its top in contact afterwards; none where the floor is reached.
+    /// The pillar, with the fraction of its top in contact after the event; `None` for floor contact.
     pub pillar: Option<HeldPillar>,
-    /// The part of its top that was in contact before.
+    /// The fraction of its top in contact before the event.
     pub covered_before: f64,
 }
 
-/// A pillar that is held.
+/// A pillar in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldPillar {
     /// Lattice indices `(i, j)` of [`HexagonalLattice::centre`](crate::problem::lattice::HexagonalLattice::centre).
     pub index: (i64, i64),
     /// Centre, m from the lens axis.
     pub centre: Point,
-    /// Part of its top that is in contact, 0 to 1.
+    /// Fraction of its top in contact, 0 to 1.
     pub covered: f64,
 }
 
-/// What is in contact at a station.
+/// The contact at a load step.
 #[derive(Debug, Clone)]
 pub struct HeldContact {
-    /// The pillars in contact with what each bears, those nearest to the lens axis first.
+    /// The pillars in contact with their forces, by increasing distance from the lens axis.
     pub pillars: Vec<PillarState>,
     /// Displacement, gap and pressure as functions of position.
     pub fields: Arc<Fields>,
-    /// What of the floor is in contact, if it sticks. Its errors are known at the end of the cycle only.
+    /// The contact with an adhesive floor. Its errors are available only after the complete cycle.
     pub floor: Option<FloorContact>,
 }
 
-/// A station that a cycle under way has come to: see [`follow_cycle`](crate::follow_cycle).
+/// A load step of a cycle in progress: see [`follow_cycle`](crate::follow_cycle).
 pub struct Passage<'a> {
-    /// Its place in [`Cycle::stations`].
+    /// Its index in [`Cycle::stations`].
     pub place: usize,
-    /// The station.
+    /// The load step.
     pub station: CycleLoadStep,
     pub(crate) held: &'a dyn Fn() -> HeldContact,
 }
 
 impl Passage<'_> {
-    /// What is in contact there. It takes about as long as copying what every pillar bears.
+    /// The contact at this load step. Takes about as long as copying the pressures on all pillars.
     #[must_use]
     pub fn held(&self) -> HeldContact {
         (self.held)()
     }
 }
 
-/// The largest pull of the unloading.
+/// The state of largest tension during unloading.
 #[derive(Debug, Clone)]
 pub struct PullOff {
-    /// Force, N: the least of the unloading, negative.
+    /// Force, N: the minimum during unloading, negative.
     pub force: f64,
     /// Indentation, m.
     pub indentation: f64,
-    /// Its place in [`Cycle::stations`].
+    /// Its index in [`Cycle::stations`].
     pub station: usize,
-    /// The pillars in contact with what each bears, those nearest to the lens axis first.
+    /// The pillars in contact with their forces, by increasing distance from the lens axis.
     pub pillars: Vec<PillarState>,
-    /// Displacement, gap and pressure there as functions of position.
+    /// Displacement, gap and pressure as functions of position.
     pub fields: Arc<Fields>,
 }
 
-/// Estimated relative errors of one figure, by where they come from.
+/// Estimated relative errors of one result, by their origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CycleError {
-    /// From the levels at which fronts on pillar tops stop.
+    /// Due to the discrete positions of fronts on pillar tops.
     pub levels: f64,
-    /// From the angles at which rims are looked at.
+    /// Due to the discrete angles at which rims are evaluated.
     pub rim_angles: f64,
-    /// From the degree of the pressure on pillar tops.
+    /// Due to the degree of the pressure on pillar tops.
     pub degree: f64,
-    /// Of the model: from the shapes that fronts can take.
+    /// Model error due to the assumed shapes of fronts.
     pub fronts: f64,
-    /// Of the model: from pillars that lean where they are pulled on one side, which [columns](crate::problem::PillarCompliance::Column) do not.
+    /// Model error due to the tilt of pillars under eccentric tension, which [columns](crate::problem::PillarCompliance::Column) neglect.
     pub columns: f64,
 }
 
 impl CycleError {
-    /// That of the numerical solution of the model.
+    /// Error of the numerical solution of the model.
     #[must_use]
     pub fn numerical(&self) -> f64 {
         self.levels + self.rim_angles + self.degree
     }
 
-    /// That of the model.
+    /// Model error.
     #[must_use]
     pub fn model(&self) -> f64 {
         self.fronts + self.columns
     }
 }
 
-/// Estimated relative errors of the figures of a cycle.
+/// Estimated relative errors of the results of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CycleErrors {
-    /// Of the critical force.
+    /// Error of the critical force.
     pub critical_force: CycleError,
-    /// Of the critical indentation.
+    /// Error of the critical indentation.
     pub critical_indentation: CycleError,
-    /// Of the pull-off force.
+    /// Error of the pull-off force.
     pub pull_off_force: CycleError,
-    /// Of the loop area.
+    /// Error of the loop area.
     pub loop_area: CycleError,
 }
 
 /// A cycle of loading and unloading with adhesion on the pillar tops.
 #[derive(Debug, Clone)]
 pub struct Cycle {
-    /// What was solved.
+    /// The system.
     pub system: System,
-    /// What was planned.
+    /// The plan of the cycle.
     pub plan: CyclePlan,
-    /// How finely.
+    /// Accuracy setting.
     pub accuracy: Accuracy,
-    /// The curve of force over indentation in its order; two at one indentation where contacts snap.
+    /// The force-indentation curve in order; two points at the same indentation where contacts snap.
     pub stations: Vec<CycleLoadStep>,
-    /// What changed, in order.
+    /// Changes of the contact, in order.
     pub events: Vec<CycleEvent>,
-    /// The first station with something in contact.
+    /// Index of the first load step with contact.
     pub first_contact: Option<usize>,
-    /// Where the force on loading first rises through zero with something in contact, m: a lens without load comes to rest there.
+    /// Indentation at which the force first increases through zero during loading, with contact, m: the equilibrium of a lens without load.
     pub zero_load_indentation: Option<f64>,
-    /// The critical state, if the lens went down so far.
+    /// The critical state, if the cycle reaches it.
     pub critical: Option<CriticalState>,
-    /// The contact where the loading ended.
+    /// The contact at the end of loading.
     pub turn: ContactState,
-    /// Whether the floor ended the loading before what was planned.
+    /// Whether loading ended at the floor, before the planned end.
     pub stopped_by_floor: bool,
-    /// How a floor that sticks was resolved; none if it does not, or was not touched.
+    /// Resolution of an adhesive floor; `None` if the floor is not adhesive or not touched.
     pub floor: Option<FloorResolution>,
-    /// The largest pull of the unloading; none without unloading, or if nothing pulls.
+    /// The state of largest tension during unloading; `None` without unloading or without tension.
     pub pull_off: Option<PullOff>,
-    /// Indentation of the last release, m; none if something is still in contact.
+    /// Indentation of the last detachment, m; `None` if some contact remains.
     pub separation: Option<f64>,
-    /// Work done against the pull of the pillars while the lens was withdrawn, J.
+    /// Separation work, J: the tensile part of the work of the force during unloading.
     pub work_of_separation: f64,
-    /// The hysteresis: area of the loop of force over indentation, J. Of a path that is not closed, the work done.
+    /// The hysteresis: area enclosed by the force-indentation curve, J. For an open path, the work done.
     pub loop_area: f64,
-    /// Energy dissipated by all changes of contact, J: what they release, less what it takes to part the surfaces, and what parting takes
-    /// more than contact gains. It is summed up independently, and is equal to the loop area of a closed path.
+    /// Energy dissipated by all changes of contact, J: the released elastic energy minus the work of separation, and the difference between
+    /// the work of adhesion for breaking and for making contact. It is summed independently, and equals the loop area of a closed path.
     pub dissipation: f64,
     /// Estimated relative errors.
     pub errors: CycleErrors,
     /// Why the path ended.
     pub termination: Termination,
-    /// What to be careful about.
+    /// Validity warnings.
     pub warnings: Vec<Warning>,
 }
 
 impl Cycle {
-    /// The jump onto a floor that sticks: the stations before and after it, at one indentation.
+    /// The jump into contact with an adhesive floor: the load steps before and after it, at the same indentation.
     #[must_use]
     pub fn floor_jump(&self) -> Option<[&CycleLoadStep; 2]> {
         let after = self.stations.iter().position(|s| s.floor.is_some())?;
         Some([&self.stations[after.checked_sub(1)?], &self.stations[after]])
     }
 
-    /// The last station with a contact with a floor that sticks, and the one after it.
+    /// The last load step with contact with an adhesive floor, and the following one.
     #[must_use]
     pub fn floor_lost(&self) -> Option<[&CycleLoadStep; 2]> {
         let last = self.stations.iter().rposition(|s| s.floor.is_some())?;
         Some([&self.stations[last], self.stations.get(last + 1)?])
     }
 
-    /// Whether the numbers are the solution.
+    /// Whether the solver converged.
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
     }
 
-    /// The first number of a solution that is [not resolved](Unresolved), of the end of loading, critical state, pull-off, hysteresis, and of what a floor that sticks does. What is
-    /// not known of such a floor is not looked at: a warning says it.
+    /// The first result of a converged solution that is [not resolved](Unresolved), among the end of loading, the critical state, pull-off,
+    /// hysteresis, and the results for an adhesive floor. Results for such a floor whose error is unknown are not checked; a warning
+    /// reports them.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
         if !self.converged() {
@@ -365,7 +367,7 @@ impl Cycle {
         let errors = &self.errors;
         let of = |there: bool, error: CycleError| if there { error.numerical() } else { 0.0 };
         let critical = self.critical.is_some();
-        // What a floor that sticks does there has its own errors.
+        // The results for an adhesive floor have separate errors.
         let turn = self.turn.unresolved().filter(|_| self.turn.floor.is_none());
         let numbers = [
             (
@@ -387,7 +389,8 @@ impl Cycle {
             ),
         ];
         let lost = self.floor_lost().is_some();
-        // A floor that is pulled and pressed carries a small difference of large forces, which counts beside the whole force.
+        // If the floor is partly in tension and partly in compression, its force is a small difference of large forces; its error is
+        // relative to the total force.
         let share = self.turn.floor.as_ref().map_or(1.0, |it| it.share.abs());
         let of_floor = self.known_floor_errors().into_iter().flat_map(|it| {
             [
@@ -398,7 +401,7 @@ impl Cycle {
                 ),
                 ("force after the jump onto the floor", it.jump_force),
                 (
-                    "indentation at which the floor is lost",
+                    "indentation at which the floor detaches",
                     if lost { it.lost_indentation } else { 0.0 },
                 ),
             ]
@@ -406,8 +409,9 @@ impl Cycle {
         Unresolved::among(numbers.into_iter().chain(of_floor), self.finer())
     }
 
-    /// The area of the floor in contact after the jump onto it, if it is [not resolved](Unresolved). Which holes a jump takes may depend on a detail,
-    /// so that the area has a large error where all else is known: it alone is no answer then.
+    /// The area of the floor in contact after the jump, if it is [not resolved](Unresolved). The choice of holes in a jump may depend on a
+    /// detail, so that the error of this area may be large although all other results are accurate: in this case, the area alone is not a
+    /// result.
     #[must_use]
     pub fn unresolved_jump_area(&self) -> Option<Unresolved> {
         self.floor_jump()?;
@@ -416,24 +420,24 @@ impl Cycle {
         Unresolved::among([(quantity, error)], self.finer())
     }
 
-    /// Errors of what a floor that sticks does, where they are known.
+    /// Errors of the results for an adhesive floor that are known.
     fn known_floor_errors(&self) -> Option<StuckFloorErrors> {
         let errors = self.floor?.errors;
         (errors != StuckFloorErrors::UNKNOWN).then_some(errors)
     }
 
-    /// What a number that is not resolved needs.
+    /// The remedy for a result that is not resolved.
     fn finer(&self) -> Remedy {
         match self.accuracy {
-            // The fronts of adhesive tops are the same with every accuracy.
+            // The fronts on adhesive tops do not depend on the accuracy setting.
             _ if self.floor.is_none() => Remedy::HigherLoad,
             Accuracy::Default => Remedy::AccurateSetting,
             Accuracy::Accurate => Remedy::CollapsedFloor,
         }
     }
 
-    /// The certificate of a closed path: difference between loop area and dissipation, over the loop area. It is made of
-    /// rounding and of what the solver leaves; none if the path is not closed.
+    /// Energy balance error of a closed path: difference between loop area and dissipation, divided by the loop area. It consists of
+    /// rounding and solver errors; `None` if the path is not closed.
     #[must_use]
     pub fn certificate(&self) -> Option<f64> {
         let largest = self.loop_area.abs().max(self.dissipation.abs());
@@ -446,7 +450,7 @@ impl Cycle {
         })
     }
 
-    /// The pillars in contact at a station, in the order in which they came.
+    /// The pillars in contact at a load step, in the order in which they came into contact.
     #[must_use]
     pub fn holding(&self, station: usize) -> Vec<HeldPillar> {
         let happened = self.stations.get(station).map_or(0, |at| at.events);
@@ -463,15 +467,14 @@ impl Cycle {
         held
     }
 
-    /// Pillars in the order of their last release.
+    /// The detachments of pillars, in order.
     #[must_use]
     pub fn release_order(&self) -> Vec<&CycleEvent> {
         let released = |event: &&CycleEvent| event.kind == CycleEventKind::Release;
         self.events.iter().filter(released).collect()
     }
 
-    /// The conditions of the model, and how near this case comes to where they end. `range` is that of the attraction (m),
-    /// if it is known.
+    /// The validity limits of the model, and the corresponding values in this cycle. `range` is that of the attraction (m), if it is known.
     #[must_use]
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
         let reach = |s: &CycleLoadStep| {

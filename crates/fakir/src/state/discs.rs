@@ -1,15 +1,15 @@
-//! Contacts as discs, in the units of the solver.
+//! Disc-shaped contacts in the units of the solver.
 
 use crate::problem::Point;
 
-/// What limits a contact.
+/// The boundary of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Hold {
-    /// Nothing: its edge is free all around.
+    /// Free edge all around.
     Free,
-    /// The rim of the pillar, at this angle, with half the edge moment there.
+    /// The contact touches the rim of the pillar at this angle, with half the edge moment there.
     Leaning { angle: f64, edge: f64 },
-    /// The rim of the pillar, all around.
+    /// The rim of the pillar all around.
     Whole,
 }
 
@@ -22,17 +22,17 @@ pub(crate) struct Disc {
     pub(crate) hold: Hold,
 }
 
-/// A contact of discs, which may be the solution or not yet.
+/// A set of disc-shaped contacts, which is not necessarily the solution.
 #[derive(Debug, Clone)]
 pub(crate) struct Contacts {
     pub(crate) indentation: f64,
-    /// Those that are touched, by rising asperity.
+    /// The asperities in contact, by increasing index.
     pub(crate) discs: Vec<Disc>,
-    /// Of every disc so many.
+    /// Moments of all discs, with the same number for each.
     pub(crate) moments: Vec<f64>,
-    /// Of every asperity, the point where it is next to be touched.
+    /// For every asperity, the point of the smallest gap.
     pub(crate) nearest: Vec<Point>,
-    /// Of every asperity that is not touched, the gap there.
+    /// For every asperity without contact, the gap at this point.
     pub(crate) gaps: Vec<f64>,
 }
 
@@ -44,7 +44,7 @@ impl Contacts {
             .fold(0.0, f64::max)
     }
 
-    /// The two discs that fill most of the distance between their centres, and which part of it.
+    /// The pair of discs with the largest ratio of the sum of radii to the distance of centres, and this ratio.
     pub(crate) fn closest(&self) -> Option<([usize; 2], f64)> {
         let mut closest: Option<([usize; 2], f64)> = None;
         for (number, one) in self.discs.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Why a question has no answer.
+//! Errors of the solvers.
 
 use crate::problem::{InvalidQuantity, Unsupported};
 
-/// So many bytes for a person: `1.2 GB`.
+/// Formats a number of bytes: `1.2 GB`.
 pub(crate) fn memory(bytes: usize) -> String {
     let bytes = bytes as f64;
     let (size, unit) = match bytes {
@@ -13,17 +13,17 @@ pub(crate) fn memory(bytes: usize) -> String {
     format!("{:.1} {unit}", bytes / size)
 }
 
-/// Why no result can be given.
+/// The reason why there is no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolveError {
-    /// A prescribed load that cannot be.
+    /// The prescribed load is invalid.
     #[error(transparent)]
     InvalidQuantity(#[from] InvalidQuantity),
-    /// What no solver of this problem answers.
+    /// The combination of problem and question is not supported.
     #[error(transparent)]
     Unsupported(#[from] Unsupported),
-    /// The contact would reach past half the lens radius.
+    /// The contact would extend beyond half the lens radius.
     #[error(
         "the contact would reach {:.3e} m from the lens axis, more than half the lens radius \
          {lens_radius:.3e} m, where a lens is not a half-space: lower the load, use lower pillars \
@@ -35,34 +35,34 @@ pub enum SolveError {
         /// Lens radius, m.
         lens_radius: f64,
     },
-    /// The problem does not fit the memory allowed.
+    /// The problem exceeds the memory limit.
     #[error(
         "about {pillars} pillars would be touched, which takes {} of memory; the limit is {}: raise \
          the limit, lower the load or widen the pitch",
         memory(*.bytes), memory(*.limit)
     )]
     TooLarge {
-        /// Pillars in the window that would have to be solved.
+        /// Number of pillars in the window that would be solved.
         pillars: usize,
-        /// Memory it would take, bytes.
+        /// Required memory, bytes.
         bytes: usize,
-        /// Memory allowed, bytes.
+        /// Memory limit, bytes.
         limit: usize,
     },
-    /// Fields at more points than there is memory for.
+    /// Fields at this number of points exceed the memory limit.
     #[error(
         "fields at {points} points take {} of memory; the limit is {}: raise the limit, or ask for at \
          most {most} points, such as {} by {}",
         memory(*.bytes), memory(*.limit), .most.isqrt(), .most.isqrt()
     )]
     TooManyPoints {
-        /// Points asked for.
+        /// Number of points requested.
         points: usize,
-        /// Memory they would take, bytes.
+        /// Required memory, bytes.
         bytes: usize,
-        /// Memory allowed, bytes.
+        /// Memory limit, bytes.
         limit: usize,
-        /// How many would fit.
+        /// Largest number of points within the limit.
         most: usize,
     },
     /// Too few elements on a pillar for a solution with an error estimate.
@@ -71,36 +71,36 @@ pub enum SolveError {
          an error estimate"
     )]
     MeshTooCoarse {
-        /// Cells across a pillar asked for.
+        /// Number of cells across a pillar that was requested.
         cells_per_diameter: usize,
-        /// Fewest that can be.
+        /// Smallest number supported.
         fewest: usize,
     },
-    /// The homogenised lattice does not apply to pillars this close together.
+    /// The homogenised lattice is not valid for pillars this close together.
     #[error(
         "the homogenised lattice needs a surface fraction below {limit:.3} for these materials, \
          but it is {surface_fraction:.3}: widen the pitch or use the spectral method"
     )]
     TextureTooDense {
-        /// Fraction of the surface that is pillar top.
+        /// Fraction of the surface covered by pillar tops.
         surface_fraction: f64,
-        /// Where the model ends for this lens and substrate.
+        /// Largest surface fraction of the model for this lens and substrate.
         limit: f64,
     },
-    /// On a periodic surface, the lens would touch its own images.
+    /// On a periodic surface, the contact would reach its periodic images.
     #[error(
         "the contact reaches the border of the period, {0:.3e} m by {1:.3e} m around the lens axis, \
-         where the next lens begins: lower the load, or use a larger period or free space", .period[0], .period[1]
+         where it meets its periodic image: lower the load, or use a larger period or free space", .period[0], .period[1]
     )]
     ContactExceedsPeriod {
         /// Sides of the period, m.
         period: [f64; 2],
     },
-    /// On a periodic surface, an indentation beyond the mean displacement that no contact has.
+    /// On a periodic surface, the indentation exceeds the mean separation, which no contact attains.
     #[error(
-        "an indentation of {indentation:.3e} m is not below the mean separation, \
-         {mean_separation:.3e} m, at which a periodic contact is full under any pressure: \
-         prescribe a force"
+        "invalid indentation {indentation:.3e} m: must be below the mean separation, \
+         {mean_separation:.3e} m, at which a periodic contact is complete under any pressure; \
+         prescribe a force instead"
     )]
     FullContact {
         /// Prescribed indentation, m.
@@ -108,28 +108,27 @@ pub enum SolveError {
         /// Mean separation of the undeformed surfaces, m.
         mean_separation: f64,
     },
-    /// The grid ends where the lens may still touch the surface, and what it would bear outside is
-    /// missing.
+    /// The grid ends within reach of the lens, so that the load outside it would be missing.
     #[error(
-        "the surface ends within reach of the lens: its grid is {:.3e} m by {:.3e} m, and one of \
-         {needed:.3e} m around the lens axis would do: use a larger surface or lower the load",
+        "the surface ends within reach of the lens: its grid is {:.3e} m by {:.3e} m, and \
+         {needed:.3e} m around the lens axis are sufficient: use a larger surface or lower the load",
         .sides[0], .sides[1]
     )]
     SurfaceEnds {
         /// Sides of the grid, m.
         sides: [f64; 2],
-        /// Width of a grid around the lens axis that would do, m.
+        /// Sufficient width of a grid around the lens axis, m.
         needed: f64,
     },
-    /// A table of heights that ends within reach of the contact.
+    /// The table of heights ends within the contact.
     #[error(
-        "the lens is needed up to {reach:.3e} m from its axis, and its table of heights ends at {end:.3e} m: give a longer \
+        "the shape of the lens is required up to {reach:.3e} m from its axis, but its table of heights ends at {end:.3e} m: give a longer \
          table or lower the load"
     )]
     ProfileEnds {
-        /// How far out it is needed, m, or a lower bound.
+        /// Required range of the table, m, or a lower bound.
         reach: f64,
-        /// Where the table ends, m.
+        /// End of the table, m.
         end: f64,
     },
     /// A contact that is too wide for the thinnest layer.
@@ -145,15 +144,15 @@ pub enum SolveError {
     },
     /// A cycle without adhesion.
     #[error(
-        "without adhesion a lens is withdrawn the way that it came, so that there is no cycle: give a \
-         work of adhesion above 0, or ask for the loading alone"
+        "without adhesion, unloading follows the curve of loading, so that there is no cycle: give a \
+         work of adhesion above 0, or compute the loading only"
     )]
     NothingSticks,
-    /// A load past the transition, with tops that stick.
+    /// A load past the transition with adhesive tops.
     #[error(
         "with adhesion the loading ends at the critical state, at an indentation of \
-         {indentation:.4e} m and a force of {force:.4e} N: what the floor then does is not solved with \
-         tops that stick; lower the load, or ignore the floor"
+         {indentation:.4e} m and a force of {force:.4e} N: floor contact without adhesion is not \
+         supported with adhesive tops; lower the load, or ignore the floor"
     )]
     PastTransition {
         /// Critical indentation, m.
@@ -161,79 +160,79 @@ pub enum SolveError {
         /// Critical force, N.
         force: f64,
     },
-    /// A state whose derivatives are not known.
-    #[error("no gradient can be given: {why}")]
+    /// The derivatives of this state are not available.
+    #[error("the gradient is not available: {why}")]
     NoGradient {
-        /// What is in the way, and what to ask for instead.
+        /// The reason, and a supported alternative.
         why: &'static str,
     },
-    /// A floor share that cannot be had.
-    #[error("the floor bears no such share: {why}")]
+    /// The fraction of the load carried by the floor is unattainable.
+    #[error("unattainable fraction of the load on the floor: {why}")]
     NoFloorShare {
-        /// What is in the way, and what to ask for instead.
+        /// The reason, and a supported alternative.
         why: &'static str,
     },
-    /// There is no floor to be reached.
-    #[error("there is no floor under the lens to be reached")]
+    /// The surface has no floor.
+    #[error("there is no floor under the lens")]
     NoFloor,
-    /// The cells of a surface do not fit the memory allowed.
+    /// The number of cells of a surface exceeds the memory limit.
     #[error(
         "{cells} cells take {} of memory; the limit is {}: raise the limit, lower the \
-         load, or use cells of {:.2e} m or larger in place of {cell:.2e} m",
+         load, or use cells of {:.2e} m or larger instead of {cell:.2e} m",
         memory(*.bytes), memory(*.limit), .suggested_cell
     )]
     TooManyCells {
-        /// Cells that would have to be solved.
+        /// Number of cells that would be solved.
         cells: usize,
-        /// Memory they would take, bytes.
+        /// Required memory, bytes.
         bytes: usize,
-        /// Memory allowed, bytes.
+        /// Memory limit, bytes.
         limit: usize,
         /// Longer side of a cell, m.
         cell: f64,
-        /// Longer side of a cell with which it would fit, m.
+        /// Longer side of a cell that would fit, m.
         suggested_cell: f64,
     },
-    /// Contacts on rounded tops that grow into each other.
+    /// Contacts on rounded tops merge.
     #[error(
         "the contacts of asperities {0} and {1} (counted from 0) merge at an indentation of about {indentation:.4e} m and a force of \
-         {force:.4e} N, beyond which they are no discs: lower the load, or move the asperities apart", .asperities[0], .asperities[1]
+         {force:.4e} N, beyond which they are not discs: lower the load, or move the asperities apart", .asperities[0], .asperities[1]
     )]
     ContactsMerge {
-        /// Which ones.
+        /// Indices of the asperities.
         asperities: [usize; 2],
-        /// The indentation up to which they are apart, m.
+        /// Indentation up to which the contacts are separate, m.
         indentation: f64,
-        /// The force up to which they are apart, N.
+        /// Force up to which the contacts are separate, N.
         force: f64,
     },
-    /// A rounded top so tilted against the lens that it is touched at its rim.
+    /// A rounded top is so inclined relative to the lens that the contact is at its rim.
     #[error(
-        "asperity {asperity} (counted from 0) would be touched at the rim of its pillar, {rim_radius:.3e} m from its highest point, where it is \
-         no asperity: give it a smaller radius of curvature, or a wider pillar"
+        "asperity {asperity} (counted from 0) would be touched at the rim of its pillar, {rim_radius:.3e} m from its highest point, where \
+         its shape ends: give it a smaller radius of curvature, or a wider pillar"
     )]
     TouchedAtRim {
-        /// Which one.
+        /// Index of the asperity.
         asperity: usize,
         /// Radius of its pillar, m.
         rim_radius: f64,
     },
-    /// A number of the solution is infinite or undefined, so that there is none.
+    /// A number of the solution is infinite or undefined.
     #[error(
         "the {what} of the solution is infinite or undefined: there is no result; quantities of \
          the case may be too many orders of magnitude apart"
     )]
     NotFinite {
-        /// Which one.
+        /// Name of the number.
         what: &'static str,
     },
-    /// The caller asked to stop.
+    /// The caller cancelled the computation.
     #[error("interrupted")]
     Interrupted,
-    /// A stuck floor whose front cannot be where it is asked for.
+    /// There is no equilibrium of a bonded floor with this front.
     #[error(
-        "no state of the collapsed floor is found with a front of {front_radius:.3e} m at an indentation of {indentation:.4e} m: free annuli there are \
-         too near to each other or to the front"
+        "the collapsed floor has no equilibrium with a front of {front_radius:.3e} m at an indentation of {indentation:.4e} m: free annuli are \
+         too close to each other or to the front"
     )]
     NoFront {
         /// Radius of the front, m.

@@ -16,33 +16,33 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
-/// Within this distance of a partially touched pillar (pillar radii), all its modes count;
-/// beyond, the modes by which pillars act on each other.
+/// Distance from a partially covered pillar (pillar radii) within which all its modes are evaluated; beyond it, only the modes through
+/// which pillars interact.
 const NEAR: f64 = 4.0;
 
 /// Pressure on a disc of the surface.
 #[derive(Debug, Clone)]
 pub(crate) struct Disc {
-    /// Lattice indices of the pillar it lies on.
+    /// Lattice indices of its pillar.
     pub(crate) index: (i64, i64),
     /// Centre and radius, pillar radii.
     pub(crate) centre: Point,
     pub(crate) radius: f64,
-    /// Coefficients of `q`, by rising degree.
+    /// Coefficients of `q`, by increasing degree.
     pub(crate) coefficients: Vec<f64>,
     /// Coefficients of the gap, if the edge of the contact crosses the disc.
     pub(crate) gap: Option<Vec<f64>>,
-    /// What of the disc adhesion holds, if there is any: the pressure may pull there.
+    /// The bonded region of the disc, with adhesion: the pressure may be tensile there.
     pub(crate) held: Option<HeldPart>,
-    /// Where the contact ends, if it is a sliver along the rim: the gap is too coarse then.
+    /// The edge of a narrow contact along the rim, for which the gap is too coarse.
     pub(crate) sliver: Option<SliverEdge>,
 }
 
-/// What of a disc is held by adhesion.
+/// The bonded region of a disc.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum HeldPart {
     All,
-    /// That before a front.
+    /// The region behind a front.
     Before(Front),
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct Front {
     pub(crate) curvature: f64,
     pub(crate) place: f64,
     pub(crate) direction: f64,
-    /// Area of the disc before it.
+    /// Area of the disc behind the front.
     pub(crate) area: f64,
 }
 
@@ -63,11 +63,11 @@ impl Front {
         along < self.place - self.curvature * across * across
     }
 
-    /// The outline of what is before it, a polygon of about so many corners, in radii of the disc from its centre: half of them
-    /// along the rim, half along the front.
+    /// The outline of the region behind the front, a polygon of about this number of corners, in radii of the disc from its centre: half of
+    /// them along the rim, half along the front.
     fn outline(&self, corners: usize) -> Vec<Point> {
         let (place, curvature) = (self.place, self.curvature);
-        // Where the front meets the rim, `place - curvature y^2 = x` at `y^2 = 1 - x^2`.
+        // The front meets the rim, `place - curvature y^2 = x`, at `y^2 = 1 - x^2`.
         let meeting = if curvature == 0.0 {
             place
         } else {
@@ -92,7 +92,7 @@ impl Front {
 }
 
 impl Disc {
-    /// The same turned about the lens axis by an angle (rad).
+    /// The same rotated about the lens axis by an angle (rad).
     pub(crate) fn turned(mut self, angle: f64) -> Self {
         if angle == 0.0 {
             return self;
@@ -113,13 +113,13 @@ impl Disc {
         self
     }
 
-    /// A scaled position from its centre, in its radii.
+    /// A scaled position relative to its centre, in its radii.
     #[inline(always)]
     pub(super) fn offset(&self, position: Point) -> Point {
         [0, 1].map(|k| (position[k] - self.centre[k]) / self.radius)
     }
 
-    /// Whether all its modes count at a scaled position.
+    /// Whether all its modes are evaluated at a scaled position.
     #[inline(always)]
     pub(super) fn is_close(&self, position: Point) -> bool {
         is_close(self.offset(position))
@@ -131,7 +131,7 @@ impl Disc {
     }
 }
 
-/// Whether all modes of a disc count at an offset from its centre, in its radii.
+/// Whether all modes of a disc are evaluated at an offset from its centre, in its radii.
 #[inline(always)]
 fn is_close([x, y]: Point) -> bool {
     x * x + y * y < NEAR * NEAR
@@ -143,27 +143,26 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// The solution of a contact problem as functions of position.
 ///
-/// Positions are in m from the lens axis. Evaluation at a point visits every touched pillar; for
-/// many points [`sample`](Self::sample) is much faster.
+/// Positions are in m from the lens axis. Evaluation at a point visits every pillar in contact; for many points, [`sample`](Self::sample)
+/// is much faster.
 #[derive(Clone)]
 pub struct Fields {
     pub(super) scene: Scene,
-    /// Scaled.
+    /// Indentation in scaled units.
     indentation: f64,
     pub(super) discs: Vec<Disc>,
     disc_of: HashMap<(i64, i64), usize>,
     pub(super) exterior: Exterior,
-    /// Of all modes, for points close to discs with more than the leading ones.
+    /// Displacement of all modes, for points close to discs with more than the leading modes.
     close_exterior: Exterior,
     pub(super) compliance: Vec<f64>,
-    /// What is covered of the discs that the edge of the contact crosses: found when the first
-    /// pressure is asked for.
+    /// The covered regions of the discs that the edge of the contact crosses; computed when a pressure is first evaluated.
     covered: OnceLock<Vec<Option<CoveredPart>>>,
-    /// Pressure on the floor, scaled.
+    /// Pressure on the floor, in scaled units.
     pub(super) floor: Option<FloorLoad>,
 }
 
-/// Without the tables it is evaluated by.
+/// Omits the tables used for evaluation.
 impl std::fmt::Debug for Fields {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Fields")
@@ -198,7 +197,7 @@ impl Fields {
         }
     }
 
-    /// With a pressure on the floor too.
+    /// Adds a pressure on the floor.
     pub(crate) fn with_floor(self, floor: FloorLoad) -> Self {
         Self {
             floor: Some(floor),
@@ -206,7 +205,7 @@ impl Fields {
         }
     }
 
-    /// What the pressure on the floor adds to the displacement, scaled.
+    /// Displacement due to the pressure on the floor, in scaled units.
     pub(super) fn displacement_by_floor(&self, position: Point) -> f64 {
         let floor = self.floor.as_ref();
         floor.map_or(0.0, |floor| floor.displacement(position))
@@ -219,25 +218,25 @@ impl Fields {
         ]
     }
 
-    /// The pillar whose top holds a scaled position.
+    /// The pillar whose top contains a scaled position.
     fn pillar_under(&self, position: Point) -> Option<IndexedPillar> {
         self.scene.field.under(position)
     }
 
-    /// Whether a position is on a pillar top rather than above the floor.
+    /// Whether a position is on a pillar top rather than on the floor.
     #[must_use]
     pub fn is_on_pillar(&self, position: Point) -> bool {
         self.pillar_under(self.scaled(position)).is_some()
     }
 
-    /// How far the pressure has moved the two surfaces apart, `w`, m: the sum over both bodies,
-    /// without the shortening of the pillars.
+    /// Relative normal displacement of the two surfaces due to the pressure, `w`, m: the sum over both bodies, without the shortening of
+    /// the pillars.
     #[must_use]
     pub fn displacement(&self, position: Point) -> f64 {
         self.scaled_displacement(self.scaled(position)) * self.scene.length
     }
 
-    /// As [`displacement`](Self::displacement), scaled.
+    /// [`displacement`](Self::displacement) in scaled units.
     pub(super) fn scaled_displacement(&self, position: Point) -> f64 {
         let mut values = vec![0.0; self.compliance.len()];
         let by_pillars: f64 = self
@@ -248,13 +247,13 @@ impl Fields {
         by_pillars + self.displacement_by_floor(position)
     }
 
-    /// What one disc adds; `values` is room for its modes.
+    /// Displacement due to one disc; `values` is a buffer for its modes.
     pub(super) fn displacement_by(&self, disc: &Disc, position: Point, values: &mut [f64]) -> f64 {
         disc.radius * self.displacement_of_unit(disc, disc.offset(position), values)
     }
 
-    /// What some discs add, to none of which the position [is close](Disc::is_close); `values` is room for the modes by which pillars act on each
-    /// other.
+    /// Displacement due to some discs, none of which the position [is close](Disc::is_close) to; `values` is a buffer for the modes through
+    /// which pillars interact.
     #[inline(always)]
     pub(super) fn displacement_by_some(
         &self,
@@ -262,7 +261,7 @@ impl Fields {
         position: Point,
         values: &mut [Lanes],
     ) -> f64 {
-        // What is at no disc bears nothing, and may be anywhere off it.
+        // Unused lanes carry no load and may be at any position outside a disc.
         let lanes = |of_disc: &dyn Fn(&Disc) -> f64, of_none: f64| {
             Lanes(discs.map(|disc| disc.map_or(of_none, of_disc)))
         };
@@ -311,8 +310,8 @@ impl Fields {
         degree_with(disc.coefficients.len())
     }
 
-    /// Gap between the lens and the surface below it, m: the pillar top where there is one, the
-    /// floor elsewhere. Zero in contact, up to the resolution of the solution.
+    /// Gap between the lens and the surface below it, m: the pillar top where there is one, otherwise the floor. Zero in contact, up to the
+    /// resolution of the solution.
     #[must_use]
     pub fn gap(&self, position: Point) -> f64 {
         let at = self.scaled(position);
@@ -332,8 +331,8 @@ impl Fields {
         gap * self.scene.length
     }
 
-    /// By how much a pillar gives way at a point of its top: it is shortened by `kappa F/(2 a)` in scaled units, from `lambda_00 = pi (1 + kappa)`,
-    /// and leans likewise.
+    /// Displacement of a pillar top at a point due to the compliance of the pillar: it shortens by `kappa F/(2 a)` in scaled units, from
+    /// `lambda_00 = pi (1 + kappa)`, and tilts likewise.
     fn column_sink(&self, index: (i64, i64), pillar: &ListedPillar, at: Point) -> f64 {
         let Some(disc) = self.disc_of.get(&index).map(|&k| &self.discs[k]) else {
             return 0.0;
@@ -352,13 +351,12 @@ impl Fields {
         shortened + leaning
     }
 
-    /// Contact pressure, Pa: zero out of contact, infinite at the very edge of a covered pillar
-    /// top. [`on_grid`](Self::on_grid) gives means over cells, which are finite.
+    /// Contact pressure, Pa: zero outside the contact, infinite at the edge of a covered pillar top. [`on_grid`](Self::on_grid) returns
+    /// means over cells, which are finite.
     ///
-    /// On a pillar top that the edge of the contact crosses it is positive inside that edge, which is
-    /// known to a few hundredths of the pillar radius, goes to zero there as a root, and has the
-    /// force of the pillar. With adhesion it is negative where a top is pulled; on one that is held in part, it is
-    /// the mean over that part.
+    /// On a pillar top that the edge of the contact crosses, the pressure is positive inside this edge, whose position is accurate to a few
+    /// hundredths of the pillar radius, vanishes at the edge as a square root, and has the force of the pillar. With adhesion it is
+    /// negative where a top is in tension; on a partially bonded top, it is the mean over the bonded region.
     #[must_use]
     pub fn pressure(&self, position: Point) -> f64 {
         self.pressure_at(self.scaled(position))
@@ -411,8 +409,8 @@ impl Fields {
             .map_or(Density::None, Density::Covered)
     }
 
-    /// The outline of the covered part of a pillar top, a polygon of so many corners around its middle, m from
-    /// the lens axis; none of a pillar that is not touched.
+    /// The outline of the covered region of a pillar top, a polygon with this number of corners around its centre, m from the lens axis;
+    /// empty for a pillar without contact.
     #[must_use]
     pub fn covered_outline(&self, index: (i64, i64), corners: usize) -> Vec<Point> {
         let Some(&k) = self.disc_of.get(&index) else {
@@ -457,19 +455,19 @@ impl Fields {
 
 /// `q` on a disc, at points in units of its radius from its centre.
 pub(super) enum Density<'f> {
-    /// Of a disc that is covered: the expansion.
+    /// Covered disc: the expansion.
     Expansion {
         coefficients: &'f [f64],
         basis: Box<BasisEvaluator>,
         values: Vec<f64>,
-        /// Whether it may be negative.
+        /// Whether the pressure may be negative.
         pulls: bool,
     },
-    /// Of one that adhesion holds in part: the mean pressure there.
+    /// Partially bonded disc: the mean pressure in the bonded region.
     Part { mean: f64, front: &'f Front },
-    /// Of one that the edge of the contact crosses.
+    /// Disc crossed by the edge of the contact.
     Covered(&'f CoveredPart),
-    /// No contact can be made out.
+    /// No contact is detected.
     None,
 }
 
@@ -497,7 +495,7 @@ impl Density<'_> {
     }
 }
 
-/// Where the contact of a sliver ends, in pillar radii from the centre of the pillar.
+/// Edge of a narrow contact at the rim, in pillar radii from the centre of the pillar.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SliverEdge {
     pub(crate) points: Vec<Point>,

@@ -1,4 +1,4 @@
-//! What the floor between the pillars bears.
+//! Contact with the floor between the pillars.
 
 use crate::problem::point::turned;
 use crate::problem::{Cells, Point};
@@ -8,43 +8,43 @@ use crate::problem::{Cells, Point};
 pub struct FloorContact {
     /// Normal force on the floor, N.
     pub force: f64,
-    /// That force over the whole one.
+    /// Fraction of the total force carried by the floor.
     pub share: f64,
-    /// Area in contact, m^2: that of the cells, less what cells along its border count too much on the average.
+    /// Area in contact, m^2: that of the cells, minus the mean excess of cells along its border.
     pub area: f64,
-    /// Groups of cells in contact that share sides: a count of the grid. Bridges between neighbouring patches are narrow while they
-    /// form, so that it is a number of the contact only if [two grids agree](Self::patches_agree).
+    /// Number of groups of cells in contact that share sides, on this grid. Bridges between adjacent patches are narrow while they form, so
+    /// that this is a property of the contact only if [two grids agree](Self::patches_agree).
     pub patches: usize,
-    /// Whether the grid of twice the cell size has as many.
+    /// Whether the number is the same on the grid with twice the cell size.
     pub patches_agree: bool,
-    /// Distance of the farthest contact with the floor from the lens axis, m; half a cell too far on the average.
+    /// Distance of the farthest floor contact from the lens axis, m; half a cell too large on average.
     pub radius: f64,
     /// Smallest distance between a contact with the floor and the rim of a pillar, m.
     pub smallest_distance_to_rim: f64,
     /// Estimated relative errors.
     pub error: FloorErrors,
-    /// How well the pressures meet the contact conditions: an upper bound of the error of the energy, over the energy. The pillar tops
-    /// count as solved. Zero where the floor sticks, whose fronts stand by their energy.
+    /// Duality gap: an upper bound of the energy error, divided by the energy. The pillar tops are assumed to be solved. Zero for an
+    /// adhesive floor, whose fronts are determined by their energy.
     pub energy_bound: f64,
-    /// The cells in contact, of a grid with the lens axis at the origin, m; before it is [turned](Self::rotation).
+    /// The cells in contact, on a grid with the lens axis at the origin, m; before its [rotation](Self::rotation).
     pub cells: Cells,
-    /// By how much that grid is turned about the lens axis, rad: as much as a lattice is from how one of its kind is drawn.
+    /// Rotation of this grid about the lens axis, rad: that of the lattice relative to its standard orientation.
     pub rotation: f64,
-    /// The pressure on each of them, Pa.
+    /// The pressure on each of these cells, Pa.
     pub pressure: Vec<f64>,
 }
 
-/// Estimated relative errors of what the floor bears, from two grids and from refinement on pillars.
+/// Estimated relative errors of the floor contact, from two grids and from refinement on pillars.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorErrors {
-    /// Of the force on the floor, and so of its share.
+    /// Error of the force on the floor, and therefore of its fraction of the load.
     pub share: f64,
-    /// Of the area.
+    /// Error of the area.
     pub area: f64,
 }
 
 impl FloorErrors {
-    /// Nothing is known of them.
+    /// The errors are unknown.
     pub(crate) const UNKNOWN: Self = Self {
         share: 1.0,
         area: 1.0,
@@ -58,18 +58,18 @@ impl FloorContact {
         self.cells.grid().cell()
     }
 
-    /// The centre of every cell in contact, turned as the grid is, m from the lens axis.
+    /// The centre of every cell in contact, rotated with the grid, m from the lens axis.
     pub fn centres(&self) -> impl Iterator<Item = Point> + '_ {
         self.cells.centres().map(|centre| self.placed(centre))
     }
 
-    /// Where a point of the grid is when that is turned, m from the lens axis.
+    /// Position of a point of the grid after the rotation, m from the lens axis.
     #[must_use]
     pub fn placed(&self, point: Point) -> Point {
         self.turned_by(point, self.rotation)
     }
 
-    /// Where a point (m from the lens axis) is on the grid before that is turned.
+    /// Position of a point (m from the lens axis) in the grid before the rotation.
     #[must_use]
     pub fn on_grid(&self, point: Point) -> Point {
         self.turned_by(point, -self.rotation)

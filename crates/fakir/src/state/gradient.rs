@@ -1,4 +1,4 @@
-//! How a contact changes with what it was computed from.
+//! Derivatives of a contact with respect to its input quantities.
 
 use super::checked::check_number;
 use super::contact::ContactState;
@@ -6,59 +6,61 @@ use super::critical::CriticalState;
 use super::error::SolveError;
 use crate::problem::Quantity;
 
-/// A contact under a load with its exact derivatives: those of the discrete solution itself, with the states of all pillars as they are. They hold
-/// up to the next load at which a pillar is touched or let go, and central differences of the contact equal them.
+/// A contact under a load with its exact derivatives: those of the discrete solution, at constant contact states of all pillars. They are
+/// valid up to the next load at which a pillar comes into contact or detaches, and equal central differences of the contact.
 ///
-/// The sensitivities come from adjoint solutions: one for the force, which is the response to a unit indentation, and one for the
+/// The sensitivities follow from adjoint solutions: one for the force, which is the response to a unit indentation, and one for the
 /// critical state (J. Haslinger and R. A. E. Makinen, Introduction to Shape Optimization, SIAM 2003, sec. 3.3 and 5.3).
 ///
-/// Where several points of the floor are reached at once, as on symmetric lattices, derivatives of the critical state with respect to single pillars
-/// are those for one of these points; those with respect to what changes all of them alike hold as they are.
+/// If several points of the floor are reached simultaneously, as on symmetric lattices, derivatives of the critical state with respect to
+/// single pillars are those for one of these points; derivatives with respect to quantities that affect all points equally are valid
+/// without restriction.
 ///
-/// It is solved to rounding first, so that the contact differs from that of [`press`](crate::press) by less than its error.
+/// The contact is first solved to rounding, so that it differs from that of [`press`](crate::press) by less than its error.
 #[derive(Debug, Clone)]
 pub struct Gradient {
     /// The contact.
     pub contact: ContactState,
     /// `dF/d zeta`, N/m.
     pub stiffness: f64,
-    /// Of the force, N; none where it is prescribed.
+    /// Derivatives of the force, N; `None` if it is prescribed.
     pub force: Option<Derivatives>,
-    /// Of the indentation, m; none where it is prescribed.
+    /// Derivatives of the indentation, m; `None` if it is prescribed.
     pub indentation: Option<Derivatives>,
-    /// Of the area of contact, m^2; none where the edge of the contact crosses a pillar: on its top the area changes from node to node.
+    /// Derivatives of the contact area, m^2; `None` if the edge of the contact crosses a pillar, whose area in contact changes in steps of
+    /// nodes.
     pub area: Option<Derivatives>,
 }
 
-/// Derivatives of a result with respect to quantities of a system, each while all others stay as they are: in units of the result
-/// over the SI unit of the quantity.
+/// Partial derivatives of a result with respect to quantities of a system, in units of the result divided by the SI unit of the quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Derivatives {
-    /// By the height of every touched pillar alone (per m), by its lattice indices, those nearest to the lens axis first. Its column is so much
-    /// longer too; the indentation is told from the common height still.
+    /// Derivatives with respect to the height of every pillar in contact (per m), by its lattice indices, in order of increasing distance
+    /// from the lens axis. The column becomes longer as well; the indentation remains relative to the common height.
     pub heights: Vec<((i64, i64), f64)>,
-    /// By the quantities of the system: lens radius, moduli, Poisson's ratios, diameter, height and pitch. With the height the floor
-    /// becomes deeper and columns longer, and with the diameter all columns thicker; with the pitch pillars stay where they are in pitches, the lens
-    /// axis between them too.
+    /// Derivatives with respect to the quantities of the system: lens radius, moduli, Poisson's ratios, diameter, height and pitch. The
+    /// height changes the depth of the floor and the length of columns, the diameter the thickness of all columns; with the pitch, the
+    /// positions of pillars and lens axis in units of the pitch remain constant.
     pub quantities: Vec<(Quantity, f64)>,
-    /// By the column compliance of every pillar ([`System::column_compliance`](crate::problem::System::column_compliance)), per m/N.
+    /// Derivative with respect to the column compliance of every pillar
+    /// ([`System::column_compliance`](crate::problem::System::column_compliance)), per m/N.
     pub column_compliance: f64,
 }
 
 impl Derivatives {
-    /// That with respect to a quantity of the system, if it is one of those known.
+    /// The derivative with respect to a quantity of the system; `None` if it is not available.
     #[must_use]
     pub fn by(&self, quantity: Quantity) -> Option<f64> {
         let found = self.quantities.iter().find(|(known, _)| *known == quantity);
         found.map(|(_, value)| *value)
     }
 
-    /// Of this result plus a factor times another one.
+    /// Derivatives of this result plus a factor times another one.
     pub(crate) fn plus(&self, factor: f64, other: &Self) -> Self {
         self.with(other, |value, other| value + factor * other)
     }
 
-    /// Of the result times a factor.
+    /// Derivatives of the result times a factor.
     pub(crate) fn times(&self, factor: f64) -> Self {
         self.with(self, |value, _| factor * value)
     }
@@ -89,7 +91,7 @@ impl Derivatives {
 }
 
 impl Gradient {
-    /// The critical state, where the floor is just reached: of a gradient for [`Load::FloorContact`](crate::problem::Load).
+    /// The critical state, of a gradient for [`Load::FloorContact`](crate::problem::Load).
     ///
     /// # Errors
     /// A number that is infinite or undefined.
@@ -97,7 +99,7 @@ impl Gradient {
         CriticalState::new(self.contact.clone()).checked()
     }
 
-    /// The gradient as it is handed out.
+    /// Checks the gradient before it is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         self.contact = self.contact.checked()?;
         check_number("stiffness", &mut self.stiffness)?;

@@ -1,39 +1,39 @@
-//! Conditions of the model, and how near a case comes to where they end.
+//! Validity limits of the model.
 
 use crate::problem::System;
 
-/// Contact radius over lens radius beyond which a contact is warned of.
+/// Ratio of contact radius to lens radius above which a warning is given.
 pub(crate) const DOUBTFUL_CONTACT: f64 = 0.2;
 
-/// Stress of Kendall's punch at pull-off over the modulus of the substrate beyond which pillars stretch by more than linear elasticity
-/// is good for.
+/// Stress of Kendall's punch at pull-off divided by the modulus of the substrate above which the strain of pillars exceeds the range of
+/// linear elasticity.
 pub(crate) const LARGEST_STRAIN: f64 = 0.3;
 
-/// Thickness of a layer over the diameter of a pillar below which it matters how the one joins the other.
+/// Ratio of layer thickness to pillar diameter below which the deformation at the feet of the pillars is significant.
 pub(crate) const THINNEST_LAYER: f64 = 2.0;
 
-/// Indentation over the thickness of a layer beyond which small strains no longer describe it.
+/// Ratio of indentation to layer thickness above which strains are not small.
 pub(crate) const DEEPEST_IN_LAYER: f64 = 0.05;
 
 /// Tabor number below which the range of the attraction is not small: the zone at the rim in which it acts is then wider than 8 % of the
 /// pillar radius.
 pub(crate) const SMALLEST_TABOR_NUMBER: f64 = 5.0;
 
-/// A condition of the model, and how near this case comes to where it ends.
+/// A validity limit of the model, and the corresponding value in this case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
     /// Its name in results.
     pub name: &'static str,
     /// Its value here.
     pub value: f64,
-    /// From where on it is doubtful; none of what only would change the answer.
+    /// Threshold of validity; `None` for values that are informative only.
     pub threshold: Option<f64>,
-    /// Whether it is doubtful here.
+    /// Whether the threshold is exceeded.
     pub strained: bool,
 }
 
 impl Limit {
-    /// Of a value that is to be small.
+    /// A value that must be small.
     pub(crate) fn at_most(name: &'static str, value: f64, threshold: f64) -> Self {
         Self {
             name,
@@ -43,7 +43,7 @@ impl Limit {
         }
     }
 
-    /// Of a value that is to be large.
+    /// A value that must be large.
     pub(crate) fn at_least(name: &'static str, value: f64, threshold: f64) -> Self {
         Self {
             name,
@@ -53,7 +53,7 @@ impl Limit {
         }
     }
 
-    /// Of a value that cannot be strained.
+    /// A value without a threshold.
     pub(crate) fn told(name: &'static str, value: f64) -> Self {
         Self {
             name,
@@ -63,7 +63,7 @@ impl Limit {
         }
     }
 
-    /// How near it is: above 1 where it is strained, and none without a threshold.
+    /// The value relative to the threshold: above 1 if the limit is exceeded; `None` without a threshold.
     #[must_use]
     pub fn nearness(&self) -> Option<f64> {
         let ratio = self.value / self.threshold?;
@@ -75,8 +75,8 @@ impl Limit {
     }
 }
 
-/// The conditions of the model with adhesion for a contact that reaches so far from the lens axis (m). `range` is that of the attraction (m),
-/// if it is known.
+/// The validity limits of the model with adhesion for a contact of the given extent from the lens axis (m). `range` is that of the
+/// attraction (m), if it is known.
 pub(crate) fn limits_of_adhesion(system: &System, farthest: f64, range: Option<f64>) -> Vec<Limit> {
     let strain = system.kendall_strain();
     let slope = system.lens().slope_at(farthest);

@@ -1,10 +1,8 @@
-//! What comes back: the contact under a load, the critical state, fields, estimates, and why there is no answer.
+//! Results: the contact under a load, the critical state, fields, error estimates, and errors.
 //!
-//! *Top contact* is governed by `p >= 0`, `gap >= 0`, `p gap = 0` on the pillar
-//! tops, where `gap = f - h + w + column - zeta` with `f` the undeformed lens above
-//! the floor and `zeta` the indentation: how far the lens has come down since its
-//! lowest point was level with the pillar tops. The gap to the floor between the
-//! pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
+//! *Top contact* is governed by `p >= 0`, `gap >= 0`, `p gap = 0` on the pillar tops, where `gap = f - h + w + column - zeta` with `f` the
+//! undeformed lens above the floor and `zeta` the indentation: the displacement of the lens from the position in which its lowest point is
+//! level with the pillar tops. The gap to the floor between the pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
 //! indentation at which it vanishes somewhere.
 
 pub(crate) mod asperity_contact;

@@ -1,20 +1,20 @@
-//! Whether the numbers of a result are resolved.
+//! Resolution of results.
 
-/// Largest estimated relative error of a number that counts as an answer: beyond, not even its first digit is known.
+/// Largest estimated relative error of a result: above it, not even the first digit is known.
 pub const LARGEST_ERROR: f64 = 0.5;
 
-/// A number of a result that is not resolved: its estimated relative error is above [`LARGEST_ERROR`].
+/// A result that is not resolved: its estimated relative error is above [`LARGEST_ERROR`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unresolved {
-    /// What it measures.
+    /// Name of the quantity.
     pub quantity: &'static str,
     /// Its estimated relative error.
     pub error: f64,
-    /// What resolves it.
+    /// The remedy.
     pub remedy: Remedy,
 }
 
-/// What resolves a number.
+/// A way to resolve a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Remedy {
@@ -28,7 +28,7 @@ pub enum Remedy {
     SmallerCells,
     /// A higher load: the contact is too small for the method.
     HigherLoad,
-    /// The model of the collapsed floor: cells on an adhesive floor give orders of magnitude.
+    /// The model of the collapsed floor: cells on an adhesive floor are accurate in order of magnitude only.
     CollapsedFloor,
 }
 
@@ -41,7 +41,7 @@ impl std::fmt::Display for Remedy {
             Self::SmallerCells => "use smaller cells",
             Self::HigherLoad => "raise the load: the contact is too small for this method",
             Self::CollapsedFloor => {
-                "these are orders of magnitude: compare the model of the collapsed floor"
+                "compare with the model of the collapsed floor: the order of magnitude is all that is known"
             }
         })
     }
@@ -51,14 +51,14 @@ impl std::fmt::Display for Unresolved {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "the {} is not resolved, with an estimated relative error of {:.2} where at most {LARGEST_ERROR} is an answer: {}",
+            "the {} is not resolved: its estimated relative error {:.2} exceeds {LARGEST_ERROR}; {}",
             self.quantity, self.error, self.remedy
         )
     }
 }
 
 impl Unresolved {
-    /// The first that is not resolved of numbers, each with its name and its estimated relative error.
+    /// The first number that is not resolved, among numbers with their names and estimated relative errors.
     pub(crate) fn among(
         numbers: impl IntoIterator<Item = (&'static str, f64)>,
         remedy: Remedy,
@@ -123,7 +123,7 @@ mod tests {
             );
             assert_eq!(found.remedy, Remedy::AccurateSetting);
             assert!(found.to_string().contains("accuracy \"accurate\""));
-            // What did not converge is told as that.
+            // Results that did not converge are reported as such.
             let stopped = ContactState {
                 termination: Termination::IterationLimit,
                 ..doubtful
@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    /// No error is known of a force that is zero.
+    /// The error of a force of zero is unknown.
     #[test]
     fn zero_is_an_answer() {
         for load in [Load::Indentation(0.0), Load::Force(0.0)] {
@@ -140,7 +140,7 @@ mod tests {
         }
     }
 
-    /// The lens touches a pillar between the centres of cells: a force of 0 of which nothing is known.
+    /// The lens touches a pillar between the centres of cells: a force of 0 with unknown error.
     #[test]
     fn a_force_that_is_not_found_is_no_answer() {
         let elements = Method::Love(ElementMesh::default());
@@ -155,7 +155,7 @@ mod tests {
         assert!(pressed_by(Load::Indentation(0.0), elements).is_answer());
     }
 
-    /// What is carried at an indentation of 0, where some pillars are higher, has an error like any other force.
+    /// At an indentation of 0, where some pillars are higher, the force has an error like any other force.
     #[test]
     fn a_force_at_no_indentation_counts() {
         let state = ContactState {
@@ -181,11 +181,12 @@ mod tests {
         assert_eq!(with(0.4, 0.4), None);
         assert_eq!(with(0.6, 0.4), Some("force on the floor"));
         assert_eq!(with(0.1, 0.7), Some("contact area on the floor"));
-        // Nothing is known of it.
+        // The error is unknown.
         assert_eq!(with(1.0, 1.0), None);
     }
 
-    /// Pillars that pull hold those that are pressed: the force is nearly zero, and so is its error beside what pillars carry.
+    /// Pillars in tension balance those in compression: the force is nearly zero, and its error is small compared with the forces on
+    /// pillars.
     #[test]
     fn a_small_difference_of_large_forces_is_an_answer() {
         let mut state = pressed(Load::Indentation(1e-6));

@@ -1,36 +1,35 @@
-//! How a computation is run, as opposed to what is computed: cancellation,
-//! progress, threads and memory.
+//! Control of a computation, as opposed to its definition: cancellation, progress, threads and memory.
 
 use super::contact::ContactState;
 use super::error::SolveError;
 use crate::numerics::workers::{CancelToken, Workers};
 
-/// What a computation is doing.
+/// Stage of a computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Stage {
-    /// Preparing the influence of pillars on each other.
+    /// Computing the interaction of pillars.
     Coupling,
-    /// Solving with one unknown per pillar, as a start.
+    /// Solving with one unknown per pillar, for an initial guess.
     Punch,
-    /// Solving in full.
+    /// Solving the full problem.
     Spectral,
-    /// Solving in full with the floor in contact.
+    /// Solving the full problem with the floor in contact.
     Floor,
-    /// Solving by elements.
+    /// Solving with boundary elements.
     Elements,
-    /// Solving for a height map; it reports cells in place of pillars.
+    /// Solving for a height map; reports cells instead of pillars.
     Surface,
-    /// Loading and unloading with adhesion; it reports events as steps.
+    /// Loading and unloading with adhesion; reports events as steps.
     Cycle,
-    /// Moving the fronts on a floor that sticks, at one indentation; it reports rounds as steps.
+    /// Moving the fronts on an adhesive floor at constant indentation; reports iterations as steps.
     FloorFronts,
     /// Estimating the error.
     ErrorEstimate,
 }
 
 impl Stage {
-    /// A few words for a person.
+    /// Description for output.
     #[must_use]
     pub fn description(self) -> &'static str {
         match self {
@@ -47,46 +46,46 @@ impl Stage {
     }
 }
 
-/// A report from a running computation.
+/// A progress report of a running computation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// What it is doing.
+    /// Current stage.
     pub stage: Stage,
-    /// Newton steps taken in this stage.
+    /// Number of Newton steps in this stage.
     pub step: usize,
-    /// Pillars in the window that is being solved.
+    /// Number of pillars in the window that is being solved.
     pub pillars: usize,
-    /// Pillars touched so far.
+    /// Number of pillars in contact so far.
     pub touched: usize,
 }
 
-/// How a computation is run. The default runs on the calling thread, silently.
+/// Control of a computation. By default, it runs on the calling thread, without reports.
 #[derive(Clone, Default)]
 pub struct Run<'a> {
     /// Stops the computation when cancelled.
     pub cancel: CancelToken,
-    /// Told what is going on, every Newton step.
+    /// Called with the progress at every Newton step.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
-    /// Told what there is on the way to a contact by the spectral method: with more than a thousand
-    /// pillars the contact of the corrected punch lattice, from which it starts (solved to three digits), and
-    /// its own solution before the error is estimated (the estimate is then NaN): past the transition that of the pillar tops
-    /// alone, before the floor. Of a cycle the critical state, before the lens jumps onto a floor that sticks. Not told under a prescribed force, or of a
-    /// contact inside one pillar.
+    /// Called with intermediate results of the spectral method for a contact: for more than a thousand pillars, the contact of the
+    /// corrected punch lattice that is used as the initial guess (solved to three digits); and the solution before its error is estimated
+    /// (the estimate is then NaN), which past the transition is that of the pillar tops alone, before floor contact. For a cycle, called
+    /// with the critical state, before the lens jumps into contact with an adhesive floor. Not called for a prescribed force, or for a
+    /// contact within one pillar.
     pub interim: Option<&'a (dyn Fn(&ContactState) + Sync)>,
-    /// Threads to share the work between; without it everything runs on the calling thread.
+    /// Threads that share the work; `None` runs everything on the calling thread.
     pub pool: Option<&'a rayon::ThreadPool>,
-    /// Most memory to use, bytes; 8 GB if not set.
+    /// Memory limit, bytes; 8 GB if not set.
     pub memory_limit: Option<usize>,
 }
 
 impl Run<'_> {
-    /// Memory a computation may take, bytes: what was set, or 8 GB.
+    /// The memory limit of the computation, bytes: as set, or 8 GB.
     #[must_use]
     pub fn memory_limit(&self) -> usize {
         self.memory_limit.unwrap_or(8_000_000_000)
     }
 
-    /// What shares the work of this computation.
+    /// Threads and cancellation of this computation.
     pub(crate) fn workers(&self) -> Workers<'_> {
         Workers {
             pool: self.pool,

@@ -1,12 +1,10 @@
-//! Fields at many points at once.
+//! Evaluation of fields at many points.
 //!
-//! Pillars within two pitches of the lattice cell of a point are summed one by one, exactly as at
-//! a single point. What all others add is smooth within a cell: it is found at Chebyshev points of
-//! every cell, where it is a convolution over the lattice, and interpolated. Its nearest
-//! singularity is `sqrt7` pitches from the middle of the cell, `4.58` times the half width
-//! `e/sqrt3` of the square of nodes, so that `n` nodes a side leave an error of about `9.05^-n`
-//! of what one pillar there adds (L. N. Trefethen, Approximation Theory and Approximation
-//! Practice, theorem 8.2).
+//! Pillars within two pitches of the lattice cell of a point are summed directly, exactly as at a single point. The contribution of all
+//! others is smooth within a cell: it is computed at Chebyshev points of every cell, where it is a convolution over the lattice, and
+//! interpolated. Its nearest singularity is `sqrt7` pitches from the centre of the cell, `4.58` times the half width `e/sqrt3` of the
+//! square of nodes, so that `n` nodes per side leave an error of about `9.05^-n` of the contribution of one pillar there (L. N. Trefethen,
+//! Approximation Theory and Approximation Practice, theorem 8.2).
 
 use super::contact::ContactState;
 use super::error::SolveError;
@@ -23,22 +21,20 @@ use std::ops::Range;
 /// Displacement, gap and pressure at points.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FieldSamples {
-    /// How far the pressure has moved the two surfaces apart, m: as [`Fields::displacement`].
+    /// Relative normal displacement of the two surfaces, m, as in [`Fields::displacement`].
     pub displacement: Vec<f64>,
-    /// Gap between the lens and the surface below it, m: as [`Fields::gap`].
+    /// Gap between the lens and the surface below it, m, as in [`Fields::gap`].
     pub gap: Vec<f64>,
-    /// Contact pressure, Pa: at the point, as [`Fields::pressure`], from [`Fields::sample`]; the mean
-    /// over the cell of the point from [`Fields::on_grid`].
+    /// Contact pressure, Pa: at the point, as in [`Fields::pressure`], from [`Fields::sample`]; the mean over the cell of the point from
+    /// [`Fields::on_grid`].
     pub pressure: Vec<f64>,
 }
 
-/// Memory that a point takes while fields are sampled, bytes: the point twice, once scaled, and the
-/// three fields twice.
+/// Memory per point while fields are sampled, bytes: the point twice, once scaled, and the three fields twice.
 const BYTES_PER_POINT: usize = 80;
 
 impl FieldSamples {
-    /// Whether fields at so many points fit the memory allowed, if the caller keeps some more bytes
-    /// for every point.
+    /// Checks that fields at this number of points do not exceed the memory limit, if the caller stores `more` additional bytes per point.
     ///
     /// # Errors
     /// [`SolveError::TooManyPoints`]
@@ -57,34 +53,32 @@ impl FieldSamples {
     }
 }
 
-/// Chebyshev points along a side of a cell.
+/// Number of Chebyshev points along a side of a cell.
 const NODES: usize = 10;
 
-/// Pillars this close to the middle of a cell, in pitches, are near: itself, and two rings.
+/// Distance in pitches from the centre of a cell within which pillars are summed directly: the cell's pillar and two rings.
 const NEAR: f64 = 2.1;
 
-/// Room for the modes of a disc, and for those by which pillars act on each other, of several.
+/// Buffers for the modes of a disc, and for the modes through which pillars interact, of several discs.
 struct Room {
     modes: Vec<f64>,
     lanes: Vec<Lanes>,
 }
 
-/// Points between looks at whether to go on.
+/// Number of points between checks for cancellation.
 const BATCH: usize = 1024;
 
-/// Kernel values and transforms cost about as much per array element as this many pillars do at a
-/// point.
+/// Number of pillars whose direct summation at a point takes about as long as kernel values and transforms per array element.
 const CONVOLUTION_COST: usize = 300;
 
 impl Fields {
-    /// Displacement, gap and pressure at points (m from the lens axis), in their order.
+    /// Displacement, gap and pressure at points (m from the lens axis), in the same order.
     ///
-    /// The same as asking point by point, up to an error in the displacement of about 1e-10 of
-    /// it, but in a time that hardly depends on the number of pillars.
+    /// The result is the same as for single points, up to an error in the displacement of about 1e-10 of it, but the time hardly depends on
+    /// the number of pillars.
     ///
     /// # Errors
-    /// [`SolveError::Interrupted`] if `run` is cancelled, and [`SolveError::TooManyPoints`] for more
-    /// than there is memory for.
+    /// [`SolveError::Interrupted`] if `run` is cancelled, and [`SolveError::TooManyPoints`] if the memory limit is exceeded.
     pub fn sample(&self, points: &[Point], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
         let mut samples = self.displacement_and_gap(points, run)?;
         let pressure = |point: &Point| self.pressure(*point);
@@ -96,7 +90,7 @@ impl Fields {
         Ok(samples)
     }
 
-    /// Displacement and gap at some points; the pressure is left out.
+    /// Displacement and gap at some points; the pressure is omitted.
     fn displacement_and_gap(
         &self,
         points: &[Point],
@@ -132,18 +126,16 @@ impl Fields {
         })
     }
 
-    /// Fields on a grid of the given coordinates (m), row by row: `x` runs fastest.
+    /// Fields on a grid of the given coordinates (m), by rows: `x` varies fastest.
     ///
-    /// Displacement and gap are those at the points. The pressure, which is infinite at the edge of a
-    /// covered pillar top, is its mean over the cell of the point: cells end half-way to the next
-    /// coordinates, and as far beyond the outermost. Where there is but one coordinate the cell is as
-    /// wide as the narrowest the other way. A point that is not in contact has no pressure: what is in contact of
-    /// its cell counts for the nearest point that is. The sum of pressure times area over cells that hold a
-    /// pillar is the force on it, to 1e-6 where it is covered and to 0.003 where the edge of the contact
-    /// crosses it.
+    /// Displacement and gap are those at the points. The pressure, which is infinite at the edge of a covered pillar top, is its mean over
+    /// the cell of the point. Cells end half-way to the adjacent coordinates, and extend as far beyond the outermost ones. If there is only
+    /// one coordinate, the width of the cell is that of the narrowest cell in the other direction. The pressure of a point that is not in
+    /// contact is zero: the force on the part of its cell in contact is assigned to the nearest point in contact. The sum of pressure times
+    /// area over the cells of a pillar is the force on it, to 1e-6 if it is covered and to 0.003 if the edge of the contact crosses it.
     ///
     /// # Errors
-    /// As [`sample`](Self::sample).
+    /// As for [`sample`](Self::sample).
     pub fn on_grid(&self, x: &[f64], y: &[f64], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
         FieldSamples::check_memory(x.len().saturating_mul(y.len()), 0, run)?;
         let mut samples = self.displacement_and_gap(&grid_points(x, y), run)?;
@@ -153,11 +145,11 @@ impl Fields {
 }
 
 impl ContactState {
-    /// Displacement, gap and pressure at points (m from the lens axis), as [`Fields::sample`]; where nothing is touched, those of the undeformed lens.
-    /// `None` for methods that do not resolve pillars.
+    /// Displacement, gap and pressure at points (m from the lens axis), as in [`Fields::sample`]; without contact, those of the undeformed
+    /// lens. Returns `None` for methods that do not resolve pillars.
     ///
     /// # Errors
-    /// As [`Fields::sample`].
+    /// As for [`Fields::sample`].
     pub fn sample(
         &self,
         points: &[Point],
@@ -169,10 +161,10 @@ impl ContactState {
         }
     }
 
-    /// The same on a grid of the given coordinates (m), as [`Fields::on_grid`].
+    /// The same on a grid of the given coordinates (m), as in [`Fields::on_grid`].
     ///
     /// # Errors
-    /// As [`Fields::on_grid`].
+    /// As for [`Fields::on_grid`].
     pub fn sample_on_grid(
         &self,
         x: &[f64],
@@ -212,13 +204,13 @@ impl ContactState {
     }
 }
 
-/// The points of a grid, row by row.
+/// The points of a grid, by rows.
 fn grid_points(x: &[f64], y: &[f64]) -> Vec<Point> {
     let row = |&y: &f64| x.iter().map(move |&x| [x, y]);
     y.iter().flat_map(row).collect()
 }
 
-/// Values at points, by batches on the threads of a run.
+/// Values at points, computed in batches on the threads of a run.
 fn in_batches<T: Copy + Send>(
     points: &[Point],
     batch: impl Fn(&[Point]) -> Result<Vec<T>, SolveError> + Sync + Send,
@@ -240,7 +232,7 @@ struct Block {
 }
 
 impl Block {
-    /// The smallest that holds all indices; `None` if there are none.
+    /// The smallest rectangle that contains all indices; `None` if there are none.
     fn around(indices: impl Iterator<Item = (i64, i64)>) -> Option<Self> {
         let one = |(i, j): (i64, i64)| Self {
             i: i..i + 1,
@@ -264,36 +256,36 @@ impl Block {
     }
 }
 
-/// Whether a pillar is near the middle of a cell.
+/// Whether a pillar is near the centre of a cell.
 fn is_near(lattice: &HexagonalLattice, [x, y]: Point) -> bool {
     x * x + y * y < (NEAR * lattice.pitch).powi(2)
 }
 
-/// What pillars that are not near add to the displacement, in every cell that holds points.
+/// Displacement due to pillars that are not near, in every cell that contains points.
 struct FarField {
     lattice: HexagonalLattice,
     cells: Block,
     pillars: Block,
-    /// For every place in `pillars`, which disc stands there, plus one.
+    /// For every position in `pillars`, the index of its disc plus one.
     disc_at: Vec<u32>,
     nodes: [f64; NODES],
-    /// Their weights in the barycentric formula.
+    /// Weights of the barycentric formula.
     weights: [f64; NODES],
-    /// From a pillar to those that are near.
+    /// Offsets from a pillar to the near ones.
     near: Vec<(i64, i64)>,
-    /// For every cell, the values at its nodes, row by row.
+    /// For every cell, the values at its nodes, by rows.
     values: Vec<f64>,
 }
 
 impl FarField {
-    /// The far field, if there are enough pillars and points for it to pay.
+    /// The far field, if there are enough pillars and points to save time.
     fn worthwhile(
         fields: &Fields,
         points: &[Point],
         run: &Run<'_>,
     ) -> Result<Option<Self>, SolveError> {
         let discs = &fields.discs;
-        // A disc that is not a whole pillar top stands alone.
+        // Discs that do not cover a whole pillar top are isolated.
         if discs.len() < 20 || discs.iter().any(|disc| disc.radius < 1.0) {
             return Ok(None);
         }
@@ -318,7 +310,7 @@ impl FarField {
         if padded.0 * padded.1 * CONVOLUTION_COST > points.len() * discs.len() {
             return Ok(None);
         }
-        // Transforms of all modes, once of the loads and on every thread of what they do at a node.
+        // Transforms of all modes: once for the loads, and on every thread for their effect at a node.
         let threads = run.pool.map_or(1, rayon::ThreadPool::current_num_threads);
         let arrays = 2 + fields.exterior.count() * (1 + threads);
         let at_nodes = 2 * 8 * NODES * NODES * cell_shape.0 * cell_shape.1;
@@ -409,7 +401,7 @@ impl FarField {
     }
 }
 
-/// What near discs add: [`LANES`] at a time of those that are not close.
+/// Displacement due to near discs; those that are not close are processed in groups of [`LANES`].
 #[inline(always)]
 fn displacement_by_near<'f>(
     fields: &Fields,
@@ -438,19 +430,19 @@ fn displacement_by_near<'f>(
     sum
 }
 
-/// Convolution over the lattice of the loads on pillars with what they do at a node of a cell.
+/// Convolution over the lattice of the loads on pillars with their displacement at a node of a cell.
 struct Convolution {
     padded: (usize, usize),
     plans: ComplexPlans,
-    /// For every place of the array, the vector from a pillar to the middle of a cell; none where
-    /// the pillar is near, or where there is no such pair.
+    /// For every position of the array, the vector from a pillar to the centre of a cell; `None` if the pillar is near, or if there is no
+    /// such pair.
     vectors: Vec<Option<Point>>,
 }
 
 impl Convolution {
     fn new(far: &FarField, padded: (usize, usize)) -> Self {
         let shape = (far.cells.shape(), far.pillars.shape());
-        // Place k of the array holds the difference k, or k - padded where that is negative.
+        // Position k of the array contains the difference k, or k - padded if this is negative.
         let difference = |k: usize, cells: usize, pillars: usize, padded: usize| -> Option<i64> {
             if k < cells {
                 Some(k as i64)
@@ -508,7 +500,7 @@ impl Convolution {
             .collect())
     }
 
-    /// Coefficients of a mode on all pillars, transformed.
+    /// Transformed coefficients of a mode on all pillars.
     fn transformed_load(&self, far: &FarField, fields: &Fields, mode: usize) -> Vec<Complex64> {
         let mut array = vec![Complex64::default(); self.padded.0 * self.padded.1];
         for disc in &fields.discs {
@@ -601,7 +593,7 @@ mod tests {
         assert_eq!(samples, Ok(None));
     }
 
-    /// Under so many pillars or more.
+    /// Fields with at least this number of pillars in contact.
     fn fields(surface_fraction: f64, offset: f64, touched: usize) -> Arc<Fields> {
         let lattice = reference::lattice(surface_fraction).offset_by(offset);
         let compliance = PillarCompliance::Column;
@@ -612,8 +604,8 @@ mod tests {
         state.fields.unwrap()
     }
 
-    /// Fields at many points against the same fields point by point, on and beside pillars, in
-    /// and out of contact, with pillars the contact edge crosses.
+    /// Compares fields at many points with the same fields at single points, on pillars and on the floor, in and out of contact, including
+    /// pillars that the contact edge crosses.
     #[track_caller]
     fn check_points(fields: &Fields) {
         let points: Vec<Point> = (0..12_000)
@@ -624,7 +616,7 @@ mod tests {
             .collect();
         let samples = fields.sample(&points, &Run::default()).unwrap();
         let size = fields.displacement([0.0, 0.0]);
-        // With no memory to spare pillars are summed one by one.
+        // Without spare memory, pillars are summed directly.
         let little = Run {
             memory_limit: Some(points.len() * BYTES_PER_POINT),
             ..Run::default()

@@ -1,4 +1,4 @@
-//! What all results have in common, and all contacts, pillar by pillar or cell by cell.
+//! Common properties of all results, and of all contacts by pillars or by cells.
 
 use super::asperity_contact::AsperityContact;
 use super::contact::{ContactState, Termination, Warning};
@@ -7,7 +7,7 @@ use super::flat::{FlatContact, FlatCycle};
 use super::resolution::Unresolved;
 use super::surface::SurfaceContact;
 
-/// What a solver came to: contacts of all kinds and cycles. Whether it is an answer is decided here alone.
+/// A solution of any kind: contacts and cycles. Decides whether it is a valid result.
 pub trait Solution {
     /// Why the solver stopped.
     fn termination(&self) -> Termination;
@@ -15,17 +15,17 @@ pub trait Solution {
     /// The first number of a solution that is not resolved, if there is one.
     fn unresolved(&self) -> Option<Unresolved>;
 
-    /// Whether the numbers are the solution.
+    /// Whether the solver converged.
     fn converged(&self) -> bool {
         self.termination() == Termination::Converged
     }
 
-    /// Whether the numbers are an answer: the solution, and resolved.
+    /// Whether the numbers are a valid result: converged and resolved.
     fn is_answer(&self) -> bool {
         self.converged() && self.unresolved().is_none()
     }
 
-    /// Why the numbers are no answer; none if they are one.
+    /// The reason why the numbers are not a valid result; `None` if they are.
     fn problem(&self) -> Option<String> {
         if self.converged() {
             self.unresolved().map(|it| it.to_string())
@@ -35,16 +35,16 @@ pub trait Solution {
     }
 }
 
-/// A contact of a lens or plate with a texture or a general surface. Loadings, their figures and warnings ask for no more
-/// than this, and so are the same for all.
+/// A contact of a lens or plate with a texture or a general surface. Loading curves, their figures and warnings use only this trait, so
+/// that they are the same for all contacts.
 pub trait Contact: Solution {
     /// Indentation, m.
     fn indentation(&self) -> f64;
     /// Normal force, N.
     fn force(&self) -> f64;
-    /// Contact radius, m; none under a plate.
+    /// Contact radius, m; `None` for a plate.
     fn contact_radius(&self) -> Option<f64>;
-    /// What to be careful about.
+    /// Validity warnings.
     fn warnings(&self) -> &[Warning];
 }
 

@@ -1,4 +1,4 @@
-//! The contact with any surface, cell by cell.
+//! The contact with a general surface, by cells.
 
 use super::checked::check_number;
 use super::contact::{ErrorEstimate, Termination, Warning};
@@ -13,45 +13,45 @@ use crate::problem::{Grid, Point};
 pub struct SurfaceContact {
     /// The cells.
     pub grid: Grid,
-    /// Indentation, m; the [solver](crate::solve::elements::surface) says from where it counts.
+    /// Indentation, m; the [solver](crate::solve::elements::surface) defines its reference.
     pub indentation: f64,
-    /// Normal force, N; on a periodic surface that on one period.
+    /// Normal force, N; on a periodic surface, the force per period.
     pub force: f64,
     /// Area of the cells in contact, m^2.
     pub contact_area: f64,
-    /// Distance from the lens axis of the farthest cell in contact, with half its shorter side,
-    /// m; none under a plate.
+    /// Distance from the lens axis of the farthest cell in contact plus half its shorter side, m; `None` for a plate.
     pub contact_radius: Option<f64>,
     /// Pressure, Pa.
     pub pressure: Vec<f64>,
-    /// By how much the two surfaces have moved apart under the pressure, columns included, m; on
-    /// a periodic surface relative to the mean displacement of the half-space.
+    /// Relative normal displacement of the two surfaces due to the pressure, including columns, m; on a periodic surface, relative to the
+    /// mean displacement of the half-space.
     pub displacement: Vec<f64>,
     /// Gap between the two deformed surfaces, m. Infinite beyond the equator of the lens.
     pub gap: Vec<f64>,
-    /// What tops and floor bear, where it is known which part of the surface is the [floor](crate::problem::Floor).
+    /// Load carried by tops and floor, if the [floor](crate::problem::Floor) is defined.
     pub shares: Option<LoadSharing>,
-    /// Smallest gap to the floor, m, and where it is, m: between the centres of cells too, where these are of one height; likewise.
+    /// Smallest gap to the floor, m, and its position, m, which may be between the centres of cells of equal height; `None` if the floor is
+    /// not defined.
     pub nearest_floor: Option<(f64, Point)>,
-    /// How well the contact conditions are met.
+    /// Duality gap and violation of the contact conditions.
     pub certificate: DualityGap,
-    /// Estimated relative errors from the size of the cells, zero of what was prescribed; none where the surface has too few
-    /// cells, or a periodic one an odd number of them, to compare with cells twice as large.
+    /// Estimated relative errors due to the cell size, zero for the prescribed quantity; `None` if the surface has too few cells, or a
+    /// periodic surface an odd number of cells, for a comparison with cells twice as large.
     pub error: Option<ErrorEstimate>,
-    /// Estimated relative error of the contact area, from the size of the cells; none where [`error`](Self::error) is none.
+    /// Estimated relative error of the contact area due to the cell size; `None` if [`error`](Self::error) is `None`.
     pub area_error: Option<f64>,
-    /// The same of what the floor carries, where it is known which part of the surface that is.
+    /// The same for the load carried by the floor, if it is defined.
     pub floor_error: Option<FloorErrors>,
     /// Why the solver stopped.
     pub termination: Termination,
-    /// Products with the operator on the last level.
+    /// Number of operator products on the last level.
     pub products: usize,
-    /// What to be careful about.
+    /// Validity warnings.
     pub warnings: Vec<Warning>,
 }
 
 impl SurfaceContact {
-    /// The contact as it is handed out: all of its numbers are numbers, and no zero has a sign.
+    /// Checks that all numbers are finite before the contact is returned, and removes the sign of negative zeros.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         check_number("force", &mut self.force)?;
         check_number("indentation", &mut self.indentation)?;
@@ -92,14 +92,14 @@ impl SurfaceContact {
         Ok(self)
     }
 
-    /// Whether the numbers are the solution.
+    /// Whether the solver converged.
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
     }
 
-    /// The first number of a solution that is [not resolved](Unresolved), of force, indentation and contact area, where errors are estimated. Of an indentation of 0,
-    /// which only depends on where it is counted from, there is no relative error.
+    /// The first result of a converged solution that is [not resolved](Unresolved), among force, indentation and contact area, if errors
+    /// are estimated. An indentation of 0 has no relative error, since it depends on the reference.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
         let error = self.error.filter(|_| self.converged())?;
@@ -116,8 +116,7 @@ impl SurfaceContact {
         Unresolved::among(numbers, Remedy::SmallerCells)
     }
 
-    /// Estimated error of the contact radius relative to it: that of the cells, from corner to corner.
-    /// `None` under a plate.
+    /// Estimated error of the contact radius relative to it: the diagonal of a cell. `None` for a plate.
     #[must_use]
     pub fn relative_contact_radius_error(&self) -> Option<f64> {
         let [width, height] = self.grid.cell();
@@ -129,20 +128,20 @@ impl SurfaceContact {
         })
     }
 
-    /// Force over the area of the grid, Pa.
+    /// Force divided by the area of the grid, Pa.
     #[must_use]
     pub fn mean_pressure(&self) -> f64 {
         self.force / (self.grid.cell_count() as f64 * self.grid.cell_area())
     }
 }
 
-/// The critical state on any surface.
+/// The critical state on a general surface.
 pub type SurfaceTransition = Critical<SurfaceContact>;
 
-/// How the load is shared.
+/// Load sharing between tops and floor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoadSharing {
-    /// What is not floor.
+    /// All parts that are not floor.
     pub tops: Share,
     /// The floor.
     pub floor: Share,
@@ -157,14 +156,13 @@ pub struct Share {
     pub area: f64,
 }
 
-/// How well pressures meet the contact conditions. Pressures are never negative.
+/// Measures of how well pressures satisfy the contact conditions. Pressures are never negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DualityGap {
-    /// Upper bound of the energy error over the elastic energy; see the
-    /// [solver](crate::solve::elements::solver).
+    /// Upper bound of the energy error divided by the elastic energy; see the [solver](crate::solve::elements::solver).
     pub energy_bound: f64,
     /// Deepest interpenetration anywhere, m.
     pub interpenetration: f64,
-    /// Largest distance from contact of an element that bears pressure, m.
+    /// Largest gap at an element with positive pressure, m.
     pub gap_under_pressure: f64,
 }

@@ -1,9 +1,8 @@
-//! Closed forms of lone contacts that stick.
+//! Closed forms of single adhesive contacts.
 //!
-//! `E*` is the reduced modulus (Pa), `w` the work of adhesion (J/m^2), `a` the radius of a flat top or of a contact (m). Forces are positive
-//! where the bodies are pressed together. How far a system is from where these hold say
-//! [`System::kendall_strain`](crate::problem::System::kendall_strain) and [`System::tabor_number`](crate::problem::System::tabor_number).
-//!
+//! `E*` is the reduced modulus (Pa), `w` the work of adhesion (J/m^2), `a` the radius of a flat top or of a contact (m). Forces are
+//! positive in compression. [`System::kendall_strain`](crate::problem::System::kendall_strain) and
+//! [`System::tabor_number`](crate::problem::System::tabor_number) indicate how far a system is from the range of validity.
 #![doc = include_str!("../../doc/rendered/adhesion.md")]
 //!
 //! Sources: K. Kendall, J. Phys. D 4, 1186 (1971) (flat punch); K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)
@@ -14,22 +13,22 @@ use crate::problem::quantity::Requirement;
 use crate::problem::{InvalidQuantity, Quantity};
 use std::f64::consts::PI;
 
-/// Pull-off force of a flat punch, N, negative: `-sqrt(8 pi w E* a^3)`. It is the same for every compliance of a column below and of the
-/// machine.
+/// Pull-off force of a flat punch, N, negative: `-sqrt(8 pi w E* a^3)`. It is independent of the compliance of a column below the punch and
+/// of the machine.
 #[must_use]
 pub fn kendall_pull_off(modulus: f64, radius: f64, work: f64) -> f64 {
     -(8.0 * PI * work * modulus * radius.powi(3)).sqrt()
 }
 
-/// Pull-off force of a flat top in the middle under a sphere of radius `R`, in full contact: `2 a E* (2 a^2/(3 R)) - sqrt(8 pi w E* a^3)`, N.
+/// Pull-off force of a flat top centred under a sphere of radius `R`, in full contact: `2 a E* (2 a^2/(3 R)) - sqrt(8 pi w E* a^3)`, N.
 #[must_use]
 pub fn pull_off_under_lens(modulus: f64, radius: f64, work: f64, lens_radius: f64) -> f64 {
     4.0 * modulus * radius.powi(3) / (3.0 * lens_radius) + kendall_pull_off(modulus, radius, work)
 }
 
-/// Force at which the rim of a flat top tilted by an angle (rad) against the other surface first yields, N: on it the edge coefficient is
-/// `F/(2 pi a^2)` less `2 E* theta/pi` on the side that is pulled, and `q_c = sqrt(2 w E*/(pi a))` holds:
-/// `F = -sqrt(8 pi w E* a^3) (1 - 2 E* theta/(pi q_c))`. From there on the top peels.
+/// Force at which the rim of a flat top that is tilted by an angle (rad) relative to the other surface first detaches, N. The edge
+/// coefficient there is `F/(2 pi a^2)` minus `2 E* theta/pi` on the side in tension, and reaches `-q_c` with `q_c = sqrt(2 w E*/(pi a))`:
+/// `F = -sqrt(8 pi w E* a^3) (1 - 2 E* theta/(pi q_c))`. Beyond this force the top peels.
 #[must_use]
 pub fn first_yield_of_tilted_top(modulus: f64, radius: f64, work: f64, tilt: f64) -> f64 {
     let critical = (2.0 * work * modulus / (PI * radius)).sqrt();
@@ -37,10 +36,10 @@ pub fn first_yield_of_tilted_top(modulus: f64, radius: f64, work: f64, tilt: f64
     kendall_pull_off(modulus, radius, work) * (1.0 - relative)
 }
 
-/// A circular contact of a sphere that sticks.
+/// A circular contact of an adhesive sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StickySphere {
-    /// Radius of contact, m.
+    /// Contact radius, m.
     pub radius: f64,
     /// Force, N.
     pub force: f64,
@@ -48,7 +47,7 @@ pub struct StickySphere {
     pub indentation: f64,
 }
 
-/// The contact of a sphere (as a paraboloid) of a radius `R` with a flat of the same reduced modulus, inside one pillar top:
+/// The contact of a sphere (approximated by a paraboloid) of radius `R` with a flat surface, within one pillar top:
 /// `F = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3)`, `zeta = a^2/R - sqrt(2 pi w a/E*)`.
 #[must_use]
 pub fn sticky_sphere(modulus: f64, lens_radius: f64, work: f64, radius: f64) -> StickySphere {
@@ -59,26 +58,26 @@ pub fn sticky_sphere(modulus: f64, lens_radius: f64, work: f64, radius: f64) -> 
     }
 }
 
-/// Where a sphere comes off under a prescribed force: `F = -(3/2) pi w R`.
+/// Pull-off of a sphere at controlled force: `F = -(3/2) pi w R`.
 #[must_use]
 pub fn sphere_pull_off_by_force(modulus: f64, lens_radius: f64, work: f64) -> StickySphere {
     let cube = 9.0 * PI * work * lens_radius * lens_radius / (8.0 * modulus);
     sticky_sphere(modulus, lens_radius, work, cube.cbrt())
 }
 
-/// Where a sphere comes off under a prescribed indentation: at 5/9 of the largest pull.
+/// Pull-off of a sphere at controlled displacement: at 5/9 of the largest tension.
 #[must_use]
 pub fn sphere_pull_off_by_displacement(modulus: f64, lens_radius: f64, work: f64) -> StickySphere {
     let cube = PI * work * lens_radius * lens_radius / (8.0 * modulus);
     sticky_sphere(modulus, lens_radius, work, cube.cbrt())
 }
 
-/// The contact of a sphere at an indentation (m) on the branch that it holds on: of the two radii of [`sticky_sphere`] at it the larger. `None`
-/// where the sphere has come off, below the indentation of [`sphere_pull_off_by_displacement`]. At indentation 0, where the sphere
-/// first touches, it jumps to the radius `(2 pi w R^2/E*)^(1/3)` and is drawn by `(4/3) pi w R`.
+/// The contact of a sphere at an indentation (m) on the stable branch: the larger of the two radii of [`sticky_sphere`] at this
+/// indentation. Returns `None` if the sphere is detached, below the indentation of [`sphere_pull_off_by_displacement`]. At indentation 0,
+/// where the sphere first touches, it jumps to the radius `(2 pi w R^2/E*)^(1/3)` under a tension of `(4/3) pi w R`.
 ///
 /// # Errors
-/// A modulus, lens radius or work of adhesion that is no positive number, and an indentation that is no number.
+/// A modulus, lens radius or work of adhesion that is not positive and finite, and an indentation that is not finite.
 pub fn sticky_sphere_at_indentation(
     modulus: f64,
     lens_radius: f64,
@@ -94,7 +93,7 @@ pub fn sticky_sphere_at_indentation(
         return Ok(None);
     }
     let at = |radius: f64| sticky_sphere(modulus, lens_radius, work, radius).indentation;
-    // The sum of Hertz's radius and that of the first touch is more than enough.
+    // The sum of Hertz's radius and the radius at first touch is an upper bound.
     let first = (2.0 * PI * work * lens_radius * lens_radius / modulus).cbrt();
     let most = (indentation.max(0.0) * lens_radius).sqrt() + 1.01 * first;
     let ends = [last.radius, most].map(|position| Point {
@@ -108,11 +107,11 @@ pub fn sticky_sphere_at_indentation(
     Ok(Some(sticky_sphere(modulus, lens_radius, work, radius)))
 }
 
-/// Pull-off force of a sphere of a radius `R` whose attraction is constant over a range `h0 = w/sigma_0` (Maugis's Dugdale model), N, negative.
+/// Pull-off force of a sphere of radius `R` with a constant attraction over a range `h0 = w/sigma_0` (Maugis's Dugdale model), N, negative.
 ///
-/// It goes from `-2 pi w R` (rigid, long range) to `-(3/2) pi w R` (soft, short range). In Maugis's reduced quantities
-/// (`P = F/(pi w R)`, `A = a/(pi w R^2/K)^(1/3)`, `lambda = 2 sigma_0/(pi w K^2/R)^(1/3)`, `K = 4 E*/3`) with `m` the outer over the inner radius of
-/// the zone of attraction and `s = sqrt(m^2 - 1)`, `t = atan(s)`:
+/// It varies from `-2 pi w R` (rigid, long range) to `-(3/2) pi w R` (soft, short range). In Maugis's reduced quantities (`P = F/(pi w R)`,
+/// `A = a/(pi w R^2/K)^(1/3)`, `lambda = 2 sigma_0/(pi w K^2/R)^(1/3)`, `K = 4 E*/3`), with `m` the ratio of outer to inner radius of the
+/// zone of attraction and `s = sqrt(m^2 - 1)`, `t = atan(s)`:
 ///
 /// ```text
 /// (lambda A^2/2) (s + (m^2 - 2) t) + (4 lambda^2 A/3) (s t - m + 1) = 1,
@@ -120,7 +119,7 @@ pub fn sticky_sphere_at_indentation(
 /// ```
 ///
 /// # Errors
-/// A range that is no positive number.
+/// A range that is not positive and finite.
 pub fn dugdale_pull_off(
     modulus: f64,
     lens_radius: f64,
@@ -137,23 +136,23 @@ pub fn dugdale_pull_off(
     let start = places
         .min_by(|a, b| value(*a).total_cmp(&value(*b)))
         .unwrap_or(0.0);
-    // Around it by golden sections.
+    // Refined by golden-section search.
     let step = (MOST_ZONE - LEAST_ZONE) / f64::from(SCAN);
     let best = least([start - step, start + step], SECTIONS, value);
     Ok(PI * work * lens_radius * value(best))
 }
 
-/// Logarithms of the width `s` of the zone of attraction between which the largest pull is sought, places at which it is looked first, and
-/// golden sections after that.
+/// Logarithms of the width `s` of the zone of attraction that bound the search for the largest tension, number of initial samples, and
+/// number of golden-section steps.
 const LEAST_ZONE: f64 = -14.0;
 const MOST_ZONE: f64 = 14.0;
 const SCAN: i32 = 280;
 const SECTIONS: usize = 60;
 
-/// `P` of Maugis's model at a width of the zone of attraction.
+/// `P` in Maugis's model for a width of the zone of attraction.
 fn reduced_dugdale_force(lambda: f64, s: f64) -> f64 {
     let (m, t) = (s.hypot(1.0), s.atan());
-    // s - t and s t - m + 1 cancel where s is small.
+    // s - t and s t - m + 1 suffer from cancellation for small s.
     let difference = if s < 0.1 {
         let square = s * s;
         s * square
@@ -211,7 +210,7 @@ mod tests {
         UNIT_FORCE * coefficients[0] * radius * radius
     }
 
-    /// Johnson, Kendall and Roberts against the modes of the disc, whose edge holds as Griffith's criterion says, over the whole branch.
+    /// Compares Johnson, Kendall and Roberts with the modes of the disc, whose edge satisfies Griffith's criterion, along the whole branch.
     #[test]
     fn spheres_stick_as_the_modes_of_a_disc_do() {
         let (lens, work) = (2.2e-3, 1e-5);
@@ -246,7 +245,7 @@ mod tests {
             ),
             (by_displacement, |s: StickySphere| s.indentation),
         ] {
-            // Least of all on the branch.
+            // Minimum of the branch.
             for part in [0.99, 1.01] {
                 let other = sticky_sphere(MODULUS, lens, work, part * state.radius);
                 assert!(measure(other) > measure(state));
@@ -254,7 +253,7 @@ mod tests {
         }
     }
 
-    /// First touch by hand: `a^3 = 2 pi w R^2/E*`, `F = -(4/3) pi w R`; and back from other indentations.
+    /// First touch by hand: `a^3 = 2 pi w R^2/E*`, `F = -(4/3) pi w R`; round trip for other indentations.
     #[test]
     fn spheres_are_found_at_their_indentation() {
         let (lens, work) = (2.2e-3, 1e-2);
@@ -282,7 +281,7 @@ mod tests {
         for tilt in [0.0, 0.02, 0.1] {
             let (mut coefficients, _) = disc(radius, work, |[x, _]| tilt * x);
             let critical = (2.0 * work * MODULUS / (PI * radius)).sqrt();
-            // Turned round, the rim at x = -1 has what that at x = 1 had.
+            // After a rotation by half a turn, the rim at x = -1 has the former value at x = 1.
             let mut basis = BasisEvaluator::new(2);
             let mut values = vec![0.0; coefficients.len()];
             let mut edge = |coefficients: &[f64], x: f64| -> f64 {
@@ -297,7 +296,7 @@ mod tests {
         }
     }
 
-    /// The limits of Bradley and of Johnson, Kendall and Roberts, between which the pull falls with the range.
+    /// The limits of Bradley and of Johnson, Kendall and Roberts; between these the tension decreases with the range.
     #[test]
     fn the_range_of_attraction_leads_from_rigid_to_soft() {
         let (lens, work) = (2.2e-3, 1e-3);

@@ -1,6 +1,7 @@
-//! The paper's formulas for the critical state, with the lens axis on a pillar. Under a lens that is no sphere they give no numbers but NaN.
+//! The formulas of the paper for the critical state, with the lens axis on a pillar. For lenses that are not spheres they return NaN.
 //!
-//! Where the paper as printed contradicts itself or its own figures, both readings are here, chosen by [`Form`], and tested.
+//! Where the printed formulas contradict each other or the figures of the paper, both versions are implemented, selected by [`Form`], and
+//! tested.
 #![doc = ""]
 #![doc = include_str!("../../doc/rendered/closed-forms.md")]
 
@@ -8,16 +9,16 @@ use super::lattice_sums::{LatticeSums, SumCoefficients};
 use crate::problem::{MAXIMUM_SURFACE_FRACTION, System};
 use std::f64::consts::PI;
 
-/// Which reading of a formula with an erratum.
+/// Version of a formula with an erratum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// As it stands in the paper.
+    /// As printed in the paper.
     AsPrinted,
-    /// As it must have been meant: see the errata above.
+    /// Corrected according to the errata above.
     Corrected,
 }
 
-/// A critical state from a formula.
+/// A critical state computed from a formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransitionEstimate {
     /// Critical force `F_c`, N.
@@ -38,15 +39,14 @@ impl TransitionEstimate {
     }
 }
 
-/// Gap (m) between lens and floor at `distance` (m) from the central pillar, which carries
-/// `central_force` `F_0` (N), the others adding `sums`:
+/// Gap (m) between lens and floor at `distance` (m) from the central pillar, whose force is `central_force` `F_0` (N); the contribution of
+/// the others is given by `sums`:
 ///
 /// ```text
 /// Delta(r) = h + r^2/(2R) + (F_0/2) { gamma_ext [1/r + r^2 G1/(2 e^3)] - 2 gamma_int/d }
 /// ```
 ///
-/// With [`Form::AsPrinted`] the last term is the paper's `- gamma_int` (erratum 1), which is no
-/// length.
+/// With [`Form::AsPrinted`] the last term is the paper's `- gamma_int` (erratum 1), which is not a length.
 #[must_use]
 pub fn central_gap(
     system: &System,
@@ -77,8 +77,8 @@ pub fn central_gap(
 /// zeta_c = F_0 [gamma_int/d + gamma_ext G0/(2e)]
 /// ```
 ///
-/// `contact_radius` (m) is that of the top contact and `sums` the lattice sums belonging to it.
-/// For sums from [`LatticeSums::exact`] or [`SumCoefficients::PAPER`], `G1 < 5.52` and so `g < 1`.
+/// `contact_radius` (m) is that of the top contact and `sums` the corresponding lattice sums. For sums from [`LatticeSums::exact`] or
+/// [`SumCoefficients::PAPER`], `G1 < 5.52` and therefore `g < 1`.
 #[must_use]
 pub fn from_gap_expansion(
     system: &System,
@@ -103,8 +103,8 @@ pub fn from_gap_expansion(
 
 /// The positive root of `constant + square r^2 - cube r^3`, all coefficients positive.
 ///
-/// In `u = 1/r` it is `u^3 + 3 s u = 2 t`, whose one real root is
-/// `2 sqrt(s) sinh(asinh(t/s^(3/2))/3)` (NIST Digital Library of Mathematical Functions, 4.43).
+/// For `u = 1/r` the equation is `u^3 + 3 s u = 2 t`, whose only real root is `2 sqrt(s) sinh(asinh(t/s^(3/2))/3)` (NIST Digital Library of
+/// Mathematical Functions, 4.43).
 fn positive_root(constant: f64, square: f64, cube: f64) -> f64 {
     let s = square / (3.0 * constant);
     let t = cube / (2.0 * constant);
@@ -112,18 +112,17 @@ fn positive_root(constant: f64, square: f64, cube: f64) -> f64 {
     (2.0 * root * ((t / (s * root)).asinh() / 3.0).sinh()).recip()
 }
 
-/// The critical state of one pillar alone, from its own gap expansion solved exactly.
+/// The critical state of a single pillar, from the exact solution of its gap expansion.
 #[must_use]
 pub fn one_pillar(system: &System) -> TransitionEstimate {
     let top_contact_radius = 0.5 * system.pillar().diameter;
     from_gap_expansion(system, top_contact_radius, &LatticeSums::ONE_PILLAR)
 }
 
-/// The paper's small-contact formulas: one pillar, to leading order in `mu_c`.
+/// The small-contact formulas of the paper: one pillar, to leading order in `mu_c`.
 ///
-/// `r_c = (R h d gamma_ext/(2 gamma_int))^(1/3)`, `mu_c = r_c^2/(2 R h)`,
-/// `F_c = (h d/gamma_int)(1 + 3 mu_c)`, `zeta_c = h (1 + 3 mu_c)`. They hold up to
-/// [`small_contact_limit`].
+/// `r_c = (R h d gamma_ext/(2 gamma_int))^(1/3)`, `mu_c = r_c^2/(2 R h)`, `F_c = (h d/gamma_int)(1 + 3 mu_c)`, `zeta_c = h (1 + 3 mu_c)`.
+/// Valid up to [`small_contact_limit`].
 #[must_use]
 pub fn small_contact(system: &System) -> TransitionEstimate {
     let (gamma_int, _) = compliances(system);
@@ -138,8 +137,7 @@ pub fn small_contact(system: &System) -> TransitionEstimate {
     }
 }
 
-/// Surface fraction below which the lens touches one pillar only at the transition:
-/// `(pi/(2 sqrt3)) (1/2 + sqrt(2 R h)/d)^-2`.
+/// Surface fraction below which the lens touches only one pillar at the transition: `(pi/(2 sqrt3)) (1/2 + sqrt(2 R h)/d)^-2`.
 #[must_use]
 pub fn small_contact_limit(system: &System) -> f64 {
     let (h, d) = (system.pillar().height, system.pillar().diameter);
@@ -147,13 +145,11 @@ pub fn small_contact_limit(system: &System) -> f64 {
     MAXIMUM_SURFACE_FRACTION / (reach * reach)
 }
 
-/// The paper's large-contact formulas, with its coefficients `C1` and `C01`.
+/// The large-contact formulas of the paper, with its coefficients `C1` and `C01`.
 ///
-/// `a_c = e sqrt(1 + (k phi)^2)`, `F_c = (h d/gamma_int)(1 + 3 mu_c)(1 + C1 ((a_c/e)^2 - 1))`
-/// and, with `2 beta = eta C01 gamma_ext/gamma_int`,
-/// `zeta_c/h = (1 + 3 mu_c)(1 + 2 beta sqrt(phi) (sqrt(1 + (k phi)^2) - 1))`. With
-/// [`Form::AsPrinted`] the last factor is `1 + beta sqrt(phi) (k phi)^2` (erratum 3). `r_c` and
-/// `mu_c` are those of [`small_contact`].
+/// `a_c = e sqrt(1 + (k phi)^2)`, `F_c = (h d/gamma_int)(1 + 3 mu_c)(1 + C1 ((a_c/e)^2 - 1))` and, with
+/// `2 beta = eta C01 gamma_ext/gamma_int`, `zeta_c/h = (1 + 3 mu_c)(1 + 2 beta sqrt(phi) (sqrt(1 + (k phi)^2) - 1))`. With
+/// [`Form::AsPrinted`] the last factor is `1 + beta sqrt(phi) (k phi)^2` (erratum 3). `r_c` and `mu_c` are those of [`small_contact`].
 #[must_use]
 pub fn large_contact(system: &System, form: Form) -> TransitionEstimate {
     let (gamma_int, gamma_ext) = compliances(system);
@@ -175,8 +171,8 @@ pub fn large_contact(system: &System, form: Form) -> TransitionEstimate {
     }
 }
 
-/// The critical contact radius of the large-contact formulas, `e sqrt(1 + (k phi)^2)`, m; with
-/// [`Form::AsPrinted`] that of the paper's text, `sqrt(e^2 + phi R h)` (erratum 2).
+/// The critical contact radius of the large-contact formulas, `e sqrt(1 + (k phi)^2)`, m; with [`Form::AsPrinted`] that of the text of the
+/// paper, `sqrt(e^2 + phi R h)` (erratum 2).
 #[must_use]
 pub fn large_contact_radius(system: &System, form: Form) -> f64 {
     let phi = system.texture().surface_fraction();
@@ -191,28 +187,24 @@ pub fn large_contact_radius(system: &System, form: Form) -> f64 {
     }
 }
 
-/// The transition curve of the phase diagram: the force (N) at which a contact of
-/// `contact_radius` (m) reaches the floor, with the paper's fits,
-/// `F gamma_int/(h d) = (1 + 3 mu_c)(1 + C1 ((a/e)^2 - 1))`; below one pitch, that of one pillar.
+/// The transition curve of the phase diagram: the force (N) at which a contact of `contact_radius` (m) reaches the floor, with the fits of
+/// the paper, `F gamma_int/(h d) = (1 + 3 mu_c)(1 + C1 ((a/e)^2 - 1))`; below one pitch, the force for a single pillar.
 #[must_use]
 pub fn transition_force(system: &System, contact_radius: f64) -> f64 {
     let sums = SumCoefficients::PAPER.sums(contact_radius / system.pitch());
     small_contact(system).force * (1.0 + sums.force)
 }
 
-/// The transition curve without fits or truncation: the lattice sums themselves and the
-/// polynomial for `r_c` ([`from_gap_expansion`]).
+/// The transition curve without fits or truncation: with exact lattice sums and the polynomial for `r_c` ([`from_gap_expansion`]).
 ///
-/// It has a kink at every shell of pillars. The cost grows as the square of `contact_radius`
-/// (m) over the pitch.
+/// It has a kink at every shell of pillars. The cost is proportional to the square of `contact_radius` (m) divided by the pitch.
 #[must_use]
 pub fn transition_from_exact_sums(system: &System, contact_radius: f64) -> TransitionEstimate {
     let sums = LatticeSums::exact(contact_radius / system.pitch());
     from_gap_expansion(system, contact_radius, &sums)
 }
 
-/// Contact radius (m) of Hertz's contact under `force` (N), the lens on the bare substrate:
-/// `a = ((3 pi/8) gamma_ext R F)^(1/3)`.
+/// Contact radius (m) of Hertz's contact under `force` (N), of the lens with the flat substrate: `a = ((3 pi/8) gamma_ext R F)^(1/3)`.
 #[must_use]
 pub fn hertz_contact_radius(system: &System, force: f64) -> f64 {
     (0.375 * PI * system.external_compliance() * system.lens().sphere_radius() * force).cbrt()
@@ -221,25 +213,25 @@ pub fn hertz_contact_radius(system: &System, force: f64) -> f64 {
 /// The two states of contact in the phase diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Region {
-    /// The lens rests on pillar tops only.
+    /// The lens touches pillar tops only.
     Top,
-    /// It also touches the floor between them.
+    /// The lens touches the floor as well.
     Mixed,
 }
 
 /// A point of the phase diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Phase {
-    /// Which side of the transition curve it is on.
+    /// The side of the transition curve.
     pub region: Region,
-    /// Whether it is within the paper's deterministic-driven contact, of at most one pitch, where
-    /// a few pillars and the place where the lens lands decide. Beyond, the lattice sums average
-    /// over that place, and force and contact radius alone decide.
+    /// Whether the contact is in the deterministic range of the paper, of at most one pitch, in which the state depends on a few pillars
+    /// and on the position of the lens axis. For larger contacts, the lattice sums average over this position, and the state depends on
+    /// force and contact radius alone.
     pub deterministic: bool,
 }
 
-/// The region of the phase diagram for a contact of `contact_radius` (m) under `force` (N),
-/// by [`transition_force`]; on the curve itself the floor is touched.
+/// The region of the phase diagram for a contact of `contact_radius` (m) under `force` (N), according to [`transition_force`]; on the curve
+/// itself the floor is touched.
 #[must_use]
 pub fn phase(system: &System, force: f64, contact_radius: f64) -> Phase {
     Phase {
@@ -324,7 +316,7 @@ mod tests {
 
     #[test]
     fn leading_order_is_right_for_narrow_pillars() {
-        // From h R + (3/2) r^2 = K r^3: the exact root is larger by the fraction mu_c.
+        // From h R + (3/2) r^2 = K r^3: the exact root exceeds the leading order by the fraction mu_c.
         let system = paper(1e-4, RIGID, PillarCompliance::None);
         let mut pillar = *system.pillar();
         pillar.diameter *= 1e-5;
@@ -355,7 +347,7 @@ mod tests {
             let leading = small_contact(&system);
             assert!((-1.3..-0.7).contains(&percent(leading.force, reference.force)));
             assert!((-1.3..-0.7).contains(&percent(leading.indentation, reference.indentation)));
-            // Erratum 4: the length of the formula is the place of the floor contact.
+            // Erratum 4: the length in the formula is the position of the floor contact.
             for (estimate, tolerance) in [(exact, 0.5), (leading, 5.0)] {
                 let distance = estimate.floor_contact_distance;
                 assert!(percent(distance, reference.floor_contact_distance).abs() < tolerance);
@@ -372,7 +364,7 @@ mod tests {
         assert!((1e-5..1e-4).contains(&force(RIGID)));
         assert!((1e-8..1e-7).contains(&force(SOFT)));
         assert!(force(INTERMEDIATE) < 0.5 * force(RIGID));
-        // One-pillar formulas hold up to a surface fraction of about 0.003.
+        // One-pillar formulas are valid up to a surface fraction of about 0.003.
         assert!((small_contact_limit(&intermediate(0.001)) - 0.003).abs() < 2e-4);
     }
 
@@ -381,8 +373,8 @@ mod tests {
         let system = intermediate(0.1);
         let factor = 10.0;
         let bigger = scaled(&system, factor);
-        // How far the central pillar gives way: the term in question alone. Under the same
-        // pressures, forces scale as lengths squared and this as a length.
+        // Compliance of the central pillar: only the term in question. At constant pressures, forces scale as lengths squared and this term
+        // as a length.
         let own = |system: &System, force: f64, distance: f64, form: Form| {
             let gap = |force| central_gap(system, force, distance, &LatticeSums::ONE_PILLAR, form);
             gap(0.0) - gap(force) + 0.5 * force * system.external_compliance() / distance
@@ -410,7 +402,7 @@ mod tests {
 
     #[test]
     fn large_contact_force_against_the_reference() {
-        // +2 %, +92 %, +79 %: what the formulas give by hand, over the reference table.
+        // +2 %, +92 %, +79 %: the formulas evaluated by hand, relative to the reference table.
         for (phi, deviation) in [(0.01, 2.0), (0.03, 92.0), (0.1, 79.0)] {
             let system = intermediate(phi);
             let force = large_contact(&system, Form::Corrected).force;
@@ -420,7 +412,7 @@ mod tests {
 
     #[test]
     fn erratum_3_the_expanded_indentation_is_far_too_large() {
-        // As the formulas give by hand, over the reference table; unexpanded within 27 %.
+        // The formulas evaluated by hand, relative to the reference table; without the expansion, within 27 %.
         for (phi, printed_ratio) in [(0.01, 1.0), (0.03, 2.1), (0.1, 8.4)] {
             let system = intermediate(phi);
             let ratio =
@@ -432,8 +424,8 @@ mod tests {
 
     #[test]
     fn exact_sums_at_the_right_radius_overestimate_the_force() {
-        // The Hertz-like distribution is the approximation left: 19 %, 34 % and 19 % measured
-        // against the reference with its own top contact radius.
+        // The Hertz-like distribution is the remaining approximation: 19 %, 34 % and 19 % measured against the reference with its own top
+        // contact radius.
         for (phi, deviation) in [(0.01, 19.1), (0.03, 34.3), (0.1, 18.5)] {
             let system = intermediate(phi);
             let reference = reference(&system);

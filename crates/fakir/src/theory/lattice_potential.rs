@@ -1,9 +1,8 @@
 //! The potential of a hexagonal lattice of unit charges in a neutralising background.
 //!
-//! Where the load on the pillars changes little from one to the next, their effect at a point
-//! is that of the mean pressure plus that of their graininess: forces at the lattice points
-//! less the same load spread evenly. With `1/r` as the influence of a force, the second part
-//! is the electrostatic potential computed here. Lengths are in pitches, charges are 1.
+//! If the load varies little between adjacent pillars, their effect at a point is that of the mean pressure plus that of the discreteness
+//! of the forces: forces at the lattice points minus the same load distributed uniformly. With `1/r` as the influence of a force, the
+//! second part is the electrostatic potential computed here. Lengths are in pitches, charges are 1.
 
 use super::lattice_sums::inverse_power_sum;
 use crate::problem::Point;
@@ -11,7 +10,7 @@ use std::f64::consts::PI;
 
 const CELL_AREA: f64 = 0.866_025_403_784_438_6;
 
-/// `v_s`: the potential at a lattice point, of all the other charges and the background.
+/// `v_s`: the potential at a lattice point due to all other charges and the background.
 ///
 /// The lattice sum of `1/r`, continued analytically: -4.2134.
 #[must_use]
@@ -29,9 +28,8 @@ pub fn hollow_potential() -> f64 {
     0.5 * (3f64.sqrt() - 1.0) * site_potential()
 }
 
-/// The potential at any point of the plane (in pitches from a lattice point, x along the
-/// second-neighbour direction as in [`crate::problem`]). At a lattice point, where it is
-/// infinite, the charge there is left out.
+/// The potential at any point of the plane (in pitches from a lattice point, x along the second-neighbour direction as in
+/// [`crate::problem`]). At a lattice point, where it is infinite, the charge at this point is omitted.
 ///
 /// Ewald sum: P. P. Ewald, Annalen der Physik 369, 253 (1921), for charges in a plane.
 #[must_use]
@@ -39,7 +37,7 @@ pub fn lattice_potential(point: Point) -> f64 {
     ewald(point, 2.0)
 }
 
-/// The Ewald sum with the Gaussian clouds `exp(-(splitting r)^2)`, `splitting` of order 1.
+/// The Ewald sum with the Gaussian charge clouds `exp(-(splitting r)^2)`, `splitting` of order 1.
 fn ewald(point: Point, splitting: f64) -> f64 {
     // erfc(6.5) = 4e-20.
     const REACH: f64 = 6.5;
@@ -71,7 +69,7 @@ fn near_sum(point: Point, splitting: f64, reach: f64) -> f64 {
 }
 
 fn screened(distance: f64, splitting: f64) -> f64 {
-    // Nearer than this, x and y of a lattice point are told from the point by rounding only.
+    // At a smaller distance, the coordinates of point and lattice point differ by rounding only.
     if distance < 1e-12 {
         -2.0 * splitting / PI.sqrt()
     } else {
@@ -136,7 +134,7 @@ mod tests {
         assert!((lattice_potential([root, 2.0]) - site_potential()).abs() < 1e-12);
         let near = 1e-5;
         assert!((lattice_potential([near, 0.0]) - near.recip() - site_potential()).abs() < 1e-8);
-        // Lowest halfway between three charges.
+        // Minimum halfway between three charges.
         assert!(hollow_potential() < inside);
         assert!(hollow_potential() < lattice_potential([0.0, 0.5]));
     }

@@ -1,8 +1,7 @@
-//! Sums over the pillars of a centred hexagonal lattice that carry a Hertz-like load.
+//! Sums over the pillars of a centred hexagonal lattice with a Hertz-like load distribution.
 //!
-//! In the paper the force on a pillar at distance `r_n` from the central one, inside the
-//! contact radius `a`, is `F_n = F_0 w_n` with `w_n = sqrt(1 - r_n^2/a^2)`. Three sums over
-//! `n != 0`, with distances in pitches, then give its effect on the centre:
+//! In the paper the force on a pillar at distance `r_n` from the central one, inside the contact radius `a`, is `F_n = F_0 w_n` with
+//! `w_n = sqrt(1 - r_n^2/a^2)`. Three sums over `n != 0`, with distances in pitches, then determine its effect at the centre:
 //!
 //! ```text
 //! G0 = sum w_n/r_n        displacement of the central pillar
@@ -27,15 +26,15 @@ pub struct LatticeSums {
 }
 
 impl LatticeSums {
-    /// A lone pillar: all sums are 0.
+    /// A single pillar: all sums are 0.
     pub const ONE_PILLAR: Self = Self {
         displacement: 0.0,
         force: 0.0,
         curvature: 0.0,
     };
 
-    /// The sums themselves, over every pillar nearer than `contact_radius` (in pitches). The
-    /// cost grows as its square. For a radius that is not finite, no number.
+    /// The exact sums over every pillar nearer than `contact_radius` (in pitches). The cost is proportional to its square. NaN for a radius
+    /// that is not finite.
     #[must_use]
     pub fn exact(contact_radius: f64) -> Self {
         if !contact_radius.is_finite() {
@@ -47,7 +46,7 @@ impl LatticeSums {
         }
         let mut sums = Self::ONE_PILLAR;
         let squared_radius = contact_radius * contact_radius;
-        // Nearest to the origin in row j is at height (sqrt3/2) j.
+        // The nearest point to the origin in row j is at the height (sqrt3/2) j.
         let rows = (contact_radius / 0.75f64.sqrt()).floor() as i64;
         for j in -rows..=rows {
             let row = j as f64;
@@ -92,8 +91,8 @@ impl SumCoefficients {
         curvature: 5.519,
     };
 
-    /// What the coefficients tend to for wide contacts: `pi^2/sqrt3` and `4 pi/(3 sqrt3)`, the
-    /// integrals of the first two sums, and half the lattice sum of `1/r^3`.
+    /// The limits of the coefficients for wide contacts: `pi^2/sqrt3` and `4 pi/(3 sqrt3)`, the integrals of the first two sums, and half
+    /// the lattice sum of `1/r^3`.
     #[must_use]
     pub fn wide_contact_limit() -> Self {
         Self {
@@ -115,7 +114,7 @@ impl SumCoefficients {
     }
 }
 
-/// What multiplies the coefficients `C01`, `C1`, `C11` at a contact radius in pitches.
+/// The factors of the coefficients `C01`, `C1`, `C11` at a contact radius in pitches.
 fn shapes(contact_radius: f64) -> [f64; 3] {
     [
         contact_radius - 1.0,
@@ -124,24 +123,22 @@ fn shapes(contact_radius: f64) -> [f64; 3] {
     ]
 }
 
-/// A fit of the approximations to the sums, with what it was made from.
+/// A fit of the approximations to the sums, with the data used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SumFit {
-    /// The coefficients found.
+    /// The fitted coefficients.
     pub coefficients: SumCoefficients,
-    /// Contact radii from the first to the second were used, in pitches.
+    /// Range of contact radii, in pitches.
     pub range: [f64; 2],
     /// Number of contact radii, equally spaced over the range, ends included.
     pub samples: usize,
 }
 
 impl SumFit {
-    /// Unweighted least squares on `samples` contact radii, equally spaced over `range` (in
-    /// pitches, the second the larger).
+    /// Unweighted least squares on `samples` contact radii, equally spaced over `range` (in pitches, the second the larger).
     ///
-    /// The paper's coefficients come out on [1, 32]; the fourth digit depends on the number
-    /// of samples. `None` without at least two samples or if the range does not reach past
-    /// one pitch, where all sums are 0.
+    /// Reproduces the coefficients of the paper on [1, 32]; the fourth digit depends on the number of samples. Returns `None` for fewer
+    /// than two samples or if the range does not exceed one pitch, below which all sums are 0.
     #[must_use]
     pub fn least_squares(range: [f64; 2], samples: usize) -> Option<Self> {
         let [first, last] = range;
@@ -175,12 +172,10 @@ impl SumFit {
     }
 }
 
-/// Sum of `r^-exponent` over a hexagonal lattice of unit pitch, the origin left out; by
-/// analytic continuation where the sum diverges.
+/// Sum of `r^-exponent` over a hexagonal lattice of unit pitch without the origin; continued analytically where the sum diverges.
 ///
-/// It is `6 zeta(s) L(s)` with `s = exponent/2` and `L` the Dirichlet series of the character
-/// modulo 3 (L. Lorenz, 1871; J. M. Borwein et al., Lattice Sums Then and Now, 2013, section
-/// 1.4). An exponent of 1 gives the potential of a lattice of unit charges in a neutralising
+/// It is `6 zeta(s) L(s)` with `s = exponent/2` and `L` the Dirichlet series of the character modulo 3 (L. Lorenz, 1871; J. M. Borwein et
+/// al., Lattice Sums Then and Now, 2013, section 1.4). An exponent of 1 gives the potential of a lattice of unit charges in a neutralising
 /// background. Infinite at 2.
 #[must_use]
 pub fn inverse_power_sum(exponent: f64) -> f64 {
@@ -254,7 +249,7 @@ mod tests {
 
     #[test]
     fn least_squares_gives_the_coefficients_of_the_paper() {
-        // 497 radii, in steps of 1/16, give every digit printed.
+        // 497 radii, in steps of 1/16, reproduce every printed digit.
         let fit = SumFit::least_squares([1.0, 32.0], 497)
             .unwrap()
             .coefficients;
@@ -280,7 +275,7 @@ mod tests {
         let radius = 400.0;
         let sums = LatticeSums::exact(radius);
         assert!((sums.force / (limit.force * radius * radius) - 1.0).abs() < 1e-4);
-        // G0 approaches its limit less a constant, the potential of the lattice.
+        // G0 approaches its limit minus a constant, the potential of the lattice.
         let constant = inverse_power_sum(1.0);
         let expected = limit.displacement * radius + constant;
         assert!((sums.displacement / expected - 1.0).abs() < 1e-5);

@@ -1,9 +1,9 @@
-//! Layers of finite thickness: axisymmetric contacts to all digits, and what a thick layer does to any contact.
+//! Layers of finite thickness: axisymmetric contacts to full precision, and the effect of a thick layer on any contact.
 //!
 //! Under an axisymmetric pressure `p` within a radius `a`, write `∫ p J_0(k r) r dr = ∫_0^a theta(u) cos(k u) du` (in units of `E*`). Then
 //! `theta(u) + (2/pi) ∫_0^a theta(v) [∫_0^∞ (Phi(k) - 1) cos(k u) cos(k v) dk] dv = g(u)/pi`, with `g = delta` under a flat punch and
-//! `g = delta - u^2/R`, `theta(a) = 0` under a sphere (a paraboloid, that is), and the force is `2 pi ∫ theta` (N. N. Lebedev, Ya. S. Ufliand, J. Appl. Math.
-//! Mech. 22, 442 (1958)). The kernel is smooth, so that Gauss points converge faster than any power.
+//! `g = delta - u^2/R`, `theta(a) = 0` under a sphere (approximated by a paraboloid), and the force is `2 pi ∫ theta` (N. N. Lebedev, Ya.
+//! S. Ufliand, J. Appl. Math. Mech. 22, 442 (1958)). The kernel is smooth, so that Gauss quadrature converges faster than any power.
 
 pub use crate::halfspace::layer::LayerResponse;
 use crate::numerics::convergence::smaller;
@@ -13,7 +13,7 @@ use crate::problem::layer::WeightedLayer;
 use crate::problem::{Layer, Material};
 use std::f64::consts::PI;
 
-/// Two bodies that are pressed together, of which some are layers.
+/// Two bodies in contact, at least one of which is a layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layers {
     /// `1/E*`, 1/Pa.
@@ -30,17 +30,17 @@ pub struct SphereOnLayers {
     pub indentation: f64,
 }
 
-/// What thick layers do to a contact, beside half-spaces: they shift it and bend it.
+/// Effect of thick layers on a contact compared with half-spaces: a shift and a curvature of the displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerShift {
     /// Added to the curvature `1/R` of the lens, 1/m.
     pub curvature: f64,
-    /// Added to the indentation of the half-spaces under the lens so bent, m.
+    /// Added to the indentation for half-spaces and a lens with this additional curvature, m.
     pub indentation: f64,
 }
 
 impl Layers {
-    /// The bodies; those without a layer are half-spaces.
+    /// Creates the pair of bodies; those without a layer are half-spaces.
     #[must_use]
     pub fn new(bodies: [(Material, Option<Layer>); 2]) -> Self {
         let compliance = |body: &(Material, _)| body.0.plane_strain_compliance();
@@ -53,7 +53,7 @@ impl Layers {
         }
     }
 
-    /// `K(r) - 1/(pi r)`, times `pi`: what the layers add to how far a force moves the surfaces apart at a distance `r` (m), 1/m.
+    /// `K(r) - 1/(pi r)`, times `pi`: the contribution of the layers to the displacement per force at a distance `r` (m), 1/m.
     #[must_use]
     pub fn far_displacement(&self, distance: f64) -> f64 {
         let of_body = |(layer, response): &(WeightedLayer, LayerResponse)| {
@@ -63,17 +63,17 @@ impl Layers {
         self.bodies.iter().map(of_body).sum()
     }
 
-    /// Force over indentation of a flat punch of this radius (m), N/m: on half-spaces `2 a E*`.
+    /// Ratio of force to indentation of a flat punch of this radius (m), N/m: `2 a E*` on half-spaces.
     #[must_use]
     pub fn flat_punch_stiffness(&self, radius: f64) -> f64 {
         let [(force, _), _] = self.solve(radius);
         2.0 * radius / self.contact_compliance * force
     }
 
-    /// A sphere of this radius whose contact has the other one (both m), small beside it.
+    /// The contact of a sphere with the first radius that has the second one as its contact radius (both m), which must be much smaller.
     #[must_use]
     pub fn sphere(&self, lens_radius: f64, contact_radius: f64) -> SphereOnLayers {
-        // Under delta = 1, and under -u^2/R with a^2/R = 1, over the half-space's flat punch.
+        // Under delta = 1, and under -u^2/R with a^2/R = 1, relative to the flat punch on a half-space.
         let [(flat, at_edge), (bent, bent_at_edge)] = self.solve(contact_radius);
         let sag = contact_radius * contact_radius / lens_radius;
         let indentation = -bent_at_edge / at_edge * sag;
@@ -84,9 +84,10 @@ impl Layers {
         }
     }
 
-    /// To lowest order in the size of the contact over the thickness: inside the contact `Psi` is `Psi_0 + Psi_2 s^2`, of which the one is a
-    /// rigid shift and the other a curvature. The force (N), and the sum of all parts of it times their squared distances from the lens axis
-    /// (N m^2). Good to 2e-4 of the force at a contact radius of a fifth of the thickness, 4e-3 at two fifths, and no longer beyond.
+    /// Effect to lowest order in the ratio of contact size to thickness: inside the contact, `Psi` is `Psi_0 + Psi_2 s^2`, of which the
+    /// first term is a rigid shift and the second a curvature. `force` is in N; `second_moment` is the integral of the pressure times the
+    /// squared distance from the lens axis (N m^2). The error of the force is 2e-4 at a contact radius of a fifth of the thickness and 4e-3
+    /// at two fifths; not valid beyond.
     #[must_use]
     pub fn shift(&self, force: f64, second_moment: f64) -> LayerShift {
         let mut shift = LayerShift {
@@ -102,7 +103,7 @@ impl Layers {
         shift
     }
 
-    /// For `g = 1` and `g = -u^2` on `0 < u < 1` in units of the radius: the force over that of the flat punch on half-spaces, and
+    /// For `g = 1` and `g = -u^2` on `0 < u < 1` in units of the radius: the force relative to that of the flat punch on half-spaces, and
     /// `pi theta(1)`.
     fn solve(&self, radius: f64) -> [(f64, f64); 2] {
         let disc = self.disc(radius, self.points(radius));
@@ -240,8 +241,8 @@ impl Disc {
     }
 }
 
-/// Thickness of a spherical asperity over its radius, and by how much its shift is smaller than that of the flat layer as thick as its middle:
-/// finite elements of an incompressible asperity bonded on its flat side, to 2 % of themselves.
+/// Ratio of thickness to radius of a spherical asperity, and relative reduction of its shift compared with that of a flat layer with the
+/// same central thickness: finite elements of an incompressible asperity bonded on its flat side, with an error of 2 %.
 const CAPS: [[f64; 2]; 7] = [
     [0.0, 0.0],
     [0.136, 0.019],
@@ -252,8 +253,9 @@ const CAPS: [[f64; 2]; 7] = [
     [0.909, 0.28],
 ];
 
-/// By which part of itself the shift `Psi_0` of a spherical asperity, bonded on its flat side, is smaller than that of a flat layer as thick as
-/// its middle: interpolated between finite elements of incompressible asperities. None beyond them, where the asperity is nearly half a sphere.
+/// Relative reduction of the shift `Psi_0` of a spherical asperity, bonded on its flat side, compared with a flat layer with the same
+/// central thickness: interpolated between finite elements of incompressible asperities. `None` beyond their range, for asperities that are
+/// nearly hemispheres.
 #[must_use]
 pub fn asperity_reduction(thickness_over_radius: f64) -> Option<f64> {
     let place = CAPS

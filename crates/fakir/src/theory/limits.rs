@@ -1,4 +1,4 @@
-//! How near a contact comes to where its model ends, and what of the model would change it: estimates from the contact alone, in closed form.
+//! Validity limits of contacts, and effects that are not included in the model: closed-form estimates from the contact alone.
 
 use super::layer::Layers;
 use crate::numerics::convergence::smaller;
@@ -13,50 +13,56 @@ use crate::state::limit::{
 use crate::state::{ContactState, FlatContact, PillarState, SurfaceContact};
 use std::f64::consts::PI;
 
-/// Force on a pillar over that under which it buckles from which on small imperfections are no longer small: half of it doubles them.
+/// Ratio of the force on a pillar to its buckling force above which small imperfections are significant: a ratio of one half doubles them.
 const LARGEST_BUCKLING: f64 = 0.5;
 
-/// Contact radius over the thickness of a lens from which on a flat layer is doubtful: asperities were compared with it by finite elements up to 0.4.
+/// Ratio of contact radius to lens thickness above which a flat layer is inaccurate: asperities were compared with it by finite elements up
+/// to 0.4.
 const WIDEST_ON_LENS: f64 = 1.0;
 
-/// Thickness of a spherical asperity over its radius from which on it is nearly half a sphere, and a flat layer no longer stands for it: finite elements
-/// make it softer by a tenth of what it shifts, and by a quarter near the radius ([`asperity_reduction`](super::layer::asperity_reduction)).
+/// Ratio of thickness to radius of a spherical asperity above which it is nearly a hemisphere and not represented by a flat layer: in
+/// finite elements, its shift is smaller by a tenth, and by a quarter close to a ratio of one
+/// ([`asperity_reduction`](super::layer::asperity_reduction)).
 const THICKEST_CAP: f64 = 0.5;
 
-/// Cells in contact below which elements do not resolve it: a disc of four across, the fewest that a pillar can have.
+/// Number of cells in contact below which elements do not resolve it: a disc of four cells across, the smallest number on a pillar.
 const FEWEST_CELLS: f64 = 12.0;
 
-/// Relative difference of compliance or force that does not matter beside what moduli and lengths are known to.
+/// Relative difference of compliance or force that is negligible compared with the uncertainty of moduli and lengths.
 const SMALL: f64 = 0.01;
 
-/// Largest error of critical forces found beside pillars with all their modes, with leaning and without: [the problem](crate::problem).
+/// Largest error of critical forces compared with pillars with all their modes, with tilt and without: see [the problem](crate::problem).
 const ELASTIC_ERRORS: [f64; 2] = [0.0017, 0.0033];
 
-/// Mean square of the distance from the axis under Hertz's pressure, over that of the contact radius (K. L. Johnson, Contact Mechanics, sec. 4.2).
+/// Mean square of the distance from the axis under Hertz's pressure, divided by the square of the contact radius (K. L. Johnson, Contact
+/// Mechanics, sec. 4.2).
 const HERTZ_SPREAD: f64 = 0.4;
 
 /// The same of the pressure under a flat punch.
 const PUNCH_SPREAD: f64 = 2.0 / 3.0;
 
 impl ContactState {
-    /// The conditions of the model, and how near this contact comes to where they end. `range` is that of the attraction (m), if tops stick and it is known.
+    /// The validity limits of the model, and the corresponding values for this contact. `range` is that of the attraction (m), if tops are
+    /// adhesive and it is known.
     ///
-    /// Some have no threshold: they are what would change this contact. All take microseconds.
+    /// Some have no threshold: they are effects that would change this contact. The evaluation takes microseconds.
     ///
-    /// * `kendall_strain`, `tabor_number`: of tops that stick ([`System::kendall_strain`], [`System::tabor_number`]).
+    /// * `kendall_strain`, `tabor_number`: for adhesive tops ([`System::kendall_strain`], [`System::tabor_number`]).
     /// * `slope`: of the lens at the edge of the contact; `contact_radius_over_lens_radius`.
-    /// * `pillar_stress`: mean stress on the top of the hardest pillar over Young's modulus of the substrate.
-    /// * `buckling`: force on a pillar over `pi^2 E_s I/h^2` with `I = pi d^4/64`, under which a pillar buckles that is clamped at its foot and led at its
-    ///   top (S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability, sec. 2.1).
-    /// * `pillar_compliance`: by which part a lone pillar gives way otherwise than an elastic one, where that is known. Near the transition the force changes by up to
-    ///   four times as much. Of elastic pillars `elastic_pillar_error` instead: the largest error of a critical force that was found.
-    /// * Of bodies that are layers: `contact_radius_over_lens_thickness` and `contact_radius_over_substrate_thickness`, of which the latter has no threshold, as a flat
-    ///   film is solved however thin it is; `lens_thickness_over_radius`, from 0.5 on doubtful for an asperity; `indentation_over_thickness` of the thinnest
-    ///   layer; and `thickness_over_diameter` of the thinnest layer and the widest pillar, doubtful below 2.
-    /// * `substrate_thickness_of_one_percent_m` and the like, of bodies that are half-spaces: a thickness at which the indentation under this force would be that much smaller, on a rigid back
-    ///   ([`Layers::shift`]).
-    /// * `work_of_adhesion_of_one_percent_J_per_m2`, where nothing sticks: at which `N` tops, pulled alike, hold a hundredth of the force at pull-off,
-    ///   `(F/100 N)^2/(8 pi E* a^3)` (K. Kendall, J. Phys. D 4, 1186 (1971)).
+    /// * `pillar_stress`: mean stress on the top of the pillar with the largest stress, divided by Young's modulus of the substrate.
+    /// * `buckling`: force on a pillar divided by `pi^2 E_s I/h^2` with `I = pi d^4/64`, the buckling force of a pillar that is clamped at
+    ///   its foot, with a top that can move sideways but not rotate (S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability, sec. 2.1).
+    /// * `pillar_compliance`: relative difference of the compliance of a single pillar from that of an elastic one, if available. Close to
+    ///   the transition, the relative change of the force is up to four times as large. For elastic pillars, `elastic_pillar_error`
+    ///   instead: the largest error of a critical force that was found.
+    /// * For layers: `contact_radius_over_lens_thickness` and `contact_radius_over_substrate_thickness`, of which the latter has no
+    ///   threshold, since the solution for a flat film is valid for any thickness; `lens_thickness_over_radius`, which for an asperity must
+    ///   be below 0.5; `indentation_over_thickness` of the thinnest layer; and `thickness_over_diameter` of the thinnest layer and the
+    ///   widest pillar, which must be at least 2.
+    /// * `substrate_thickness_of_one_percent_m` and similar values for half-spaces: the thickness, on a rigid base, at which the
+    ///   indentation under this force would be smaller by this fraction ([`Layers::shift`]).
+    /// * `work_of_adhesion_of_one_percent_J_per_m2`, without adhesion: the work of adhesion at which the pull-off force of `N` tops under
+    ///   equal tension is a hundredth of the force, `(F/100 N)^2/(8 pi E* a^3)` (K. Kendall, J. Phys. D 4, 1186 (1971)).
     #[must_use]
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
         let system = &self.system;
@@ -99,12 +105,12 @@ impl ContactState {
             limits.extend(self.thicknesses());
             limits.extend(self.sticking());
         }
-        // Numbers that overflow under loads of no size say nothing.
+        // Removes values that overflow for extremely small loads.
         limits.retain(|limit| limit.value.is_finite());
         limits
     }
 
-    /// How well it is known how pillars give way.
+    /// Accuracy of the compliance model of the pillars.
     fn of_pillars(&self) -> Option<Limit> {
         let system = &self.system;
         if system.pillar().compliance == PillarCompliance::Elastic {
@@ -119,7 +125,7 @@ impl ContactState {
         Some(Limit::at_most("pillar_compliance", difference, SMALL))
     }
 
-    /// At which thickness a body that is a half-space would matter.
+    /// Thicknesses at which a finite thickness of a half-space would be significant.
     fn thicknesses(&self) -> Vec<Limit> {
         let system = &self.system;
         let of_pillar = |pillar: &PillarState| {
@@ -144,7 +150,7 @@ impl ContactState {
         .limits()
     }
 
-    /// At which work of adhesion sticking would matter that is left out.
+    /// Work of adhesion at which the neglected adhesion would be significant.
     fn sticking(&self) -> Option<Limit> {
         let system = &self.system;
         if !system.adhesion().is_none() || self.pillars.is_empty() {
@@ -160,8 +166,8 @@ impl ContactState {
     }
 }
 
-/// Where bodies that are layers, the substrate and the lens, are beyond what flat layers stand for. The radius of a spherical lens, that of the contact and the
-/// indentation are in m.
+/// Limits for bodies that are layers, the substrate and the lens, with respect to the validity of flat layers. The radius of a spherical
+/// lens, that of the contact and the indentation are in m.
 fn of_layers(
     [film, lens]: [Option<&Layer>; 2],
     sphere: Option<f64>,
@@ -203,19 +209,19 @@ fn of_layers(
 }
 
 impl SurfaceContact {
-    /// The conditions of the model, and how near this contact with a system's surface comes to where they end.
+    /// The validity limits of the model, and the corresponding values for this contact with a general surface.
     ///
     /// * `slope`: of the lens at the edge of the contact; `contact_radius_over_lens_radius`.
-    /// * `surface_slope`: the largest between neighbouring cells in contact, of one pillar or beside all pillars.
-    /// * `pillar_stress`: mean stress on the top of the hardest pillar over Young's modulus of the substrate; without pillars
-    ///   `contact_stress`, that on all cells in contact.
-    /// * Of bodies of finite thickness those that contacts with pillars have, but for the diameter of pillars.
-    /// * `cells_in_contact`: how many there are, doubtful below 12.
+    /// * `surface_slope`: the largest slope between adjacent cells in contact, both on the same pillar or both on no pillar.
+    /// * `pillar_stress`: mean stress on the top of the pillar with the largest stress, divided by Young's modulus of the substrate;
+    ///   without pillars `contact_stress`, that on all cells in contact.
+    /// * For bodies of finite thickness, the values for contacts with pillars, except those relative to the pillar diameter.
+    /// * `cells_in_contact`: their number, which must be at least 12.
     #[must_use]
     pub fn limits(&self, system: &SurfaceSystem) -> Vec<Limit> {
         let mut limits = Vec::new();
         if let (Indenter::Lens(lens), Some(radius)) = (system.indenter(), self.contact_radius) {
-            // That of a sphere, as results have it.
+            // Slope of a sphere, as in results.
             let slope = radius / lens.radius;
             for name in ["slope", "contact_radius_over_lens_radius"] {
                 limits.push(Limit::at_most(name, slope, DOUBTFUL_CONTACT));
@@ -244,12 +250,12 @@ impl SurfaceContact {
         if cells > 0.0 {
             limits.push(Limit::at_least("cells_in_contact", cells, FEWEST_CELLS));
         }
-        // Without load there is no stress.
+        // Without load the stress is undefined.
         limits.retain(|limit| limit.value.is_finite());
         limits
     }
 
-    /// The largest slope between neighbouring cells in contact that belong together.
+    /// The largest slope between adjacent cells in contact, both on the same pillar or both on no pillar.
     fn steepest(&self, surface: &HeightMap) -> f64 {
         let (columns, heights) = (self.grid.columns(), surface.heights());
         let [width, height] = self.grid.cell();
@@ -273,7 +279,7 @@ impl SurfaceContact {
         })
     }
 
-    /// The largest mean stress on the top of a pillar, Pa.
+    /// The largest mean stress on a pillar top, Pa.
     fn hardest(&self, surface: &HeightMap, pillars: usize) -> f64 {
         let mut tops = vec![(0.0, 0.0); pillars];
         for (cell, pressure) in self.pressure.iter().enumerate() {
@@ -408,11 +414,12 @@ impl FlatContact {
     }
 }
 
-/// Part of the shift beyond which the curvature that a layer adds is no correction: the layer is then thinner than about three contact radii.
+/// Fraction of the shift above which the curvature due to a layer is not a small correction: the layer is then thinner than about three
+/// contact radii.
 const LARGEST_BEND: f64 = 0.1;
 
-/// The thickness at which `shift/t + bend/t^3` is a change; by the shift alone where the second is no small part of it, which no longer says how the
-/// indentation goes on.
+/// The thickness at which `shift/t + bend/t^3` equals `change`; from the shift alone if the second term is not small, for which the
+/// expansion is not valid.
 fn thickness([shift, bend]: [f64; 2], change: f64) -> f64 {
     const STEPS: usize = 20;
     let alone = shift.abs() / change;

@@ -1,16 +1,15 @@
-//! Approximate answers in closed form or nearly so.
+//! Approximate solutions in closed form or with little computation.
 //!
-//! * [`closed_forms`]: the paper's formulas for the critical state, as printed and
-//!   corrected where they differ, the transition curve and the phase diagram;
-//! * [`adhesion`]: lone contacts that stick;
-//! * [`stuck_floor`]: the floor stuck to the lens: free annuli round pillars, and when it collapses;
-//! * [`lattice_sums`]: the sums over the pillars under a Hertz-like load that they rest on,
-//!   with the paper's fits and the exact limits of the fitted coefficients;
-//! * [`lattice_potential`]: what a uniformly loaded lattice of pillars does to one pillar
-//!   and to the floor between three;
-//! * [`layer`]: axisymmetric contacts with layers of finite thickness, and what a thick layer does to any contact.
+//! * [`closed_forms`]: the formulas of the paper for the critical state, as printed and corrected where they differ, the transition curve
+//!   and the phase diagram;
+//! * [`adhesion`]: single adhesive contacts;
+//! * [`stuck_floor`]: the floor bonded to the lens: free annuli around pillars, and the threshold of collapse;
+//! * [`lattice_sums`]: the sums over the pillars under a Hertz-like load on which these formulas are based, with the fits of the paper and
+//!   the exact limits of the fitted coefficients;
+//! * [`lattice_potential`]: the effect of a uniformly loaded lattice of pillars on one pillar and on the floor between three;
+//! * [`layer`]: axisymmetric contacts with layers of finite thickness, and the effect of a thick layer on any contact.
 //!
-//! "The paper" is the one named in [`crate::problem`]. All quantities are in SI units.
+//! "The paper" is the publication named in [`crate::problem`]. All quantities are in SI units.
 
 pub mod adhesion;
 pub mod closed_forms;

@@ -1,4 +1,4 @@
-//! The paper's systems and the reference critical states, for tests.
+//! The systems of the paper and the reference critical states, for tests.
 
 use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
 
@@ -10,7 +10,7 @@ pub(crate) const SOFT: f64 = 2e3;
 /// Diameter of the paper's pillars, m.
 const DIAMETER: f64 = 6.0e-6;
 
-/// The paper's lens and pillars on a lattice of the given surface fraction.
+/// The lens and pillars of the paper on a lattice with the given surface fraction.
 pub(crate) fn paper(
     surface_fraction: f64,
     substrate_modulus: f64,
@@ -24,7 +24,7 @@ pub(crate) fn lattice(surface_fraction: f64) -> HexagonalLattice {
     HexagonalLattice::with_surface_fraction(surface_fraction, DIAMETER)
 }
 
-/// As [`paper`], on any lattice.
+/// [`paper`] on any lattice.
 pub(crate) fn on_lattice(
     lattice: HexagonalLattice,
     substrate_modulus: f64,
@@ -46,12 +46,12 @@ pub(crate) fn on_lattice(
     .unwrap()
 }
 
-/// As [`paper`], with the intermediate substrate and its column compliance.
+/// [`paper`] with the intermediate substrate and its column compliance.
 pub(crate) fn intermediate(surface_fraction: f64) -> System {
     paper(surface_fraction, INTERMEDIATE, PillarCompliance::Column)
 }
 
-/// A critical state of `tests/reference/critical_states.csv`.
+/// A critical state from `tests/reference/critical_states.csv`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reference {
     pub(crate) force: f64,
@@ -60,7 +60,7 @@ pub(crate) struct Reference {
     pub(crate) top_contact_radius: f64,
 }
 
-/// The reference for one of the paper's systems, with the lens axis on a pillar.
+/// The reference for one of the systems of the paper, with the lens axis on a pillar.
 pub(crate) fn reference(system: &System) -> Reference {
     let table = include_str!("../../tests/reference/critical_states.csv");
     let mut reader = csv::Reader::from_reader(table.as_bytes());

@@ -1,14 +1,14 @@
-//! The floor between pillars stuck to the lens: free annuli round the pillars, and when the floor collapses.
+//! The floor between pillars bonded to the lens: free annuli around the pillars, and the threshold of collapse.
 //!
 //! `E*` is the reduced modulus (Pa), `a` the radius of a pillar (m), `h` its height (m), `w` the work of adhesion (J/m^2). Forces and
-//! pressures are positive where the bodies are pressed together. Adhesion has a short range (Johnson, Kendall and Roberts), so that the edge of a
-//! contact stands where the energy release rate `K^2/(2 E*)` is `w`.
+//! pressures are positive in compression. Adhesion has a short range (Johnson, Kendall and Roberts), so that the edge of a contact is in
+//! equilibrium where the energy release rate `K^2/(2 E*)` equals `w`.
 #![doc = ""]
 #![doc = include_str!("../../doc/rendered/stuck-floor.md")]
 //!
 //! Sources: I. N. Sneddon, M. Lowengrub, Crack Problems in the Classical Theory of Elasticity (Wiley, 1969) (penny-shaped cracks by Abel
-//! transforms); W. Gautschi, SIAM Rev. 9, 24 (1967) (Legendre functions of the second kind); Y. Y. Huang et al., Langmuir 21, 8058 (2005) (roof
-//! collapse of grooves); K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971).
+//! transforms); W. Gautschi, SIAM Rev. 9, 24 (1967) (Legendre functions of the second kind); Y. Y. Huang et al., Langmuir 21, 8058 (2005)
+//! (roof collapse of grooves); K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971).
 
 use super::adhesion::sphere_pull_off_by_force;
 use crate::numerics::cholesky::{factorise, solve_lower};
@@ -20,35 +20,38 @@ use crate::state::SolveError;
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
-/// Radius of an annulus over that of its pillar, above which the coefficients are given: 570 modes are summed there.
+/// Smallest ratio of the radius of an annulus to that of its pillar for which coefficients are available: 570 modes are summed at this
+/// ratio.
 pub const LEAST_RADIUS_RATIO: f64 = 1.0001;
 
-/// Modes that resolve the pressure of a pillar are this over `acosh(b/a)`, and some. Their coefficients fall as `exp(-2 n acosh(b/a))`.
+/// The pressure of a pillar is resolved by `RESOLUTION/acosh(b/a) + FEWEST_MODES` modes. The coefficients decrease as
+/// `exp(-2 n acosh(b/a))`.
 const RESOLUTION: f64 = 8.0;
 const FEWEST_MODES: usize = 6;
 
-/// A free annulus `a < r < b` round a pillar of unit radius, in units of the reduced modulus: what opens it (a step `h`) and what closes it (a
-/// pressure `p_0` far away) add up, `F = F_1 h + V_1 p_0`, `V = V_1 h - D p_0`, `K = K_1 h - K_2 p_0`, and the energy is
-/// `F_1 h^2/2 + V_1 h p_0 - D p_0^2/2`.
+/// A free annulus `a < r < b` around a pillar of unit radius, in units of the reduced modulus. The effects of the step `h`, which opens it,
+/// and of the far-field pressure `p_0`, which closes it, add up: `F = F_1 h + V_1 p_0`, `V = V_1 h - D p_0`, `K = K_1 h - K_2 p_0`, and the
+/// energy is `F_1 h^2/2 + V_1 h p_0 - D p_0^2/2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnnulusCoefficients {
-    /// `F_1`: force on the pillar per step. Times `a` for a radius `a`.
+    /// `F_1`: force on the pillar per step. To be multiplied by `a` for a radius `a`.
     pub force_per_step: f64,
-    /// `V_1`: opened volume per step, and force on the pillar per pressure. Times `a^2`.
+    /// `V_1`: opened volume per step, and force on the pillar per pressure. To be multiplied by `a^2`.
     pub volume_per_step: f64,
-    /// `D`: closed volume per pressure. Times `a^3`.
+    /// `D`: closed volume per pressure. To be multiplied by `a^3`.
     pub volume_per_pressure: f64,
-    /// `K_1`: stress intensity at the outer edge per step. Over `sqrt(a)`.
+    /// `K_1`: stress intensity factor at the outer edge per step. To be divided by `sqrt(a)`.
     pub intensity_per_step: f64,
-    /// `K_2`: stress intensity that a pressure takes away. Times `sqrt(a)`.
+    /// `K_2`: reduction of the stress intensity factor per pressure. To be multiplied by `sqrt(a)`.
     pub intensity_per_pressure: f64,
 }
 
 impl AnnulusCoefficients {
-    /// For the outer radius over that of the pillar, `b/a`. All are exact to about 10 digits, `D` next to the pillar to fewer.
+    /// Computes the coefficients for the ratio `b/a` of the outer radius to that of the pillar. All are accurate to about 10 digits, `D` to
+    /// fewer close to the pillar.
     ///
     /// # Errors
-    /// A ratio that is not above [`LEAST_RADIUS_RATIO`] or no number.
+    /// A ratio that is not above [`LEAST_RADIUS_RATIO`] or not finite.
     ///
     /// ```
     /// use fakir::theory::stuck_floor::AnnulusCoefficients;
@@ -88,9 +91,10 @@ impl AnnulusCoefficients {
 
 /// The equations for the pressure `sum c_j P_2j(y)/(P_2j(0) y)`, `y = sqrt(1 - r^2)`, of the pillar on the lens: `M c = h F + p_0 m`.
 ///
-/// The Abel transform of a mode is `Q_2j(t)`, on both sides of `t = 1`, so that `M_ij = 8 int_0^b Q_2i Q_2j dt`, `m_j = 8 int_0^b t Q_2j dt`,
-/// `F_j = 2 pi` for `j = 0` and 0 for others. The integrals follow from Legendre's equation; those of squares from
-/// `(2 n + 3) int Q_{n+1}^2 - (2 n + 1) int Q_n^2 = b (Q_n^2 + Q_{n+1}^2) - 2 Q_n Q_{n+1}` (all at `b`), and that of `Q_0^2` is a dilogarithm.
+/// The Abel transform of a mode is `Q_2j(t)` for `t < 1` and for `t > 1`, so that `M_ij = 8 int_0^b Q_2i Q_2j dt`,
+/// `m_j = 8 int_0^b t Q_2j dt`, `F_j = 2 pi` for `j = 0` and 0 for others. The integrals follow from Legendre's equation; those of squares
+/// from `(2 n + 3) int Q_{n+1}^2 - (2 n + 1) int Q_n^2 = b (Q_n^2 + Q_{n+1}^2) - 2 Q_n Q_{n+1}` (all at `b`), and that of `Q_0^2` is a
+/// dilogarithm.
 struct CrackSystem {
     /// Cholesky factor of `M`.
     factor: Vec<f64>,
@@ -148,7 +152,7 @@ impl CrackSystem {
     }
 }
 
-/// `int_0^b Q_0^2 dt`: of `pi^2/4` up to infinity what is beyond `b` is taken off.
+/// `int_0^b Q_0^2 dt`: the integral to infinity, `pi^2/4`, minus the part beyond `b`.
 fn first_square(b: f64) -> f64 {
     let q = 0.5 * (2.0 / (b - 1.0)).ln_1p();
     let z = (b - 1.0) / (b + 1.0);
@@ -157,7 +161,7 @@ fn first_square(b: f64) -> f64 {
     PI * PI / 4.0 - (debye - (b - 1.0) * q * q)
 }
 
-/// A pillar in a floor that is stuck to the lens but for a free annulus.
+/// A pillar in a floor that is bonded to the lens except for a free annulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StuckPillar {
     modulus: f64,
@@ -166,51 +170,52 @@ pub struct StuckPillar {
     column_compliance: f64,
 }
 
-/// A free annulus round a pillar.
+/// A free annulus around a pillar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeAnnulus {
     /// Outer radius `b`, m.
     pub outer_radius: f64,
-    /// Height of the step between floor and top with the column shortened, m.
+    /// Height of the step between the floor and the top of the shortened column, m.
     pub step: f64,
     /// Force on the pillar, N.
     pub pillar_force: f64,
     /// Volume between lens and floor, m^3.
     pub opened_volume: f64,
-    /// Stress intensity at the outer edge, Pa m^(1/2). Below 0 the surfaces would overlap: the annulus closes.
+    /// Stress intensity factor at the outer edge, Pa m^(1/2). If negative, the surfaces would overlap: the annulus closes.
     pub stress_intensity: f64,
-    /// Energy release rate there, `K |K|/(2 E*)`, J/m^2.
+    /// Energy release rate at the outer edge, `K |K|/(2 E*)`, J/m^2.
     pub energy_release_rate: f64,
-    /// Energy of pillar and surroundings, J: its derivatives by step and pressure are force and opened volume, and by the area inside the outer radius
-    /// the energy release rate, negative.
+    /// Energy of pillar and surroundings, J: its derivatives with respect to step and pressure are force and opened volume; the derivative
+    /// with respect to the area inside the outer radius is minus the energy release rate.
     pub energy: f64,
 }
 
-/// Where the outer edge of a free annulus stands under a work of adhesion.
+/// Equilibrium position of the outer edge of a free annulus for a work of adhesion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AnnulusEdge {
     /// At this outer radius, m.
     At(f64),
-    /// At the pillar, as near as [`LEAST_RADIUS_RATIO`]: the pillar is pressed down to the floor, or the work is immense.
+    /// At the pillar, within [`LEAST_RADIUS_RATIO`]: the pillar is compressed down to the floor, or the work of adhesion is extremely
+    /// large.
     Closed,
-    /// Nowhere: the tension is so large that the floor comes off on and on.
+    /// None: the tension is so large that the floor detaches completely.
     Runs,
 }
 
-/// Outermost radius, in radii of the pillar, at which an edge is sought.
+/// Largest radius, in radii of the pillar, in the search for an edge.
 const FARTHEST: f64 = 1e10;
 
-/// Factor from one width of an annulus to the next when its edge is sought.
+/// Ratio of consecutive widths of an annulus in the search for its edge.
 const STRIDE: f64 = 1.3;
 
-/// Golden sections that find a least value in a bracket of two strides: position to 1e-8, value to all digits.
+/// Number of golden-section steps for a minimum in a bracket of two strides: position to 1e-8, value to full precision.
 const SECTIONS: usize = 40;
 
 impl StuckPillar {
-    /// A pillar of a radius (m) and height (m), which shortens by so much per force (m/N), with the reduced modulus (Pa) of lens and substrate.
+    /// A pillar of a radius (m) and height (m), with a column compliance (m/N), and the reduced modulus (Pa) of lens and substrate.
     ///
     /// # Errors
-    /// Modulus, radius and height that are no positive numbers, and a compliance that is negative or no number.
+    /// A modulus, radius or height that is not positive and finite, and a compliance that is negative or not finite.
     pub fn new(
         modulus: f64,
         radius: f64,
@@ -244,10 +249,10 @@ impl StuckPillar {
         self.radius
     }
 
-    /// The annulus of an outer radius (m) under a pressure far away (Pa, negative where the floor is pulled).
+    /// The annulus with an outer radius (m) under a far-field pressure (Pa, negative for tension).
     ///
     /// # Errors
-    /// An outer radius not above [`LEAST_RADIUS_RATIO`] radii of the pillar, and a pressure that is no number.
+    /// An outer radius not above [`LEAST_RADIUS_RATIO`] radii of the pillar, and a pressure that is not finite.
     pub fn annulus(
         &self,
         outer_radius: f64,
@@ -260,7 +265,7 @@ impl StuckPillar {
         Ok(self.annulus_with(&coefficients, outer_radius, pressure))
     }
 
-    /// [`annulus`](Self::annulus) with the coefficients of its radius at hand.
+    /// [`annulus`](Self::annulus) with precomputed coefficients for its radius.
     #[must_use]
     pub fn annulus_with(
         &self,
@@ -289,11 +294,11 @@ impl StuckPillar {
         }
     }
 
-    /// Where the outer edge stands under a work of adhesion (J/m^2) and a pressure far away (Pa): the innermost radius from which outward the energy
-    /// release rate is below the work.
+    /// Equilibrium position of the outer edge for a work of adhesion (J/m^2) and a far-field pressure (Pa): the innermost radius beyond
+    /// which the energy release rate is below the work.
     ///
     /// # Errors
-    /// A work that is no positive number, and a pressure that is no number.
+    /// A work that is not positive and finite, and a pressure that is not finite.
     pub fn edge(&self, work: f64, pressure: f64) -> Result<AnnulusEdge, InvalidQuantity> {
         Requirement::Positive.check(Quantity::WorkOfAdhesion, work)?;
         Requirement::Finite.check(Quantity::BackgroundPressure, pressure)?;
@@ -304,11 +309,11 @@ impl StuckPillar {
         })
     }
 
-    /// Width, m, of the free ring round the pillar under a work of adhesion (J/m^2), without pressure far away; 0 of a ring that closes, none of one that
-    /// grows without end.
+    /// Width, m, of the free annulus around the pillar for a work of adhesion (J/m^2), without far-field pressure; 0 for an annulus that
+    /// closes, `None` for one that grows without limit.
     ///
     /// # Errors
-    /// A work that is no positive number.
+    /// A work that is not positive and finite.
     pub fn free_ring(&self, work: f64) -> Result<Option<f64>, InvalidQuantity> {
         Ok(match self.edge(work, 0.0)? {
             AnnulusEdge::At(radius) => Some(radius - self.radius),
@@ -317,7 +322,7 @@ impl StuckPillar {
         })
     }
 
-    /// Stress intensity over the one that the edge holds, less one, at a relative width `b/a - 1`.
+    /// Stress intensity factor divided by its critical value, minus one, at a relative width `b/a - 1`.
     fn excess(&self, width: f64, pressure: f64, critical: f64) -> f64 {
         let coefficients = AnnulusCoefficients::of(1.0 + width);
         let annulus = self.annulus_with(&coefficients, (1.0 + width) * self.radius, pressure);
@@ -337,7 +342,7 @@ impl StuckPillar {
             }
             inner = point((inner.position / 4.0).max(least_width));
         }
-        // Outward from an edge that moves on, to one that does not, or past the least stress intensity.
+        // Searches outwards from an unstable edge to a stable one, or past the minimum of the stress intensity factor.
         let mut before = inner;
         let outer = loop {
             let next = point(inner.position * STRIDE);
@@ -369,15 +374,15 @@ impl StuckPillar {
         }
     }
 
-    /// The largest tension far away (Pa, positive) under which the edge of an annulus stands still, and the outer radius there (m). Under more the
-    /// floor comes off on and on. In a lattice it does so sooner, when annuli meet.
+    /// The largest far-field tension (Pa, positive) at which the edge of an annulus is in equilibrium, and its outer radius (m). Under
+    /// larger tension the floor detaches completely. In a lattice it detaches earlier, when annuli meet.
     ///
     /// # Errors
-    /// A work that is no positive number.
+    /// A work that is not positive and finite.
     pub fn largest_tension(&self, work: f64) -> Result<(f64, f64), InvalidQuantity> {
         Requirement::Positive.check(Quantity::WorkOfAdhesion, work)?;
         let critical = (2.0 * work * self.modulus).sqrt();
-        // At every radius the tension that brings K to K_c, by linearity; the largest of these is sought.
+        // The tension that results in K = K_c at every radius, by linearity; the maximum over radii is sought.
         let tension = |logarithm: f64| {
             let ratio = 1.0 + logarithm.exp();
             let coefficients = AnnulusCoefficients::of(ratio);
@@ -397,7 +402,7 @@ impl StuckPillar {
     }
 }
 
-/// Where a function is largest at the ends of strides of an interval.
+/// The grid point in an interval at which a function is largest.
 fn largest_on_grid([first, last]: [f64; 2], function: impl Fn(f64) -> f64) -> f64 {
     let stride = STRIDE.ln();
     let count = ((last - first) / stride).ceil() as usize;
@@ -407,25 +412,25 @@ fn largest_on_grid([first, last]: [f64; 2], function: impl Fn(f64) -> f64) -> f6
     best.map_or(first, |(place, _)| place)
 }
 
-/// The floor of a lattice of equal pillars, all of it stuck to a flat lens but for an annulus round every pillar. Annuli are far from each other:
-/// what one does to the next is left out, which is right for `b` below about 0.3 of the pitch.
+/// The floor of a lattice of equal pillars, completely bonded to a flat lens except for an annulus around every pillar. The interaction of
+/// annuli is neglected, which is accurate for `b` below about 0.3 of the pitch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StuckFloor {
     pillar: StuckPillar,
     cell_area: f64,
 }
 
-/// When a flat lattice that bears no load collapses.
+/// The threshold at which a flat lattice without load collapses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CollapseThreshold {
-    /// Work of adhesion above which the stuck floor is what has less energy, J/m^2.
+    /// Work of adhesion above which the bonded floor has the lower energy, J/m^2.
     pub work: f64,
-    /// Outer radius of the annuli there, m.
+    /// Outer radius of the annuli at the threshold, m.
     pub annulus_radius: f64,
 }
 
 impl StuckFloor {
-    /// Pillars that have each so much of the surface (m^2), top included.
+    /// A floor with the given surface area per pillar (m^2), including the top.
     ///
     /// # Errors
     /// An area that is not larger than that of the pillar.
@@ -438,21 +443,21 @@ impl StuckFloor {
     /// The floor of a system.
     ///
     /// # Errors
-    /// [`Unsupported`] of any but equal pillars on the endless hexagonal lattice, and pillars that cover the whole surface.
+    /// [`Unsupported`] unless the pillars are equal and on the infinite hexagonal lattice; pillars that cover the whole surface.
     pub fn of(system: &System) -> Result<Self, SolveError> {
         let lattice = system.hexagonal_lattice();
         let lattice = lattice.ok_or(Unsupported::BUT_FOR_THE_LATTICE)?;
         Ok(Self::new(StuckPillar::of(system), lattice.cell_area())?)
     }
 
-    /// One pillar of it.
+    /// One of the pillars.
     #[must_use]
     pub fn pillar(&self) -> &StuckPillar {
         &self.pillar
     }
 
-    /// The work of adhesion at which the flat lattice collapses by itself: the least of `U(b)/(A - pi b^2)` over the radius `b` of the annuli, with `U`
-    /// the energy of one and `A` the area of a cell. At that radius it is the energy release rate too.
+    /// The work of adhesion at which the flat lattice collapses without load: the minimum of `U(b)/(A - pi b^2)` over the radius `b` of the
+    /// annuli, with `U` the energy of an annulus and `A` the area of a cell. At this radius it equals the energy release rate.
     #[must_use]
     pub fn collapse_threshold(&self) -> CollapseThreshold {
         let a = self.pillar.radius;
@@ -472,12 +477,12 @@ impl StuckFloor {
         }
     }
 
-    /// What a stuck floor wins per area when it is made under a work of adhesion (J/m^2), `w (1 - pi b^2/A) - U/A` with the annuli as wide as the work
-    /// leaves them, J/m^2. It is negative below the [threshold](Self::collapse_threshold). `None` where the annuli would be wider than a
-    /// cell, so that no floor sticks.
+    /// Energy gain per area when the floor bonds to the lens for a work of adhesion (J/m^2), `w (1 - pi b^2/A) - U/A` with the annuli at
+    /// the equilibrium radius, J/m^2. Negative below the [threshold](Self::collapse_threshold). `None` if the annuli would be wider than a
+    /// cell, so that no floor is bonded.
     ///
     /// # Errors
-    /// A work that is no positive number.
+    /// A work that is not positive and finite.
     pub fn net_work(&self, work: f64) -> Result<Option<f64>, InvalidQuantity> {
         let AnnulusEdge::At(radius) = self.pillar.edge(work, 0.0)? else {
             return Ok(None);
@@ -490,12 +495,12 @@ impl StuckFloor {
         Ok(Some((work * left - energy) / self.cell_area))
     }
 
-    /// Pull-off force (N, negative) of a lens of a radius (m) from the stuck floor seen as smooth: Johnson, Kendall and Roberts with the
-    /// [net work](Self::net_work), `-(3/2) pi w_net R`. `None` where that is not positive, so that the floor lets go before. Pillars that pin the edge of
-    /// the floor make it larger.
+    /// Pull-off force (N, negative) of a lens of a radius (m) from the bonded floor as a smooth surface: Johnson, Kendall and Roberts with
+    /// the [net work](Self::net_work), `-(3/2) pi w_net R`. `None` if the net work is not positive, so that the floor detaches earlier.
+    /// Pinning of the edge by pillars increases the force.
     ///
     /// # Errors
-    /// A lens radius or work that is no positive number.
+    /// A lens radius or work that is not positive and finite.
     pub fn pull_off(&self, lens_radius: f64, work: f64) -> Result<Option<f64>, InvalidQuantity> {
         Requirement::Positive.check(Quantity::LensRadius, lens_radius)?;
         let net = self.net_work(work)?.filter(|net| *net > 0.0);
@@ -504,7 +509,8 @@ impl StuckFloor {
     }
 }
 
-/// Parallel ridges with grooves between them in plane strain, whose floor ("roof" of a stamp) is stuck along a strip in the middle of every groove.
+/// Parallel ridges with grooves between them in plane strain, whose floor (the "roof" of a stamp) is bonded along a strip in the middle of
+/// every groove.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grooves {
     modulus: f64,
@@ -513,20 +519,20 @@ pub struct Grooves {
     depth: f64,
 }
 
-/// When grooves collapse by themselves.
+/// The threshold at which grooves collapse without load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GrooveThreshold {
     /// Work of adhesion, J/m^2.
     pub work: f64,
-    /// Width of the strip that is stuck then, m.
+    /// Width of the bonded strip at the threshold, m.
     pub strip_width: f64,
 }
 
 impl Grooves {
-    /// Ridges of a width (m) every period (m), with grooves of a depth (m), and the reduced modulus (Pa) of both bodies.
+    /// Ridges of a width (m) with a period (m), with grooves of a depth (m), and the reduced modulus (Pa) of both bodies.
     ///
     /// # Errors
-    /// Modulus, period and depth that are no positive numbers, and ridges as wide as the period.
+    /// A modulus, period or depth that is not positive and finite, and ridges as wide as the period.
     pub fn new(
         modulus: f64,
         period: f64,
@@ -542,11 +548,12 @@ impl Grooves {
         })
     }
 
-    /// Energy per period and length with a strip of a width (m) stuck, J/m: `E* h^2/2 K(k)/K(k')` with `k = tan(pi r/(2 P)) tan(pi s/(2 P))` for
-    /// ridges of width `r` and strips of width `s` every `P` (Y. Y. Huang et al., Langmuir 21, 8058 (2005)).
+    /// Energy per period and length with a bonded strip of a width (m), J/m: `E* h^2/2 K(k)/K(k')` with
+    /// `k = tan(pi r/(2 P)) tan(pi s/(2 P))` for ridges of width `r` and strips of width `s` with the period `P` (Y. Y. Huang et al.,
+    /// Langmuir 21, 8058 (2005)).
     ///
     /// # Errors
-    /// A strip that is not narrower than the groove, or no positive number.
+    /// A strip that is not narrower than the groove, or not positive and finite.
     pub fn energy(&self, strip_width: f64) -> Result<f64, InvalidQuantity> {
         let fits = Requirement::Between(0.0, self.period - self.ridge_width);
         fits.check(Quantity::StripWidth, strip_width)?;
@@ -559,7 +566,7 @@ impl Grooves {
         0.5 * self.modulus * self.depth.powi(2) * elliptic_ratio(k)
     }
 
-    /// The work of adhesion at which they collapse by themselves: the least energy per width of the strip.
+    /// The work of adhesion at which the grooves collapse without load: the minimum of the energy divided by the width of the strip.
     #[must_use]
     pub fn threshold(&self) -> GrooveThreshold {
         let groove = self.period - self.ridge_width;
@@ -593,7 +600,7 @@ mod tests {
         ]
     }
 
-    /// Pillars of the paper on a substrate of so many MPa, covering so much of the surface.
+    /// The paper's pillars on a substrate with this modulus (MPa), at this surface fraction.
     fn system(surface_fraction: f64, young_modulus: f64) -> System {
         reference::paper(
             surface_fraction,
@@ -602,7 +609,7 @@ mod tests {
         )
     }
 
-    /// The integral over (low, high) by the tanh-sinh rule, which takes whatever is integrable at the ends.
+    /// The integral over (low, high) by the tanh-sinh rule, which handles all integrable singularities at the ends.
     fn integral(low: f64, high: f64, function: impl Fn(f64) -> f64) -> f64 {
         let step = 1.0 / 32.0;
         let sum = (-130..=130).map(|k| {
@@ -619,7 +626,7 @@ mod tests {
         step * sum.sum::<f64>()
     }
 
-    /// Eight modes of another kind, by quadrature: 4 digits.
+    /// Eight modes of another series, by quadrature: 4 digits.
     #[test]
     fn coefficients_are_those_of_another_series() {
         let table = [
@@ -667,7 +674,7 @@ mod tests {
         }
     }
 
-    /// Next to the pillar a crack along a rigid wall, far from it a point force on a penny-shaped crack.
+    /// Limits: close to the pillar, a crack along a rigid wall; far from it, a point force on a penny-shaped crack.
     #[test]
     fn limits_of_narrow_and_wide_annuli() {
         let x = 2e-4f64;
@@ -694,15 +701,15 @@ mod tests {
         for (found, expected) in list(&wide).iter().zip(expected) {
             assert!((found / expected - 1.0).abs() < 2e-5, "{found} {expected}");
         }
-        // Another number of modes than just beyond.
+        // The number of modes changes between the two ratios.
         let pair = [1.05, 1.05 + 1e-12].map(coefficients);
         for (one, other) in list(&pair[0]).iter().zip(list(&pair[1])) {
             assert!((one / other - 1.0).abs() < 1e-9);
         }
     }
 
-    /// The opening `4/pi int_r^b g(t)/sqrt(t^2 - r^2) dt` of the crack by quadrature, with `g` the Abel transform of the pressure: it is the step on
-    /// the pillar, its volume is that of the coefficients, and `g(b)` the stress intensity.
+    /// The opening `4/pi int_r^b g(t)/sqrt(t^2 - r^2) dt` of the crack by quadrature, with `g` the Abel transform of the pressure: it
+    /// equals the step on the pillar, its volume is that of the coefficients, and `g(b)` the stress intensity factor.
     #[test]
     fn the_crack_opens_by_the_step_on_the_pillar() {
         for b in [1.05f64, 1.3, 2.5] {
@@ -713,13 +720,13 @@ mod tests {
                 let mut modes: Vec<f64> = loads.map(|(f, m)| h * f + p * m).collect();
                 solve_lower(&crack.factor, size, &mut modes);
                 solve_upper(&crack.factor, size, &mut modes);
-                // On and beyond the pillar.
+                // On and outside the pillar.
                 let transform = |t: f64| {
                     let mut values = vec![0.0; 2 * size];
                     if t > 1.0001 {
                         legendre_q(t, &mut values);
                     } else {
-                        // Upward, which is stable inside and next to the rim.
+                        // Upward recurrence, which is stable inside and close to the rim.
                         let from_rim = (1.0 - t).abs().max(1e-17);
                         values[0] = 0.5 * ((1.0 + t) / from_rim).ln();
                         values[1] = t * values[0] - 1.0;
@@ -763,7 +770,7 @@ mod tests {
         }
     }
 
-    /// Energy against force, volume and energy release rate of a pillar whose column gives way.
+    /// Compares the energy with force, volume and energy release rate of a pillar with a compliant column.
     #[test]
     fn energy_of_an_annulus_has_the_right_slopes() {
         let pillar = StuckPillar::of(&system(0.03, 2.0));
@@ -785,7 +792,8 @@ mod tests {
         assert!((released / here.energy_release_rate - 1.0).abs() < 1e-6);
     }
 
-    /// Without column and pressure, 8 modes by quadrature: force in um E*, energy release rate over E* in um (`a = 3 um`, `h = 2.2 um`).
+    /// Without column compliance and pressure, 8 modes by quadrature: force in um E*, energy release rate divided by E* in um (`a = 3 um`,
+    /// `h = 2.2 um`).
     #[test]
     fn annuli_without_column_and_pressure() {
         let pillar = StuckPillar::new(1.0, 3.0, 2.2, 0.0).unwrap();
@@ -803,7 +811,8 @@ mod tests {
         }
     }
 
-    /// Edges without pressure and with it, and where none stands, in um: roots of the table of another series, interpolated, to its digits.
+    /// Edges with and without pressure, and cases without an edge, in um: roots of the table of another series, interpolated, to its
+    /// digits.
     #[test]
     fn edges_stand_where_the_work_holds_them() {
         let pillar = StuckPillar::of(&system(0.03, 2.0));
@@ -848,7 +857,8 @@ mod tests {
             assert!(matches!(edge(0.9999), AnnulusEdge::At(b) if b < there));
             assert_eq!(edge(1.0001), AnnulusEdge::Runs);
         }
-        // The least work that a system can have: a point force on a crack, b^3 = F^2/(2 pi^3 w E*), but for terms of the order a/b.
+        // For the smallest work of adhesion that a system accepts: a point force on a crack, b^3 = F^2/(2 pi^3 w E*), up to terms of order
+        // a/b.
         let least = 1e-12;
         let force = pillar.step / (0.5 / (modulus * pillar.radius) + pillar.column_compliance);
         let far = (force * force / (2.0 * PI.powi(3) * least * modulus)).cbrt();
@@ -859,7 +869,7 @@ mod tests {
         assert_eq!(pillar.edge(10e-3, flush).unwrap(), AnnulusEdge::Closed);
     }
 
-    /// Thresholds of flat lattices in mJ/m^2 by 8 modes and quadrature; the pull-off of the one case that holds.
+    /// Thresholds of flat lattices in mJ/m^2 by 8 modes and quadrature; the pull-off force in the only case with positive net work.
     #[test]
     fn flat_lattices_collapse_above_their_threshold() {
         for (young_modulus, expected) in [(2.0, [6.4, 21.0, 87.0]), (1000.0, [17.0, 59.0, 253.0])] {
@@ -870,7 +880,7 @@ mod tests {
                     (found.work * 1e3 / expected - 1.0).abs() < 0.03,
                     "{phi}: {found:?}"
                 );
-                // Griffith at the least energy, and nothing won there.
+                // Griffith's criterion at the minimum, where the net work is zero.
                 let annulus = floor.pillar.annulus(found.annulus_radius, 0.0).unwrap();
                 assert!((annulus.energy_release_rate / found.work - 1.0).abs() < 1e-6);
                 let net = |part: f64| floor.net_work(part * found.work).unwrap();
@@ -882,11 +892,11 @@ mod tests {
         let floor = StuckFloor::of(&system(0.03, 2.0)).unwrap();
         let pull = floor.pull_off(2.2e-3, 50e-3).unwrap().unwrap();
         assert!((pull + 0.27e-3).abs() < 0.005e-3, "{pull}");
-        // So little that annuli fill the cells.
+        // The annuli fill the cells for such a small work of adhesion.
         assert_eq!(floor.net_work(1e-6).unwrap(), None);
     }
 
-    /// As `h^2` where the annuli are wide and columns do not give way.
+    /// Proportional to `h^2` if the annuli are wide and columns are rigid.
     #[test]
     fn thresholds_of_low_pillars_grow_as_the_square_of_the_height() {
         let cell = 4000e-12;
@@ -900,7 +910,8 @@ mod tests {
         assert!((work(2e-6) / work(1e-6) - 4.0).abs() < 1e-9);
     }
 
-    /// The energy from pressures `T_2k(x)/sqrt(1 - x^2)` on ridges and strips of a periodic row, with the logarithm integrated by Chebyshev's rules.
+    /// The energy from pressures `T_2k(x)/sqrt(1 - x^2)` on ridges and strips of a periodic array, with the logarithm integrated by
+    /// Chebyshev rules.
     fn energy_by_pressures(ridge: f64, strip: f64) -> f64 {
         const COUNT: usize = 16;
         const NODES: usize = 64;
@@ -952,7 +963,7 @@ mod tests {
                 row[size] = if on == 0 { 1.0 } else { 0.0 };
             }
         }
-        // Ridges bear what strips pull.
+        // The force on ridges balances that on strips.
         rows[size - 1][0] = halves[0];
         rows[size - 1][COUNT] = halves[1];
         for k in 0..size {
@@ -985,7 +996,7 @@ mod tests {
         }
     }
 
-    /// In `E* h^2` over half a groove: ridges of 3/4, 1/2 and 1/4 of the period, by another program.
+    /// In `E* h^2` divided by half a groove: ridges of 3/4, 1/2 and 1/4 of the period, by another program.
     #[test]
     fn thresholds_of_grooves() {
         for (ridge, expected) in [(0.75, 0.34447), (0.5, 0.31722), (0.25, 0.26189)] {
@@ -993,7 +1004,7 @@ mod tests {
             let found = grooves.threshold();
             let reduced = found.work * 0.5 * (1.0 - ridge);
             assert!((reduced - expected).abs() < 6e-6, "{ridge}: {reduced}");
-            // At the least energy per width it is the energy release rate: two edges.
+            // At the minimum energy per width, this equals the energy release rate: two edges.
             let step = 1e-5;
             let energy = |change: f64| grooves.energy(found.strip_width + change).unwrap();
             let slope = (energy(step) - energy(-step)) / (2.0 * step);

@@ -1,4 +1,4 @@
-//! Pillar tops that stick: against closed forms, an independent program, and conditions that every cycle has to meet.
+//! Adhesive pillar tops: comparison with closed forms and with an independent program, and conditions that every cycle must satisfy.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{
@@ -34,7 +34,8 @@ fn pull_off(cycle: &Cycle) -> f64 {
     cycle.pull_off.as_ref().expect("a pull").force
 }
 
-/// K. Kendall, J. Phys. D 4, 1186 (1971), whatever gives way besides. The lens is so flat and the pitch so wide that one top is alone.
+/// K. Kendall, J. Phys. D 4, 1186 (1971), for any additional compliance. The lens is so flat and the pitch so large that one top is
+/// isolated.
 #[test]
 fn a_lone_top_pulls_as_a_flat_punch() {
     let lens = Lens {
@@ -78,7 +79,7 @@ fn a_lone_top_pulls_as_a_flat_punch() {
 }
 
 /// `adhesion.csv` is from an independent program (dense algebra on the symmetric part of the lattice, another table of fronts); its columns
-/// `err_*` are its own error bars. Force and indentation at the transition have to agree within 1e-4 more than that.
+/// `err_*` are its own error bars. Force and indentation at the transition must agree within 1e-4 in addition to these.
 #[test]
 fn cycles_agree_with_an_independent_program() -> Result<(), Box<dyn Error>> {
     let mut reader = csv::Reader::from_reader(include_str!("../reference/adhesion.csv").as_bytes());
@@ -113,8 +114,8 @@ fn cycles_agree_with_an_independent_program() -> Result<(), Box<dyn Error>> {
             of("err_Fpull_rel"),
             "separation",
         );
-        // At 1 mJ/m^2 the program's loop, 3.611e-13 J, is that of tops whose first touch is looked for at 18 points of a ring: so this one has
-        // 3.616e-13 with its table of fronts, and with 36, 72 and 288 points 3.5664, 3.5637 and 3.5630e-13.
+        // At 1 mJ/m^2 the program's loop, 3.611e-13 J, is that of tops whose first touch is searched at 18 points of a ring: with this
+        // setting, this program obtains 3.616e-13 with its table of fronts, and 3.5664, 3.5637 and 3.5630e-13 with 36, 72 and 288 points.
         if of("w_J_m2") > 1e-3 {
             near(cycle.loop_area, of("W_loop_J"), of("err_W_rel"), "loop");
         }
@@ -133,7 +134,7 @@ fn cycles_agree_with_an_independent_program() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Without adhesion the answer is that of the contact conditions, which no level of fronts rounds.
+/// Without adhesion the result is that of the contact conditions, without rounding to the levels of fronts.
 #[test]
 fn weak_adhesion_joins_none() {
     for (surface_fraction, offset) in [(0.01, 0.0), (0.03, 0.0), (0.03, 1.0 / 3.0)] {
@@ -176,8 +177,8 @@ fn no_adhesion_is_the_contact_as_it_was() {
 #[test]
 #[ignore = "slow: a whole cycle of a floor that sticks"]
 fn a_floor_that_sticks_is_lost_later_than_it_came() {
-    // An independent program (`floor_adhesion.csv`, phi = 0.03, 10 mJ/m^2): 0.3089 mN after the jump onto 36 holes, lost at 2.28 um +- 0.08,
-    // pull-off of the tops alone.
+    // An independent program (`floor_adhesion.csv`, phi = 0.03, 10 mJ/m^2): 0.3089 mN after the jump onto 36 holes, detachment at 2.28 um
+    // +- 0.08, pull-off of the tops alone.
     let adhesion = Adhesion::new(0.01).with_floor();
     let system = sticky(0.03, 0.0, 0.0).with_adhesion(adhesion).unwrap();
     let plan = CyclePlan {
@@ -188,12 +189,12 @@ fn a_floor_that_sticks_is_lost_later_than_it_came() {
     assert!(cycle.converged() && !cycle.stopped_by_floor);
     let [before, after] = cycle.floor_jump().unwrap();
     assert!((before.force / 3.7746e-4 - 1.0).abs() < 0.002, "{before:?}");
-    // On a barrier between rings of holes: at a work 10 % lower 24 holes and 0.333 mN, says the same program.
+    // At a barrier between rings of holes: for a work 10 % smaller, the same program obtains 24 holes and 0.333 mN.
     assert!((3.05e-4..3.37e-4).contains(&after.force), "{after:?}");
     let jumped = after.floor.unwrap();
     assert!((24..=36).contains(&jumped.holes), "{jumped:?}");
     assert!(jumped.force < 0.0 && (jumped.area / 1.374e-8 - 1.0).abs() < 0.25);
-    // Lost between these two.
+    // The floor detaches between these two load steps.
     let [last, after] = cycle.floor_lost().unwrap();
     assert!(
         after.indentation < 2.36e-6 && last.indentation > 2.2e-6,
@@ -210,7 +211,7 @@ fn a_floor_that_sticks_is_lost_later_than_it_came() {
     assert!(((on_tops + floor.force) / cycle.turn.force - 1.0).abs() < 1e-4);
 }
 
-/// The pull is the same whatever is held while tops let go.
+/// The pull-off force does not depend on the quantity that is controlled while tops detach.
 #[test]
 fn the_pull_does_not_depend_on_what_drives_the_lens() {
     for (offset, adhesion) in [
@@ -250,7 +251,7 @@ fn the_pull_does_not_depend_on_what_drives_the_lens() {
     }
 }
 
-/// Tops that are alike under a symmetry of the lattice let go together.
+/// Tops that are equivalent under a symmetry of the lattice detach together.
 #[test]
 fn symmetric_cases_let_go_in_symmetric_order() {
     let cycle = cycle(&sticky(0.03, 0.0, 0.02), CyclePlan::default());
@@ -264,7 +265,8 @@ fn symmetric_cases_let_go_in_symmetric_order() {
     assert!(cascades.len() > 10);
     for cascade in cascades.values() {
         for (i, j, covered) in cascade {
-            // Lattice vectors at 30 and -30 degrees: a turn by 60 degrees takes (1, 0) to (1, -1), (0, 1) to (1, 0); a mirror swaps them.
+            // Lattice vectors at 30 and -30 degrees: a rotation by 60 degrees maps (1, 0) to (1, -1) and (0, 1) to (1, 0); a mirror
+            // exchanges them.
             for image in [(i + j, -i, *covered), (*j, *i, *covered)] {
                 assert!(cascade.contains(&image), "{image:?} {cascade:?}");
             }
@@ -293,7 +295,7 @@ fn turned_and_mirrored_copies_pull_alike() {
     }
 }
 
-/// What `press` and `transition` tell is what the cycle passes.
+/// The results of `press` and `transition` are states of the cycle.
 #[test]
 fn states_on_loading_are_those_of_the_cycle() {
     let system = sticky(0.03, 0.3, 0.01);
@@ -314,13 +316,13 @@ fn states_on_loading_are_those_of_the_cycle() {
     assert!((under.force / 1e-4 - 1.0).abs() < 1e-9);
     let again = press(Load::Indentation(under.indentation)).unwrap();
     assert!((again.force / 1e-4 - 1.0).abs() < 1e-6);
-    // Without load the lens rests where it snapped in.
+    // Without load, the lens is in equilibrium where it jumped into contact.
     let resting = press(Load::Force(0.0)).unwrap();
     assert!(resting.pillars_in_contact > 0 && resting.force.abs() < 1e-12);
     assert!((resting.indentation - cycle.zero_load_indentation.unwrap()).abs() < 1e-12);
-    // Above the tops nothing is in contact.
+    // Above the tops there is no contact.
     assert_eq!(press(Load::Indentation(0.0)).unwrap().pillars_in_contact, 0);
-    // Past the transition the path has ended, unless the floor is ignored.
+    // The path ends at the transition, unless the floor is ignored.
     let past = Load::Indentation(1.1 * critical.contact.indentation);
     let refused = press(past).unwrap_err();
     assert!(matches!(refused, SolveError::PastTransition { .. }));
@@ -350,14 +352,14 @@ fn who_holds_is_told_at_every_station() {
     assert!(cycle.stations.iter().all(|s| s.force >= pull_off.force));
     let floor = |event: &&fakir::state::CycleEvent| event.kind == CycleEventKind::FloorContact;
     assert_eq!(cycle.events.iter().filter(floor).count(), 1);
-    // Every pillar that was in contact lets go at last.
+    // Every pillar in contact finally detaches.
     let released: std::collections::BTreeSet<_> = cycle
         .release_order()
         .iter()
         .filter_map(|event| event.pillar.map(|pillar| pillar.index))
         .collect();
     assert_eq!(released.len(), cycle.turn.pillars_in_contact);
-    // The area under the curve is what was summed up.
+    // The area under the curve equals the sum of contributions.
     let pairs = cycle.stations.windows(2);
     let area: f64 = pairs
         .map(|s| 0.5 * (s[0].force + s[1].force) * (s[1].indentation - s[0].indentation))
@@ -383,11 +385,11 @@ fn cycles_turn_where_they_are_told_to() {
     assert!(half.critical.is_none() && half.separation.is_none() && half.pull_off.is_none());
     let forced = turned(UnloadingPoint::Force(1e-4));
     assert!((forced.turn.force / 1e-4 - 1.0).abs() < 1e-9);
-    // The floor is in the way.
+    // The floor ends the loading.
     let stopped = turned(UnloadingPoint::Indentation(2.0 * indentation));
     assert!(stopped.stopped_by_floor && !critical.stopped_by_floor);
     assert_eq!(stopped.turn.force.to_bits(), critical.turn.force.to_bits());
-    // Where the floor comes first, nothing sticks.
+    // If the floor is reached first, there is no adhesion.
     let lattice = paper_lattice(0.0005, 0.866);
     let wide = paper_system(lattice, INTERMEDIATE, PillarCompliance::Column);
     let wide = wide.with_adhesion(Adhesion::new(0.05)).unwrap();
@@ -467,7 +469,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
 
 #[test]
 fn limits_of_the_model_are_told() {
-    // Kendall's stress over the modulus: 0.119 for 50 mJ/m^2 on 2 MPa, and 5.3 on 2 kPa where the lens is softer than the pillars.
+    // Kendall's stress divided by the modulus: 0.119 for 50 mJ/m^2 on 2 MPa, and 5.3 on 2 kPa, where the lens is softer than the pillars.
     let within = cycle(&sticky(0.01, 0.0, 0.05), CyclePlan::default());
     let limits = within.limits(Some(1e-9));
     let names: Vec<&str> = limits.iter().map(|limit| limit.name).collect();
@@ -515,7 +517,7 @@ fn cycles_tell_how_far_they_are_and_stop_when_told() {
     assert_eq!(stopped.unwrap_err(), SolveError::Interrupted);
 }
 
-/// The accurate cycle has two degrees more.
+/// The accurate cycle has two more degrees.
 #[test]
 fn default_and_accurate_cycles_agree_within_what_they_claim() {
     let system = sticky(0.03, 0.3, 0.02);
@@ -532,10 +534,11 @@ fn default_and_accurate_cycles_agree_within_what_they_claim() {
     assert!((a.force / b.force - 1.0).abs() < default.errors.critical_force.numerical());
 }
 
-/// Pressures add up to the forces of the pillars, also where they pull and where tops are held in part; out of contact there is none.
+/// Pressures add up to the forces of the pillars, including pillars in tension and partially bonded tops; outside the contact the pressure
+/// is zero.
 #[test]
 fn pressures_pull_where_tops_are_held() {
-    // Down by a hundredth of the height after the snap: the outer tops are pulled.
+    // Lowered by a hundredth of the height after the snap: the outer tops are in tension.
     let system = sticky(0.03, 0.3, 0.003);
     let control = Load::Indentation(2.5e-6);
     let state = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
@@ -576,8 +579,8 @@ fn pressures_pull_where_tops_are_held() {
     assert_eq!(fields.pressure([1e-3, 0.0]).to_bits(), 0);
 }
 
-/// Whoever follows a cycle is told the stations that are in its answer, with what bears their forces. The outlines of tops in
-/// partial contact have the areas of the events; polygons of so many corners lack a few parts in a thousand of the circle.
+/// The callback for a cycle receives the load steps of its result, with contacts that have these forces. The outlines of tops in partial
+/// contact have the areas of the events; polygons with this number of corners are smaller than the circle by a few parts in a thousand.
 #[test]
 fn a_cycle_can_be_followed_station_by_station() {
     let system = sticky(0.03, 0.3, 0.01);
@@ -593,7 +596,7 @@ fn a_cycle_can_be_followed_station_by_station() {
     let followed =
         fakir::follow_cycle(&system, plan, Method::default(), &Run::default(), &follower).unwrap();
     let told = told.into_inner().unwrap();
-    // The first station is before the lens sets out.
+    // The first load step is before the first contact.
     assert_eq!(told.len() + 1, followed.stations.len());
     let mut partly = 0;
     for (place, station, held) in &told {
@@ -629,7 +632,7 @@ fn a_cycle_can_be_followed_station_by_station() {
     let pull_off = followed.pull_off.as_ref().unwrap();
     let sum: f64 = pull_off.pillars.iter().map(|pillar| pillar.force).sum();
     assert!((sum / pull_off.force - 1.0).abs() < 1e-4, "{sum}");
-    // On tops in part there is but the mean pressure.
+    // On partially bonded tops only the mean pressure is available.
     let full = |pillar: &&PillarState| pillar.status == PillarStatus::Full;
     for pillar in pull_off.pillars.iter().filter(full) {
         let pressure = pull_off.fields.pressure(pillar.centre);
@@ -638,7 +641,7 @@ fn a_cycle_can_be_followed_station_by_station() {
     }
 }
 
-/// The paper's intermediate system with pillars that stand otherwise.
+/// The paper's intermediate system with another arrangement.
 fn sticky_on(
     arrangement: impl Into<fakir::problem::Arrangement>,
     compliance: PillarCompliance,
@@ -653,13 +656,13 @@ fn sticky_on(
         .expect("a work of adhesion")
 }
 
-/// One lattice as the paper's, as an oblique one that is turned, and as a list of more pillars than come into contact.
+/// The lattice of the paper in its own description, as an oblique rotated one, and as a list of more pillars than come into contact.
 #[test]
 fn the_same_lattice_in_other_words_pulls_alike() {
     let lattice = paper_lattice(0.03, 0.3);
     let hexagonal = sticky(0.03, 0.3, 0.01);
     let pitch = lattice.pitch;
-    // Seen along the paper's x the oblique rows are at 30 degrees.
+    // Relative to the paper's x axis, the oblique rows are at 30 degrees.
     let oblique = PlaneLattice {
         rotation: 0.4,
         offset: 0.3,
@@ -704,12 +707,12 @@ fn the_same_lattice_in_other_words_pulls_alike() {
         assert_eq!(found.events.len(), expected.events.len());
         assert!(found.certificate().unwrap() < 1e-4);
     }
-    // What is held is turned with the lattice: the pressure is that of the straight one.
+    // The contact rotates with the lattice: the pressure is that of the unrotated one.
     let turned = cycle(&sticky_on(oblique, column, 0.01), CyclePlan::default());
     let [straight, turned] = [&expected, &turned].map(|it| &it.pull_off.as_ref().unwrap().pillars);
     for (one, other) in straight.iter().zip(turned) {
         let [x, y] = one.centre.map(|x| x / pitch);
-        // The paper's x is at 30 degrees from the first row, which is at 0.4 rad.
+        // The paper's x axis is at 30 degrees from the first row, which is at 0.4 rad.
         let (sin, cos) = (0.4 + std::f64::consts::FRAC_PI_6).sin_cos();
         let image = [cos * x - sin * y, sin * x + cos * y];
         let near = turned.iter().chain(std::iter::once(other)).any(|pillar| {
@@ -721,8 +724,8 @@ fn the_same_lattice_in_other_words_pulls_alike() {
     }
 }
 
-/// On a square lattice, of which pillars may be missing: what drives the lens does not matter, the cycle closes, and what is released is what is
-/// lost.
+/// On a square lattice, optionally with missing pillars: results do not depend on the loading mode, the cycle closes, and the released
+/// energy equals the dissipation.
 #[test]
 fn square_lattices_pull_alike_however_they_are_driven() {
     let form = LatticeForm::Square { pitch: 30e-6 };
@@ -771,7 +774,7 @@ fn square_lattices_pull_alike_however_they_are_driven() {
     }
 }
 
-/// Pillars that are all higher by as much than the common one come off by so much earlier, under the same pull.
+/// Pillars that are all higher than the common height by the same amount detach earlier by this amount, at the same pull-off force.
 #[test]
 fn heights_shift_what_sticks() {
     let lattice = paper_lattice(0.03, 0.3);
@@ -812,7 +815,7 @@ fn heights_shift_what_sticks() {
     assert!((earlier / 0.2e-6 - 1.0).abs() < 1e-6, "{earlier}");
 }
 
-/// Kendall, on one listed pillar.
+/// Kendall's pull-off force for one listed pillar.
 #[test]
 fn one_listed_pillar_pulls_as_a_flat_punch() {
     let pillar = ListedPillar {
@@ -837,7 +840,7 @@ fn one_listed_pillar_pulls_as_a_flat_punch() {
     assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
 }
 
-/// Fronts are known for tops of one size on columns that are alike.
+/// Fronts are available for tops of equal size on equal columns only.
 #[test]
 fn tops_that_differ_do_not_stick_yet() {
     let refused = |system: &System| {

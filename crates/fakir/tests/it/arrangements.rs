@@ -1,4 +1,4 @@
-//! Systems whose pillars stand otherwise than on the endless hexagonal lattice of equal ones.
+//! Systems with arrangements other than the infinite hexagonal lattice of equal pillars.
 
 use fakir::problem::{
     Accuracy, Arrangement, Disorder, HexagonalLattice, InvalidQuantity, LatticeForm, Lens,
@@ -8,7 +8,7 @@ use fakir::problem::{
 use fakir::state::{ContactState, CriticalState, Run, SolveError};
 use std::f64::consts::PI;
 
-/// With two bodies of this material the reduced modulus is 1 MPa, so that a force in N is 1e-6 times one in um^2.
+/// For two bodies of this material the reduced modulus is 1 MPa, so that a force in N is 1e-6 times a force in um^2.
 const MATERIAL: Material = Material {
     young_modulus: 1.5e6,
     poisson_ratio: 0.5,
@@ -19,7 +19,7 @@ fn system(arrangement: impl Into<Arrangement>) -> System {
     system_under(2.2e-3, arrangement)
 }
 
-/// The same under a lens of a radius, m.
+/// The same under a lens with the given radius, m.
 fn system_under(radius: f64, arrangement: impl Into<Arrangement>) -> System {
     let lens = Lens {
         radius,
@@ -61,7 +61,7 @@ fn differences(state: &ContactState, force: f64, indentation: f64) -> [f64; 2] {
     ]
 }
 
-/// Pillars that are higher than the common height are touched at an indentation of none, and above it.
+/// Pillars above the common height are touched at negative and zero indentations.
 #[test]
 fn an_indentation_counts_from_the_common_height() {
     for seed in 0..30 {
@@ -83,7 +83,7 @@ fn an_indentation_counts_from_the_common_height() {
         let off = pressed(&scattered, above).force / by_force.force - 1.0;
         assert!(off.abs() < 1e-6, "{seed}: {off:e}");
     }
-    // Above all pillars there is nothing, and none of equal ones is higher.
+    // Nothing is touched above all pillars, and no equal pillar is above the common height.
     let method = Method::default();
     let equal = system(PlaneLattice::new(form_of(0.1)));
     let refused = fakir::press(&equal, Load::Indentation(-1e-9), method, &Run::default());
@@ -93,7 +93,7 @@ fn an_indentation_counts_from_the_common_height() {
     );
 }
 
-/// Values with their errors: `any.csv` of the prototype.
+/// Values with their errors from `any.csv` of the prototype.
 #[test]
 fn square_and_rectangular_lattices_as_the_prototype() {
     let square = PlaneLattice::new(form_of(0.03));
@@ -115,7 +115,7 @@ fn square_and_rectangular_lattices_as_the_prototype() {
         let system = system(lattice);
         let accurate = critical(&system, Accuracy::Accurate).contact;
         let [of_force, of_depth] = differences(&accurate, force, indentation);
-        // The prototype has fewer modes, which change the rectangular lattice by 1.5e-6.
+        // The prototype has fewer modes; the difference for the rectangular lattice is 1.5e-6.
         println!("{of_force:e} {of_depth:e}, claimed {:?}", accurate.error);
         assert!(of_force.abs() < 6e-6 && of_depth.abs() < 3e-6);
         let default = critical(&system, Accuracy::Default).contact;
@@ -139,7 +139,7 @@ fn listed(system: &System, radius: f64) -> PillarList {
     PillarList::new(listed.collect()).expect("a valid list")
 }
 
-/// One lattice in four ways.
+/// One lattice in four descriptions.
 #[test]
 fn the_hexagonal_lattice_is_the_same_however_it_is_given() {
     let hexagonal = HexagonalLattice::with_surface_fraction(0.03, 6e-6).offset_by(0.3);
@@ -154,7 +154,7 @@ fn the_hexagonal_lattice_is_the_same_however_it_is_given() {
         rotation: 0.4,
         ..hexagonal_form
     };
-    // Rows along x instead of 30 degrees from it: all is turned by that.
+    // Rows along x instead of 30 degrees from it: everything is rotated by this angle.
     let oblique = PlaneLattice {
         offset: hexagonal.offset,
         offset_angle: PI / 6.0,
@@ -188,7 +188,7 @@ fn the_hexagonal_lattice_is_the_same_however_it_is_given() {
     }
 }
 
-/// A missing pillar under the axis: `any.csv`, 311.748533595 um^2 in place of 444.465728888.
+/// A missing pillar under the axis: `any.csv`, 311.748533595 um^2 instead of 444.465728888.
 #[test]
 fn missing_pillars_lower_the_critical_force() {
     let whole = system(PlaneLattice::new(form_of(0.03)));
@@ -201,7 +201,7 @@ fn missing_pillars_lower_the_critical_force() {
         force.abs() < 1e-5 && depth.abs() < 3e-6,
         "{force:e} {depth:e}"
     );
-    // Drawn by a seed, the same whatever the load; and pillars are either there or not.
+    // Determined by the seed, independent of the load; pillars are either present or missing.
     let disorder = Disorder {
         heights: Scatter::normal(0.0, 5),
         missing: 0.2,
@@ -245,10 +245,10 @@ fn scattered_heights_are_met_by_the_lens() {
     }
     let forces: f64 = state.pillars.iter().map(|pillar| pillar.force).sum();
     assert!((forces / state.force - 1.0).abs() < 1e-12);
-    // The same force leads to the same indentation.
+    // The same force results in the same indentation.
     let back = pressed(&system, Load::Force(state.force));
     assert!((back.indentation / state.indentation - 1.0).abs() < 1e-8);
-    // Just before and just after the first touch, which may be above the common height.
+    // Immediately before and after first touch, which may be above the common height.
     let first = system.first_touch();
     assert!(
         pressed(&system, Load::Indentation(first - 1e-9))
@@ -260,7 +260,7 @@ fn scattered_heights_are_met_by_the_lens() {
     assert!(!touched.pillars.is_empty());
 }
 
-/// Hertz in a single listed pillar: `F = 4/3 E* sqrt(R) zeta^1.5` (Johnson, Contact Mechanics, eq. 4.23).
+/// Hertz's contact within a single listed pillar: `F = 4/3 E* sqrt(R) zeta^1.5` (Johnson, Contact Mechanics, eq. 4.23).
 #[test]
 fn a_contact_inside_one_wide_top() {
     let pillar = ListedPillar {
@@ -283,8 +283,8 @@ fn a_contact_inside_one_wide_top() {
     assert!((back.indentation - state.indentation).abs() < 1e-13);
 }
 
-/// Tall pillars far from the others are touched, although those between are not. A lonely low pillar far off changes nothing but how far is looked
-/// from the start.
+/// Tall distant pillars are touched although those between are not. A single low, distant pillar changes only the initial extent of the
+/// search.
 #[test]
 fn tall_pillars_beyond_low_ones_are_found() {
     let pillar = |x: i32, y: i32, from: f64, height: f64| ListedPillar {
@@ -329,11 +329,11 @@ fn finite_arrays_end() {
     };
     let system = system(array);
     assert_eq!(system.pillars_within(1.0).len(), 9);
-    // Past the transition, with the floor between and around them.
+    // Past the transition, with the floor between and around the pillars.
     let deep = pressed(&system, Load::Indentation(8e-6));
     assert_eq!(deep.pillars.len(), 9);
     assert!(deep.floor.is_some_and(|floor| floor.share > 0.1));
-    // Symmetric arrangements have symmetric answers: four on the axes, four at the corners.
+    // Symmetric arrangements have symmetric results: four pillars on the axes, four at the corners.
     for ring in [1..5, 5..9] {
         let forces = deep.pillars[ring].iter().map(|pillar| pillar.force);
         let (least, most) = forces.fold((f64::INFINITY, 0.0_f64), |(a, b), force| {
@@ -341,7 +341,7 @@ fn finite_arrays_end() {
         });
         assert!(most / least - 1.0 < 1e-9);
     }
-    // Beside the array there is nothing but floor.
+    // Outside the array there is only floor.
     let beside = PlaneLattice {
         offset: 9.0,
         ..array
@@ -353,7 +353,7 @@ fn finite_arrays_end() {
     assert!((state.contact.indentation / 2.2e-6 - 1.0).abs() < 1e-14);
 }
 
-/// A lens of any radius reaches no more pillars than there are: 25, on which it is flat beyond 100 km or so.
+/// A lens of any radius touches at most the existing pillars: 25, over which it is flat for radii above about 100 km.
 #[test]
 fn finite_arrays_are_solved_under_lenses_as_flat_as_plates() {
     let array = PlaneLattice {
@@ -365,7 +365,7 @@ fn finite_arrays_are_solved_under_lenses_as_flat_as_plates() {
         [1e5, 1e6, 1e12].map(|radius| pressed(&system_under(radius, array), load));
     for state in [&flatter, &flattest] {
         assert_eq!(state.pillars_in_contact, 25);
-        // The outermost pillars are lower by r^2/2R = 4e-14 m under the first.
+        // At the first radius, the lens is higher at the outermost pillars by r^2/2R = 4e-14 m.
         assert!((state.force / flat.force - 1.0).abs() < 1e-7);
     }
     for radius in [1e5, 1e6] {

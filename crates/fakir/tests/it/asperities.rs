@@ -1,4 +1,4 @@
-//! Rounded tops: closed forms, another program, elements, and what holds for all of them.
+//! Rounded tops: closed forms, another program, boundary elements, and general properties.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
@@ -9,16 +9,16 @@ use fakir::problem::{
 use fakir::state::{AsperityContact, PillarStatus, Run, SolveError, Termination};
 use std::f64::consts::PI;
 
-/// A micrometre, and the unit of force where lengths are in them and the reduced modulus is 1 Pa.
+/// A micrometre, and the unit of force for lengths in micrometres and a reduced modulus of 1 Pa.
 const UM: f64 = 1e-6;
 const FORCE: f64 = 1e-12;
 
-/// Of a reduced modulus of 1 Pa against a rigid plate, and half of that against the like.
+/// The reduced modulus is 1 Pa against a rigid plate, and half of this against the same material.
 fn substrate() -> Material {
     Material::new(1.0, 0.0)
 }
 
-/// A rigid sphere, or nearly so, of that radius in um; a rigid plate where it is infinite.
+/// A nearly rigid sphere with the given radius in um; a rigid plate for an infinite radius.
 fn indenter(radius: f64) -> Indenter {
     if radius.is_infinite() {
         return Indenter::Flat(None);
@@ -29,7 +29,7 @@ fn indenter(radius: f64) -> Indenter {
     })
 }
 
-/// Caps at places with radii of curvature and heights, all in um.
+/// Asperities with positions, radii of curvature and heights, all in um.
 fn field(indenter: Indenter, asperities: &[(Point, f64, f64)]) -> AsperityArray {
     let asperities = asperities.iter().map(|([x, y], radius, raised)| {
         Asperity::new([x * UM, y * UM], radius * UM).raised_by(raised * UM)
@@ -44,7 +44,7 @@ fn press(field: &AsperityArray, control: Load, accuracy: Accuracy) -> AsperityCo
     contact
 }
 
-/// Seven asperities of radius of curvature 100, one in the middle of six.
+/// Seven asperities with a radius of curvature of 100, one at the centre of the six others.
 fn seven(pitch: f64) -> Vec<(Point, f64, f64)> {
     let around = (0..6).map(|k| {
         let angle = PI / 3.0 * f64::from(k);
@@ -66,7 +66,7 @@ fn random_seven() -> Vec<(Point, f64, f64)> {
     rows.collect()
 }
 
-/// Numbers between two bounds.
+/// Random numbers between two bounds.
 struct Draws(ChaCha8Rng);
 
 impl Draws {
@@ -104,7 +104,7 @@ fn a_plate_on_one_asperity() {
     assert!(lifted.force == 0.0 && lifted.touched() == 0);
 }
 
-/// The column gives way besides: `zeta = delta + K F`.
+/// Including the column compliance: `zeta = delta + K F`.
 #[test]
 fn a_plate_on_one_cap_with_a_column() {
     let compliance = 0.02;
@@ -126,7 +126,8 @@ fn a_plate_on_one_cap_with_a_column() {
     }
 }
 
-/// Two paraboloids: `1/R` is the sum of both curvatures, and the summit lies `X^2/(2(R + rho))` under the lowest point. The sphere is one to 1e-13.
+/// Two paraboloids: `1/R` is the sum of both curvatures, and the summit is `X^2/(2(R + rho))` below the lowest point. The sphere equals a
+/// paraboloid to 1e-13.
 #[test]
 fn a_sphere_on_a_cap_off_its_axis() {
     let radius = 1e6;
@@ -141,7 +142,7 @@ fn a_sphere_on_a_cap_off_its_axis() {
     assert!((contact.asperities[0].centre[0] - shifted).abs() < 1e-9 * UM);
 }
 
-/// By another program with a pressure of degree 6; errors are those it was given with.
+/// Reference: another program with a pressure of degree 6, with its stated errors.
 #[test]
 fn seven_caps_are_those_of_the_reference() {
     let plate = || indenter(f64::INFINITY);
@@ -188,7 +189,7 @@ fn seven_caps_are_those_of_the_reference() {
     }
 }
 
-/// Random asperities at random places, which are apart, in um: of that many, fewer where there is no room.
+/// Random asperities at random separate positions, in um: at most `count`, fewer if there is no space.
 fn random_asperities(draws: &mut Draws, count: usize, side: f64) -> Vec<(Point, f64, f64)> {
     let mut asperities: Vec<(Point, f64, f64)> = Vec::new();
     for _ in 0..200 * count {
@@ -214,7 +215,8 @@ fn many_random_fields_are_solved_or_refused() {
     check_random_fields(80);
 }
 
-/// Plates and spheres on random asperities: every question has an answer or a reason, and the answer by displacement is that by force.
+/// Plates and spheres on random asperities: every question has a result or an error, and results for a prescribed indentation agree with
+/// those for a prescribed force.
 fn check_random_fields(fields: usize) {
     let mut draws = Draws::new(5);
     let (mut solved, mut merged, mut steps) = (0, 0, 0);
@@ -268,7 +270,7 @@ fn check_random_fields(fields: usize) {
     assert!(8 * solved > 5 * fields, "{solved} {merged}");
 }
 
-/// Small spheres on flat asperities, which are tilted by more than their contacts are wide.
+/// Small spheres on flat asperities, with slopes that vary strongly within a contact.
 #[test]
 fn steep_spheres_are_solved_or_refused() {
     let mut draws = Draws::new(29);
@@ -299,7 +301,7 @@ fn steep_spheres_are_solved_or_refused() {
     assert!(solved > 20, "{solved} {merged}");
 }
 
-/// The adjoint against central differences, in fields of plates and spheres, with columns and rims.
+/// Compares the adjoint derivatives with central differences, for plates and spheres, with columns and rims.
 #[test]
 fn slopes_are_those_of_central_differences() {
     let mut draws = Draws::new(11);
@@ -385,7 +387,7 @@ fn slopes_are_those_of_central_differences() {
     }
 }
 
-/// Lengths times `s` are forces times `s^2`, and a field that is turned has the same answer.
+/// Lengths times `s` result in forces times `s^2`, and a rotated field has the same result.
 #[test]
 fn scaled_and_turned_fields() {
     let asperities = random_asperities(&mut Draws::new(3), 12, 40.0);
@@ -410,7 +412,8 @@ fn scaled_and_turned_fields() {
     assert!((turned.force / contact.force - 1.0).abs() < 1e-10);
 }
 
-/// Two asperities of equal height merge where their radii fill the distance: found by the load, and refused beyond it.
+/// Two asperities of equal height merge where the sum of their radii equals the distance: the load is determined, and larger loads are
+/// refused.
 #[test]
 fn contacts_that_merge_are_refused_with_the_load() {
     let field = field(
@@ -444,7 +447,7 @@ fn contacts_that_merge_are_refused_with_the_load() {
     assert!((loads[0] / loads[1] - 1.0).abs() < 2e-3, "{loads:?}");
 }
 
-/// Cells of a square in um with its middle at the origin, which is the centre of a cell.
+/// Cells of a square in um, centred at the origin, which is the centre of a cell.
 fn cells(half: f64, cell: f64, height: impl Fn(Point) -> f64) -> HeightMap {
     let half_count = (half / cell).ceil() as usize;
     let count = 2 * half_count + 2;
@@ -453,10 +456,10 @@ fn cells(half: f64, cell: f64, height: impl Fn(Point) -> f64) -> HeightMap {
     HeightMap::from_height(grid, |[x, y]| UM * height([x / UM, y / UM])).expect("a surface")
 }
 
-/// Force and area by elements, in um^2, of what is that far below the common level.
+/// Force and area with elements, in um^2, at a depth `zeta` below the reference level.
 fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> [f64; 2] {
     let from_highest = zeta * UM + surface.highest();
-    // A lens counts from its lowest point over the highest cell, wherever that is.
+    // The indentation of a lens is relative to contact of its lowest point with the highest cell, at any position.
     let system = SurfaceSystem::new(indenter(radius), substrate(), surface, Boundary::FreeSpace);
     let contact = system
         .expect("a system")
@@ -485,11 +488,11 @@ fn random_caps_are_those_of_elements() {
 
 #[test]
 fn ovals_are_those_of_elements() {
-    // Another program differs from elements by 4.1e-4 too.
+    // The other program also differs from elements by 4.1e-4.
     check_by_elements(seven(24.0), 400.0, 50.0, 5e-4);
 }
 
-/// With the error of elements on each asperity alone taken off: cells are in the same places on each.
+/// The error of elements on each isolated asperity is subtracted: the cells have the same positions on each.
 fn check_by_elements(
     mut asperities: Vec<(Point, f64, f64)>,
     radius: f64,
@@ -523,14 +526,15 @@ fn check_by_elements(
     println!("by elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
     assert!(error.abs() < tolerance, "{error}");
     assert!(error.abs() < estimate.force + 3e-5, "{error} {estimate:?}");
-    // Whole cells are in contact or not.
+    // Each cell is either in contact or not.
     assert!(
         of_area.abs() < estimate.area + 2e-3,
         "{of_area} {estimate:?}"
     );
 }
 
-/// A asperity on which the contact has grown to the rim: `F = 2 a zeta - 2 a^3/(3 rho)`, as the displacement of a flat punch under the paraboloid.
+/// An asperity whose contact has grown to the rim: `F = 2 a zeta - 2 a^3/(3 rho)`, from the displacement of a flat punch under the
+/// paraboloid.
 #[test]
 fn a_contact_that_fills_its_top() {
     let asperity = Asperity {
@@ -554,8 +558,8 @@ fn a_contact_that_fills_its_top() {
     }
 }
 
-/// A sphere beside the axis of which an asperity with a rim stands: contact that is free, leans on the rim, and fills the top, by elements on a disc of
-/// cells that is as stiff as one of that radius.
+/// A sphere beside the axis of an asperity with a rim: contacts that are free, touch the rim, and cover the top, compared with elements on
+/// a disc of cells that is as stiff as a disc of this radius.
 #[test]
 fn a_contact_that_leans_on_its_rim() {
     let (lens, place, asperity_radius, cell) = (400.0, 12.0, 60.0, 0.125);
@@ -587,7 +591,7 @@ fn a_contact_that_leans_on_its_rim() {
             "{overlap}: {:?} {error:.2e} {estimate:.2e}",
             contact.asperities[0].status
         );
-        // What the cells at a free edge differ by besides.
+        // Additional error of cells at a free edge.
         assert!(
             error.abs() < estimate + 4e-4,
             "{overlap}: {error} {estimate}"
@@ -625,7 +629,7 @@ fn what_cannot_be_answered_says_why() {
     let stopped = Run::default();
     stopped.cancel.cancel();
     assert_eq!(ask(&seven, load, &stopped), SolveError::Interrupted);
-    // The summit of an asperity so far from the axis is beyond its rim.
+    // The summit of an asperity this far from the axis is outside its rim.
     let tilted = Asperity {
         rim_radius: Some(2.0 * UM),
         ..Asperity::new([20.0 * UM, 0.0], 100.0 * UM)

@@ -1,5 +1,5 @@
-//! Where the contact ends: its radius, with an error that covers what other methods find, and a
-//! pressure that is zero where the gap is open.
+//! The edge of the contact: its radius, with an error that covers the results of other methods, and a pressure that is zero where the gap
+//! is open.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{
@@ -62,14 +62,14 @@ fn radii_of_all_methods_agree_within_their_errors() {
         ] {
             assert_agree(&state, &critical(&system, method));
         }
-        // A few tenths of a pillar radius, or better.
+        // A few tenths of a pillar radius, or less.
         let error = state.contact.contact_radius_error / RADIUS;
         assert!(error < 0.25, "{surface_fraction} {offset}: {error}");
     }
 }
 
-/// The same lens on the same lattice, turned about a pillar by its symmetry: only the nodes on the pillars,
-/// which do not have that symmetry, differ.
+/// The same lens on the same lattice, rotated about a pillar by a symmetry of the lattice: only the nodes on the pillars, which do not have
+/// this symmetry, differ.
 #[test]
 fn equivalent_offsets_have_the_same_radius_within_the_error() {
     for (surface_fraction, offset) in [(0.01, 0.37), (0.03, 0.3), (0.1, 0.2)] {
@@ -101,7 +101,7 @@ fn no_pressure_where_the_gap_is_open_and_the_force_is_kept() {
         let fields = fields(&state);
         let partial = |pillar: &&PillarState| pillar.status == PillarStatus::Partial;
         assert!(state.pillars_partially_in_contact > 0);
-        // Some of them, from the nearest to the farthest.
+        // A subset, from the nearest to the farthest.
         let every = state.pillars_partially_in_contact.div_ceil(MOST);
         for pillar in state.pillars.iter().filter(partial).step_by(every) {
             let gaps: Vec<f64> = points_on(pillar).map(|point| fields.gap(point)).collect();
@@ -124,7 +124,7 @@ fn no_pressure_where_the_gap_is_open_and_the_force_is_kept() {
     }
 }
 
-/// On any grid, with points on rims or not, equally spaced or not, in any order.
+/// On grids with and without points on rims, with equal and unequal spacings, in any order.
 #[test]
 fn mean_pressures_over_cells_sum_up_to_the_force_and_have_no_peaks() {
     let state = critical(&system(0.03, 0.2, 20.0), Method::default()).contact;
@@ -143,14 +143,14 @@ fn mean_pressures_over_cells_sum_up_to_the_force_and_have_no_peaks() {
             "{count}: {sum:e} {:e}",
             state.force
         );
-        // Of a flat punch: p = F/(2 pi a^2 mu), over a cell of size s at the rim no more than
-        // F/(2 pi a^2) sqrt(2 a/s) times a factor of order one.
+        // For a flat punch: p = F/(2 pi a^2 mu), averaged over a cell of size s at the rim at most F/(2 pi a^2) sqrt(2 a/s) times a factor
+        // of order one.
         let largest = samples.pressure.iter().copied().fold(0.0, f64::max);
         let force = state.pillars.iter().map(|p| p.force).fold(0.0, f64::max);
         let bound = force / (2.0 * PI * RADIUS * RADIUS) * (2.0 * RADIUS / step).sqrt().max(2.0);
         assert!(largest < 3.0 * bound, "{count}: {largest:e} {bound:e}");
     }
-    // A line alone is as wide as its points are apart.
+    // A single line is as wide as the distance of its points.
     let x = [-1e-6, 0.0, 1e-6];
     let line = fields.on_grid(&x, &[0.0], &Run::default()).unwrap();
     let square = fields.on_grid(&x, &x, &Run::default()).unwrap();

@@ -1,4 +1,4 @@
-//! The table of what is answered says what is answered.
+//! The table of supported combinations agrees with the behaviour of the solvers.
 
 use fakir::problem::{
     Adhesion, Arrangement, CyclePlan, ElementMesh, Feature, HexagonalLattice, Layer, LensProfile,
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 const RADIUS: f64 = 2.2e-3;
 
-/// One choice of everything that a system can be.
+/// One choice of all properties of a system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Choice {
     lens: usize,
@@ -20,7 +20,7 @@ struct Choice {
     sticks: usize,
 }
 
-/// Lenses, arrangements and works of adhesion that there are.
+/// Numbers of lenses, arrangements and works of adhesion.
 const LENSES: usize = 6;
 const ARRANGEMENTS: usize = 4;
 const WORKS: usize = 3;
@@ -34,7 +34,7 @@ impl Choice {
         sticks: 0,
     };
 
-    /// Those that differ from the plain one in one thing or in two.
+    /// Choices that differ from the default in one or two properties.
     fn some() -> Vec<Self> {
         let mut all = vec![Self::PLAIN];
         for _ in 0..2 {
@@ -64,7 +64,7 @@ impl Choice {
         all
     }
 
-    /// The system; none if there is no such, as of a plate on an endless lattice.
+    /// The system; `None` if it is invalid, such as a plate on an infinite lattice.
     fn system(self) -> Option<System> {
         let rubber = Material::new(2e6, 0.5);
         let radii: Vec<f64> = (0..200).map(|k| f64::from(k) * 1e-6).collect();
@@ -138,7 +138,7 @@ const METHODS: [Method; 4] = [
     Method::Homogenised,
 ];
 
-/// What is found is refused as the table says, or not.
+/// Checks that a computation is refused if and only if the table contains it.
 fn check(
     question: Question,
     system: &System,
@@ -148,7 +148,7 @@ fn check(
     let said = question.check(Solver::from(method), &Feature::of(system));
     let found = match ask() {
         Err(SolveError::Unsupported(unsupported)) => Err(unsupported),
-        // Another reason, such as a load at which nothing is touched, is one of the state.
+        // Other errors, such as a load without contact, depend on the state.
         _ => Ok(()),
     };
     assert_eq!(
@@ -192,7 +192,7 @@ fn the_table_says_what_is_answered() {
                 let features = Feature::of(&system);
                 question.check(Solver::from(method), &features).is_err()
             };
-            // What takes longer is asked where it is refused, and elsewhere by other tests.
+            // Expensive computations are requested only where they are refused; other tests cover the rest.
             if refused(Question::Transition) {
                 check(Question::Transition, &system, method, || {
                     fakir::transition(&system, method, &run).map(drop)
@@ -209,7 +209,7 @@ fn the_table_says_what_is_answered() {
     assert!(answered > 50);
 }
 
-/// Reasons are sentences, and the first that applies is given.
+/// Reasons are sentences, and the first applicable one is returned.
 #[test]
 fn reasons_are_sentences() {
     for question in Question::ALL {

@@ -1,6 +1,6 @@
-//! Pillars that are elastic bodies, against solutions by finite elements: of one pillar (`reference/pillar_compliance.csv`, compliances in units of
-//! `1/(a E*)`, with an error of 3e-5) and of critical states (`reference/pillar.csv`, forces in units of `E* um^2`). Both are of cylinders welded to a
-//! half-space of the same material, in small strain and without friction.
+//! Elastic pillars compared with finite element solutions: for one pillar (`reference/pillar_compliance.csv`, compliances in units of
+//! `1/(a E*)`, with an error of 3e-5) and for critical states (`reference/pillar.csv`, forces in units of `E* um^2`). Both are for
+//! cylinders attached to a half-space of the same material, with small strains and without friction.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
@@ -13,10 +13,10 @@ use fakir::state::{Run, Warning};
 const ELASTIC: PillarCompliance = PillarCompliance::Elastic;
 const SPECTRAL: Method = Method::Spectral(Accuracy::Default);
 
-/// One pillar of height over diameter `slenderness` far from all others, on a substrate that has a share of the contact's compliance.
+/// One isolated pillar with the given ratio of height to diameter, on a substrate with the given fraction of the contact compliance.
 fn one_pillar(slenderness: f64, poisson_ratio: f64, share: f64, like: PillarCompliance) -> System {
     let diameter = 6.0e-6;
-    // `1/E* = c`, of which the substrate has `share c = (1 - nu^2)/E_s`.
+    // `1/E* = c`; the compliance of the substrate is `share c = (1 - nu^2)/E_s`.
     let plane = 1.0 - poisson_ratio * poisson_ratio;
     let of_share = |share: f64| Material::new(plane * 1.0e6 / share, poisson_ratio);
     let pillar = Pillar {
@@ -32,7 +32,7 @@ fn one_pillar(slenderness: f64, poisson_ratio: f64, share: f64, like: PillarComp
     System::new(lens, of_share(share), Texture::new(pillar, lattice)).expect("a valid system")
 }
 
-/// `u a E*/F` of a lone pillar, by what the system says of itself.
+/// `u a E*/F` of an isolated pillar, from the compliances that the system reports.
 fn compliance(system: &System) -> f64 {
     0.5 * system.internal_compliance() * system.reduced_modulus()
 }
@@ -84,7 +84,8 @@ fn compliance_is_that_of_finite_elements() {
     assert!(rows > 10 && worst < 5e-4, "{rows} {worst:e}");
 }
 
-/// Of a substrate that is rigid beside the lens nothing is left of what pillars are: what an elastic one gives way is the column's, of which there is as good as nothing.
+/// On a substrate that is rigid compared with the lens, the pillar model has no effect: the compliance of an elastic pillar is that of the
+/// column, which is negligible.
 #[test]
 fn on_a_rigid_substrate_it_is_the_column() {
     for slenderness in [0.05, 0.367, 1.0, 3.0] {
@@ -93,7 +94,7 @@ fn on_a_rigid_substrate_it_is_the_column() {
                 one_pillar(slenderness, nu, share, like).column_compliance_ratio() / share
             };
             let column = of(1e-6, PillarCompliance::Column);
-            // Per share both have limits; they differ by twice `D0`, as of a soft lens, that finds the top softer.
+            // Divided by the fraction, both have limits; they differ by twice `D0`, since a soft lens measures a more compliant top.
             let elastic = of(1e-6, ELASTIC);
             assert!((elastic - of(1e-9, ELASTIC)).abs() < 1e-5);
             assert!((elastic - column).abs() < 0.2, "{elastic} {column}");
@@ -137,7 +138,7 @@ fn critical_forces_are_those_of_finite_elements() {
         } else {
             slenderness * 6.0e-6
         };
-        // Contacts of more than a quarter of the lens radius take long, and add nothing.
+        // Contacts of more than a quarter of the lens radius take long without additional information.
         if number(5) > 500.0 {
             continue;
         }
@@ -150,8 +151,8 @@ fn critical_forces_are_those_of_finite_elements() {
     }
 }
 
-/// Two pillars far apart, of other heights and diameters, under a plate: `F = sum 2 E* a zeta/(1 + kappa_eff)` (Johnson, Contact Mechanics,
-/// eq. 3.36), each with its own `kappa_eff`; what they do to each other over 3000 radii is 2e-4.
+/// Two distant pillars with different heights and diameters, under a plate: `F = sum 2 E* a zeta/(1 + kappa_eff)` (Johnson, Contact
+/// Mechanics, eq. 3.36), each with its own `kappa_eff`; their interaction over 3000 radii is 2e-4.
 #[test]
 fn listed_pillars_give_way_by_their_own_height_and_diameter() {
     let listed = [(3.0e-6, 6.0e-6), (3.2e-6, 2.0e-6)];
@@ -195,8 +196,8 @@ fn listed_pillars_give_way_by_their_own_height_and_diameter() {
     assert_eq!(state.pillars.len(), 2);
 }
 
-/// A plate that is tilted by little presses one side of a pillar more: by the tilt over `lambda_11`, which is `(8/3)(h/a)/(1 - nu^2)` larger than that of a
-/// half-space, `pi/2`, times the share of the substrate. The tilted top follows the plate.
+/// A slightly tilted plate increases the pressure on one side of a pillar by the tilt divided by `lambda_11`, which exceeds that of a
+/// half-space, `pi/2`, by `(8/3)(h/a)/(1 - nu^2)` times the fraction of the substrate. The tilted top follows the plate.
 #[test]
 fn pillars_lean_as_beams_on_a_half_space() {
     let antisymmetric = |like: PillarCompliance| {
@@ -233,7 +234,7 @@ fn pillars_lean_as_beams_on_a_half_space() {
     assert!((softer / (1.0 + leaning) - 1.0).abs() < 1e-9);
 }
 
-/// Elements have nothing in common with the spectral method but how much a top gives way in all; they say that they leave out that pillars lean.
+/// Elements share only the total compliance of a top with the spectral method; a warning reports that they neglect the tilt of pillars.
 #[test]
 fn elements_agree_where_pillars_do_not_lean() {
     for modulus in [2e3, INTERMEDIATE] {
@@ -250,14 +251,14 @@ fn elements_agree_where_pillars_do_not_lean() {
         for answer in answers {
             assert!(answer.warnings.contains(&Warning::LeaningLeftOut));
         }
-        // Leaning is worth no more than its warning says.
+        // The effect of tilt does not exceed the value in its warning.
         let leaning = force(&system, SPECTRAL) / found.spectral.force - 1.0;
         println!("leaning: {leaning:e}");
         assert!(leaning != 0.0 && leaning.abs() < 4e-3);
     }
 }
 
-/// The other methods are as far from the spectral one on elastic pillars as on columns, up to what leaning does.
+/// The differences of the other methods from the spectral one are the same for elastic pillars as for columns, up to the effect of tilt.
 #[test]
 fn all_methods_have_elastic_pillars() {
     let methods = [
@@ -279,7 +280,7 @@ fn all_methods_have_elastic_pillars() {
     }
 }
 
-/// Derivatives of the critical force with respect to what elastic pillars depend on, by central differences.
+/// Derivatives of the critical force with respect to the parameters of elastic pillars, compared with central differences.
 #[test]
 fn derivatives_are_those_of_differences() {
     let of = |values: [f64; 7], scatter: bool| {
@@ -367,10 +368,10 @@ fn what_is_not_known_of_elastic_pillars_is_refused() {
         assert!(
             refused
                 .to_string()
-                .contains("compliance of elastic pillars is known")
+                .contains("compliance of elastic pillars is available")
         );
     }
-    // So are scattered heights of which some may be too slender, and listed ones.
+    // Scattered heights, some of which may be too slender, and listed heights are refused as well.
     let tall = of(29e-6, 0.5).unwrap();
     let scattered = PlaneLattice {
         disorder: Disorder {

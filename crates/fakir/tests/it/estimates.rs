@@ -1,4 +1,4 @@
-//! Systems on which estimates once were too small.
+//! Systems for which error estimates were too small in earlier versions.
 
 use fakir::problem::{
     Accuracy, ElementMesh, HexagonalLattice, Lens, ListedPillar, Load, Material, Method, Pillar,
@@ -12,7 +12,7 @@ fn critical(system: &System, method: Method) -> ContactState {
     critical.contact
 }
 
-/// Differences of force and indentation over what both estimates allow.
+/// Differences of force and indentation divided by the sum of both estimates.
 fn over_estimates(one: &ContactState, other: &ContactState) -> [f64; 2] {
     let ratio = |a: f64, b: f64, allowed: f64| (a / b - 1.0).abs() / allowed;
     [
@@ -37,8 +37,8 @@ fn three_pillars_touched_at_their_rims_by_fine_elements() {
 }
 
 fn check_three_pillars(cells_per_diameter: usize) {
-    // The contact crosses all the pillars that there are, and alike: one other node array differed by a
-    // fifth of the error. The default accuracy claimed 7e-5 and was 3.3e-4 off.
+    // The contact crosses all pillars in the same way: the result with another node array differed by a fifth of the error. The default
+    // accuracy estimated 7e-5 for an error of 3.3e-4.
     let lens = Lens {
         radius: 4.5423689333250504e-05,
         material: Material::new(144968859.64605826, 0.0),
@@ -80,8 +80,8 @@ fn check_three_pillars(cells_per_diameter: usize) {
 
 #[test]
 fn a_sphere_on_one_wide_pillar() {
-    // A sphere of twenty pillar diameters is no paraboloid over the top of one: its own load beyond degree 2
-    // went into no estimate, the two accuracies were 3.5e-7 apart and claimed 1e-8.
+    // A sphere of twenty pillar diameters is not a paraboloid over the top of a pillar: its load beyond degree 2 was not included in the
+    // estimate; the two accuracies differed by 3.5e-7 for an estimate of 1e-8.
     let lens = Lens {
         radius: 0.000445716249408188,
         material: Material::new(204131569943.56635, 0.5),
@@ -112,8 +112,7 @@ fn a_sphere_on_one_wide_pillar() {
 
 #[test]
 fn a_touch_that_only_the_whole_lens_shape_shows() {
-    // Pressed 1e-5 beyond first touch: up to degree 2 the sphere stays clear of the pillar, and the default
-    // accuracy answered with no force at all.
+    // At 1e-5 beyond first touch: up to degree 2 the sphere does not touch the pillar, and the default accuracy returned zero force.
     let lens = Lens {
         radius: 6.553725008345147e-4,
         material: Material::new(3.7739043743342404e3, 0.5),
@@ -145,9 +144,9 @@ fn a_touch_that_only_the_whole_lens_shape_shows() {
 
 #[test]
 fn slivers_beside_a_pillar_in_a_dense_texture() {
-    // A pillar and slivers on its six neighbours, close by. What neighbours do to a sliver by modes beyond the
-    // degree of the coupling went into no estimate: the default accuracy claimed 5.9e-5 of the indentation and was
-    // 2.4e-4 off the accurate one.
+    // A pillar and narrow contacts at the rims of its six close neighbours. The effect of neighbours on a narrow contact through modes
+    // beyond the degree of the coupling was not included in the estimate: the default accuracy estimated an error of 5.9e-5 of the
+    // indentation and differed by 2.4e-4 from the accurate one.
     let lens = Lens {
         radius: 4.300752021266949e-2,
         material: Material::new(4.525680437364692e3, 0.5),
@@ -165,7 +164,7 @@ fn slivers_beside_a_pillar_in_a_dense_texture() {
     let substrate = Material::new(1.7883847380019582e4, 0.5);
     let system =
         System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
-    // The force at which punches are about 1 nm in.
+    // The force at which the indentation of punches is about 1 nm.
     let punches = Method::Punch(PunchForm::Corrected);
     let near = Load::Indentation(9.832207915745805e-10);
     let near = fakir::press(&system, near, punches, &Run::default()).expect("a contact");
@@ -181,10 +180,10 @@ fn slivers_beside_a_pillar_in_a_dense_texture() {
     assert!(default.error.indentation < 1e-3);
 }
 
-/// A gap of 0.9 % of the diameter: the modes of the pressure decay slowly from degree to degree.
+/// A gap of 0.9 % of the diameter: the modes of the pressure decay slowly with the degree.
 #[test]
 fn two_pillars_that_nearly_touch() {
-    // By elements: 1.1552689e-6 N with 64 cells across a pillar, 1.1552718e-6 N with 128.
+    // With elements: 1.1552689e-6 N with 64 cells across a pillar, 1.1552718e-6 N with 128.
     const FORCE: f64 = 1.155_272e-6;
     const MARGIN: f64 = 3e-6;
     let pillar = Pillar {

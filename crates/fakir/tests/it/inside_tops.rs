@@ -1,5 +1,5 @@
-//! One pillar whose top is from far smaller to far larger than the contact, against closed forms: the flat punch, the contact inside the top, and the
-//! contact pinned at its rim, with adhesion and on layers.
+//! One pillar whose top varies from much smaller to much larger than the contact, compared with closed forms: the flat punch, the contact
+//! inside the top, and the contact pinned at the rim, with adhesion and on layers.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
@@ -30,7 +30,7 @@ fn one_pillar(lens: ShapedLens, substrate: Material, diameter: f64, centre: [f64
     System::new(lens, substrate, Texture::new(pillar, list)).unwrap()
 }
 
-/// A number between two, evenly in its logarithm.
+/// A number between two bounds, uniformly distributed in its logarithm.
 fn between(random: &mut ChaCha8Rng, [low, high]: [f64; 2]) -> f64 {
     let part = random.next_u32() as f64 / f64::from(u32::MAX);
     low * (high / low).powf(part)
@@ -62,7 +62,8 @@ fn cycle(system: &System, depth: f64, drive: LoadingMode) -> Cycle {
     cycle
 }
 
-/// The contact at an indentation from the loading on: as JKR inside the top, and pinned at its rim beyond. The lens is a paraboloid there.
+/// The contact at an indentation during loading: JKR inside the top, and pinned at the rim beyond. The lens is approximated by a
+/// paraboloid.
 fn exact(modulus: f64, work: f64, radius: f64, indentation: f64) -> StickySphere {
     let rim = sticky_sphere(modulus, LENS, work, radius);
     if indentation <= rim.indentation {
@@ -108,7 +109,8 @@ fn a_top_wider_than_an_adhesive_contact() {
     }
 }
 
-/// The pull-off force does not depend on the drive, and joins that of a sphere on a flat where the top is wider than that contact.
+/// The pull-off force does not depend on the loading mode, and approaches that of a sphere on a flat surface if the top is wider than that
+/// contact.
 #[test]
 fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
     let work = 50e-3;
@@ -133,7 +135,7 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
         let cycle = cycle(&system, 1e-6, LoadingMode::Displacement);
         let certificate = cycle.certificate().unwrap();
         assert!(certificate < 1e-2, "{diameter:e}: {certificate:e}");
-        // The last contact is that from which a sphere detaches at its indentation, unless the rim detaches before.
+        // The last contact is that from which a sphere detaches at this indentation, unless the rim detaches earlier.
         let last = (0.5 * diameter).min(natural.radius / 9f64.cbrt());
         let expected = sticky_sphere(modulus, LENS, work, last).indentation;
         let separation = cycle.separation.unwrap();
@@ -141,7 +143,7 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
     }
 }
 
-/// The force at an indentation, and the pull-off, rise without a step while the top grows past the contact.
+/// The force at an indentation, and the pull-off force, vary continuously while the top grows past the contact.
 #[test]
 fn the_diameter_may_pass_the_contact() {
     let work = 10e-3;
@@ -169,7 +171,7 @@ fn the_diameter_may_pass_the_contact() {
     assert!((far.force / larger.force - 1.0).abs() < 1e-6);
 }
 
-/// The lens axis need not be in the middle of the top.
+/// The lens axis may be at any position on the top.
 #[test]
 fn an_adhesive_contact_anywhere_inside_a_top() {
     let (work, depth) = (10e-3, 0.2e-6);
@@ -190,7 +192,7 @@ fn an_adhesive_contact_anywhere_inside_a_top() {
     assert!((pull / expected - 1.0).abs() < 1e-3, "{pull} {expected}");
 }
 
-/// Another work of adhesion on unloading pins the contact until its edge bears that.
+/// A larger work of adhesion during unloading pins the contact until its edge reaches it.
 #[test]
 fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
     let (advancing, receding, depth) = (2e-3, 40e-3, 0.5e-6);
@@ -208,7 +210,7 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
         .unwrap();
     let off = (cycle.turn.force / turn.force - 1.0).abs();
     assert!(off < 1e-3, "{off:e}");
-    // Pinned at the radius of the turn, smaller than that of the free pull-off, until it detaches.
+    // Pinned at the largest radius, if this is smaller than that of the free pull-off, until it detaches.
     let natural = sphere_pull_off_by_force(modulus, LENS, receding);
     let radius = turn.radius.min(natural.radius);
     let expected = sticky_sphere(modulus, LENS, receding, radius).force;
@@ -217,14 +219,15 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
     assert!(cycle.certificate().unwrap() < 1e-2);
 }
 
-/// A lens axis so far from the middle of the top, in its radii, that the disc comes to the rim on one side first. There are fronts from there on.
+/// A lens axis at such a distance from the centre of the top, in its radii, that the disc first reaches the rim on one side. From there on
+/// there are fronts.
 fn beside(part: f64, work: f64) -> System {
     sticky(2.0 * TOP, work, [part * TOP, 0.0])
 }
 
 const TOP: f64 = 30e-6;
 
-/// Whether a force differs from another by less than its stated error, or is no answer.
+/// Whether a force differs from another by less than its stated error, or is not a valid result.
 #[track_caller]
 fn covered(contact: &ContactState, expected: f64, margin: f64) -> bool {
     let off = (contact.force - expected).abs();
@@ -237,7 +240,8 @@ fn covered(contact: &ContactState, expected: f64, margin: f64) -> bool {
     contact.is_answer()
 }
 
-/// The contact without adhesion is solved on nodes; with so little of it the force is the same. Axes are on the top, at its rim and beyond.
+/// The contact without adhesion is solved on nodes; for this small adhesion, the force is the same. Axes are on the top, at its rim and
+/// outside.
 #[test]
 fn a_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
     const WORK: f64 = 1e-7;
@@ -263,7 +267,7 @@ fn a_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
     assert!(answers > 22, "{answers}");
 }
 
-/// At the rim the force is still that of the disc, by K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971).
+/// At the rim the force is still that of the disc (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)).
 #[test]
 fn a_sticking_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
     let run = Run::default();
@@ -279,11 +283,11 @@ fn a_sticking_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
             for beyond in [1e-12, 1e-10] {
                 let load = Load::Indentation(at_rim.indentation + beyond);
                 let contact = fakir::press(&system, load, Method::default(), &run).unwrap();
-                // The disc grows on a little, and a sphere is no paraboloid.
+                // The disc grows slightly further, and a sphere is not a paraboloid.
                 let margin = 1e-3 * at_rim.force.abs() + 4.0 * modulus * TOP * beyond;
                 answers += usize::from(covered(&contact, at_rim.force, margin));
             }
-            // Pulled off again it is the same disc, whatever it grew to.
+            // During unloading it is the same disc, independent of its previous growth.
             let natural = sphere_pull_off_by_force(modulus, LENS, work);
             if natural.radius < 0.9 * (1.0 - part) * TOP {
                 let cycle = cycle(&system, 1.1 * at_rim.indentation, LoadingMode::Displacement);
@@ -311,7 +315,7 @@ fn layered(diameter: f64, layer: Option<Layer>) -> System {
     system.with_layers(layer, None).unwrap()
 }
 
-/// Pressed onto a film, against the integral equation of the axisymmetric contact.
+/// A lens on a film, compared with the integral equation of the axisymmetric contact.
 #[test]
 fn a_top_of_any_width_on_a_layer() {
     press_onto_layers(0..10);
@@ -335,7 +339,7 @@ fn press_onto_layers(numbers: std::ops::Range<u64>) {
         };
         let layer = Layer { thickness, base };
         let layers = Layers::new([(Material::new(70e9, 0.2), None), (RUBBER, Some(layer))]);
-        // A top is four times as wide as the layer is thick at the most.
+        // The top is at most four times as wide as the layer is thick.
         let radius = contact * between(&mut random, [0.05, 20.0]);
         let radius = radius.min(1.99 * thickness);
         let (inside, rim) = (layers.sphere(LENS, contact), layers.sphere(LENS, radius));
@@ -360,7 +364,7 @@ fn press_onto_layers(numbers: std::ops::Range<u64>) {
         assert!(allowed < 0.05, "{number}: {allowed}");
         if radius > contact && number % 4 == 0 {
             assert!((found.contact_radius / contact - 1.0).abs() < allowed);
-            // A force gives the indentation back.
+            // The force results in the same indentation.
             let control = Load::Force(found.force);
             let back = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
             assert!((back.indentation / inside.indentation - 1.0).abs() < 1e-6);
@@ -368,7 +372,7 @@ fn press_onto_layers(numbers: std::ops::Range<u64>) {
     }
 }
 
-/// Layers that are much thicker than the contact are half-spaces, and the floor is reached inside the top as it is on these.
+/// Layers that are much thicker than the contact are equivalent to half-spaces, and the floor is reached inside the top in the same way.
 #[test]
 fn a_thick_layer_is_a_half_space() {
     let critical = |layer| {

@@ -1,9 +1,9 @@
-//! Layers of finite thickness in closed form, in axisymmetric contacts and under pillars, against `reference/layer.csv` and the equations of
-//! elasticity.
+//! Layers of finite thickness in closed form, in axisymmetric contacts and under pillars, compared with `reference/layer.csv` and the
+//! equations of elasticity.
 //!
-//! The columns of the table: what it is, of what, its value, the error of that, and what it was checked against.
+//! The columns of the table: quantity, case, value, error of the value, and method of verification.
 
-// The table is read by helpers too.
+// The table is also read by helpers.
 use crate::common::{INTERMEDIATE, paper_lattice, paper_pillar, paper_system};
 use fakir::problem::{
     Accuracy, Arrangement, Base, Boundary, ElementMesh, FloorModel, Grid, HeightMap,
@@ -16,7 +16,7 @@ use fakir::theory::layer::{LayerResponse, Layers, asperity_reduction};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// What, of what, value and error as they are written.
+/// Quantity, case, value and error as strings.
 fn rows(quantity: &str) -> Vec<[String; 3]> {
     let table = include_str!("../reference/layer.csv");
     let records = csv::Reader::from_reader(table.as_bytes()).into_records();
@@ -29,7 +29,7 @@ fn rows(quantity: &str) -> Vec<[String; 3]> {
     rows
 }
 
-/// The number behind a name in a text such as `bonded nu=.5 a/t=1`.
+/// The number after a name in a string such as `bonded nu=.5 a/t=1`.
 fn number(case: &str, name: &str) -> Option<f64> {
     let word = case.split_whitespace().find_map(|word| {
         let rest = word.strip_prefix(name)?.strip_prefix('=')?;
@@ -38,7 +38,7 @@ fn number(case: &str, name: &str) -> Option<f64> {
     Some(word.parse().unwrap())
 }
 
-/// Poisson's ratio of a layer, on what, and the ratio of shear moduli on an elastic base.
+/// Poisson's ratio of a layer, its base, and the ratio of shear moduli on an elastic base.
 fn bodies(case: &str) -> (Material, Layer) {
     let nu = number(case, "nu").or_else(|| number(case, "nu1"));
     let layer = Material::new(1e6, nu.unwrap_or(0.5));
@@ -65,7 +65,7 @@ fn response(case: &str) -> LayerResponse {
     LayerResponse::new(&material, &layer)
 }
 
-/// The layer under a body so stiff that it does not give way.
+/// The layer under a rigid body.
 fn on_rigid(case: &str) -> (Layers, f64) {
     let (material, layer) = bodies(case);
     let stiff = Material::new(1e6 * 1e30, 0.0);
@@ -154,7 +154,7 @@ fn small_contacts_have_the_series_of_the_table() {
             .iter()
             .rev()
             .fold(0.0, |sum, c| (sum + c) * chi);
-        // What is left out is about chi^5. The table's own errors come on top, the first of which are those of its five digits.
+        // The truncation error is about chi^5. The errors of the table are added; the first of these are due to its five digits.
         let error = chi * 5e-6 + chi.powi(2) * 2e-5 + chi.powi(3) * 1e-4 + chi.powi(4) * 2e-2;
         let difference = sphere.force / hertz - 1.0 - series;
         assert!(difference.abs() < error, "{case} {difference:e} {error:e}");
@@ -185,14 +185,15 @@ fn equations(nu: f64, shear: f64) -> Matrix {
     ]
 }
 
-/// `phi` from the plane equations of elasticity: the two states that the base allows go up through the layer, and the surface has no shear.
+/// `phi` from the plane equations of elasticity: the two states that the base permits are propagated through the layer, and the surface is
+/// free of shear.
 fn from_equations(nu: f64, base: Base, x: f64) -> f64 {
     let matrix = equations(nu, 1.0);
     let allowed: [[f64; 4]; 2] = match base {
         Base::Rigid => [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
         Base::Frictionless => [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
         Base::Elastic(base) => {
-            // Eigenvalues are 1 and -1, twice each: (A + 1)^2 leaves what decays downward.
+            // The eigenvalues are 1 and -1, each twice: (A + 1)^2 leaves the states that decay downwards.
             let mut sum = equations(
                 base.poisson_ratio,
                 base.young_modulus / 2.0 / (1.0 + base.poisson_ratio),
@@ -204,7 +205,7 @@ fn from_equations(nu: f64, base: Base, x: f64) -> f64 {
             [0, 1].map(|column| std::array::from_fn(|row| square[row][column]))
         }
     };
-    // The exponential by its series over a small step, squared.
+    // The exponential by its series over a small step, with repeated squaring.
     let squarings = 10;
     let step = x / f64::from(1 << squarings);
     let mut through: Matrix =
@@ -254,7 +255,7 @@ fn responses_solve_the_equations_of_elasticity() {
                 let expected = from_equations(nu, base, x);
                 let found = response.relative_compliance(x);
                 let difference = (found - expected).abs();
-                // The growing solutions cost digits that the formulas do not lose.
+                // The growing solutions lose digits that the formulas retain.
                 assert!(
                     difference < 3e-12 * expected.max(1.0),
                     "{nu} {base:?} {x}: {difference:e}"
@@ -266,7 +267,7 @@ fn responses_solve_the_equations_of_elasticity() {
 
 #[test]
 fn responses_have_their_limits() {
-    // x -> 0: the layer is squeezed as a whole, or is as soft as its base; x -> infinity: a half-space.
+    // x -> 0: the layer is compressed uniformly, or has the compliance of its base; x -> infinity: a half-space.
     let material = |nu| Material::new(1e6, nu);
     for nu in [0.0, 0.3, 0.45] {
         let response = LayerResponse::new(&material(nu), &Layer::new(1.0));
@@ -290,7 +291,8 @@ fn responses_have_their_limits() {
         assert!(same.deficit(x).abs() < 1e-15);
     }
     assert!(same.far_displacement(0.3).abs() < 1e-14);
-    // On a base a thousand times as soft `phi` at 0 is the ratio of the moduli, and so is what is seen from afar: Psi goes as 999/s.
+    // On a base a thousand times more compliant, `phi` at 0 is the ratio of the moduli, and determines the far field: Psi is proportional
+    // to 999/s.
     let base = Base::Elastic(Material::new(1e3, 0.5));
     let soft = LayerResponse::new(
         &material(0.5),
@@ -300,14 +302,14 @@ fn responses_have_their_limits() {
         },
     );
     assert!((soft.relative_compliance(0.0) / 1e3 - 1.0).abs() < 1e-12);
-    // A distance of many ratios of the moduli; what is next has one more power of that.
+    // At a distance of many ratios of the moduli; the next term has one more power of this ratio.
     let far = 1e5;
     assert!((soft.far_displacement(far) * far / 999.0 - 1.0).abs() < 0.02);
 }
 
 #[test]
 fn thick_layers_are_a_shift_and_a_curvature() {
-    // Hertz's contact has the second moment 2 F a^2/5. The error of the force falls with the fifth power of a/t or so.
+    // Hertz's contact has the second moment 2 F a^2/5. The error of the force decreases approximately as the fifth power of a/t.
     let (layers, compliance) = on_rigid("bonded nu=.5");
     let radius = 1e3;
     for (contact, error) in [(0.05_f64, 2e-6), (0.1, 5e-5), (0.2, 1e-3)] {
@@ -355,7 +357,7 @@ fn caps_are_softer_than_flat_layers() {
 
 #[test]
 fn what_layers_leave_out_is_said() {
-    // A asperity of 1 mm under a radius of 2.2 mm: q = 9.1 % of the shift (LAYER.md), in zeta 0.2 % at a surface fraction of 0.03.
+    // An asperity of 1 mm under a radius of 2.2 mm: q = 9.1 % of the shift (LAYER.md), 0.2 % of zeta at a surface fraction of 0.03.
     let lens = layered(0.03, 0.0, None, Some(Layer::new(1e-3)));
     let state = transition(&lens, Accuracy::Default);
     let [
@@ -385,7 +387,7 @@ fn what_layers_leave_out_is_said() {
     assert!(film.warnings.is_empty());
 }
 
-/// A layer of the paper's rubber as the table names it, such as `t=12.0 um (bonded.5)`, with Poisson's ratio.
+/// A layer of the paper's rubber from its name in the table, such as `t=12.0 um (bonded.5)`, with Poisson's ratio.
 fn film(text: &str) -> Option<(f64, Layer)> {
     let thickness = text.split(' ').next().unwrap().parse::<f64>().ok()? * 1e-6;
     let open = text.split('(').nth(1).unwrap();
@@ -427,8 +429,8 @@ struct Critical {
     radius: f64,
 }
 
-/// Those of incompressible layers. In the others the table has another Poisson's ratio in the response alone, and neither in the
-/// compliance of the substrate nor in that of its columns: these are looked at where a scene can be made so.
+/// The states on incompressible layers. For the others, the table has another Poisson's ratio in the response only, not in the compliance
+/// of the substrate and its columns: these are tested where a scene with these values can be constructed.
 fn critical_states() -> Vec<Critical> {
     let of = |quantity: &str| rows(quantity);
     let all = of("critical F").into_iter().zip(of("critical zeta"));
@@ -509,8 +511,8 @@ fn check_critical_states(accuracy: Accuracy, tolerance: f64) {
         if beyond.abs() < 1e-6 {
             continue;
         }
-        // The table was made with the radius at which the square of the pressure goes to zero from two levels, which reads ripple between
-        // nodes. There the gap is open, on all tops: the contact ends before.
+        // The table contains the radius at which the square of the pressure extrapolates to zero from two levels, which includes
+        // oscillations between nodes. The gap is open there on all tops: the contact ends at a smaller radius.
         let fields = state.fields.as_ref().unwrap();
         let around = (0..7200).map(|k| f64::from(k) * PI / 3600.0);
         let at = around.map(|angle| [row.radius * angle.cos(), row.radius * angle.sin()]);
@@ -539,7 +541,7 @@ fn thick_layers_under_pillars_are_half_spaces() {
     for (phi, offset) in [(0.01, 0.3), (0.1, 0.0)] {
         for method in methods {
             if phi > 0.05 && matches!(method, Method::Love(_)) {
-                // The same elements, and half a minute.
+                // The same elements; takes half a minute.
                 continue;
             }
             let of = |system: &System| {
@@ -564,7 +566,7 @@ fn thick_layers_under_pillars_are_half_spaces() {
 
 #[test]
 fn floors_rest_on_layers() {
-    // The gap that the fields have where the floor is reached, and the pressure on covered tops, which are as the lens there.
+    // The gap of the fields where the floor is reached, and the gap on covered tops, which follow the lens.
     let substrate = Some(Layer::new(12e-6));
     let state = transition(
         &layered(0.03, 0.2, substrate, Some(Layer::new(0.4e-3))),
@@ -580,7 +582,7 @@ fn floors_rest_on_layers() {
     let pillar = &state.pillars[0];
     for (u, v) in [(0.0, 0.0), (0.5, 0.3), (-0.7, 0.2)] {
         let at = [pillar.centre[0] + u * 3e-6, pillar.centre[1] + v * 3e-6];
-        // The order of the basis leaves 1e-5 of the indentation.
+        // The order of the basis leaves an error of 1e-5 of the indentation.
         assert!(
             fields.gap(at).abs() < 1e-4 * state.indentation,
             "{:e}",
@@ -591,7 +593,7 @@ fn floors_rest_on_layers() {
 
 #[test]
 fn thin_contacts_are_shifted_and_bent() {
-    // zeta and 1/R change as `Layers::shift` says as long as the contact is small beside the thickness: here 0.19 of it.
+    // zeta and 1/R change as in `Layers::shift` if the contact is small compared with the thickness: here 0.19 of it.
     let layer = Layer::new(1e-3);
     let system = layered(0.1, 0.0, Some(layer), None);
     let with = transition(&system, Accuracy::Default);
@@ -599,7 +601,7 @@ fn thin_contacts_are_shifted_and_bent() {
     let layers = Layers::new([(rubber, Some(layer)), (rubber, None)]);
     let moments = with.pillars.iter().map(|pillar| {
         let [x, y] = pillar.centre;
-        // The force of a flat punch has a third of its squared radius.
+        // The second moment of a flat punch is its force times a third of its squared radius.
         pillar.force * (x * x + y * y + 3e-6_f64.powi(2) / 3.0)
     });
     let shift = layers.shift(with.force, moments.sum());
@@ -641,7 +643,8 @@ fn what_is_not_made_for_layers_is_refused() {
 
 #[test]
 fn punch_lattices_have_layers() {
-    // As far from the spectral method as on half-spaces: LAYER.md has 2e-4 for p = 0 at t/d = 2 and 10, and the documented 2 %.
+    // The difference from the spectral method is the same as on half-spaces: LAYER.md reports 2e-4 for p = 0 at t/d = 2 and 10, and the
+    // documented 2 %.
     for thickness in [12e-6, 60e-6] {
         let system = layered(0.1, 0.0, Some(Layer::new(thickness)), None);
         let exact = transition(&system, Accuracy::Default);
@@ -651,7 +654,7 @@ fn punch_lattices_have_layers() {
     }
 }
 
-/// Pillars at places (um), the first of which is under the lens, on a film of such a thickness (um).
+/// Pillars at positions (um), the first of which is under the lens, on a film with the given thickness (um).
 fn listed(places: &[[f64; 2]], thickness: f64) -> System {
     let pillar = paper_pillar(PillarCompliance::Column);
     let pillars = places.iter().map(|place| ListedPillar {
@@ -670,7 +673,7 @@ fn listed(places: &[[f64; 2]], thickness: f64) -> System {
     system.with_layers(Some(film), None).unwrap()
 }
 
-/// A place and six around it.
+/// A point and its six neighbours.
 fn hexagon(pitch: f64) -> Vec<[f64; 2]> {
     let around = (0..6).map(|k| {
         let angle = f64::from(k) * PI / 3.0;
@@ -699,8 +702,8 @@ fn fine_elements_agree_on_seven_pillars() {
     }
 }
 
-/// Relative errors of elements on a pillar and six around it, all of them covered, at twenty radii and at a gap of a sixth of a diameter; in elements and
-/// in the spectral basis nothing is in common but `phi`.
+/// Relative errors of elements on a pillar and its six neighbours, all of them covered, at twenty radii and at a gap of a sixth of a
+/// diameter. Elements and the spectral basis share only `phi`.
 fn element_errors(pitch: f64, thickness: f64, cells: [usize; 2]) -> [f64; 2] {
     let run = Run::default();
     let system = listed(&hexagon(pitch), thickness).with_floor(FloorModel::Ignored);
@@ -719,7 +722,7 @@ fn element_errors(pitch: f64, thickness: f64, cells: [usize; 2]) -> [f64; 2] {
         assert!(error.abs() < love.error.force + exact.error.force);
         error
     });
-    // They fall with the cells, about as their power of 1.4, to 2e-4 (LAYER.md).
+    // The errors decrease with the cell size, approximately as its power of 1.4, to 2e-4 (LAYER.md).
     assert!(errors[1].abs() < 0.6 * errors[0].abs() + 1e-5, "{errors:?}");
     errors
 }
@@ -771,8 +774,8 @@ fn more_second_opinions_agree_on_layers() {
 
 #[test]
 fn the_homogenised_lattice_is_as_good_on_layers() {
-    // LAYER.md: its force differs from the spectral method by -6.6, -3.5 and -0.8 % without layers, and by the same within 0.25 points
-    // with any of these; what is found with the thinnest is 0.42.
+    // LAYER.md: the force differs from the spectral method by -6.6, -3.5 and -0.8 % without layers, and by the same within 0.25 points with
+    // any of these; the difference with the thinnest layer is 0.42 points.
     let off = |system: &System| {
         let critical = fakir::transition(system, Method::Homogenised, &Run::default()).unwrap();
         assert!(critical.contact.converged());
@@ -798,7 +801,7 @@ fn the_homogenised_lattice_is_as_good_on_layers() {
     }
 }
 
-/// A sphere on a flat film, by elements on so many cells, with what is around.
+/// A sphere on a flat film with the given number of elements and boundary condition.
 fn by_cells(cells: usize, boundary: Boundary, contact: f64, film: Layer) -> f64 {
     let (nu, radius) = (0.5, 1e4 * contact);
     let rubber = Material::new(1e6, nu);
@@ -820,7 +823,8 @@ fn by_cells(cells: usize, boundary: Boundary, contact: f64, film: Layer) -> f64 
 
 #[test]
 fn height_maps_have_layers() {
-    // 32 cells across the contact: LAYER.md has 8e-4 at a/t = 1 and 1.1e-3 at 3 for elements on a film, and 2.6e-4 more in a box of 16 t.
+    // 32 cells across the contact: LAYER.md reports 8e-4 at a/t = 1 and 1.1e-3 at 3 for elements on a film, and 2.6e-4 more in a box of 16
+    // t.
     let contact = 50e-6;
     for (ratio, error) in [(1.0, 1.2e-3), (3.0, 2e-3)] {
         let film = Layer::new(contact / ratio);
@@ -830,7 +834,7 @@ fn height_maps_have_layers() {
     let film = Layer::new(contact);
     let found = by_cells(256, Boundary::Periodic, contact, film);
     assert!(found.abs() < 1.5e-3, "{found:e}");
-    // A film that can be compressed is squeezed by the mean pressure too.
+    // A compressible film is also compressed by the mean pressure.
     let film = Layer {
         base: Base::Frictionless,
         ..film
@@ -839,7 +843,7 @@ fn height_maps_have_layers() {
     assert!(found.abs() < 1.5e-3, "{found:e}");
 }
 
-/// Past the transition of the same system, by so much more than its indentation there.
+/// Past the transition of the same system, at a multiple of its indentation there.
 fn past(system: &System, times: f64) -> ContactState {
     let critical = transition(system, Accuracy::Default);
     let load = Load::Indentation(times * critical.indentation);
@@ -867,7 +871,7 @@ fn floors_on_thick_layers_are_those_of_half_spaces() {
 
 #[test]
 fn a_bare_floor_is_a_sphere_on_a_layer() {
-    // No pillar in reach: `Layers::sphere`, for a contact of the radius of the film's thickness and of twice that, under a paraboloid.
+    // No pillar in reach: `Layers::sphere`, for a contact radius of once and twice the thickness of the film, under a paraboloid.
     let rubber = Material::new(INTERMEDIATE, 0.5);
     let paraboloid = ShapedLens::new(LensShape::Paraboloid { radius: 2.2e-3 }, rubber);
     let pillar = paper_pillar(PillarCompliance::Column);
@@ -932,7 +936,7 @@ fn the_floor_under_more_pillars_takes_load_as_elements_say() {
 
 #[test]
 fn loads_past_the_transition_join_the_others_on_layers() {
-    // A force returns its indentation, and just past the transition the floor bears next to nothing.
+    // A force results in the corresponding indentation, and immediately past the transition the load on the floor is very small.
     let system = layered(0.03, 0.0, Some(Layer::new(50e-6)), Some(Layer::new(0.5e-3)));
     let critical = transition(&system, Accuracy::Default);
     let state = past(&system, 1.001);
@@ -946,7 +950,7 @@ fn loads_past_the_transition_join_the_others_on_layers() {
     assert!((again.indentation / state.indentation - 1.0).abs() < allowed.max(1e-6));
 }
 
-/// What a system on layers depends on that has derivatives, with [their values](VALUES).
+/// The quantities of a system on layers for which derivatives are available, with [their values](VALUES).
 const QUANTITIES: [Quantity; 12] = [
     Quantity::PillarHeight,
     Quantity::PillarDiameter,
@@ -965,14 +969,14 @@ const VALUES: [f64; 12] = [
     2.2e-6, 6e-6, 25e-6, 2.2e-3, 2e6, 0.45, 1e6, 0.4, 15e-6, 40e-6, 5e6, 0.35,
 ];
 
-/// Loads, and whether they are on a list of seven pillars.
+/// Loads, and whether the system is a list of seven pillars.
 const LOADS: [(Load, bool); 3] = [
     (Load::FloorContact, false),
     (Load::Indentation(2.0e-6), false),
     (Load::Indentation(1.5e-6), true),
 ];
 
-/// The gradient of a system of such values, with each multiplied by `1 + part`.
+/// The gradient of a system with these values, each multiplied by `1 + part`.
 fn gradient((load, listed): (Load, bool), parts: [f64; 12]) -> Gradient {
     let [
         height,
@@ -1022,7 +1026,7 @@ fn gradient((load, listed): (Load, bool), parts: [f64; 12]) -> Gradient {
     fakir::gradient(&system.unwrap(), load, Method::default(), &Run::default()).unwrap()
 }
 
-/// The derivative of the force along parts of all values, beside the central difference.
+/// Compares the derivative of the force in the direction of relative changes of all values with the central difference.
 #[track_caller]
 fn assert_difference(load: (Load, bool), found: &Gradient, parts: [f64; 12]) {
     let derivatives = found.force.as_ref().unwrap();
@@ -1038,12 +1042,12 @@ fn assert_difference(load: (Load, bool), found: &Gradient, parts: [f64; 12]) {
     assert!(error < 1e-5, "{load:?} {parts:?}: {by} {expected}");
 }
 
-/// On a list pillars have heights, diameters and places of their own.
+/// For a list, pillars have individual heights, diameters and positions.
 fn first_with_derivative((_, listed): (Load, bool)) -> usize {
     if listed { 3 } else { 0 }
 }
 
-/// Along all quantities at once, no two of which may make up for each other.
+/// In the direction of all quantities at once, with changes that cannot cancel each other.
 #[test]
 fn derivatives_are_those_of_differences() {
     for load in LOADS {

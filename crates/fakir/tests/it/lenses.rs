@@ -1,4 +1,4 @@
-//! Lenses that are no spheres: paraboloids, cylinders, plates and tables of heights.
+//! Lenses that are not spheres: paraboloids, cylinders, plates and tables of heights.
 
 use fakir::problem::{
     Accuracy, Adhesion, Arrangement, Boundary, Grid, HeightMap, HexagonalLattice, Indenter,
@@ -71,7 +71,7 @@ fn pressed(system: &System, control: Load) -> ContactState {
     pressed_by(system, control, Accuracy::Default)
 }
 
-/// Pillars of one kind.
+/// Equal pillars.
 fn list(places: &[Point]) -> PillarList {
     let one = |centre: &Point| ListedPillar {
         centre: *centre,
@@ -91,7 +91,8 @@ fn force_on(state: &ContactState, index: (i64, i64)) -> f64 {
     pillar.map_or(0.0, |pillar| pillar.force)
 }
 
-/// Hertz (K. L. Johnson, Contact Mechanics, eq. 4.22 to 4.24), which is exact for a paraboloid: `a^2 = R zeta`, `F = 4/3 E* sqrt(R) zeta^1.5`.
+/// Hertz (K. L. Johnson, Contact Mechanics, eq. 4.22 to 4.24), which is exact for a paraboloid: `a^2 = R zeta`,
+/// `F = 4/3 E* sqrt(R) zeta^1.5`.
 #[test]
 fn a_paraboloid_inside_a_wide_pillar_is_hertz() {
     let wide = ListedPillar {
@@ -112,8 +113,8 @@ fn a_paraboloid_inside_a_wide_pillar_is_hertz() {
     }
 }
 
-/// Without columns everything is linear in heights: with `R -> R/s` and `h -> s h` forces and indentations are `s` times as large. A sphere differs from
-/// that by the square of the contact radius over its own.
+/// Without columns the problem is linear in heights: for `R -> R/s` and `h -> s h`, forces and indentations are multiplied by `s`. A sphere
+/// differs from this by the square of the ratio of contact radius to lens radius.
 #[test]
 fn paraboloids_scale_exactly_and_spheres_do_not() {
     let critical = |shape: &dyn Fn(f64) -> LensShape, stretch: f64| {
@@ -140,7 +141,8 @@ fn paraboloids_scale_exactly_and_spheres_do_not() {
     assert!((away[0] / away[1] / 16.0 - 1.0).abs() < 0.05, "{away:?}");
 }
 
-/// On the endless hexagonal lattice a paraboloid is solved like a sphere, beside the homogenised lattice, which is made for `r^2/(2R)`.
+/// On the infinite hexagonal lattice, a paraboloid is solved like a sphere; comparison with the homogenised lattice, which is formulated
+/// for `r^2/(2R)`.
 #[test]
 fn paraboloids_on_dense_lattices_are_those_of_the_homogenised_one() {
     let difference = |fraction: f64| {
@@ -161,17 +163,18 @@ fn paraboloids_on_dense_lattices_are_those_of_the_homogenised_one() {
     );
 }
 
-/// Potential of a unit square lattice of unit charges in a neutralising background at a lattice site, its own left out: twice the energy of the square
-/// Wigner crystal (L. Bonsall, A. A. Maradudin, Phys. Rev. B 15, 1959 (1977)).
+/// Potential of a square lattice of unit pitch and unit charges in a neutralising background at a lattice site, without its own charge:
+/// twice the energy of the square Wigner crystal (L. Bonsall, A. A. Maradudin, Phys. Rev. B 15, 1959 (1977)).
 const SQUARE_SITE_POTENTIAL: f64 = -3.900_264_920;
 
-/// Line contact on a half-space covered by springs: `(c/pi) ∫ p(t) 2 ln(1/|x - t|) dt + beta p(x) = const - x^2/(2R)` for `|x| < b`, `p(b) = 0`, by
-/// piecewise linear pressures, in units of `c = 1`. Half-width for a load per length, and the pressure at some places.
+/// Line contact on a half-space covered by springs: `(c/pi) ∫ p(t) 2 ln(1/|x - t|) dt + beta p(x) = const - x^2/(2R)` for `|x| < b`,
+/// `p(b) = 0`, with piecewise linear pressures, in units of `c = 1`. Returns the half-width for a load per length, and the pressure at some
+/// positions.
 ///
-/// Without springs it is Hertz's `P = pi E* b^2/(4R)` (Johnson, eq. 4.43).
+/// Without springs the result is Hertz's `P = pi E* b^2/(4R)` (Johnson, eq. 4.43).
 fn line_contact(layer: f64, load: f64, radius: f64, places: &[f64]) -> (f64, Vec<f64>) {
     const NODES: usize = 160;
-    // Of a strip: the integral of ln|x - t| from 0 to x.
+    // For a strip: the integral of ln|x - t| from 0 to x.
     let primitive = |x: f64| if x == 0.0 { 0.0 } else { x * x.abs().ln() - x };
     let second = |x: f64| {
         if x == 0.0 {
@@ -181,7 +184,7 @@ fn line_contact(layer: f64, load: f64, radius: f64, places: &[f64]) -> (f64, Vec
         }
     };
     let solve = |half: f64| -> Vec<f64> {
-        // Even: nodes from 0 to b, the last without pressure; the unknown constant besides.
+        // Even: nodes from 0 to b, with zero pressure at the last one; the constant is an additional unknown.
         let step = half / NODES as f64;
         let hat = |x: f64| {
             // ∫ (1 - |t|/step) ln|x - t| dt over the hat.
@@ -213,7 +216,7 @@ fn line_contact(layer: f64, load: f64, radius: f64, places: &[f64]) -> (f64, Vec
         let step = half / NODES as f64;
         step * (pressures[0] + 2.0 * pressures[1..NODES].iter().sum::<f64>())
     };
-    // The load grows with the width.
+    // The load increases with the width.
     let (mut low, mut high) = (0.0, 1.0);
     while load_of(high, &solve(high)) < load {
         high *= 2.0;
@@ -246,7 +249,7 @@ fn line_contact(layer: f64, load: f64, radius: f64, places: &[f64]) -> (f64, Vec
     (high, places.iter().map(at).collect())
 }
 
-/// Gauss's elimination with pivots.
+/// Gaussian elimination with pivoting.
 fn eliminate(mut matrix: Vec<Vec<f64>>) -> Vec<f64> {
     let size = matrix.len();
     for column in 0..size {
@@ -278,13 +281,13 @@ fn eliminate(mut matrix: Vec<Vec<f64>>) -> Vec<f64> {
 fn the_line_contact_of_the_tests_is_hertz_without_springs() {
     let (half, pressures) = line_contact(0.0, 0.3, 7.0, &[0.0]);
     let hertz = (4.0 * 7.0 * 0.3 / PI).sqrt();
-    // The pressure, 2 P/(pi b) in the middle, ends with a root, which the linear pieces meet roughly.
+    // The pressure, 2 P/(pi b) at the centre, ends as a square root, which the linear pieces approximate roughly.
     assert!((half / hertz - 1.0).abs() < 5e-3, "{half} {hertz}");
     assert!((pressures[0] * PI * hertz / 0.6 - 1.0).abs() < 5e-3);
 }
 
-/// A cylinder along long rows of pillars presses them as it presses a half-space covered by springs, the better the more rows there are. The springs are
-/// those of the homogenised lattice: a pillar by itself, and the potential of all others less that of the smeared load.
+/// The pressure of a cylinder along long rows of pillars approaches that on a half-space covered by springs with increasing number of rows.
+/// The springs are those of the homogenised lattice: an isolated pillar, and the potential of all others minus that of the uniform load.
 #[test]
 fn cylinders_on_dense_rows_are_line_contacts() {
     let difference = |rows: i32, pitch: f64, depth: f64| {
@@ -302,7 +305,7 @@ fn cylinders_on_dense_rows_are_line_contacts() {
             forces[0] == 0.0,
             "the outermost rows are beside the contact"
         );
-        // Per length, over E*.
+        // Per length, divided by E*.
         let load = forces.iter().sum::<f64>() / pitch / MODULUS;
         let cell = pitch * pitch;
         let own = system.internal_compliance() / system.pillar().diameter;
@@ -311,7 +314,7 @@ fn cylinders_on_dense_rows_are_line_contacts() {
         let (half, pressures) = line_contact(cell * springs * MODULUS, load, RADIUS, &places);
         let largest = forces.iter().copied().fold(0.0, f64::max);
         let away = |(force, pressure): (&f64, &f64)| (force - pressure * MODULUS * cell).abs();
-        // At the edge the lattice shows.
+        // At the edge, the discreteness of the lattice is visible.
         let inside = forces.iter().zip(&pressures).zip(&places);
         let inside = inside.filter(|(_, place)| place.abs() < 0.7 * half);
         let off = inside.map(|(pair, _)| away(pair)).fold(0.0, f64::max) / largest;
@@ -321,14 +324,14 @@ fn cylinders_on_dense_rows_are_line_contacts() {
         );
         off
     };
-    // The same contact on finer and finer lattices of one surface fraction would need other pillars: here it grows instead.
+    // Finer lattices of the same surface fraction under the same contact would require other pillars: the contact grows instead.
     let coarse = difference(5, 12e-6, 0.6e-6);
     let fine = difference(10, 12e-6, 1.7e-6);
     assert!(fine < 0.01 && fine < 0.7 * coarse, "{coarse:e} {fine:e}");
 }
 
-/// `F = zeta/(1/(2 E* a) + 4 h/(pi E_s d^2))` (Johnson, eq. 3.36, and Hooke), however the plate is tilted as long as it touches all of the top: the
-/// force of a tilted flat punch is that at its middle.
+/// `F = zeta/(1/(2 E* a) + 4 h/(pi E_s d^2))` (Johnson, eq. 3.36, and Hooke) for any tilt of the plate, provided that it touches the whole
+/// top: the force of a tilted flat punch is determined by the indentation at its centre.
 #[test]
 fn a_plate_on_one_pillar_is_a_flat_punch() {
     let place = [5e-6, -2e-6];
@@ -375,8 +378,8 @@ fn plates_on_listed_pillars_as_the_prototype() {
     assert!((back.indentation / 1e-6 - 1.0).abs() < 1e-9);
 }
 
-/// All tops are touched in full, so that forces are linear in the tilt: those under opposite tilts have the mean of the level plate, and mirrored pillars
-/// share mirrored forces.
+/// All tops are fully in contact, so that forces are linear in the tilt: those under opposite tilts have the mean of the level plate, and
+/// mirrored pillars have mirrored forces.
 #[test]
 fn tilted_plates_press_linearly_and_symmetrically() {
     let places: Vec<Point> = [[-20.0, 0.0], [20.0, 0.0], [0.0, 12.0], [0.0, -12.0]]
@@ -388,7 +391,7 @@ fn tilted_plates_press_linearly_and_symmetrically() {
         [0, 1, 2, 3].map(|k| force_on(&state, (k, 0)))
     };
     let level = forces(0.0, 0.0);
-    // To the bit: the direction of no tilt is none.
+    // Bitwise equal: without tilt, the direction has no effect.
     assert_eq!(level.map(f64::to_bits), forces(0.0, 1.3).map(f64::to_bits));
     let [up, down] = [0.0, PI].map(|direction| forces(0.003, direction));
     for k in 0..4 {
@@ -397,9 +400,10 @@ fn tilted_plates_press_linearly_and_symmetrically() {
     }
     assert!((up[0] / down[1] - 1.0).abs() < 1e-9 && (up[1] / down[0] - 1.0).abs() < 1e-9);
     assert!((up[2] / up[3] - 1.0).abs() < 1e-9);
-    // It rises to the right: the left pillar bears more.
+    // The plate rises to the right: the force on the left pillar is larger.
     assert!(up[0] > 1.2 * up[1]);
-    // As pillars whose heights differ by the tilt, but for that of the plate over every top, which pillars far away hardly feel.
+    // Equivalent to pillars whose heights differ by the tilt, except for the tilt of the plate over every top, which hardly affects distant
+    // pillars.
     let raised = places.iter().map(|&centre| ListedPillar {
         centre,
         height: 2.2e-6 - f64::tan(0.003) * centre[0],
@@ -420,7 +424,7 @@ fn profile(range: f64, rows: usize, height: impl Fn(f64) -> f64) -> LensShape {
     LensShape::Profile(Arc::new(table))
 }
 
-/// A sphere of a table: what its answers differ by falls with the fourth power of the distance of the rows, as the spline does.
+/// A sphere as a table: the differences in the results are proportional to the fourth power of the row spacing, as for the spline.
 #[test]
 fn profiles_of_a_sphere_are_the_sphere() {
     let small = 150e-6;
@@ -469,7 +473,7 @@ fn a_profile_of_a_sphere_meets_the_floor_as_the_sphere() {
     assert!(away.iter().all(|a| a.abs() < 1e-5), "{away:?}");
 }
 
-/// Inside one top: Sneddon's `F = 2 E* ∫ r^2 f'/sqrt(a^2 - r^2) dr` and `zeta = ∫ a f'/sqrt(a^2 - r^2) dr` of `f = r^2/(2R) + r^3/B`:
+/// Inside one top: Sneddon's `F = 2 E* ∫ r^2 f'/sqrt(a^2 - r^2) dr` and `zeta = ∫ a f'/sqrt(a^2 - r^2) dr` for `f = r^2/(2R) + r^3/B`:
 /// `F = 2 E* (2 a^3/(3R) + 9 pi a^4/(16 B))`, `zeta = a^2/R + 3 pi a^3/(4 B)`.
 #[test]
 fn a_profile_inside_a_wide_pillar_is_sneddon() {
@@ -488,15 +492,15 @@ fn a_profile_inside_a_wide_pillar_is_sneddon() {
     let state = pressed(&system, Load::Indentation(depth));
     let away = state.force / force - 1.0;
     println!("{away:e}, claimed {:e}", state.error.force);
-    // Quadrature knows no better than 1e-7.
+    // The accuracy of the quadrature is 1e-7.
     assert!(away.abs() < state.error.force && state.error.force < 3e-7);
     let off = (state.contact_radius - a).abs();
     println!("{off:e}, claimed {:e}", state.contact_radius_error);
-    // A cubic is no even function, which the modes meet slowly at the edge.
+    // A cubic is not an even function, for which the modes converge slowly at the edge.
     assert!(off < 1.01 * state.contact_radius_error && off < 0.01 * a);
 }
 
-/// A contact that comes to the end of the table is refused, and told where that is.
+/// A contact that reaches the end of the table is refused, with the end in the message.
 #[test]
 fn profiles_are_used_as_far_as_they_go() {
     let exact = Lens {
@@ -520,7 +524,7 @@ fn profiles_are_used_as_far_as_they_go() {
         "{error}"
     );
     assert!(error.to_string().contains("ends at 6.000e-5 m"), "{error}");
-    // The lens comes nearest to the floor at the rim of the pillar, 3 um from its axis, beyond the end of this table.
+    // The lowest point of the lens above the floor is at the rim of the pillar, 3 um from its axis, beyond the end of this table.
     let shorter = system(profile(2.5e-6, 20, |r| exact.sag(r)), lattice);
     let light = Load::Indentation(1e-9);
     let error = fakir::press(&shorter, light, Method::default(), &Run::default()).unwrap_err();
@@ -562,7 +566,7 @@ fn turning_all_changes_nothing() {
         println!("{away:e} {claimed:e}");
         assert!(away.abs() < claimed);
     }
-    // Of a lattice that is turned it is so to the last digits: it is solved as it is drawn.
+    // For a rotated lattice the result is the same to the last digits: it is solved in the standard orientation.
     let lattice = |rotation: f64| PlaneLattice {
         rotation,
         columns: Some(6),
@@ -584,8 +588,8 @@ fn turning_all_changes_nothing() {
     }
 }
 
-/// Independently: elements take the same gap as a plate over tops that are lowered by the lens. What cells make of a disc is divided out by the force under a
-/// level plate.
+/// Independent comparison: elements have the same gap as a plate above tops that are lowered by the lens shape. The error of the cells on a
+/// disc is divided out with the force under a level plate.
 #[test]
 fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
     let places: Vec<Point> = [[0.0, 3.0], [15.0, -4.5], [-13.5, 1.5], [3.0, 16.5]]
@@ -607,7 +611,7 @@ fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
         let highest = map.heights().iter().copied().fold(0.0, f64::max);
         let indenter = Indenter::Flat(Some(MATERIAL));
         let surface = SurfaceSystem::new(indenter, MATERIAL, map, Boundary::FreeSpace).unwrap();
-        // Counted from the highest of the map.
+        // Relative to the highest point of the map.
         let control = Load::Indentation(depth - (2.2e-6 - highest));
         surface.press(control, &Run::default()).unwrap().force
     };
@@ -629,7 +633,7 @@ fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
     }
 }
 
-/// Derivatives beside central differences.
+/// Compares derivatives with central differences.
 #[test]
 fn gradients_know_the_shape() {
     let lattice = |pitch: f64| PlaneLattice {
@@ -687,7 +691,7 @@ fn what_cannot_be_is_refused_with_its_reason() {
             let refused = of_shape(shape.clone(), PillarCompliance::None, endless).unwrap_err();
             assert!(matches!(refused.requirement, Requirement::FiniteUnder(_)));
             assert!(
-                refused.to_string().contains("endlessly many pillars"),
+                refused.to_string().contains("infinite number of pillars"),
                 "{refused}"
             );
         }
@@ -722,7 +726,7 @@ fn what_cannot_be_is_refused_with_its_reason() {
     assert_eq!(refused(low), Quantity::PillarHeight);
 }
 
-/// What is made for a sphere says so.
+/// Functions for spheres refuse other shapes.
 #[test]
 fn what_is_made_for_a_sphere_is_refused_under_others() {
     let hexagonal = HexagonalLattice::new(40e-6);
@@ -743,7 +747,7 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
     assert!(
         error
             .to_string()
-            .contains("adhesion is made for a spherical lens"),
+            .contains("adhesion is supported only for spherical lenses"),
         "{error}"
     );
     let plan = fakir::problem::CyclePlan::default();

@@ -1,4 +1,4 @@
-//! Limits of the model, each strained once, and beside what is known of them in closed form.
+//! Validity limits of the model: each is exceeded once and compared with closed forms.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
@@ -26,7 +26,7 @@ fn limit(state: &ContactState, name: &str) -> Limit {
     *found.unwrap_or_else(|| panic!("no {name} in {limits:?}"))
 }
 
-/// The paper's lens and pillars, these of another height, on a substrate.
+/// The lens and pillars of the paper with another pillar height, on the given substrate.
 fn of_height(height: f64, phi: f64, modulus: f64) -> System {
     let pillar = Pillar {
         height,
@@ -40,7 +40,7 @@ fn of_height(height: f64, phi: f64, modulus: f64) -> System {
     .expect("a valid system")
 }
 
-/// Two pillars on a floor that takes most of the load: what is farthest from the axis is on the floor.
+/// Two pillars on a floor that carries most of the load: the farthest contact is on the floor.
 #[test]
 fn the_floor_beyond_the_pillars_is_part_of_the_contact() {
     let lens = Lens {
@@ -59,7 +59,7 @@ fn the_floor_beyond_the_pillars_is_part_of_the_contact() {
     let floor = state.floor.as_ref().expect("a floor in contact");
     assert!(floor.radius > 3.0 * state.contact_radius);
     assert!((state.whole_contact_radius() / floor.radius - 1.0).abs() < 1e-15);
-    // The slope of a sphere is told as that of a paraboloid, r/R.
+    // The slope of a sphere is reported as that of a paraboloid, r/R.
     for name in ["contact_radius_over_lens_radius", "slope"] {
         let found = limit(&state, name);
         let ratio = floor.radius / 150e-6;
@@ -81,12 +81,12 @@ fn a_light_contact_strains_nothing() {
             .iter()
             .all(|limit| limit.nearness().unwrap_or(0.0) < 1.0)
     );
-    // Without a force there is nothing that could change it.
+    // Without a force, no effect can change it.
     let untouched = press(&system, Load::Force(0.0)).limits(None);
     assert!(untouched.iter().all(|limit| limit.threshold.is_some()));
 }
 
-/// `a = sqrt(R zeta)` of Hertz makes a contact of a quarter of the lens radius, whose slope is as much.
+/// `a = sqrt(R zeta)` for Hertz's contact is a quarter of the lens radius, and the slope has the same value.
 #[test]
 fn wide_contacts() {
     let lens = Lens {
@@ -106,7 +106,7 @@ fn wide_contacts() {
     }
 }
 
-/// Of a lone pillar under the axis the force is that of the contact.
+/// For a single pillar under the axis, the force is that of the contact.
 #[test]
 fn hard_pressed_and_slender_pillars() {
     let alone = of_height(2.2e-6, 1e-3, INTERMEDIATE).with_floor(FloorModel::Ignored);
@@ -126,8 +126,8 @@ fn hard_pressed_and_slender_pillars() {
     assert!(found.strained && !limit(&state, "pillar_stress").strained);
 }
 
-/// The column beside finite elements (`reference/pillar_compliance.csv`, h/d = 0.3667): 3.9 % too soft under a rigid punch, which a lens is on a soft
-/// substrate, and 0.2 % for equal moduli.
+/// The column compared with finite elements (`reference/pillar_compliance.csv`, h/d = 0.3667): 3.9 % too compliant under a rigid punch, to
+/// which the lens is equivalent on a soft substrate, and 0.2 % for equal moduli.
 #[test]
 fn columns_beside_elastic_pillars() {
     for (modulus, expected, strained) in [(2e3, 0.0385, true), (INTERMEDIATE, 0.0020, false)] {
@@ -139,14 +139,14 @@ fn columns_beside_elastic_pillars() {
     let system = paper_system(paper_lattice(0.1, 0.0), 2e3, PillarCompliance::Elastic);
     let found = limit(&critical(&system), "elastic_pillar_error");
     assert!(found.threshold.is_none() && found.value < 2e-3);
-    // Without compliance a pillar is harder by all of it.
+    // A pillar without compliance is too stiff by the whole compliance.
     let system = paper_system(
         paper_lattice(0.1, 0.0),
         INTERMEDIATE,
         PillarCompliance::None,
     );
     assert!(limit(&critical(&system), "pillar_compliance").strained);
-    // Of other materials it is not known.
+    // For other materials no data are available.
     let cork = Material::new(INTERMEDIATE, 0.1);
     let texture = Texture::new(paper_pillar(COLUMN), paper_lattice(0.1, 0.0));
     let system = System::new(paper_lens(), cork, texture).unwrap();
@@ -154,11 +154,11 @@ fn columns_beside_elastic_pillars() {
     assert!(limits.iter().all(|limit| limit.name != "pillar_compliance"));
 }
 
-/// Critical states on films of the paper's intermediate substrate, solved with layers: at 1 mm the indentation is 0.70 %, 2.0 % and 6.3 % lower at surface
-/// fractions of 0.01, 0.03 and 0.1, at 2 mm 0.35 %, 0.99 % and 3.1 %, at 0.5 mm 1.4 %, 3.9 % and 12.8 %.
+/// Critical states on films of the paper's intermediate substrate, solved with layers: at 1 mm the indentation is 0.70 %, 2.0 % and 6.3 %
+/// lower at surface fractions of 0.01, 0.03 and 0.1, at 2 mm 0.35 %, 0.99 % and 3.1 %, at 0.5 mm 1.4 %, 3.9 % and 12.8 %.
 #[test]
 fn thickness_that_would_matter() {
-    // Between these thicknesses a change of 1 %, in mm.
+    // Bounds of the thickness for a change of 1 %, in mm.
     for (phi, name, thinner, thicker) in [
         (0.01, "substrate_thickness_of_one_percent_m", 0.66, 0.74),
         (0.03, "substrate_thickness_of_one_percent_m", 1.9, 2.05),
@@ -172,11 +172,11 @@ fn thickness_that_would_matter() {
             (thinner..thicker).contains(&(1e3 * found.value)),
             "{found:?}"
         );
-        // The lens is of the same material.
+        // The lens consists of the same material.
         let of_lens = limit(&state, &name.replace("substrate", "lens"));
         assert!((of_lens.value / found.value - 1.0).abs() < 1e-12);
         assert!(!found.strained && found.threshold.is_none());
-        // A tenth of the thickness changes about ten times as much, but for what the layer bends.
+        // A tenth of the thickness changes the indentation by about ten times as much, except for the effect of the curvature.
         let tenth = limit(&state, "substrate_thickness_of_ten_percent_m");
         assert!(
             (9.5..11.5).contains(&(found.value / tenth.value)),
@@ -185,7 +185,8 @@ fn thickness_that_would_matter() {
     }
 }
 
-/// At the work that is told `N` punches of Kendall, `sqrt(8 pi w E* a^3)` each, hold a hundredth of the force.
+/// At the reported work of adhesion, the pull-off force of `N` of Kendall's punches, `sqrt(8 pi w E* a^3)` each, is a hundredth of the
+/// force.
 #[test]
 fn adhesion_that_would_matter() {
     let system = paper_system(paper_lattice(0.03, 0.0), INTERMEDIATE, COLUMN);
@@ -194,7 +195,7 @@ fn adhesion_that_would_matter() {
     let one = fakir::theory::adhesion::kendall_pull_off(system.reduced_modulus(), 3e-6, work);
     let all = one * state.pillars.len() as f64;
     assert!((-100.0 * all / state.force - 1.0).abs() < 1e-12);
-    // With adhesion it is not left out.
+    // With adhesion the value is not reported.
     let sticky = system
         .with_adhesion(fakir::problem::Adhesion::new(1e-3))
         .unwrap();
@@ -203,7 +204,7 @@ fn adhesion_that_would_matter() {
     assert!(limits.iter().all(|limit| !limit.name.starts_with("work")));
 }
 
-/// Of bodies that are layers each limit is strained once, by what it says; a thickness at which they would begin to matter is not told of them.
+/// For layers, each limit is exceeded once; the thickness at which a finite thickness would be significant is not reported for them.
 #[test]
 fn layers_beyond_what_they_stand_for() {
     let system = paper_system(paper_lattice(0.05, 0.0), INTERMEDIATE, COLUMN);
@@ -215,7 +216,7 @@ fn layers_beyond_what_they_stand_for() {
         let limits = state.limits(None);
         limits.into_iter().map(|limit| limit.name).collect()
     };
-    // At 3 um the contact reaches out to 80 um.
+    // At 3 um the contact extends to 80 um.
     let load = Load::Indentation(3e-6);
     let thick = press(&with(Some(1e-3), Some(1e-3)), load);
     let limits = thick.limits(None);
@@ -246,7 +247,7 @@ fn layers_beyond_what_they_stand_for() {
         assert!(limit(&thin_lens, name).strained, "{name}");
     }
     assert!(!limit(&thin_lens, "thickness_over_diameter").strained);
-    // However wide the contact, a flat film is solved.
+    // A flat film is valid for any width of the contact.
     let film = press(&with(Some(40e-6), None), load);
     let wide = limit(&film, "contact_radius_over_substrate_thickness");
     assert!(wide.value > 1.0 && !wide.strained && wide.threshold.is_none());

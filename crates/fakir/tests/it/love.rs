@@ -1,5 +1,4 @@
-//! The method of elements against what is known independently of it: analytical solutions of
-//! contact mechanics, and the spectral method.
+//! The method of elements compared with independent results: analytical solutions of contact mechanics, and the spectral method.
 //!
 //! Orders of convergence are printed (`cargo test --release -p fakir --test it love -- --nocapture`).
 
@@ -26,7 +25,7 @@ struct Indenter<O> {
 }
 
 impl Indenter<FreeSpaceConvolution<'static>> {
-    /// A half-space that stands free, and a surface at a given height over each point.
+    /// A non-periodic half-space, and a surface with the given height above each point.
     fn free(cells: Cells, height: impl Fn(Point) -> f64) -> Self {
         let operator = FreeSpaceConvolution::new(cells.clone(), 1.0, None);
         Self::new(cells, operator, height)
@@ -34,7 +33,7 @@ impl Indenter<FreeSpaceConvolution<'static>> {
 }
 
 impl Indenter<PeriodicConvolution<'static>> {
-    /// A half-space and a surface of which the grid is the period.
+    /// A half-space and a surface with the grid as their period.
     fn periodic(cells: Cells, height: impl Fn(Point) -> f64) -> Self {
         let operator = PeriodicConvolution::new(cells.clone(), 1.0, None);
         Self::new(cells, operator, height)
@@ -91,14 +90,14 @@ impl<O: Operator> Indenter<O> {
         self.press_from(load, 1e-10, None)
     }
 
-    /// Area of the cells that bear pressure.
+    /// Area of the cells with positive pressure.
     fn contact_area(&self, contact: &ElementContact) -> f64 {
         let loaded = contact.pressure.iter().filter(|p| **p > 0.0).count();
         self.area() * loaded as f64
     }
 }
 
-/// Relative difference from what is expected.
+/// Relative difference from the expected value.
 fn error(value: f64, expected: f64) -> f64 {
     value / expected - 1.0
 }
@@ -115,7 +114,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Square cells with their middle at the origin.
+/// Square cells, centred at the origin.
 fn grid(columns: usize, rows: usize, size: f64) -> Grid {
     Grid::centred(columns, rows, size).expect("a valid grid")
 }

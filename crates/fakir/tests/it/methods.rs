@@ -1,4 +1,4 @@
-//! What every method has to do, whatever it computes with: on textures and on general surfaces.
+//! Requirements for every method, on textures and on general surfaces.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_system};
 use fakir::problem::pattern::{Pattern, PillarShape};
@@ -9,18 +9,18 @@ use fakir::problem::{
 };
 use fakir::state::{CancelToken, ErrorEstimate, Run, SolveError, SurfaceContact, Termination};
 
-/// What all answers have.
+/// Common properties of all results.
 #[derive(Debug, Clone)]
 struct Answer {
     force: f64,
     indentation: f64,
     error: ErrorEstimate,
     termination: Termination,
-    /// All other numbers, gaps beyond the equator of the lens left out.
+    /// All other numbers, except for gaps beyond the equator of the lens.
     others: Vec<f64>,
 }
 
-/// Why there is none.
+/// The reason why there is no result.
 #[derive(Debug, Clone, PartialEq)]
 enum Refusal {
     Load(InvalidQuantity),
@@ -59,14 +59,14 @@ enum Form {
     Plate,
 }
 
-/// 8 cells across a pillar, the least there can be.
+/// 8 cells across a pillar, the smallest number supported.
 const COARSE: ElementMesh = ElementMesh {
     cells_per_diameter: 8,
     layout: MeshLayout::Pillars,
     matched: true,
 };
 
-/// Every method there is; the match makes the compiler ask for those to come.
+/// All methods; the match makes the compiler request additions for new methods.
 fn subjects() -> Vec<Subject> {
     let methods = [
         Method::Spectral(Accuracy::Default),
@@ -109,7 +109,7 @@ fn surface(boundary: Boundary, form: Form, offset: f64) -> SurfaceSystem {
     let lattice = paper_lattice(0.03, offset);
     let pattern = Pattern::new(PillarShape::cylinder(6.0e-6, 2.2e-6), lattice);
     let period = pattern.period().expect("a lattice has a period");
-    // Four periods along each side, with cells of 1.2 um or so.
+    // Four periods along each side, with cells of about 1.2 um.
     let cells = [4 * 46, 4 * 26];
     let cell = [0, 1].map(|axis| 4.0 * period[axis] / cells[axis] as f64);
     let origin = [0, 1].map(|axis| -0.5 * cells[axis] as f64 * cell[axis]);
@@ -194,7 +194,7 @@ impl Subject {
         self.ask(load, &Run::default())
     }
 
-    /// Whether it takes memory that grows with the problem.
+    /// Whether the memory depends on the size of the problem.
     fn is_limited(self) -> bool {
         self != Self::Texture(Method::Homogenised)
     }
@@ -221,7 +221,7 @@ fn loads_that_cannot_be_are_refused() {
                     Err(Refusal::Load(refused)) => {
                         assert_eq!(refused.quantity, quantity);
                         assert_eq!(refused.value.to_bits(), value.to_bits());
-                        // The smallest that is not refused has an answer, or none for a reason.
+                        // The smallest load that is not refused has a result, or an error with a reason.
                         let smallest = match refused.requirement {
                             Requirement::ZeroOrForce(smallest) => Load::Force(smallest),
                             Requirement::ZeroOrIndentation(smallest) => Load::Indentation(smallest),
@@ -304,8 +304,7 @@ fn memory_is_limited() {
     }
 }
 
-/// From the smallest loads on: what is handed out are numbers, and what is no
-/// solution says so.
+/// For the smallest loads and above: all returned numbers are finite, and solutions that did not converge are reported as such.
 #[test]
 fn all_numbers_are_numbers() {
     check_numbers(20);
@@ -317,7 +316,7 @@ fn all_numbers_are_numbers_under_many_loads() {
     check_numbers(4);
 }
 
-/// Under loads that are so many powers of ten apart.
+/// Loads at ratios of this power of ten.
 fn check_numbers(step: usize) {
     let indentations = (-26..=-6)
         .step_by(step)
@@ -328,7 +327,7 @@ fn check_numbers(step: usize) {
     let loads: Vec<Load> = indentations.chain(forces).collect();
     for subject in subjects() {
         let (mut answers, mut converged) = (0, 0);
-        // On a pillar, and beside one, of which the smallest loads touch next to nothing.
+        // On a pillar, and beside one, where the smallest loads have hardly any contact.
         for (load, offset) in loads.iter().flat_map(|load| [(load, 0.0), (load, 0.2)]) {
             let answer = match subject.ask_at(offset, 0.0, *load, &Run::default()) {
                 Ok(answer) => answer,
@@ -366,8 +365,7 @@ fn check_numbers(step: usize) {
     }
 }
 
-/// Lenses smaller than what they stand on reach beyond their equator there; nothing of that gets
-/// into a contact.
+/// The equator of lenses smaller than the pattern is above it; the region beyond the equator must not affect the contact.
 #[test]
 fn what_is_beyond_the_equator_is_out_of_reach() {
     let pillar = fakir::problem::Pillar {
@@ -387,7 +385,7 @@ fn what_is_beyond_the_equator_is_out_of_reach() {
         critical.contact
     };
     let exact = transition(Method::Spectral(Accuracy::Accurate));
-    // As two fine meshes of elements have it; they differ by 2e-4.
+    // Reference: two fine meshes of elements, which differ by 2e-4.
     assert!((exact.force / 14.488e-6 - 1.0).abs() < 1e-3);
     for subject in subjects() {
         let Subject::Texture(method) = subject else {
@@ -398,7 +396,7 @@ fn what_is_beyond_the_equator_is_out_of_reach() {
         }
         let state = transition(method);
         let difference = (state.force / exact.force - 1.0).abs();
-        // The punch lattice does not know contacts that cover tops in part.
+        // The punch lattice does not support partially covered tops.
         if !matches!(method, Method::Punch(_)) {
             let allowed = state.error.force + exact.error.force;
             assert!(
@@ -410,7 +408,7 @@ fn what_is_beyond_the_equator_is_out_of_reach() {
     }
 }
 
-/// The same of pillars half as wide as the lens is high, of which only one is touched.
+/// The same for pillars half as wide as the lens is high, only one of which is touched.
 #[test]
 fn wide_pillars_reach_beyond_a_small_lens() {
     let lens = Lens {
@@ -444,10 +442,10 @@ fn wide_pillars_reach_beyond_a_small_lens() {
     assert!(difference < 0.02 && difference <= elements.error.force + exact.error.force);
 }
 
-/// Turned by 60 degrees or mirrored, a texture is the same.
+/// A texture is invariant under rotations by 60 degrees and reflections.
 #[test]
 fn symmetric_textures_have_the_same_answers() {
-    // A turn and a reflection, of which all others are made.
+    // A rotation and a reflection, which generate all others.
     compare_images(&[Load::Indentation(3e-6)], &[70.0, -10.0]);
 }
 
@@ -514,8 +512,8 @@ fn errors_where_the_floor_is_reached_are_as_estimated() {
     check_errors(&[Load::FloorContact]);
 }
 
-/// Those that know their error know it: the accurate spectral method is within it. The homogenised
-/// lattice gives the error of its numbers, not that of the model.
+/// Methods with an error estimate: the accurate spectral method is within it. For the homogenised lattice it is the error of the numbers,
+/// not of the model.
 fn check_errors(questions: &[Load]) {
     let exact = Subject::Texture(Method::Spectral(Accuracy::Accurate));
     for &question in questions {

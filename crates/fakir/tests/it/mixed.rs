@@ -1,10 +1,10 @@
-//! Pillar tops and floor together, past the transition.
+//! Contact with pillar tops and floor, past the transition.
 //!
-//! `reference/mixed.csv` has states of an independent program of the same method on finer grids, which elements everywhere confirmed to 3e-5
-//! of the force and 1e-4 of the share; each has the errors of its numbers. The columns that are read: surface fraction, substrate modulus
-//! (MPa), offset `dx/e`, indentation (um), force (N) and its relative error, share of the floor and its relative error, its area (um^2) with
-//! error, the farthest contact with a top and with the floor (um) with errors, its distance from the nearest rim (um), pillars touched in
-//! full and in part, the size of a cell (um).
+//! `reference/mixed.csv` contains states of an independent program of the same method on finer grids, which elements on the whole surface
+//! confirmed to 3e-5 of the force and 1e-4 of the floor fraction; each has the errors of its numbers. The columns that are read: surface
+//! fraction, substrate modulus (MPa), offset `dx/e`, indentation (um), force (N) and its relative error, fraction of the load on the floor
+//! and its relative error, floor area (um^2) with error, the farthest contact with a top and with the floor (um) with errors, distance of
+//! the floor contact from the nearest rim (um), numbers of pillars touched fully and partially, the size of a cell (um).
 
 use crate::common::{paper_lattice, paper_system};
 use fakir::problem::{
@@ -62,7 +62,7 @@ fn pressed(system: &System, load: Load, accuracy: Accuracy) -> ContactState {
     state
 }
 
-/// The tops alone, as in the paper.
+/// With the tops alone, as in the paper.
 fn without_floor(system: &System) -> System {
     system.with_floor(FloorModel::Ignored)
 }
@@ -119,7 +119,7 @@ fn check_row(row: &Row, force_tolerance: f64, share_tolerance: f64) {
         "{}: {partial} in part",
         row.name()
     );
-    // Where the edge of the contact crosses pillars the table extrapolates a pressure that oscillates beyond it.
+    // If the edge of the contact crosses pillars, the table extrapolates a pressure that oscillates beyond it.
     if partial == 0 {
         let top = (state.contact_radius - v[15] * UM).abs();
         assert!(
@@ -166,7 +166,7 @@ fn check_estimates(row: &Row) {
     assert!(state.error.force > force - v[6], "{}", row.name());
     let share = (floor.share / v[9] - 1.0).abs();
     assert!(floor.error.share > share - v[10], "{}", row.name());
-    // Nor by orders of magnitude.
+    // The estimates are not too large by orders of magnitude either.
     assert!(state.error.force < 2e-4 && floor.error.share < 0.02);
 }
 
@@ -182,7 +182,7 @@ fn before_the_transition_it_is_the_contact_with_many_tops() {
     check_before_transition(0.03, 2e6, 0.0);
 }
 
-/// Below the transition nothing changes, to the bit.
+/// Below the transition the results are bitwise unchanged.
 fn check_before_transition(phi: f64, modulus: f64, offset: f64) {
     let system = system(phi, modulus, offset);
     let first = critical(&system);
@@ -197,7 +197,7 @@ fn check_before_transition(phi: f64, modulus: f64, offset: f64) {
                 let without =
                     fakir::press(&without_floor(&system), load, method, &Run::default()).unwrap();
                 assert!(with.floor.is_none());
-                // All but what was asked.
+                // All fields but the system that was requested.
                 let without = ContactState {
                     system: system.clone(),
                     ..without
@@ -208,10 +208,10 @@ fn check_before_transition(phi: f64, modulus: f64, offset: f64) {
     }
 }
 
-/// Each first-touched point is a contact of Hertz, whose force goes as the power 3/2 of the depth.
+/// At each point of first contact there is a Hertz contact, whose force is proportional to the power 3/2 of the depth.
 #[test]
 fn the_floor_takes_load_as_hertz_at_first() {
-    // Between three pillars, where one patch is alone up to 1.02 times that indentation.
+    // Between three pillars, with a single patch up to 1.02 times this indentation.
     let system = system(0.03, 2e6, 1.0 / 3f64.sqrt());
     let method = Method::Spectral(Accuracy::Accurate);
     let first = fakir::transition(&system, method, &Run::default()).unwrap();
@@ -223,7 +223,8 @@ fn the_floor_takes_load_as_hertz_at_first() {
     assert!((exponent - 1.5).abs() < 0.03, "{exponent}");
 }
 
-/// The force and its derivative are continuous where the floor is reached: what it adds to the stiffness goes as the root of the depth.
+/// The force and its derivative are continuous where the floor is reached: the additional stiffness is proportional to the root of the
+/// depth.
 #[test]
 fn force_and_stiffness_join_at_the_transition() {
     let system = system(0.03, 2e6, 1.0 / 3f64.sqrt());
@@ -231,14 +232,14 @@ fn force_and_stiffness_join_at_the_transition() {
     let load = |past: f64| Load::Indentation((1.0 + past) * first.indentation);
     let at = pressed(&system, load(0.0), Accuracy::Default).force;
     assert!((at / first.force - 1.0).abs() < 1e-7);
-    // Over what the tops alone bear.
+    // In addition to the load carried by the tops alone.
     let added = |past: f64| {
         let state = pressed(&system, load(past), Accuracy::Default);
         let tops = pressed(&without_floor(&system), load(past), Accuracy::Default);
         (state.force - tops.force) / at
     };
     let [near, far] = [1e-3, 1e-2].map(added);
-    // 10^(3/2) = 31.6, and a little more as the patch grows.
+    // 10^(3/2) = 31.6, and slightly more as the patch grows.
     let ratio = far / near;
     assert!(
         near > 0.0 && (28.0..40.0).contains(&ratio),
@@ -247,8 +248,8 @@ fn force_and_stiffness_join_at_the_transition() {
     assert!(near < 1e-5);
 }
 
-/// Deep enough the floor is in contact close to the rims of pillars: less than two cells from them, and that is said. The distances are
-/// those of the program of the table, 2 um at 5 and 1.6 um at 12 times the critical indentation.
+/// At large depth the floor contact is close to the rims of pillars: less than two cells from them, for which there is a warning. The
+/// distances are those of the program of the table, 2 um at 5 and 1.6 um at 12 times the critical indentation.
 #[test]
 fn a_floor_contact_close_to_a_rim_is_warned_of() {
     let system = system(0.03, 2e6, 0.0);
@@ -268,8 +269,8 @@ fn a_floor_contact_close_to_a_rim_is_warned_of() {
     assert_eq!(warned, Some(distance));
 }
 
-/// Far past the transition the lens rests on the floor, as on a flat surface that is higher by the volume of the pillars, `h (1 - phi)` at the
-/// most. The quotients are those of the program of the table.
+/// Far past the transition the lens is in contact with the floor like with a flat surface that is raised by the volume of the pillars, at
+/// most `h (1 - phi)`. The ratios are those of the program of the table.
 #[test]
 fn far_past_the_transition_it_is_the_contact_of_hertz() {
     let system = system(0.03, 2e6, 0.0);
@@ -290,8 +291,8 @@ fn far_past_the_transition_it_is_the_contact_of_hertz() {
     }
 }
 
-/// Where the floor takes half the load, pillars that are not coupled with it, outside, feel less than without it: they stay untouched all the same. The force is
-/// that of a program that let them be touched and began anew with wider windows, in twice as many steps.
+/// If the floor carries half the load, outer pillars that are not coupled to it are less displaced than without it: they must nevertheless
+/// remain untouched. The force is that of a program that permits contact with them and restarts with wider windows, in twice as many steps.
 #[test]
 #[ignore = "slow: loads one after another"]
 fn no_pillar_outside_is_touched_on_the_way() {
@@ -328,7 +329,7 @@ fn a_force_returns_its_indentation() {
     }
 }
 
-/// The lens axis over another pillar, or on the other side of one, is the same.
+/// The lens axis above another pillar, or on the other side of a pillar, is equivalent.
 #[test]
 fn copies_of_an_offset_agree() {
     let base = system(0.03, 2e6, 0.3);
@@ -349,7 +350,7 @@ fn copies_of_an_offset_agree() {
     }
 }
 
-/// Nothing but the ratios of lengths and of moduli matters.
+/// Results depend on the ratios of lengths and of moduli only.
 #[test]
 fn results_scale() {
     use fakir::problem::{Lens, Material, Pillar, Texture};
@@ -377,7 +378,7 @@ fn results_scale() {
     assert!((b.largest_pressure().0 / a.largest_pressure().0 / 1e3 - 1.0).abs() < 1e-6);
 }
 
-/// The lens axis between three pillars, 233 um from each, with the indentation at which they would be touched if the floor were not there.
+/// The lens axis between three pillars, 233 um from each, with the indentation at which they would be touched if there were no floor.
 fn between_far_pillars() -> (System, f64) {
     let system = system(0.0002, 2e6, 1.0 / 3f64.sqrt());
     let radius: f64 = 2.2e-3;
@@ -387,7 +388,7 @@ fn between_far_pillars() -> (System, f64) {
     (system, first_pillar)
 }
 
-/// The force on a sphere on a flat at a depth (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
+/// The force on a sphere on a flat surface at a depth (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
 fn on_a_flat(system: &System, depth: f64) -> f64 {
     let radius: f64 = 2.2e-3;
     let logarithm = |a: f64| (2.0 * a / (radius - a)).ln_1p();
@@ -404,7 +405,7 @@ fn on_a_flat(system: &System, depth: f64) -> f64 {
     system.reduced_modulus() * force
 }
 
-/// With the nearest pillars out of reach it is the contact of a sphere.
+/// With the nearest pillars out of reach, the result is the contact of a sphere.
 #[test]
 fn a_lens_may_meet_the_floor_first() {
     let (system, _) = between_far_pillars();
@@ -421,11 +422,11 @@ fn a_lens_may_meet_the_floor_first() {
             state.floor.as_ref().unwrap().cells.len()
         );
         assert!(quotient < 1e-4, "{depth:e}: {quotient:e}");
-        // The estimate is right to a factor of two.
+        // The estimate is accurate to a factor of two.
         assert!(2.0 * state.error.force > quotient && state.pillars_in_contact == 0);
         assert!((share(&state) - 1.0).abs() < 1e-12);
     }
-    // Nothing is touched at the height of the pillars.
+    // At the height of the pillars there is no contact.
     let at = pressed(&system, Load::Indentation(2.2e-6), Accuracy::Default);
     assert!(at.floor.is_none() && at.force == 0.0);
 }
@@ -439,7 +440,7 @@ fn a_force_on_the_floor_alone_returns_its_indentation() {
     assert!((back.indentation / state.indentation - 1.0).abs() < 1e-8);
 }
 
-/// Then pillars join, and bear their part.
+/// At a larger load pillars come into contact and carry their part.
 #[test]
 fn pillars_join_a_lens_on_the_floor() {
     let (system, first_pillar) = between_far_pillars();
@@ -472,7 +473,7 @@ fn the_pressure_bears_the_force_and_closes_the_gap() {
             widest = widest.max(fields.gap(centre).abs());
         }
     }
-    // Means over cells vanish, centres differ by the curvature of the displacement within a cell.
+    // Means over cells vanish; values at centres differ by the curvature of the displacement within a cell.
     assert!(widest < 2e-9, "{widest:e}");
     assert!(state.smallest_floor_gap == 0.0);
 }
@@ -498,7 +499,7 @@ fn what_is_asked_of_a_run_is_kept() {
         }) => assert!(bytes > limit && suggested_cell > cell),
         other => panic!("{other:?}"),
     }
-    // Cancelled as soon as the floor is solved for.
+    // Cancelled at the beginning of the solution for the floor.
     let cancel = CancelToken::default();
     let stages = Mutex::new(Vec::new());
     let progress = |progress: fakir::state::Progress| {
@@ -514,7 +515,7 @@ fn what_is_asked_of_a_run_is_kept() {
     };
     assert_eq!(press(&run).unwrap_err(), SolveError::Interrupted);
     assert!(stages.lock().unwrap().contains(&Stage::Floor));
-    // Threads change nothing.
+    // Threads do not change the results.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(2)
         .build()
@@ -528,7 +529,7 @@ fn what_is_asked_of_a_run_is_kept() {
     assert_eq!(share(&alone).to_bits(), share(&shared).to_bits());
 }
 
-/// Contacts in which the floor bears given shares, of a system.
+/// Contacts of a system in which the floor carries given fractions of the load.
 fn at_shares(system: &System, shares: &[f64]) -> Result<Vec<ContactState>, SolveError> {
     let run = Run::default();
     let critical = fakir::transition(system, Method::default(), &run)?;
@@ -552,8 +553,8 @@ fn contacts_of_given_floor_shares_on_many_pillars_are_those_under_their_loads() 
     check_shares(&systems, &[0.02, 0.3, 0.6]);
 }
 
-/// They are those under their own indentations and forces: with the lens axis on a pillar, in a hole, where nothing is symmetric, and on the rigid
-/// substrate, from the first pillar to many.
+/// These contacts equal those under their own indentations and forces: with the lens axis on a pillar, at a hollow site, at a position
+/// without symmetry, and on the rigid substrate, from the first pillar to many.
 fn check_shares(systems: &[(f64, f64, f64)], wanted: &[f64]) {
     for &(phi, modulus, offset) in systems {
         let system = system(phi, modulus, offset);
@@ -576,7 +577,7 @@ fn check_shares(systems: &[(f64, f64, f64)], wanted: &[f64]) {
                 .map(|ratio| (ratio - 1.0).abs());
                 let of_share = (share(&again) / wanted - 1.0).abs();
                 println!("{phi} {wanted}: {force:e} {indentation:e} {of_share:e}");
-                // Two grids that are not the same differ by what is estimated.
+                // The results on two different grids differ by the estimated error.
                 let [a, b] = [&again, state].map(|it| it.floor.as_ref().unwrap().cell()[0]);
                 if (a / b - 1.0).abs() < 1e-12 {
                     assert!(force.max(indentation) < 1e-7 && of_share < 1e-6);
@@ -588,7 +589,7 @@ fn check_shares(systems: &[(f64, f64, f64)], wanted: &[f64]) {
     }
 }
 
-/// Where the search begins does not matter: it is not the same for shares in falling order.
+/// The result does not depend on the initial guess, which is different for decreasing fractions.
 #[test]
 fn contacts_of_given_floor_shares_do_not_depend_on_the_order() {
     let system = system(0.03, 2e6, 0.0);
@@ -611,7 +612,7 @@ fn errors_of_contacts_of_given_floor_shares_on_many_pillars_cover_better_ones() 
     check_share_errors(0.03, 1e9);
 }
 
-/// Where the share is prescribed its error is one of indentation and force: what better solutions differ by.
+/// If the fraction is prescribed, its error is included in the indentation and the force: compared with more accurate solutions.
 fn check_share_errors(phi: f64, modulus: f64) {
     let wanted = [0.1, 0.4];
     let system = system(phi, modulus, 0.0);
@@ -647,7 +648,7 @@ fn floor_shares_that_cannot_be_are_refused_with_the_reason() {
     }
     assert!(why(&without_floor(&usual), spectral, &[0.5]).contains("ignored"));
     let punch = Method::Punch(PunchForm::Corrected);
-    assert!(why(&usual, punch, &[0.5]).contains("leaves the floor out"));
+    assert!(why(&usual, punch, &[0.5]).contains("ignores the floor"));
     // Pillars so far apart that the lens reaches the floor before any of them.
     let wide = system(0.0001, 2e6, 1.0 / 3f64.sqrt());
     assert!(why(&wide, spectral, &[0.5]).contains("pillars are touched"));

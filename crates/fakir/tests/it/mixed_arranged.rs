@@ -1,4 +1,4 @@
-//! Pillar tops and floor together on arrangements other than the endless hexagonal lattice of equal pillars.
+//! Contact with pillar tops and floor for arrangements other than the infinite hexagonal lattice of equal pillars.
 //!
 //! The lens, the pillars and the rubber of the paper: R = 2.2 mm, 6 um wide and 2.2 um high, 2 MPa.
 
@@ -56,7 +56,7 @@ fn critical(system: &System) -> ContactState {
     critical.expect("a critical state").contact
 }
 
-/// At so many times the indentation at which the floor is reached.
+/// At a multiple of the indentation at which the floor is reached.
 fn past(system: &System, times: f64) -> Load {
     Load::Indentation(times * critical(system).indentation)
 }
@@ -163,7 +163,7 @@ fn elements_agree_on_every_arrangement() {
         .for_each(|(name, arrangement)| assert_elements_agree(name, arrangement));
 }
 
-/// Elements on tops and floor alike contain neither functions on discs, nor grids aligned with lattices, nor how a lattice is turned.
+/// Elements on tops and floor use neither functions on discs, nor grids aligned with lattices, nor the rotation of a lattice.
 fn assert_elements_agree(name: &str, arrangement: Arrangement) {
     let system = system(arrangement);
     let mesh = ElementMesh::default();
@@ -203,7 +203,7 @@ fn force_joins_at_the_transition() {
             (pressed(&system, load(past)).force - pressed(&alone, load(past)).force) / at
         };
         let [near, far] = [1e-3, 1e-2].map(added);
-        // As the power 3/2 of the depth, and a little more as the patch grows.
+        // Proportional to the power 3/2 of the depth, and slightly more as the patch grows.
         let ratio = far / near;
         assert!(
             near > 0.0 && near < 1e-3 && (25.0..45.0).contains(&ratio),
@@ -215,7 +215,7 @@ fn force_joins_at_the_transition() {
     }
 }
 
-/// The hexagonal lattice as the paper's, as a centred one, turned, and as a list: on one grid, and on others.
+/// The hexagonal lattice in the description of the paper, as a centred lattice, rotated, and as a list: on one grid, and on others.
 #[test]
 fn hexagonal_lattices_in_several_descriptions() {
     let paper = paper_system(
@@ -255,7 +255,7 @@ fn hexagonal_lattices_in_several_descriptions() {
     assert!(force < 1e-4 && of_share < 5e-3, "{force:e} {of_share:e}");
 }
 
-/// Fields, cells and pillars turn along with a lattice, whose numbers stay.
+/// Fields, cells and pillars rotate with a lattice; scalar results do not change.
 #[test]
 fn turned_lattices_have_turned_answers() {
     let form = LatticeForm::Rectangular {
@@ -295,7 +295,7 @@ fn turned_lattices_have_turned_answers() {
             assert!((fields[1].gap(other) - fields[0].gap(one)).abs() < 1e-13);
         }
     }
-    // The forces on squares of a grid are all of the force.
+    // The forces on the squares of a grid add up to the force.
     let grid: Vec<f64> = (-60..=60).map(|k| 2e-6 * f64::from(k)).collect();
     let sampled = fields[1].on_grid(&grid, &grid, &Run::default()).unwrap();
     let sum: f64 = sampled.pressure.iter().sum::<f64>() * 4e-12;
@@ -304,7 +304,7 @@ fn turned_lattices_have_turned_answers() {
         "{}",
         sum / turned.force
     );
-    // Drawn the other way round it is the same but for the places of nodes.
+    // With its axes exchanged, the lattice is the same except for the positions of nodes.
     let LatticeForm::Rectangular { pitch, pitch_y } = form else {
         return;
     };
@@ -337,7 +337,7 @@ fn symmetric_arrangements_have_symmetric_answers() {
             let (least, most) = forces.fold((f64::INFINITY, 0.0_f64), |(a, b), force| {
                 (a.min(force), b.max(force))
             });
-            // The nodes on pillars that are touched in part know x from y.
+            // The nodes on partially covered pillars distinguish x from y.
             let allowed = match state.pillars_partially_in_contact {
                 0 => 1e-7,
                 _ => state.error.force,
@@ -364,14 +364,14 @@ fn profile() -> LensShape {
     LensShape::Profile(table.into())
 }
 
-/// Without pillars in reach it is a lens on a flat.
+/// Without pillars in reach, the result is the contact of a lens with a flat surface.
 #[test]
 fn a_bare_floor_is_the_contact_of_hertz() {
     let rubber = Material::new(INTERMEDIATE, 0.5);
     let paraboloid = ShapedLens::new(LensShape::Paraboloid { radius: 2.2e-3 }, rubber);
     let profile = ShapedLens::new(profile(), rubber);
     let far = list(&[[200.0, 0.0], [-150.0, 160.0], [10.0, -230.0]]);
-    // Every other pillar of a lattice is missing, and all of those near the lens.
+    // Every second pillar of a lattice is missing, and all pillars near the lens.
     let beside = PlaneLattice {
         columns: Some(5),
         offset: 30.0,
@@ -395,7 +395,7 @@ fn a_bare_floor_is_the_contact_of_hertz() {
     }
 }
 
-/// Under a paraboloid and under a table of its heights there is the same.
+/// A paraboloid and a table of its heights have the same results.
 #[test]
 fn other_axisymmetric_lenses_meet_the_floor_too() {
     let rubber = Material::new(INTERMEDIATE, 0.5);
@@ -433,7 +433,7 @@ fn dense_array() -> System {
     })
 }
 
-/// Beside a dense array the lens meets the floor around it, and not between its pillars.
+/// The lens reaches the floor around a dense array, and not between its pillars.
 #[test]
 fn the_floor_beyond_an_array_is_found() {
     let system = dense_array();
@@ -443,7 +443,7 @@ fn the_floor_beyond_an_array_is_found() {
     assert!(floor.share > 0.05 && floor.radius > 2.0 * edge);
     let nearest = floor.centres().map(|[x, y]| x.abs().max(y.abs()));
     assert!(nearest.fold(f64::INFINITY, f64::min) > edge);
-    // Nothing is left below the floor.
+    // No part of the lens is below the floor.
     let fields = state.fields.as_ref().unwrap();
     for k in 0..400 {
         let (radius, angle) = (0.25e-6 * f64::from(k), 2.4 * f64::from(k));
@@ -452,7 +452,7 @@ fn the_floor_beyond_an_array_is_found() {
     }
 }
 
-/// Far deeper the array is a small thing beside the floor.
+/// At much larger depth, the array is small compared with the floor contact.
 #[test]
 fn the_floor_far_beyond_an_array_is_found() {
     let system = dense_array();
@@ -461,7 +461,7 @@ fn the_floor_far_beyond_an_array_is_found() {
     assert!((over - 1.0).abs() < 0.05, "{over}");
 }
 
-/// Pillars that stand anywhere take a table, which is refused before it is made if it does not fit.
+/// Pillars at arbitrary positions require a table, which is refused before its construction if it exceeds the memory limit.
 #[test]
 fn too_large_tables_are_refused() {
     let oblique = PlaneLattice::new(LatticeForm::Oblique {
@@ -559,7 +559,7 @@ fn estimates_cover_differences_on_every_arrangement() {
     check_estimates(0..20);
 }
 
-/// The estimated errors cover what the accurate form changes.
+/// The estimated errors cover the differences from the accurate setting.
 fn check_estimates(numbers: Range<u64>) {
     numbers.into_par_iter().for_each(|number| {
         let mut random = Random(ChaCha8Rng::seed_from_u64(number));

@@ -1,6 +1,5 @@
-//! What the paper (R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104, 055007
-//! (2021)) states of its systems, and how far its formulas and the coarser methods are from the
-//! spectral method there.
+//! Statements of the paper (R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104, 055007 (2021)) about its systems, and
+//! the differences of its formulas and of the coarser methods from the spectral method.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{Method, PillarCompliance, PunchForm, System};
@@ -38,8 +37,8 @@ fn exact(system: &System) -> CriticalState {
     transition(system, Method::default())
 }
 
-/// The intermediate substrate with the lens axis on a pillar, at the four surface fractions for
-/// which the errors of the coarser methods are known, solved once for all tests.
+/// The intermediate substrate with the lens axis on a pillar, at the four surface fractions for which the errors of the coarser methods are
+/// known, solved once for all tests.
 static INTERMEDIATE_STATES: LazyLock<[CriticalState; 4]> =
     LazyLock::new(|| [0.01, 0.03, 0.1, 0.2].map(|phi| exact(&system(phi, 0.0, INTERMEDIATE))));
 
@@ -74,8 +73,8 @@ fn forces_on_the_three_substrates() {
     assert!(intermediate < 0.5 * rigid, "{intermediate:e}");
 }
 
-/// One pillar is touched up to a surface fraction of about 0.003: there the small-contact formulas
-/// are 0.6 % to 1.2 % low, and of the full gap expansion 0.03 %. Beyond, other pillars take over.
+/// One pillar is touched up to a surface fraction of about 0.003: there the small-contact formulas are 0.6 % to 1.2 % too low, and those of
+/// the full gap expansion 0.03 %. At larger fractions, other pillars are significant.
 #[test]
 fn one_pillar_formulas_hold_up_to_their_limit() {
     for modulus in [RIGID, INTERMEDIATE, SOFT] {
@@ -103,8 +102,8 @@ fn one_pillar_formulas_hold_up_to_their_limit() {
     }
 }
 
-/// "Curves for different dx are indistinguishable for phi >= 0.01" on a logarithmic plot: they are
-/// 6 % apart at 0.01, 3 % at 0.03, 0.5 % at 0.1. "zeta_c/h is nearly the same for all dx": 5 %, 2 %, 0.3 %.
+/// "Curves for different dx are indistinguishable for phi >= 0.01" on a logarithmic plot: they differ by 6 % at 0.01, 3 % at 0.03, 0.5 % at
+/// 0.1. "zeta_c/h is nearly the same for all dx": 5 %, 2 %, 0.3 %.
 #[test]
 fn offset_hardly_matters_for_many_pillars() {
     let expected = [
@@ -128,8 +127,8 @@ fn offset_hardly_matters_for_many_pillars() {
     }
 }
 
-/// The large-contact formulas, as printed: +2 %, +92 %, +79 % and -17 % in force; the indentation is
-/// 2, 8 and 12 times too large at 0.03, 0.1 and 0.2.
+/// The large-contact formulas, as printed: +2 %, +92 %, +79 % and -17 % in force; the indentation is 2, 8 and 12 times too large at 0.03,
+/// 0.1 and 0.2.
 #[test]
 fn large_contact_formulas() {
     let expected = [(0.024, 1.02), (0.92, 2.1), (0.79, 8.4), (-0.174, 11.7)];
@@ -145,7 +144,7 @@ fn large_contact_formulas() {
     }
 }
 
-/// Flat punches that act from centre to centre.
+/// Flat punches that interact from centre to centre.
 #[test]
 fn plain_punch_lattice() {
     let expected = [
@@ -160,8 +159,8 @@ fn plain_punch_lattice() {
     }
 }
 
-/// With both averages over the receiving pillar top, the punch lattice is the lowest degree of the
-/// spectral method. What remains is the partial contacts, a third of the pillars at 0.03.
+/// With both averages over the receiving pillar top, the punch lattice is the lowest degree of the spectral method. The remaining error is
+/// due to partial contacts, a third of the pillars at 0.03.
 #[test]
 fn corrected_punch_lattice() {
     let expected = [5e-4, 1.03e-2, 1.1e-3, 5e-4];
@@ -192,8 +191,8 @@ fn homogenised_lattice() {
     }
 }
 
-/// `F_0 gamma_int/(h d) = S` for the pillar under the lens axis, 0.4 % in dense textures; and the
-/// explicit limit built on it, 7 % low in force at 0.2 and 30 % at 0.1.
+/// `F_0 gamma_int/(h d) = S` for the pillar under the lens axis, 0.4 % in dense textures; and the explicit limit based on it, 7 % too low
+/// in force at 0.2 and 30 % at 0.1.
 #[test]
 fn dense_textures() {
     for (state, low) in INTERMEDIATE_STATES[2..].iter().zip([0.300, 0.071]) {

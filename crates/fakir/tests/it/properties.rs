@@ -1,6 +1,6 @@
-//! What holds for every system and load, on random ones.
+//! Properties that are valid for every system and load, tested with random cases.
 //!
-//! The cases are the same in every run; a failing one is shrunk and printed.
+//! The cases are the same in every run; a failing case is shrunk and printed.
 
 use fakir::problem::{
     FloorModel, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, Point,
@@ -12,7 +12,7 @@ use proptest::test_runner::{RngSeed, TestRunner};
 use std::cell::Cell;
 use std::f64::consts::PI;
 
-/// Pillar diameter and modulus of the lens, which are the units: everything scales with them.
+/// Pillar diameter and modulus of the lens, which are the units: all results scale with them.
 const DIAMETER: f64 = 6e-6;
 const MODULUS: f64 = 2e6;
 
@@ -33,8 +33,8 @@ fn log_uniform(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low.ln()..high.ln()).prop_map(f64::exp)
 }
 
-/// Where the lens lands, as pitches from a pillar and direction: anywhere in the lattice cell, on
-/// its special sites, and just beside them.
+/// Position of the lens axis, as distance from a pillar in pitches and direction: anywhere in the lattice cell, on its special sites, and
+/// close to these.
 fn landing() -> impl Strategy<Value = (f64, f64)> {
     let special = prop::sample::select(vec![
         (0.0, 0.0),
@@ -95,8 +95,8 @@ fn system(
     System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system")
 }
 
-/// Systems whose critical contact radius, about `e sqrt(1 + s^2)` with `s = R h/e^2`, is a few
-/// pitches: `s` is drawn, and not the lens radius.
+/// Systems whose critical contact radius, about `e sqrt(1 + s^2)` with `s = R h/e^2`, is a few pitches: `s` is random instead of the lens
+/// radius.
 fn textures() -> impl Strategy<Value = System> {
     let size = log_uniform(0.02, 6.0);
     let height = log_uniform(1e-3, 0.2);
@@ -109,18 +109,18 @@ fn textures() -> impl Strategy<Value = System> {
     )
 }
 
-/// Systems and indentations from first touch to a contact of a few pitches. Pillars are up to a
-/// thousand diameters tall, which makes column compliance ratios of up to 1000.
+/// Systems and indentations from first touch to a contact of a few pitches. Pillars are up to a thousand diameters tall, which results in
+/// column compliance ratios of up to 1000.
 fn indented() -> impl Strategy<Value = (System, f64)> {
     let radius = log_uniform(5.0, 1e5);
     let height = log_uniform(1e-2, 1e3);
     let reach = log_uniform(0.05, 6.0);
     (radius, height, reach, lattice(), materials(), compliance()).prop_map(
         |(radius, height, reach, lattice, materials, compliance)| {
-            // A lens smaller than the pitch may meet no pillar at all.
+            // A lens smaller than the pitch may not touch any pillar.
             let radius = f64::max(radius * DIAMETER, 2.0 * lattice.pitch);
             let height = f64::min(height * DIAMETER, 0.5 * radius);
-            // Their tops, however deep: what the floor bears has tests of its own.
+            // The tops only, at any depth: the load carried by the floor has separate tests.
             let system = system(radius, materials, lattice, height, compliance)
                 .with_floor(FloorModel::Ignored);
             let first_touch = system.lens().sag([nearest_edge(&system), 0.0]);
@@ -138,7 +138,7 @@ fn nearest_edge(system: &System) -> f64 {
     (x.hypot(y) - 0.5 * DIAMETER).max(0.0)
 }
 
-/// The system seen in a mirror that leaves the x axis in place.
+/// The system reflected at the x axis.
 fn mirrored(system: &System) -> System {
     let lattice = *system.hexagonal_lattice().expect("a hexagonal lattice");
     turned_to(system, -lattice.offset_angle)
@@ -156,12 +156,12 @@ fn fields(state: &ContactState) -> &Fields {
     state.fields.as_ref().expect("a spectral state has fields")
 }
 
-/// Force of a flat punch under the indentation: the unit in which a force is zero or not.
+/// Force of a flat punch under the indentation: the scale for comparing forces with zero.
 fn punch_force(state: &ContactState) -> f64 {
     state.system.reduced_modulus() * DIAMETER * state.indentation
 }
 
-/// What a person wants to know of a failing case.
+/// Description of a failing case.
 fn summary(state: &ContactState) -> String {
     format!(
         "phi = {:.3e}, kappa = {:.3e}, R/d = {:.3e}; {} pillars, {} partially; {:?}",
@@ -174,7 +174,7 @@ fn summary(state: &ContactState) -> String {
     )
 }
 
-/// `Some` if there is a solution: the only refusals are contacts too large for the lens.
+/// Returns `None` if the contact is too large for the lens, the only error permitted.
 fn solution<T>(answer: Result<T, SolveError>) -> Result<Option<T>, TestCaseError> {
     match answer {
         Ok(solution) => Ok(Some(solution)),
@@ -236,10 +236,9 @@ fn check_numbers(state: &ContactState) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Pressure and gap on the touched tops. Displacements by neighbours in modes of higher degree than
-/// the solution leave a part in a thousand of the indentation. Between its nodes a partially touched
-/// top is entered by up to 3 %, and deeper where that makes a difference: the error of the force is
-/// as the square of the depth.
+/// Checks pressure and gap on the touched tops. Displacements due to neighbours in modes of higher degree than the solution leave an error
+/// of 0.1 % of the indentation. Between its nodes, the interpenetration of a partially covered top is up to 3 %, and more where this is
+/// significant: the error of the force is proportional to the square of the depth.
 fn check_tops(state: &ContactState) -> Result<(), TestCaseError> {
     let between_nodes = if state.pillars_partially_in_contact > 0 {
         0.03 + 10.0 * state.error.force.max(state.error.indentation).sqrt()
@@ -272,7 +271,7 @@ fn check_tops(state: &ContactState) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Points spread evenly over a pillar top.
+/// Points distributed uniformly over a pillar top.
 fn spread_over(pillar: &PillarState, radius: f64) -> impl Iterator<Item = Point> {
     const POINTS: i32 = 40;
     let [x, y] = pillar.centre;
@@ -283,8 +282,8 @@ fn spread_over(pillar: &PillarState, radius: f64) -> impl Iterator<Item = Point>
     })
 }
 
-/// No floor gap below zero around the lens axis. The solver looks at the floor with the leading
-/// modes of partially touched pillars, the fields with all: that counts as an error.
+/// Checks that no floor gap around the lens axis is negative. The solver evaluates the floor gap with the leading modes of partially
+/// covered pillars, the fields with all modes: the difference counts as an error.
 fn check_floor(state: &ContactState) -> Result<(), TestCaseError> {
     let deepest = if state.pillars_partially_in_contact == 0 {
         1e-9 * state.system.pillar().height
@@ -306,18 +305,18 @@ fn check_floor(state: &ContactState) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Whether two forces agree, relatively or as zero.
+/// Whether two forces agree, relatively or because both are zero.
 fn same_force(one: &ContactState, other: &ContactState, tolerance: f64) -> bool {
     (one.force - other.force).abs() <= tolerance * one.force.abs() + 1e-14 * punch_force(one)
 }
 
-/// Nodes and solver are the same in the mirror but for rounding, which may decide whether a contact
-/// at the limit of resolution converges.
+/// Nodes and solver are the same for the mirror image except for rounding, which may determine whether a contact at the limit of resolution
+/// converges.
 fn is_reflection(state: &ContactState, mirror: &ContactState) -> bool {
     !mirror.converged() || same_force(state, mirror, 1e-9)
 }
 
-/// What came of the cases that were drawn.
+/// Outcome of the random cases.
 #[derive(Default)]
 struct Tally {
     drawn: Cell<u32>,
@@ -332,7 +331,7 @@ fn count(cell: &Cell<u32>) {
 }
 
 impl Tally {
-    /// Whether a state is to be checked: it converged, with an error that is small enough.
+    /// Whether a state is to be checked: it converged, with a sufficiently small error.
     fn counts(&self, state: &ContactState, error: f64) -> bool {
         if !state.converged() {
             count(&self.unconverged);
@@ -345,8 +344,8 @@ impl Tally {
     }
 }
 
-/// Tries random cases, and fails where fewer than a `share` of those that have a solution could be
-/// checked to the end: the others did not converge, or to less than a digit.
+/// Tests random cases, and fails if fewer than a `share` of those with a solution could be checked completely: the others did not converge,
+/// or have an error of more than one digit.
 fn check<S: Strategy>(
     number: u32,
     strategy: &S,
@@ -454,7 +453,7 @@ fn check_forces(number: u32) {
             };
             check_numbers(&state)?;
             if force <= 0.0 {
-                // The lens has just come down to the first pillar.
+                // First touch of the nearest pillar.
                 count(&tally.refused);
                 return Ok(());
             }
@@ -476,7 +475,7 @@ fn check_forces(number: u32) {
                 if !tally.counts(&back, 0.0) {
                     return Ok(());
                 }
-                // At the very touch of one more pillar, both with and without it is a solution.
+                // At the first touch of an additional pillar, both contacts with and without it are solutions.
                 let error = 1e-7 + back.error.force + 2.0 * state.error.indentation;
                 prop_assert!(
                     same_force(&state, &back, error),
@@ -527,8 +526,8 @@ fn check_critical(number: u32) {
         check_floor(state)?;
         let mirror = transition(&mirrored(&system))?;
         prop_assert!(mirror.is_some_and(|mirror| is_reflection(state, &mirror.contact)));
-        // The nodes do not turn with the lattice: turned by 60 degrees, the answers differ by
-        // their errors. What the method claims where the edge crosses pillar tops is 1e-5.
+        // The nodes do not rotate with the lattice: after a rotation by 60 degrees, the results differ by their errors. The method claims
+        // 1e-5 if the edge crosses pillar tops.
         let angle = system
             .hexagonal_lattice()
             .expect("a hexagonal lattice")
@@ -552,7 +551,7 @@ fn check_critical(number: u32) {
     });
 }
 
-/// A test of which nothing is checked fails.
+/// A test in which no case is checked fails.
 #[test]
 #[should_panic(expected = "0 checked")]
 fn unchecked_cases_are_no_success() {

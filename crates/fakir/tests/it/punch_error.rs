@@ -1,5 +1,5 @@
-//! The error that the punch lattice states covers its difference from the spectral method, also where the edge of
-//! the contact crosses most of the few pillars that are touched.
+//! The error estimate of the punch lattice covers its difference from the spectral method, also if the edge of the contact crosses most of
+//! the few touched pillars.
 
 use crate::common::{paper_lattice, paper_system};
 use fakir::problem::{Method, PillarCompliance, PunchForm};
@@ -16,7 +16,8 @@ fn the_stated_error_covers_what_a_punch_lattice_leaves_out_everywhere() {
     check_fractions(1);
 }
 
-/// At surface fractions from where the first ring of pillars is touched to a hundred pillars, so many steps of 2 % apart.
+/// At surface fractions between contact of the first ring of pillars and contact of a hundred pillars, in steps of 2 % of which every
+/// `every`-th is used.
 fn check_fractions(every: usize) {
     let run = Run::default();
     let fractions = (0..150).step_by(every);

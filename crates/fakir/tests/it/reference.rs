@@ -1,10 +1,9 @@
-//! Critical states of the spectral method against `reference/critical_states.csv`: states that
-//! independent solvers agree on, each with the error of its force, indentation and contact radius.
+//! Critical states of the spectral method compared with `reference/critical_states.csv`: states that independent solvers agree on, each
+//! with the error of its force, indentation and contact radius.
 //!
-//! The columns: surface fraction, offset `dx/e`, substrate modulus, column compliance or none;
-//! critical force and indentation; floor contact, folded into one symmetry copy; farthest point of
-//! a pillar top in contact; pillars touched, and of these partially; then the relative errors of
-//! force and indentation, and the absolute one of the top contact radius.
+//! The columns: surface fraction, offset `dx/e`, substrate modulus, column compliance or none; critical force and indentation; floor
+//! contact, folded into one symmetry copy; farthest point of a pillar top in contact; numbers of touched and of partially touched pillars;
+//! then the relative errors of force and indentation, and the absolute error of the top contact radius.
 
 use crate::common::{paper_lattice, paper_system};
 use fakir::problem::{Accuracy, Method, PillarCompliance, Point, System};
@@ -22,7 +21,7 @@ struct Row {
     force_error: f64,
     indentation_error: f64,
     top_contact_radius_error: f64,
-    /// Computed, by default accuracy and accurately.
+    /// Results with the default accuracy and with the accurate setting.
     computed: [CriticalState; 2],
 }
 
@@ -178,10 +177,9 @@ fn same_pillars_are_touched() {
     }
 }
 
-/// The error of a result is known to lie within the row's own error of its difference from the
-/// row. It is covered if the estimate is no less than the least it can be. Where the difference
-/// is more than twice the row's error, the error is known to a factor of three, and the estimate
-/// may not be a thousand times the most it can be.
+/// The error of a result equals its difference from the row within the row's own error. It is covered if the estimate is at least its
+/// smallest possible value. If the difference is more than twice the row's error, the error is known to a factor of three, and the estimate
+/// must not exceed its largest possible value by a factor of a thousand.
 #[test]
 fn error_estimates_cover_the_errors() {
     let (mut covered, mut all, mut resolved) = (0, 0, 0);
@@ -223,9 +221,9 @@ fn top_contact_ends_at_the_edge_of_the_farthest_covered_pillar() {
     }
 }
 
-/// Where the contact edge crosses pillar tops, the radii of the table extrapolate a pressure that
-/// oscillates out of contact; some lie where the gap is 100 nm wide. What the contact radius means
-/// is tested instead: no contact beyond it, and contact just inside it.
+/// If the contact edge crosses pillar tops, the radii of the table extrapolate a pressure that oscillates outside the contact; at some of
+/// them the gap is 100 nm wide. Therefore, the definition of the contact radius is tested instead: no contact beyond it, and contact
+/// immediately inside it.
 #[test]
 fn top_contact_ends_where_the_gap_opens() {
     let partial_rows = ROWS
@@ -239,9 +237,9 @@ fn top_contact_ends_where_the_gap_opens() {
 }
 
 fn check_contact_edge(row: &Row, contact: &ContactState) {
-    /// Gap of a closed contact, m: a node's share of the resolution of the solution.
+    /// Gap of a closed contact, m: within the resolution of the solution at a node.
     const CLOSED: f64 = 1e-9;
-    /// Gap that is open beyond doubt, m.
+    /// Gap that is definitely open, m.
     const OPEN: f64 = 10e-9;
     let fields = contact
         .fields
@@ -260,8 +258,8 @@ fn check_contact_edge(row: &Row, contact: &ContactState) {
     assert!(touched_inside, "{}", row.name());
 }
 
-/// Points of pillar tops on rays from the lens axis through the partially touched pillars: from
-/// 1 um inside the top contact radius to past the next pillars.
+/// Points of pillar tops on rays from the lens axis through the partially touched pillars: from 1 um inside the top contact radius to
+/// beyond the next pillars.
 fn points_on_tops(contact: &ContactState) -> Vec<Point> {
     const STEP: f64 = 0.2e-6;
     let fields = contact

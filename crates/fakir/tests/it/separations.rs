@@ -1,4 +1,5 @@
-//! Contacts of a separation known at every cell, with unknowns only where they touch, against the same contacts with all cells as unknowns.
+//! Contacts with a separation given at every cell, with unknowns only in the contact region, compared with the same contacts with all cells
+//! as unknowns.
 
 use fakir::halfspace::elements::{
     FreeSpaceConvolution, Operator, PeriodicConvolution, Preconditioned,
@@ -8,7 +9,7 @@ use fakir::solve::elements::separation::{ActiveContact, Separation};
 use fakir::solve::elements::solver::{self, Prescribed, Settings};
 use fakir::state::{CancelToken, Run, SolveError, Termination};
 
-/// Both solutions have at most this energy error, so that forces and indentations agree to about as much.
+/// Both solutions have at most this energy error, so that forces and indentations agree to about the same accuracy.
 const TOLERANCE: f64 = 1e-10;
 
 const SETTINGS: Settings = Settings {
@@ -27,7 +28,7 @@ fn operator(boundary: Boundary, cells: &Cells) -> Box<dyn Operator> {
     }
 }
 
-/// Waves in all directions, the shortest eight cells long, of heights that fall as those of rough surfaces do.
+/// Waves in all directions with wavelengths of at least eight cells, and heights with the spectrum of rough surfaces.
 fn rough(grid: &Grid, seed: u64) -> Vec<f64> {
     let mut state = seed;
     let mut random = move || {
@@ -58,13 +59,13 @@ fn rough(grid: &Grid, seed: u64) -> Vec<f64> {
     grid.centres().map(height).collect()
 }
 
-/// How far below its highest point a surface is.
+/// Depth of a surface below its highest point.
 fn below_the_top(heights: &[f64]) -> Vec<f64> {
     let top = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     heights.iter().map(|height| top - height).collect()
 }
 
-/// Solves with all cells and with the active ones, and compares.
+/// Solves with all cells and with the active ones, and compares the results.
 fn check(
     grid: Grid,
     values: &[f64],
@@ -99,7 +100,7 @@ fn check(
     assert!((found.force - all.force).abs() <= 1e-8 * all.force);
     assert!((found.indentation - all.indentation).abs() <= 1e-8 * all.indentation);
 
-    // An energy error of e leaves the pressures good to sqrt(e) in the norm of the energy.
+    // An energy error of e corresponds to an error of sqrt(e) of the pressures in the energy norm.
     let mut pressure = vec![0.0; grid.cell_count()];
     active.cells.scatter(&found.pressure, &mut pressure);
     let mut on_cells = vec![0.0; cells.len()];
@@ -109,7 +110,7 @@ fn check(
         assert!((own - other).abs() <= 1e-3 * largest, "{own} {other}");
     }
 
-    // No cell interpenetrates by more than the certificate says, active or not.
+    // No cell, active or not, interpenetrates by more than reported.
     let mut displacement = vec![0.0; cells.len()];
     preconditioned.apply(&on_cells, &mut displacement);
     let gaps = gathered.iter().zip(&displacement);
@@ -129,7 +130,7 @@ fn sphere(grid: &Grid, [x, y]: [f64; 2], radius: f64) -> Vec<f64> {
 fn rough_surfaces_that_repeat() {
     let grid = grid(96).unwrap();
     let values = below_the_top(&rough(&grid, 7));
-    // A hundredth of the surface in contact to more than half of it.
+    // From a hundredth of the surface to more than half of it in contact.
     for force in [0.02, 0.3, 2.0] {
         let found = check(grid, &values, Boundary::Periodic, Prescribed::Force(force)).unwrap();
         let indentation = Prescribed::Indentation(found.contact.indentation);
@@ -140,7 +141,7 @@ fn rough_surfaces_that_repeat() {
 
 #[test]
 fn half_contact_to_a_bound_near_rounding() {
-    // Energies differ by less than the rounding of their values long before. Ten products for every decade of the bound are plenty.
+    // Energies differ by less than the rounding of their values much earlier. Ten products for every decade of the bound are ample.
     let grid = grid(96).unwrap();
     let values = below_the_top(&rough(&grid, 7));
     let separation = Separation {
@@ -193,7 +194,7 @@ fn two_contacts_far_apart() {
 #[test]
 fn a_spike_that_larger_cells_do_not_have() {
     let grid = grid(128).unwrap();
-    // The mean of the two middle ones of four cells does not see one of them.
+    // The mean of the two middle heights of four cells does not include a single spike.
     let spike = 128 * 100 + 30;
     for boundary in [Boundary::FreeSpace, Boundary::Periodic] {
         let mut values = sphere(&grid, [0.2, -0.2], 0.5);
@@ -218,7 +219,7 @@ fn a_contact_across_the_border_of_a_period() {
     let found = check(grid, &values, Boundary::Periodic, Prescribed::Force(1e-2)).unwrap();
     let mut pressure = vec![0.0; grid.cell_count()];
     found.cells.scatter(&found.contact.pressure, &mut pressure);
-    // The same under every mirror: all four corners are loaded alike.
+    // The same under every reflection: all four corners have the same load.
     let corners = [0, 63, 64 * 63, 64 * 64 - 1].map(|cell| pressure[cell]);
     assert!(corners[0] > 0.0);
     assert!(corners.iter().all(|p| (p / corners[0] - 1.0).abs() < 1e-4));
@@ -247,7 +248,7 @@ fn pillars_with_a_floor_out_of_reach() {
 
 #[test]
 fn any_shape_of_the_grid() {
-    // Odd sides, that no larger cells fill, and sides of different lengths.
+    // Odd sides, which cannot be coarsened completely, and sides of different lengths.
     for [columns, rows] in [[81, 47], [200, 40], [7, 5]] {
         let grid = Grid::centred(columns, rows, 0.01).unwrap();
         let values = sphere(&grid, [0.013, 0.002], 0.5);

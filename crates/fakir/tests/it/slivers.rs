@@ -1,4 +1,4 @@
-//! The lightest touches: a lens beside a pillar meets its rim, and the contact is a sliver along it.
+//! Contacts at very light load: a lens beside a pillar touches its rim, and the contact is narrow along it.
 
 use fakir::problem::{
     Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
@@ -40,7 +40,7 @@ fn press(system: &System, indentation: f64, accuracy: Accuracy) -> ContactState 
     state
 }
 
-/// The pressures of the fields have the force of the sliver, and end with the contact radius.
+/// The pressures of the fields have the force of the narrow contact, and end at the contact radius.
 fn covers_its_own_fields(state: &ContactState) {
     let fields = state.fields.as_ref().expect("a spectral state has fields");
     let [x, y] = state.pillars[0].centre;
@@ -85,9 +85,8 @@ fn covers_its_own_fields(state: &ContactState) {
 #[test]
 #[ignore = "slow: fields on fine grids"]
 fn light_touches_of_an_edge_are_resolved() {
-    // Love elements of a fine mesh: 3.6e-11 N at 1.1 times the indentation of first touch, 1.4649 nm, and
-    // 1.12e-10 N at 1.2 times; their squares leave a part of the rim uncovered. Nodes on the whole top gave
-    // 4.8e-10 and 1.68e-10 N.
+    // Elements on a fine mesh: 3.6e-11 N at 1.1 times the indentation of first touch, 1.4649 nm, and 1.12e-10 N at 1.2 times; their squares
+    // do not cover part of the rim. Nodes on the whole top resulted in 4.8e-10 and 1.68e-10 N.
     let system = beside_a_pillar();
     let touch = first_touch(&system);
     assert!((1.1 * touch - 1.4649e-9).abs() < 1e-13, "{touch}");
@@ -109,8 +108,8 @@ fn light_touches_of_an_edge_are_resolved() {
 #[test]
 #[ignore = "slow: many states by both accuracies"]
 fn estimates_cover_from_first_touch_to_a_covered_top() {
-    // The two accuracies resolve the top by different cells and nodes; no jump where one goes over into
-    // the other may exceed the estimates, and the force grows.
+    // The two accuracies resolve the top by different cells and nodes; the discontinuity at the change from one to the other must not
+    // exceed the estimates, and the force must increase.
     let system = beside_a_pillar();
     let touch = first_touch(&system);
     let mut before = 0.0;

@@ -20,7 +20,7 @@ fn press(system: &SurfaceSystem, indentation: f64) -> SurfaceContact {
     contact
 }
 
-/// Numbers from 0 to 1 (the generator of D. H. Lehmer with the multiplier of S. K. Park and K. W. Miller).
+/// Random numbers from 0 to 1 (the generator of D. H. Lehmer with the multiplier of S. K. Park and K. W. Miller).
 struct Drawn(u64);
 
 impl Drawn {
@@ -30,8 +30,8 @@ impl Drawn {
     }
 }
 
-/// A sphere on a flat surface: the contact is a disc of area `pi R zeta` (Hertz; Johnson, Contact Mechanics, section 4.2; the sphere is
-/// `zeta/(3 R)` below).
+/// A sphere on a flat surface: the contact is a disc of area `pi R zeta` (Hertz; Johnson, Contact Mechanics, section 4.2; for the sphere,
+/// smaller by `zeta/(3 R)`).
 #[test]
 fn areas_under_a_sphere_are_within_their_errors() {
     const RADIUS: f64 = 1.0e-3;
@@ -58,11 +58,11 @@ fn areas_under_a_sphere_are_within_their_errors() {
         assert!(stated < 0.4, "{stated}");
         largest = largest.max(error / stated);
     }
-    // Not many times too large.
+    // The estimates are not too large by a large factor.
     assert!(largest > 0.25, "{largest}");
 }
 
-/// The contact ends on the slope along the edge of the top, against cells a fifth as large.
+/// The contact ends on the slope along the edge of the top; compared with cells a fifth as large.
 #[test]
 fn areas_on_chamfers_are_within_their_errors() {
     const DIAMETER: f64 = 6.0e-6;
@@ -80,7 +80,7 @@ fn areas_on_chamfers_are_within_their_errors() {
         let pattern = Pattern::new(pillar, lattice);
         let indentation = drawn.within(20e-9, 80e-9);
         let on_cells = |across: usize| {
-            // As many as an estimate takes.
+            // The number of cells that an estimate requires.
             let cells = (4 * across / 3).max(32);
             let grid = Grid::centred(cells, cells, DIAMETER / across as f64).expect("a grid");
             let surface = pattern.height_map(&grid, &rubber()).expect("a surface");
@@ -97,7 +97,7 @@ fn areas_on_chamfers_are_within_their_errors() {
     }
 }
 
-/// Round flat tops under a lens, against the spectral method: the error of force and indentation that both state.
+/// Round flat tops under a lens, compared with the spectral method: both state the errors of force and indentation.
 fn check_circles(count: usize, seed: u64) {
     let mut drawn = Drawn(seed);
     let mut beyond = Vec::new();
@@ -111,7 +111,7 @@ fn check_circles(count: usize, seed: u64) {
         let modulus = INTERMEDIATE * drawn.within(0.3, 30.0);
         let system = paper_system(lattice, modulus, PillarCompliance::Column);
         let system = system.with_floor(FloorModel::Ignored);
-        // The lens enters the tops within this distance of its axis.
+        // The undeformed lens penetrates the tops within this distance of its axis.
         let reach = pitch * drawn.within(0.7, 1.5);
         let Lens { radius, material } = system.lens().sphere().expect("a sphere");
         let indentation = reach * reach / (2.0 * radius);

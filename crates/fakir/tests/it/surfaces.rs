@@ -1,5 +1,4 @@
-//! Contacts with surfaces given by their heights: known solutions, and pillars against the
-//! spectral method.
+//! Contacts with surfaces given by their heights: known solutions, and pillars compared with the spectral method.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::pattern::{Pattern, PillarShape};
@@ -114,7 +113,7 @@ fn force_and_indentation_belong_together() {
 
 #[test]
 fn indentation_counts_from_the_highest_point() {
-    // A step of 0.1 um far from the axis: nothing is touched until the lens has come down by it.
+    // A step of 0.1 um far from the axis: there is no contact until the lens has been lowered by this height.
     let grid = Grid::centred(64, 64, 1.0e-6).unwrap();
     let height = |[x, _]: [f64; 2]| if x > 25.0e-6 { 0.1e-6 } else { 0.0 };
     let surface = HeightMap::from_height(grid, height).unwrap();
@@ -131,12 +130,12 @@ fn indentation_counts_from_the_highest_point() {
         .with_axis_at([30.0e-6, 0.0])
         .unwrap();
     let system = SurfaceSystem::new(lens(), rubber(), surface, Boundary::FreeSpace).unwrap();
-    // It goes on beyond the map.
+    // The surface continues outside the map.
     let refused = system.press(Load::Indentation(0.2e-6), &Run::default());
     assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
 }
 
-/// The surface is cut off within the contact: no number is given, but the width that would do.
+/// The grid ends within the contact: there is no result, but an error with the sufficient width.
 #[test]
 fn a_surface_that_ends_within_the_contact_is_refused() {
     let pattern = |width: f64| {
@@ -153,14 +152,14 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
             .with_floor(Floor::OffPillars)
     };
     let run = Run::default();
-    // The border of 100 um lies between pillars, 33 um apart: none of them is cut.
+    // The border of 100 um is between pillars, 33 um apart: none of them is cut.
     for load in [Load::Indentation(3.0e-6), Load::Force(0.2e-3)] {
         let Err(SolveError::SurfaceEnds { sides, needed }) = pattern(100e-6).press(load, &run)
         else {
             panic!("{load:?}: the contact is 200 um wide");
         };
         assert!((sides[0] / 100e-6 - 1.0).abs() < 1e-9 && needed > 200e-6);
-        // What is said to do does, and more changes nothing.
+        // The recommended width is sufficient, and a larger one does not change the result.
         let enough = press(&pattern(needed), load);
         let wide = press(&pattern(1.3 * needed), load);
         let errors = enough.error.unwrap().force + wide.error.unwrap().force + 1e-6;
@@ -171,7 +170,7 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
     let refused = pattern(100e-6).transition(&run);
     assert!(matches!(refused, Err(SolveError::SurfaceEnds { .. })));
     assert!(pattern(300e-6).transition(&run).is_ok());
-    // A contact that stays inside is no concern of the border.
+    // A contact within the grid is not affected by the border.
     assert!(
         pattern(100e-6)
             .press(Load::Indentation(0.2e-6), &run)
@@ -179,7 +178,7 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
     );
 }
 
-/// What is around a map is unknown: it is judged by what is near its border.
+/// The surface outside a map is unknown: only the surface near its border is considered.
 #[test]
 fn a_map_ends_where_its_border_is_reached() {
     let run = Run::default();
@@ -191,7 +190,7 @@ fn a_map_ends_where_its_border_is_reached() {
         panic!("{refused:?}");
     };
     assert!(needed > 44e-6 && needed < 80e-6);
-    // One pillar, with floor far below around it, bears the lens alone, as wide as that is.
+    // A single pillar, with floor far below around it, carries the load alone, for any width of the floor.
     let grid = Grid::centred(48, 48, 0.5e-6).unwrap();
     let pillar = |[x, y]: [f64; 2]| if x.hypot(y) < 4e-6 { 5e-6 } else { 0.0 };
     let alone = HeightMap::from_height(grid, pillar).unwrap();
@@ -281,7 +280,7 @@ fn crossed_waves_in_full_contact() {
 
 #[test]
 fn lens_on_a_period_is_free_while_it_is_small() {
-    // With the contact a twentieth of the period, its images add less than (a/L) to the force.
+    // For a contact of a twentieth of the period, its images change the force by less than (a/L).
     let grid = Grid::centred(256, 256, 1.0e-6).unwrap();
     let surface = || HeightMap::from_height(grid, |_| 0.0).unwrap();
     let system = |boundary| SurfaceSystem::new(lens(), rubber(), surface(), boundary).unwrap();
@@ -289,7 +288,7 @@ fn lens_on_a_period_is_free_while_it_is_small() {
     let periodic = press(&system(Boundary::Periodic), Load::Force(20.0e-6));
     let [a, b] = [&free, &periodic].map(|contact| contact.contact_radius.unwrap());
     assert!((a - b).abs() < 1.5e-6);
-    // The mean displacement is that of the free half-space but for the distant field.
+    // The mean displacement is that of the non-periodic half-space except for the far field.
     assert!(periodic.indentation < free.indentation);
     let error = system(Boundary::Periodic)
         .press(Load::Force(0.1), &Run::default())
@@ -297,7 +296,7 @@ fn lens_on_a_period_is_free_while_it_is_small() {
     assert!(matches!(error, SolveError::ContactExceedsPeriod { .. }));
 }
 
-/// Single pillar with a square top of side `across` cells, the rest far below.
+/// A single pillar with a square top of side `across` cells; the floor is far below.
 fn square_pillar(across: usize) -> SurfaceSystem {
     let margin = across / 4;
     let cells = across + 2 * margin;
@@ -312,9 +311,8 @@ fn square_pillar(across: usize) -> SurfaceSystem {
 
 #[test]
 fn square_pillar_bears_the_force_of_a_square_punch() {
-    // A punch of any outline bears pi E* zeta C, with C its capacitance as a thin plate over
-    // 4 pi eps0; that of a square of side L is 0.36679 L (F. H. Read, J. Comput. Phys. 133, 1
-    // (1997), five of seven digits), so that F = 1.15230 E* zeta L.
+    // A punch of any outline carries pi E* zeta C, with C its capacitance as a thin plate divided by 4 pi eps0; that of a square of side L
+    // is 0.36679 L (F. H. Read, J. Comput. Phys. 133, 1 (1997), five of seven digits), so that F = 1.15230 E* zeta L.
     let capacity = |across: usize| {
         let system = square_pillar(across);
         let contact = press(&system, Load::Indentation(0.1e-6));
@@ -322,7 +320,7 @@ fn square_pillar_bears_the_force_of_a_square_punch() {
         contact.force / (system.reduced_modulus() * 0.1e-6 * 8.0e-6)
     };
     let [coarse, middle, fine] = [16, 32, 64].map(capacity);
-    // The error goes as the size of a cell: its next order is what is left.
+    // The error is proportional to the cell size: the next order remains.
     let extrapolated = 2.0 * fine - middle;
     println!("F/(E* zeta L): {coarse:.5} {middle:.5} {fine:.5} -> {extrapolated:.5}");
     assert!((extrapolated / (PI * 0.36679) - 1.0).abs() < 2e-4);
@@ -396,7 +394,7 @@ fn what_cannot_be_solved_is_refused() {
     };
     assert!(bytes > limit && limit == 400_000);
     assert!((cell / (40.0e-6 / 64.0) - 1.0).abs() < 1e-12 && suggested_cell > cell);
-    // The suggestion fits.
+    // The suggested cell size is within the limit.
     let cells = (40.0e-6 / suggested_cell).floor() as usize;
     assert!(flat(cells).press(Load::Indentation(0.2e-6), &small).is_ok());
 
@@ -442,8 +440,7 @@ fn cancelled_from_the_progress_report() {
     assert_eq!(error, SolveError::Interrupted);
 }
 
-/// The paper's texture with pillars of its diameter on the intermediate substrate, under the lens
-/// out to `reach`, with so many cells across a pillar.
+/// The paper's texture on the intermediate substrate, under the lens out to `reach`, with the given number of cells across a pillar.
 fn paper_texture(surface_fraction: f64, offset: f64, reach: f64, across: usize) -> SurfaceSystem {
     let pillar = paper_pillar(PillarCompliance::Column);
     let size = pillar.diameter / across as f64;
@@ -475,7 +472,7 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
     let (force, indentation) = (spectral.contact.force, spectral.contact.indentation);
     let plain = paper_texture(0.03, 0.0, 150.0e-6, 12);
     let matched = plain.clone().with_round_tops(6.0e-6).unwrap();
-    // About 0.24/12 without correction for the outline of the cells (first order in the cell).
+    // About 0.24/12 without correction for the outline of the cells (first order in the cell size).
     for (system, tolerance, distance) in [(plain, 0.02, 0.25e-6), (matched, 0.003, 0.1e-6)] {
         let critical = system.transition(&Run::default()).unwrap();
         let contact = &critical.contact;
@@ -489,13 +486,13 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
         let estimate = contact.error.unwrap();
         assert!(errors[0].abs() < estimate.force && estimate.force < 0.1);
         assert!(errors[1].abs() < estimate.indentation);
-        // The floor is touched and bears nothing yet.
+        // The floor is touched but does not carry load.
         let shares = contact.shares.unwrap();
         assert!(shares.floor.force.abs() < f64::MIN_POSITIVE);
         assert!((shares.tops.force / contact.force - 1.0).abs() < 1e-12);
         let (smallest, _) = contact.nearest_floor.unwrap();
         assert!(smallest.abs() < 1e-5 * indentation);
-        // Not at the centre of a cell, but where the gap between them is smallest.
+        // Not at the centre of a cell, but at the smallest gap between centres.
         let [x, y] = critical.floor_contact;
         let [x_c, y_c] = spectral.floor_contact;
         println!("floor contact {:?} {:?}", [x, y], [x_c, y_c]);
@@ -518,10 +515,10 @@ fn floor_takes_its_share_past_the_transition() {
         assert!(contact.warnings.is_empty());
         (contact.force / critical.contact.force, shares)
     };
-    // Just before, the solution with the floor is that without.
+    // Immediately before, the solution with the floor equals that without.
     let (force, shares) = at(1.0 - 1e-5);
     assert!(shares.floor.area.abs() < f64::MIN_POSITIVE && (force - 1.0).abs() < 1e-4);
-    // Just after, the floor bears next to nothing: the share begins continuously.
+    // Immediately after, the load on the floor is very small: its fraction begins continuously.
     let (force, shares) = at(1.0 + 1e-3);
     assert!(shares.floor.area > 0.0 && (force - 1.0).abs() < 5e-3);
     let mut last = shares.floor;
@@ -548,7 +545,7 @@ fn pressing_before_the_transition_agrees_with_the_spectral_method() {
     let contact = press(&surface, load);
     assert!((contact.force / spectral.force - 1.0).abs() < 3e-3);
     let radius = contact.contact_radius.unwrap();
-    // Cells are in contact or not, which leaves one in doubt, and half a side is added.
+    // Each cell is either in contact or not, which leaves an uncertainty of one cell, and half a side is added.
     assert!((radius - spectral.contact_radius).abs() < 1.5 * 6.0e-6 / 16.0);
 }
 
@@ -558,7 +555,7 @@ fn floor_before_any_pillar() {
     let system = paper_texture(0.0005, 3f64.sqrt() / 2.0, 140.0e-6, 4);
     let critical = system.transition(&Run::default()).unwrap();
     assert_eq!(critical.regime, Regime::BottomFirst);
-    // The lowest point of the lens lies on a corner of cells, half a diagonal from a centre.
+    // The lowest point of the lens is at a corner of cells, half a diagonal from a centre.
     assert!((critical.contact.indentation / 2.2e-6 - 1.0).abs() < 1e-3);
     assert!(critical.contact.force.abs() < f64::MIN_POSITIVE);
     let contact = press(&system, Load::Indentation(2.5e-6));
@@ -611,12 +608,12 @@ fn plate_on_periodic_pillars_reaches_the_floor() {
     assert!(floor(0.999).force.abs() < f64::MIN_POSITIVE);
     let (before, after) = (floor(1.01), floor(1.3));
     assert!(before.force > 0.0 && after.force > 2.0 * before.force);
-    // First in the middle between four pillars, on the corner of cells.
+    // First contact in the middle between four pillars, at a corner of cells.
     let [x, y] = critical.floor_contact.map(f64::abs);
     assert!((x - 8.0e-6).abs() < 1e-12 && (y - 8.0e-6).abs() < 1e-12);
 }
 
-/// A rough surface, all numbers made of sines: no symmetry, no flat parts.
+/// A rough surface as a sum of sines: without symmetry and flat parts.
 fn rough(boundary: Boundary, indenter: Indenter) -> SurfaceSystem {
     let grid = Grid::centred(96, 80, 0.5e-6).expect("a grid");
     let height = |[x, y]: [f64; 2]| {
@@ -635,7 +632,7 @@ fn rough(boundary: Boundary, indenter: Indenter) -> SurfaceSystem {
 
 #[test]
 fn rough_surfaces_meet_the_contact_conditions_everywhere() {
-    // On all cells, not only those that were taken for unknowns.
+    // On all cells, including those that were not unknowns.
     let plate = Indenter::Flat(None);
     for (boundary, indenter) in [
         (Boundary::FreeSpace, lens()),
@@ -643,7 +640,7 @@ fn rough_surfaces_meet_the_contact_conditions_everywhere() {
         (Boundary::Periodic, plate),
     ] {
         let system = rough(boundary, indenter);
-        // The contact of the lens stays away from the border.
+        // The contact of the lens does not reach the border.
         let scale = if indenter == plate { 1.0 } else { 1.0e-3 };
         for force in [1.0e-9, 1.0e-6, 1.0e-4].map(|force| scale * force) {
             let contact = press(&system, Load::Force(force));

@@ -1,5 +1,4 @@
-//! Contacts whose solution is known in closed form, by symmetry, by scaling, or by an independent
-//! method.
+//! Contacts whose solution is known in closed form, by symmetry, by scaling, or by an independent method.
 
 use crate::common::squares::CoveredPillars;
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
@@ -15,8 +14,7 @@ use std::f64::consts::PI;
 
 const ACCURATE: Method = Method::Spectral(Accuracy::Accurate);
 
-/// The paper's pillars: as stiff as the half-space, and with column compliance ratios `kappa` of
-/// 0.31 and, 1 mm high, 141.
+/// The paper's pillars: as stiff as the half-space, and with column compliance ratios `kappa` of 0.31 and, 1 mm high, 141.
 fn pillars() -> [Pillar; 3] {
     [
         paper_pillar(PillarCompliance::None),
@@ -38,7 +36,7 @@ fn rubber(lens_radius: f64, pillar: Pillar, lattice: HexagonalLattice) -> System
     System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system")
 }
 
-/// The paper's intermediate system with the lens axis anywhere.
+/// The paper's intermediate system with any position of the lens axis.
 fn intermediate(surface_fraction: f64, offset: f64, degrees: f64) -> System {
     let lattice = HexagonalLattice {
         offset,
@@ -71,8 +69,8 @@ fn assert_near(value: f64, expected: f64, relative: f64) {
     );
 }
 
-/// A lens so large that it is flat over a pillar, its sag there 1e-9 of what the pillar top indents,
-/// on pillars so far apart that it touches one.
+/// A lens so large that it is flat over a pillar (its sag there is 1e-9 of the indentation of the pillar top), on pillars so far apart that
+/// it touches only one.
 fn flat_punch(pillar: Pillar) -> System {
     rubber(1e7, pillar, HexagonalLattice::new(10.0))
 }
@@ -109,9 +107,8 @@ fn flat_punch_alone() {
     }
 }
 
-/// A paraboloid that covers the whole top: Hertz's contact of radius `a`, and the rest of the
-/// indentation as a flat punch. With the lens axis beside the pillar the punch is tilted as well:
-/// `p = (2 E*/pi) theta x/sqrt(a^2 - r^2)` (Johnson, section 3.6).
+/// A paraboloid that covers the whole top: Hertz's contact of radius `a`, and the remaining indentation as a flat punch. With the lens axis
+/// beside the pillar, the punch is tilted as well: `p = (2 E*/pi) theta x/sqrt(a^2 - r^2)` (Johnson, section 3.6).
 #[test]
 fn covered_pillar_beside_the_lens_axis() {
     let a = 3e-6;
@@ -122,7 +119,7 @@ fn covered_pillar_beside_the_lens_axis() {
             offset: 0.02,
             offset_angle: 0.7,
         };
-        // On the pillar alone, as if the floor were not there.
+        // On the pillar alone, with floor contact ignored.
         let system = rubber(lens.radius, pillar, lattice).with_floor(FloorModel::Ignored);
         let (sin, cos) = 0.7_f64.sin_cos();
         let away = 20e-6;
@@ -190,8 +187,8 @@ fn hertz_inside_a_pillar_top() {
     }
 }
 
-/// Two pillars on either side of the lens axis and seven around one under it, with an indentation
-/// that covers them all and no others.
+/// Two pillars on either side of the lens axis, and seven around a pillar under it, with an indentation that covers all of these and no
+/// others.
 fn few_pillars() -> [(System, usize, f64); 3] {
     let [stiff, pillar, _] = pillars();
     let between = HexagonalLattice::new(30e-6).offset_by(0.75_f64.sqrt());
@@ -203,8 +200,8 @@ fn few_pillars() -> [(System, usize, f64); 3] {
     ]
 }
 
-/// Against squares of constant pressure. Their forces differ by 7e-5 at 16 cells per diameter and
-/// 2e-5 at 24; extrapolated from 8 and 16 as the cell size squared, by 1e-5 to 2e-5.
+/// Compared with squares of constant pressure. Their forces differ by 7e-5 at 16 cells per diameter and 2e-5 at 24; after extrapolation
+/// from 8 and 16 in the square of the cell size, by 1e-5 to 2e-5.
 #[test]
 fn few_pillars_agree_with_squares_of_constant_pressure() {
     for (system, count, zeta) in few_pillars() {
@@ -229,8 +226,8 @@ fn few_pillars_agree_with_squares_of_constant_pressure() {
     }
 }
 
-/// Far away the lens presses as a point force: `w = c F/(pi r)` (Boussinesq), but for the square
-/// of the contact radius over the distance.
+/// Far away the displacement is that of a point force: `w = c F/(pi r)` (Boussinesq), up to the square of the ratio of contact radius to
+/// distance.
 #[test]
 fn displacement_far_away_is_that_of_a_point_force() {
     let system = intermediate(0.03, 0.0, 0.0);
@@ -243,8 +240,8 @@ fn displacement_far_away_is_that_of_a_point_force() {
     }
 }
 
-/// `∫ p dA` over a covered pillar top, by Gauss and Legendre's rule in `sqrt(1 - (r/a)^2)`, in which
-/// the pressure has no singularity, and equal steps of the angle.
+/// `∫ p dA` over a covered pillar top, with the Gauss-Legendre rule in `sqrt(1 - (r/a)^2)`, in which the pressure has no singularity, and
+/// equal steps of the angle.
 fn integrate_pressure(state: &ContactState, pillar: usize, of: impl Fn(Point) -> f64) -> f64 {
     // Nodes and weights on [0, 1] of the rule of six points, exact to degree 11.
     const RULE: [(f64, f64); 6] = [
@@ -281,7 +278,7 @@ fn covered_pillars_bear_pressure_without_gap() {
     }
 }
 
-/// `tolerance` of the gap, m: neighbours displace a top in more modes than those it answers with.
+/// `tolerance` of the gap, m: neighbours displace a top in more modes than those of its solution.
 fn check_covered_pillars(state: &ContactState, tolerance: f64) {
     let a = 0.5 * state.system.pillar().diameter;
     let mut covered = 0;
@@ -310,8 +307,8 @@ fn check_covered_pillars(state: &ContactState, tolerance: f64) {
     assert!(covered > 20);
 }
 
-/// Betti's theorem for two states of the same covered pillars: the pressure of one does the same
-/// work on the displacement `zeta - f` of the other as the other way round.
+/// Betti's theorem for two states of the same covered pillars: the work of the pressure of one on the displacement `zeta - f` of the other
+/// is the same in both directions.
 #[test]
 fn work_is_reciprocal() {
     for (system, _, zeta) in few_pillars() {
@@ -386,7 +383,7 @@ fn lengths_and_moduli_scale() {
     }
 }
 
-/// From first touch to past the transition: contact inside a top, across its edge, more and more pillars.
+/// From first touch to past the transition: contact inside a top, across its edge, and on an increasing number of pillars.
 #[test]
 #[ignore = "slow: many states"]
 fn force_rises_with_indentation() {
@@ -394,7 +391,7 @@ fn force_rises_with_indentation() {
         let system = intermediate(phi, offset, 0.0);
         let mut previous = 0.0;
         for step in 1..=400 {
-            // Finer at the start, where the contact grows over the first pillar.
+            // Smaller steps at the start, where the contact grows over the first pillar.
             let zeta = 2e-6 * (f64::from(step) / 400.0).powi(3);
             let state = press(&system, Load::Indentation(zeta), Method::default());
             let touched = zeta > system.lens().sag([nearest_edge(&system), 0.0]);
@@ -417,9 +414,8 @@ fn nearest_edge(system: &System) -> f64 {
     (to_centre - 0.5 * system.pillar().diameter).max(0.0)
 }
 
-/// A contact inside a top, with the lens axis beside its centre, grows across its edge. A small
-/// contact that crosses the edge is what the nodes of the unilateral condition resolve worst: the
-/// force may step there, but not by more than its error estimate.
+/// A contact inside a top, with the lens axis beside its centre, grows across its edge. Small contacts that cross the edge are resolved
+/// least accurately by the nodes of the unilateral condition: the force may be discontinuous there, but by at most its error estimate.
 #[test]
 #[ignore = "slow: many states"]
 fn force_across_the_edge_of_a_top() {
@@ -470,16 +466,15 @@ fn transition(system: &System, method: Method) -> CriticalState {
     critical
 }
 
-/// A point mirrored in the x axis or not, then turned.
+/// A point, optionally reflected at the x axis, then rotated.
 fn turned([x, y]: Point, mirror: bool, degrees: f64) -> Point {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let y = if mirror { -y } else { y };
     [x * cos - y * sin, x * sin + y * cos]
 }
 
-/// The same lattice turned by 60 degrees or mirrored. Where pillars are touched in part, the nodes
-/// of the unilateral condition do not turn with the lattice: the answers then differ by their
-/// errors, and the error estimates must say so.
+/// The same lattice rotated by 60 degrees or reflected. On partially covered pillars, the nodes of the unilateral condition do not rotate
+/// with the lattice: the results then differ by their errors, which the error estimates must cover.
 #[test]
 fn turned_and_mirrored_systems_have_the_same_critical_state() {
     let cases = [
@@ -555,8 +550,8 @@ fn offset_by_a_lattice_vector_changes_nothing() {
     }
 }
 
-/// The global minimum of the floor gap is found, wherever the lens lands: on a grid of a 25th of the
-/// pitch around the lens axis, the critical state has no floor gap below zero.
+/// The global minimum of the floor gap is found for any position of the lens axis: on a grid of a 25th of the pitch around the lens axis,
+/// no floor gap of the critical state is negative.
 #[test]
 #[ignore = "slow: gaps at many points"]
 fn floor_is_nowhere_entered_at_the_critical_state() {
@@ -568,7 +563,7 @@ fn floor_is_nowhere_entered_at_the_critical_state() {
         (0.1, 0.3e-3),
         (0.25, 0.3e-3),
     ] {
-        // Places of the lens axis spread over the lattice cell.
+        // Positions of the lens axis distributed over the lattice cell.
         for k in 0..12 {
             let k = f64::from(k);
             let (offset, angle) = (0.62 * ((k + 0.5) / 12.0).sqrt(), 2.4 * k);
@@ -580,7 +575,7 @@ fn floor_is_nowhere_entered_at_the_critical_state() {
             let system = rubber(lens_radius, paper_pillar(PillarCompliance::Column), lattice);
             let critical = transition(&system, Method::default());
             let fields = fields(&critical.contact);
-            // The fields count more modes of partially touched pillars nearby than the solver.
+            // The fields include more modes of partially covered pillars nearby than the solver.
             let at_contact = fields.gap(critical.floor_contact);
             assert!(at_contact.abs() < 1e-11, "{at_contact:e} m: {system:?}");
             let step = system.pitch() / 25.0;
@@ -595,7 +590,7 @@ fn floor_is_nowhere_entered_at_the_critical_state() {
     }
 }
 
-/// Between two pillars that are out of reach of the lens when it touches the floor at its axis.
+/// Between two pillars that the lens does not touch before it reaches the floor at its axis.
 #[test]
 fn floor_is_reached_before_any_pillar() {
     // The sag is h at sqrt(2 R h - h^2) = 98.4 um: pillars from 101.4 um on are out of reach.
@@ -617,7 +612,7 @@ fn floor_is_reached_before_any_pillar() {
                 assert!(distance(critical.floor_contact) < 1e-15);
                 assert!(critical.contact_radius() < 1e-15);
             } else if method != PUNCH {
-                // A punch meets the lens on the average over its top, which is still out of reach.
+                // For a punch, the lens shape is averaged over its top, which is still out of reach.
                 assert!(critical.contact.force > 0.0);
                 assert!(critical.contact.indentation > 2.2e-6);
                 assert_eq!(critical.contact.pillars_in_contact, 2);
@@ -628,7 +623,7 @@ fn floor_is_reached_before_any_pillar() {
 
 const PUNCH: Method = Method::Punch(PunchForm::Corrected);
 
-/// From within: the listener to progress stops the computation it hears of, at every stage.
+/// The callback for progress cancels the computation in every stage.
 #[test]
 fn running_computations_stop() {
     let system = intermediate(0.1, 0.2, 0.0);
@@ -654,8 +649,8 @@ fn running_computations_stop() {
     }
 }
 
-/// On the way to a result come the punch lattice's, if there are many pillars, and the result without its
-/// error; listening changes nothing.
+/// Intermediate results are those of the punch lattice, if there are many pillars, and the result without its error; the callback does not
+/// change the result.
 #[test]
 fn interim_states_lead_to_the_result() {
     let system = intermediate(0.15, 0.2, 0.0);
@@ -672,7 +667,7 @@ fn interim_states_lead_to_the_result() {
     let punch = fakir::transition(&system, PUNCH, &Run::default()).unwrap();
     assert!(punch.contact.pillars_in_contact > 1000 && pressed.pillars_in_contact < 1000);
     let unheard = press(&system, load, Method::default());
-    // The start is a punch lattice to three digits.
+    // The initial guess is a punch lattice solved to three digits.
     assert!((told[0].force / punch.contact.force - 1.0).abs() < 2e-3);
     assert_eq!(told[0].method, PUNCH);
     let forces = [critical.contact.force, unheard.force].map(f64::to_bits);
@@ -682,8 +677,7 @@ fn interim_states_lead_to_the_result() {
     assert_eq!(pressed.error, unheard.error);
 }
 
-/// A contact that outgrows the lens is known by the punch lattice: nothing is solved in full before it is
-/// refused.
+/// A contact that is too large for the lens is detected with the punch lattice: it is refused before the full solution.
 #[test]
 #[ignore = "slow: memory of a wide contact"]
 fn contacts_too_wide_are_refused_early() {
@@ -706,7 +700,7 @@ fn contacts_too_wide_are_refused_early() {
     assert!(!in_full.into_inner());
 }
 
-/// A lens of 60 um: its contact soon is no longer small.
+/// A lens of 60 um: its contact soon exceeds the range of small contacts.
 #[test]
 fn contacts_large_for_the_lens() {
     let pillar = paper_pillar(PillarCompliance::None);
@@ -715,7 +709,7 @@ fn contacts_large_for_the_lens() {
         pillar,
         HexagonalLattice::with_surface_fraction(0.2, 6e-6),
     );
-    // Of the tops, which all three methods know.
+    // With the tops only, which all three methods support.
     let system = system.with_floor(FloorModel::Ignored);
     for method in [Method::default(), PUNCH, Method::Homogenised] {
         let mut warned = 0;
@@ -767,20 +761,20 @@ fn a_lens_narrower_than_the_pitch_meets_the_floor() {
         let load = Load::Force(1e-9);
         fakir::press(system, load, Method::default(), &Run::default())
     };
-    // Without the floor nothing holds the lens up before pillars are far beyond it.
+    // Without floor contact, only pillars far beyond the limit would support the lens.
     let refused = pressed(&system.with_floor(FloorModel::Ignored));
     assert!(
         matches!(refused, Err(SolveError::ContactExceedsLens { .. })),
         "{refused:?}"
     );
-    // Under so light a load the contact with the floor is smaller than the cells of so wide a lattice, and that is said.
+    // Under such a light load, the floor contact is smaller than the cells for such a wide lattice, and is reported as not converged.
     assert!(!pressed(&system).unwrap().converged());
 }
 
 #[test]
 fn a_touch_too_light_for_the_nodes_is_resolved() {
-    // The lens comes down beside a pillar and touches its edge by less than the nodes resolve: down to where
-    // rounding of the indentation counts, both accuracies agree within their estimates.
+    // The lens touches the edge of a pillar by less than the nodes resolve: down to the rounding of the indentation, both accuracies agree
+    // within their estimates.
     let system = paper_system(
         paper_lattice(0.01, 0.5),
         INTERMEDIATE,

@@ -1,18 +1,18 @@
 //! The coupling of many pillars of a lattice as a convolution, by fast Fourier transform.
 //!
-//! The window is padded with zeros so far that no two pairs of pillars fall on each other as it wraps around
-//! ([`Differences`]): the lattice is finite and stands free. One kernel for every pair of modes; as
-//! `B_ij(-D) = (-1)^(l+l') B_ij(D)`, its transform is real or imaginary, and as
-//! `B_ji(D) = (-1)^(l+l') B_ij(D)`, the upper triangle is enough.
+//! The window is padded with zeros so that distances between pairs of pillars remain distinct when the array wraps around
+//! ([`Differences`]): the lattice is finite, without periodic images. There is one kernel for every pair of modes. Since
+//! `B_ij(-D) = (-1)^(l+l') B_ij(D)`, its transform is real or imaginary, and since `B_ji(D) = (-1)^(l+l') B_ij(D)`, the upper triangle is
+//! sufficient.
 //!
-//! A product makes three passes: rows of all modes are transformed (only those of the window
-//! hold anything); then, a few columns at a time, all modes are transformed, multiplied by the kernels
-//! and transformed back while they are in the cache ([`ColumnTransform`]); then the rows of the window back. Each pass is
-//! shared between threads. Between them the transformed rows lie in tiles of a few rows and columns, so
-//! that rows and columns both are whole cache lines, and few pages.
+//! A product makes three passes. The first transforms the rows of all modes (only those of the window are non-zero). The second processes a
+//! few columns at a time: it transforms all modes, multiplies them by the kernels and transforms them back while they are in the cache
+//! ([`ColumnTransform`]). The third transforms the rows of the window back. Each pass is shared between threads. Between the passes, the
+//! transformed rows are stored in tiles of a few rows and columns, so that both rows and columns consist of whole cache lines and use few
+//! memory pages.
 //!
-//! Products are exact or rough: in double precision, or in single, which takes about half the time. A kernel is kept as the sum of two numbers in
-//! single precision, of which rough products read the first alone.
+//! Products are computed in double precision or in single precision, which takes about half the time. A kernel is stored as the sum of two
+//! numbers in single precision; single-precision products read only the first of these.
 
 use super::differences::{Differences, square};
 use super::pair::PairCoupling;
@@ -32,34 +32,35 @@ use pulp::{Arch, Simd, WithSimd};
 use std::ops::{Range, RangeInclusive};
 use std::sync::Arc;
 
-/// Rows of a tile.
+/// Number of rows in a tile.
 const CHUNK: usize = 8;
 
-/// Columns are transformed in blocks of rows that fit the cache: about so many lines.
+/// Approximate number of lines in a block of rows for column transforms, so that a block fits the cache.
 const LINES_AT_ONCE: usize = 384;
 
-/// Padded arrays of fewer points than this are not worth sharing between threads.
+/// Number of points of a padded array below which threads are not worthwhile.
 const PARALLEL_POINTS: usize = 40_000;
 
-/// Bytes of transformed rows that are kept while kernels are made, about.
+/// Approximate size in bytes of the transformed rows that are stored while kernels are computed.
 pub(super) const TRANSFORMED: usize = 128 << 20;
 
-/// Distances a thread takes at a time, at the least.
+/// Smallest number of distances that a thread processes at a time.
 const DISTANCES: usize = 200;
 
-/// Products of all pillars of a window.
+/// Computes products for all pillars of a window.
 pub(crate) struct LatticeConvolution {
     layout: Layout,
-    /// Transformed kernels: for every [`COLUMNS`] columns the high parts of every place of their transforms, every pair of modes, each of these columns,
-    /// then the low parts of the same. With modes of odd degree times the imaginary unit all are real. With the normalisation of the inverse.
+    /// Transformed kernels. For every [`COLUMNS`] columns: the high parts for every position of their transforms, every pair of modes and
+    /// each of these columns, then the low parts in the same order. Modes of odd degree are multiplied by the imaginary unit, so that all
+    /// kernels are real. Includes the normalisation of the inverse transform.
     kernel: Aligned<f32>,
-    /// Room for the transformed rows of products, exact ones or rough.
+    /// Buffer for the transformed rows of double- or single-precision products.
     tiles: Aligned<f64>,
     exact: Passes<f64>,
     rough: Passes<f32>,
 }
 
-/// Where everything lies.
+/// Dimensions and indices of the arrays.
 struct Layout {
     /// Number of modes.
     modes: usize,
@@ -67,21 +68,21 @@ struct Layout {
     shape: (usize, usize),
     /// Rows and columns after padding.
     padded: (usize, usize),
-    /// Complex columns kept of a real transform, `padded.1/2 + 1`.
+    /// Number of complex columns of a real transform, `padded.1/2 + 1`.
     half: usize,
-    /// The pillars of every row, which stand in columns that follow each other, and the column of the first.
+    /// The pillars of every row, which are in consecutive columns, and the column of the first one.
     ranges: Vec<Range<usize>>,
     first_columns: Vec<usize>,
     /// Whether a mode is of odd degree.
     odd: Vec<bool>,
-    /// Of every mode with every other the number of the pair.
+    /// The index of the pair of every two modes.
     pairs: Vec<usize>,
-    /// Pairs of modes, each once.
+    /// Number of distinct pairs of modes.
     entries: usize,
 }
 
 impl Layout {
-    /// Pieces of work a thread takes at a time, at the least.
+    /// Smallest number of work items that a thread processes at a time.
     fn least(&self) -> usize {
         if self.padded.0 * self.padded.1 >= PARALLEL_POINTS {
             1
@@ -90,41 +91,41 @@ impl Layout {
         }
     }
 
-    /// Every few columns that are transformed together.
+    /// Number of strips of [`COLUMNS`] columns, which are transformed together.
     fn strips(&self) -> usize {
         self.half.div_ceil(COLUMNS)
     }
 
-    /// Numbers of all kernels in a strip: high parts, and as many low ones.
+    /// Number of values of all kernels in a strip: high parts, and as many low parts.
     fn kernel_strip(&self) -> usize {
         2 * self.entries * COLUMNS * self.padded.0
     }
 
-    /// Numbers in a tile, and in all tiles of a strip.
+    /// Number of values in a tile, and in all tiles of a strip.
     fn tile_lengths(&self) -> (usize, usize) {
         let tile = self.modes * CHUNK * LINE;
         (tile, tile * self.shape.0.div_ceil(CHUNK))
     }
 
-    /// Of the lines of a tile, every row's modes one after the other, every second one.
+    /// Index of every second line of a tile, which contains all modes of each row in order.
     fn line_pairs(&self, tile: usize) -> impl Iterator<Item = usize> {
         let rows = CHUNK.min(self.shape.0 - tile * CHUNK);
         (0..rows * self.modes).step_by(2)
     }
 
-    /// The places of a tile's pillars among all numbers.
+    /// The range of the coefficients of a tile's pillars.
     fn numbers_of_tile(&self, tile: usize) -> Range<usize> {
         let rows = &self.ranges[tile * CHUNK..];
         let rows = &rows[..rows.len().min(CHUNK)];
         rows[0].start * self.modes..rows[rows.len() - 1].end * self.modes
     }
 
-    /// Of a line and the next one: the column of the first pillar, the places of the row among the numbers of the tile, and the mode.
+    /// For a line and the next one: the column of the first pillar, the range of the row in the coefficients of the tile, and the mode.
     fn two_lines(&self, tile: usize, line: usize) -> [(usize, Range<usize>, usize); 2] {
         let start = self.ranges[tile * CHUNK].start;
         [line, line + 1].map(|line| {
             let (row, mode) = (tile * CHUNK + line / self.modes, line % self.modes);
-            // Beyond the last row there is nothing.
+            // There are no pillars after the last row.
             let pillars = self.ranges.get(row).cloned().unwrap_or(start..start);
             let first = self.first_columns.get(row).copied().unwrap_or(0);
             let numbers = (pillars.start - start) * self.modes..(pillars.end - start) * self.modes;
@@ -132,7 +133,7 @@ impl Layout {
         })
     }
 
-    /// Sets the values along a line, real parts, and the next one, imaginary parts, from the numbers of a tile.
+    /// Copies coefficients of a tile to a line, as real parts, and to the next line, as imaginary parts.
     fn read<R: Precision>(
         &self,
         values: &mut [Complex<R>],
@@ -161,7 +162,7 @@ impl Layout {
         }
     }
 
-    /// Sets the numbers that [`read`](Self::read) reads.
+    /// Writes the coefficients that [`read`](Self::read) reads.
     fn write<R: Precision>(
         &self,
         values: &[Complex<R>],
@@ -189,20 +190,20 @@ impl Layout {
         }
     }
 
-    /// Numbers in all tiles.
+    /// Number of values in all tiles.
     fn tile_room(&self) -> usize {
         self.strips() * self.tile_lengths().1
     }
 }
 
-/// The number of a pair of modes: pairs are in the order of the first, then of the second, each once.
+/// The index of a pair of modes: pairs are ordered by the first mode, then by the second, each once.
 const fn pair(modes: usize, a: usize, b: usize) -> usize {
     let (a, b) = if a < b { (a, b) } else { (b, a) };
     a * (2 * modes - a - 1) / 2 + b
 }
 
 impl LatticeConvolution {
-    /// If it is cancelled the kernels are nothing; solvers look before they ask for a product.
+    /// The kernels are undefined after cancellation; solvers check for it before they compute a product.
     pub(crate) fn new(window: &Window, pair: &PairCoupling, workers: Workers<'_>) -> Self {
         let shape = window.shape();
         let first_column =
@@ -246,7 +247,7 @@ impl LatticeConvolution {
         far: &mut [f64],
         workers: Workers<'_>,
     ) {
-        // Single precision knows no small numbers: the largest is made one.
+        // The range of single precision is small: scales the largest coefficient to 1.
         let largest = largest(coefficients);
         let unit = if largest.is_normal() { largest } else { 1.0 };
         let tiles = bytemuck::cast_slice_mut(&mut self.tiles);
@@ -255,8 +256,9 @@ impl LatticeConvolution {
         self.rough.apply(parts, coefficients, far, unit, workers);
     }
 
-    /// Operations of a product at the least, and the bytes it moves if every array is read or written
-    /// once: transforms of length `n` take `5 n log2 n`, of real numbers half of that. Of an exact product, or of a rough one.
+    /// Minimum number of operations of a product, and the number of bytes transferred if every array is read or written once. Transforms of
+    /// length `n` take `5 n log2 n` operations, transforms of real numbers half of that. For a double-precision product, or a
+    /// single-precision one if `rough`.
     #[cfg(feature = "kernels")]
     pub(crate) fn least_work(&self, rough: bool) -> [f64; 2] {
         let layout = &self.layout;
@@ -266,7 +268,7 @@ impl LatticeConvolution {
         let columns_there_and_back = 2.0 * half * modes * 5.0 * long * long.log2();
         let multiplied = 4.0 * modes * modes * half * long;
         let operations = rows_there_and_back + columns_there_and_back + multiplied;
-        // Tiles are written, read and written again, and read.
+        // Tiles are written, read, written again, and read again.
         let numbers = layout.tile_room();
         let bytes = if rough {
             2 * self.kernel.len() + 4 * 4 * numbers
@@ -276,7 +278,7 @@ impl LatticeConvolution {
         [operations, bytes as f64]
     }
 
-    /// The transforms of a product and nothing else, of numbers that stay in the cache.
+    /// Executes only the transforms of a product, with values that stay in the cache.
     #[cfg(feature = "kernels")]
     pub(crate) fn transforms_alone(&self, rough: bool) {
         if rough {
@@ -287,8 +289,8 @@ impl LatticeConvolution {
     }
 }
 
-/// Transformed kernels of all pairs of modes. As `B_ij(-D) = (-1)^(l+l') B_ij(D)`, rows on one
-/// side are enough until the columns are transformed.
+/// Transformed kernels of all pairs of modes. Since `B_ij(-D) = (-1)^(l+l') B_ij(D)`, rows on one side are sufficient until the columns are
+/// transformed.
 fn kernels(
     layout: &Layout,
     differences: &Differences,
@@ -301,7 +303,7 @@ fn kernels(
     let least = layout.least();
     let radial = radial_parts(pair, differences.square_of_largest(), workers);
     let mut kernel = Aligned::new(layout.strips() * layout.kernel_strip());
-    // Rows of the lattice and the columns that are kept of them take as much room as the kernels: of large lattices a part of the columns at a time.
+    // The transformed rows of the lattice take as much memory as the kernels: large lattices are processed in groups of columns.
     let of_strip = size_of::<Complex64>() * layout.shape.0 * entries * COLUMNS;
     let at_a_time = COLUMNS * (TRANSFORMED / of_strip).min(layout.strips()).max(1);
     let of_columns = at_a_time / COLUMNS * layout.kernel_strip();
@@ -348,7 +350,7 @@ fn kernels(
     kernel
 }
 
-/// The kernels of some strips from the rows of these. The frequency at every place of transforms is given.
+/// Computes the kernels of some strips from their transformed rows. The frequency at every position of the transforms is given.
 fn fill_strips(
     layout: &Layout,
     transformed: &[Complex64],
@@ -360,7 +362,7 @@ fn fill_strips(
     let entries = layout.entries;
     let of_rows = transformed.len() / layout.shape.0;
     let at_a_time = of_rows / entries;
-    // Rows are twice their transforms.
+    // Rows contain twice their transforms.
     let scale = 0.5 / (rows * columns) as f64;
     let transform = f64::forward(rows);
     let modes = |a: usize| (a..layout.modes).map(move |b| [layout.odd[a], layout.odd[b]]);
@@ -400,7 +402,7 @@ fn fill_strips(
                 let low = &mut low[entry * COLUMNS..][..kept.len()];
                 let values = strip.chunks_exact(rows);
                 for ((high, low), values) in high.iter_mut().zip(low).zip(values) {
-                    // The one of the two modes that is odd is times the imaginary unit.
+                    // If one of the two modes is odd, the kernel is multiplied by the imaginary unit.
                     let value = values[*frequency];
                     let value = scale
                         * match [a, b] {
@@ -417,9 +419,9 @@ fn fill_strips(
     workers.fill(kernel, layout.kernel_strip(), layout.least(), work, one);
 }
 
-/// Numbers in which products are made.
+/// Precision of products.
 trait Precision: InRegisters + bytemuck::Pod {
-    /// Kernels of high and low parts; `room` is for those that have to be made of both.
+    /// Kernels from their high and low parts; `room` is a buffer for kernels that are computed from both.
     fn kernels<'a>(high: &'a [f32], low: &[f32], room: &'a mut [Self]) -> &'a [Self];
 }
 
@@ -440,10 +442,10 @@ impl Precision for f32 {
     }
 }
 
-/// The passes of a product, in a precision.
+/// The passes of a product in one precision.
 ///
-/// Transformed rows, and what becomes of them, lie in tiles: for every [`COLUMNS`] columns, every row of the window, the lines of all modes. Those
-/// of [`CHUNK`] rows are a tile.
+/// Transformed rows, and the results computed from them, are stored in tiles. For every [`COLUMNS`] columns and every row of the window,
+/// there are the lines of all modes; [`CHUNK`] rows form a tile.
 struct Passes<R: Precision> {
     row: Arc<dyn Fft<R>>,
     row_back: Arc<dyn Fft<R>>,
@@ -459,7 +461,7 @@ impl<R: Precision> Passes<R> {
         }
     }
 
-    /// The product, of coefficients in that unit.
+    /// Computes the product; coefficients are divided by `unit`.
     fn apply(
         &self,
         (layout, kernel, tiles): (&Layout, &[f32], &mut [R]),
@@ -503,7 +505,7 @@ impl<R: Precision> Passes<R> {
         workers: Workers<'_>,
     ) {
         let (tile, strip) = layout.tile_lengths();
-        // The tiles of every few rows.
+        // The tiles of each group of rows.
         let mut blocks: Vec<Vec<&mut [R]>> = layout
             .ranges
             .chunks(CHUNK)
@@ -514,7 +516,7 @@ impl<R: Precision> Passes<R> {
                 block.push(tile);
             }
         }
-        // What is read of a pair of rows is twice its transforms.
+        // `read` returns twice the transforms of a pair of rows.
         let factor = 0.5 * factor;
         workers.fill(
             &mut blocks,
@@ -570,7 +572,7 @@ impl<R: Precision> Passes<R> {
         );
     }
 
-    /// Transforms the rows of a block back; `far` are the loads on the pillars in them.
+    /// Transforms the rows of a block back; `far` are the loads on their pillars.
     fn block_back(
         &self,
         (layout, tiles): (&Layout, &[R]),
@@ -620,9 +622,9 @@ impl<R: Precision> Passes<R> {
     }
 }
 
-/// Room for a strip.
+/// Buffers for a strip.
 struct ColumnWork<R> {
-    /// All rows, the lines of all modes in each.
+    /// All rows, each with the lines of all modes.
     rows: Aligned<R>,
     /// Kernels of one row.
     kernels: Aligned<R>,
@@ -640,12 +642,12 @@ impl<R: Precision> ColumnWork<R> {
     }
 }
 
-/// The columns of a strip: transformed, multiplied by kernels, if there are any, and transformed back.
+/// Processes the columns of a strip: transforms them, multiplies them by kernels if there are any, and transforms them back.
 struct Strip<'a, R: Precision> {
     layout: &'a Layout,
     transform: &'a ColumnTransform<R>,
     number: usize,
-    /// Its tiles.
+    /// The tiles of the strip.
     values: &'a mut [R],
     kernels: Option<&'a [f32]>,
     work: &'a mut ColumnWork<R>,
@@ -704,10 +706,10 @@ struct Meeting<'a, R: Precision, S: Simd> {
     kernels: &'a [R::Register<S>],
 }
 
-/// Modes of the second degree, with which nearly all products are made.
+/// Number of modes up to degree 2, which nearly all products use.
 const SIX: usize = 6;
 
-/// The pairs of these.
+/// The pair indices of these modes.
 const PAIRS_OF_SIX: [[usize; SIX]; SIX] = {
     let mut pairs = [[0; SIX]; SIX];
     let mut k = 0;
@@ -734,7 +736,7 @@ impl<R: Precision, S: Simd> Meeting<'_, R, S> {
                 self.three_of_six::<0>(simd, (row, k), products);
                 self.three_of_six::<3>(simd, (row, k), products);
             } else {
-                // As many modes at a time as there are registers for.
+                // As many modes at a time as the number of registers permits.
                 let mut first = 0;
                 while first < self.layout.modes {
                     first += match self.layout.modes - first {
@@ -750,7 +752,7 @@ impl<R: Precision, S: Simd> Meeting<'_, R, S> {
         }
     }
 
-    /// The products of three of six modes from one on, in one register. All places are known as this is compiled.
+    /// The products of three of six modes, from `FIRST` on, in one register. All indices are compile-time constants.
     #[inline(always)]
     fn three_of_six<const FIRST: usize>(
         &self,
@@ -782,7 +784,7 @@ impl<R: Precision, S: Simd> Meeting<'_, R, S> {
         self.put(simd, FIRST, &sums, products);
     }
 
-    /// The products of `M` modes from one on, in one register. Returns how many these are.
+    /// The products of `M` modes from `first` on, in one register. Returns their number.
     #[inline(always)]
     fn some<const M: usize>(
         &self,
@@ -807,7 +809,7 @@ impl<R: Precision, S: Simd> Meeting<'_, R, S> {
         M
     }
 
-    /// Real and imaginary parts of a mode; one that is odd is times the imaginary unit.
+    /// Real and imaginary parts of a mode; odd modes are multiplied by the imaginary unit.
     #[inline(always)]
     fn turned(
         &self,
@@ -824,7 +826,7 @@ impl<R: Precision, S: Simd> Meeting<'_, R, S> {
         }
     }
 
-    /// Puts the products of some modes to the beginning of their lines; those of odd ones are turned back.
+    /// Writes the products of some modes to the beginning of their lines; odd modes are divided by the imaginary unit.
     #[inline(always)]
     fn put(
         &self,
@@ -848,16 +850,16 @@ impl<R: Precision, S: Simd> Meeting<'_, R, S> {
 }
 
 struct RowWork {
-    /// One row of every pair of modes, two by two.
+    /// One row of every pair of modes, in groups of two.
     pairs: Vec<RowPair<f64>>,
     block: Vec<f64>,
-    /// For the transform of no row.
+    /// Placeholder for a missing second row.
     spare: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 
 impl RowWork {
-    /// The kernels between pillars that many rows and columns apart.
+    /// Computes the kernels between pillars that are this many rows and columns apart.
     fn fill_row(
         &mut self,
         pair: &PairCoupling,
@@ -871,7 +873,7 @@ impl RowWork {
         let (row, parts) = (row as i64, pair.radial_count());
         for column in apart {
             if (row, column) == (0, 0) {
-                // What layers do to a pillar by itself has no direction.
+                // The effect of layers on the pillar itself has no direction.
                 if let Some(own) = pair.own_block() {
                     let modes = pair.modes().len();
                     let upper = (0..modes).flat_map(|row| &own[row * modes + row..][..modes - row]);
@@ -892,7 +894,7 @@ impl RowWork {
         }
     }
 
-    /// Puts the block to its place in all rows.
+    /// Copies the block to this position in all rows.
     fn place_block(&mut self, place: usize) {
         for (rows, values) in self.pairs.iter_mut().zip(self.block.chunks(2)) {
             let value = &mut rows.rows()[place];
@@ -902,7 +904,7 @@ impl RowWork {
     }
 }
 
-/// Room for two rows.
+/// Buffer for two rows.
 struct RowRoom<R> {
     pair: RowPair<R>,
     scratch: Vec<Complex<R>>,
@@ -917,14 +919,14 @@ impl<R: Real> RowRoom<R> {
     }
 }
 
-/// The parts of the coupling that depend on distances alone, for each distance in the lattice up to one, by [`distance_number`]. Of that one the
-/// square is given, in pitches.
+/// The parts of the coupling that depend on the distance alone, for each lattice distance up to a maximum, by [`distance_number`]. The
+/// square of the maximum is given, in pitches.
 fn radial_parts(pair: &PairCoupling, square_of_largest: i64, workers: Workers<'_>) -> Vec<f64> {
     let parts = pair.radial_count();
     let most = (square_of_largest as f64).sqrt() as i64 + 1;
     let count = distance_number(most + 1, 0);
     let mut radial = vec![0.0; count * parts];
-    // Numbers of distances by rows: `(i, j)` for all `0 <= j <= i`.
+    // Distances are numbered by rows: `(i, j)` for all `0 <= j <= i`.
     let row_of = |number: usize| (((8 * number + 1) as f64).sqrt() as i64 - 1) / 2;
     let one = |(): &mut (), number: usize, radial: &mut [f64]| {
         if number == 0 || workers.cancel.is_cancelled() {
@@ -941,12 +943,11 @@ fn radial_parts(pair: &PairCoupling, square_of_largest: i64, workers: Workers<'_
     radial
 }
 
-/// Pillars `(u, v)` and `(i, j)` rows and columns apart have the same distance if they are images of each
-/// other under the rotations and mirrors of the lattice. One of twelve (or six) images has
-/// `0 <= j <= i`; they are numbered by these.
+/// Index of the distance of pillars. Pillars `(u, v)` and `(i, j)` rows and columns apart have the same distance if they are images of each
+/// other under the rotations and mirrors of the lattice. One of twelve (or six) images has `0 <= j <= i`; it determines the index.
 fn distance_number(u: i64, v: i64) -> usize {
     let [a, b, c] = [u.abs(), v.abs(), (u + v).abs()];
-    // The largest is the sum of the others.
+    // The largest is the sum of the other two.
     let largest = a.max(b).max(c);
     let smallest = a.min(b).min(c);
     let i = largest - smallest;

@@ -1,24 +1,25 @@
-//! Pillars that rotations and reflections about the lens axis make of each other: what one of them does, the others do, turned and mirrored.
+//! Symmetric copies of pillars: rotations and reflections about the lens axis map pillars to each other, so that their pressures are equal
+//! up to this map.
 
 use super::sites::Sites;
 use crate::halfspace::disc::basis::{Mode, UnloadingPoint};
 use crate::problem::symmetry::Symmetry;
 
-/// Which pillars are images of each other.
+/// The images of pillars under the symmetries.
 #[derive(Debug, Clone)]
 pub(crate) struct Copies {
     symmetries: Vec<Symmetry>,
-    /// Of every pillar that stands for itself its images, by the symmetries; the first is itself.
+    /// For every representative pillar its images under the symmetries; the first is the pillar itself.
     images: Vec<u32>,
-    /// The pillars that stand for themselves, in order.
+    /// The representative pillars, one for each orbit, in order.
     own: Vec<u32>,
     /// Number of all pillars.
     pillars: usize,
 }
 
 impl Copies {
-    /// Of some sites of a field with these symmetries; `None` where there is none but the first, that which changes nothing, and if not all images are among
-    /// the sites.
+    /// Symmetric copies among the sites of a field with these symmetries. Returns `None` if the identity is the only symmetry, or if some
+    /// image is not among the sites.
     pub(crate) fn of(symmetries: Vec<Symmetry>, sites: &Sites) -> Option<Self> {
         if symmetries.len() < 2 {
             return None;
@@ -45,22 +46,22 @@ impl Copies {
         })
     }
 
-    /// The symmetries, that which changes nothing among them.
+    /// The symmetries, including the identity.
     pub(crate) fn symmetries(&self) -> &[Symmetry] {
         &self.symmetries
     }
 
-    /// The pillars that stand for themselves.
+    /// The representative pillars.
     pub(crate) fn own(&self) -> &[u32] {
         &self.own
     }
 
-    /// The images of each of these, itself the first of them; the same image as often as symmetries make it.
+    /// The images of each representative pillar, beginning with itself; an image occurs once for each symmetry that maps to it.
     fn orbits(&self) -> impl Iterator<Item = &[u32]> {
         self.images.chunks_exact(self.symmetries.len())
     }
 
-    /// The number among the pillars that stand for themselves of what every pillar is an image of.
+    /// The index of the representative of every pillar.
     pub(crate) fn numbers(&self) -> Vec<usize> {
         let mut numbers = vec![0; self.pillars];
         for (number, images) in self.orbits().enumerate() {
@@ -71,7 +72,7 @@ impl Copies {
         numbers
     }
 
-    /// The images of each of these, every one once.
+    /// The images of each representative pillar, without repetition.
     pub(crate) fn distinct_images(&self) -> impl Iterator<Item = Vec<usize>> {
         self.orbits().map(|images| {
             let mut images: Vec<usize> = images.iter().map(|image| *image as usize).collect();
@@ -81,14 +82,14 @@ impl Copies {
         })
     }
 
-    /// What the symmetries do to the coefficients of modes.
+    /// The transformations of mode coefficients under the symmetries.
     fn turns(&self, modes: &[Mode]) -> Vec<UnloadingPoint> {
         let of =
             |symmetry: &Symmetry| UnloadingPoint::new(modes, symmetry.angle, symmetry.reflected);
         self.symmetries.iter().map(of).collect()
     }
 
-    /// Coefficients of the modes of all pillars, from those of the ones that stand for themselves.
+    /// Coefficients of the modes of all pillars, from those of the representative pillars.
     pub(crate) fn spread(&self, modes: &[Mode], of_own: &[f64]) -> Vec<f64> {
         let count = modes.len();
         let mut of_all = vec![0.0; self.pillars * count];
@@ -103,7 +104,7 @@ impl Copies {
         of_all
     }
 
-    /// The means of coefficients over images, for all of them.
+    /// Replaces the coefficients of all pillars by their means over images.
     pub(crate) fn average(&self, modes: &[Mode], coefficients: &mut [f64]) {
         let count = modes.len();
         let turns: Vec<UnloadingPoint> = self
@@ -136,7 +137,7 @@ mod tests {
     use crate::problem::pillar_field::PillarField;
     use crate::theory::reference;
 
-    /// Sites of the paper's lattice, at an offset along x and at one along y, in pitches, and which pillars are images of each other.
+    /// Sites of the paper's lattice with an offset in pitches and its direction, and the symmetric copies.
     fn sites(offset: f64, angle: f64) -> (Sites, Option<Copies>) {
         let lattice = HexagonalLattice {
             pitch: 4.3,
@@ -154,7 +155,7 @@ mod tests {
 
     const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
 
-    /// Offsets, their directions, and images of pillars that are on no mirror.
+    /// Offsets, their directions, and number of images of pillars that are not on a mirror line.
     const SITES: [(f64, f64, usize); 6] = [
         (0.0, 0.0, 12),
         (0.577_350_269_189_625_7, 0.0, 6),
@@ -164,7 +165,7 @@ mod tests {
         (0.3, RIGHT_ANGLE / 3.0, 2),
     ];
 
-    /// Expected: what is projected for every pillar by itself.
+    /// Expected: projections that are computed for every pillar separately.
     #[test]
     fn images_have_the_lens_of_what_they_are_images_of() {
         let system = reference::intermediate(0.03);
@@ -197,13 +198,13 @@ mod tests {
                         "{found} {expected}"
                     );
                 }
-                // Means of what is alike are the same.
+                // The mean of symmetric coefficients is unchanged.
                 copies.average(&modes, &mut found);
             }
         }
     }
 
-    /// What images differ by has no part in the product with what is alike on all.
+    /// Differences between images do not contribute to products with symmetric coefficients.
     #[test]
     fn means_make_the_same_products_with_what_is_alike() {
         for (offset, angle, _) in SITES {

@@ -1,7 +1,8 @@
-//! How the coupling changes with the places of the pillars and with the radii of their tops.
+//! Derivatives of the coupling with respect to the positions of the pillars and the radii of their tops.
 //!
-//! As `C(s D; s a, s a') = C(D; a, a')/s`, the derivatives with respect to the logarithms of the distance, of the receiver's radius and of the
-//! source's add up to `-C`. On layers that with respect to the logarithm of all thicknesses comes to them.
+//! Since `C(s D; s a, s a') = C(D; a, a')/s`, the derivatives with respect to the logarithms of the distance, of the receiver's radius and
+//! of the source's radius add up to `-C`. On layers, the derivative with respect to the logarithm of all thicknesses is included in this
+//! sum.
 
 use super::lattice::LatticeCoupling;
 use super::operator::Coupling;
@@ -9,17 +10,17 @@ use super::pair::PairCoupling;
 use super::sites::Sites;
 use crate::numerics::workers::Workers;
 
-/// What moments do to all pillars by the derivatives of the coupling.
+/// Derivatives of the loads that moments cause on all pillars.
 pub(crate) struct CouplingChange {
-    /// By that with respect to the logarithm of all distances, the radii kept: of the first set of moments.
+    /// Derivatives with respect to the logarithm of all distances at fixed radii, for the first set of moments.
     pub(crate) by_distance: Vec<f64>,
-    /// By that with respect to the logarithm of the radius of the pillar that feels them: of every set. Not of a hexagonal lattice, nor on layers, where
-    /// pillars are alike.
+    /// Derivatives with respect to the logarithm of the radius of the receiving pillar, for every set. `None` for a hexagonal lattice and
+    /// on layers, where all pillars are alike.
     pub(crate) by_receiver: Option<Vec<Vec<f64>>>,
 }
 
 impl CouplingChange {
-    /// Of the touched pillars, which alone bear moments, and on them.
+    /// Derivatives for the touched pillars, which are the only ones with moments.
     pub(crate) fn new(
         sites: &Sites,
         pair: &PairCoupling,
@@ -41,7 +42,7 @@ impl CouplingChange {
         }
         let modes = pair.modes().len();
         let work = || [(); 2].map(|()| vec![0.0; modes * modes]);
-        // The sums on one pillar: by the distance, then by the receiver.
+        // The sums for one pillar: with respect to the distance, then to the receiver's radius.
         let sums = workers.map(touched.len(), 1, work, |[distance, receiver], number| {
             let pillar = touched[number];
             let mut sums = vec![vec![0.0; modes]; 1 + moments.len()];

@@ -1,19 +1,20 @@
-//! The lattice vectors from pillar to pillar of a window, and a small array in which they wrap around without any two falling on each other.
+//! The lattice vectors between pillars of a window, and a small array in which they remain distinct when they wrap around.
 //!
-//! A convolution with pillars in a window asks for the kernel at these vectors alone. As an array wraps around, its copies may reach into each other's
-//! corners, as long as no two of these vectors have one place. Of a disc of radius `R` they fill a disc of radius `2 R`. The copies of a rhombus of
-//! lattice cells lie on a hexagonal lattice as well, on which discs are packed most closely: one `4 R` long is enough, where one
-//! twice as long as the window would be `4 R 2/sqrt(3)`, with a third more places.
+//! A convolution with pillars in a window needs the kernel only at these vectors. The periodic images of an array may overlap each other's
+//! corners, provided that no two of these vectors have the same position. The vectors of a disc of radius `R` fill a disc of radius `2 R`.
+//! The periodic images of a rhombus of lattice cells form a hexagonal lattice as well, on which the packing of discs is closest: a side of
+//! `4 R` is sufficient, whereas a rhombus twice as long as the window would have a side of `4 R 2/sqrt(3)`, with a third more points.
 
 use super::window::Window;
 use crate::numerics::fft::smooth_size;
 use std::ops::RangeInclusive;
 
-/// The vectors from pillar to pillar of a window.
+/// The lattice vectors between pillars of a window.
 pub(crate) struct Differences {
     /// Rows and columns of the window.
     shape: (usize, usize),
-    /// For every number of rows between two pillars, from 0 on, the columns between these. Rows the other way have them with the other sign.
+    /// For every number of rows between two pillars, from 0 on, the range of columns between these. The range has the opposite sign for
+    /// negative numbers of rows.
     columns: Vec<RangeInclusive<i64>>,
 }
 
@@ -23,7 +24,7 @@ const NONE: RangeInclusive<i64> = RangeInclusive::new(1, 0);
 impl Differences {
     pub(crate) fn new(window: &Window) -> Self {
         let column_of = |pillar: usize| window.places()[pillar].1 as i64;
-        // The first and last column of every row that holds any pillar.
+        // The first and last column of every row that is not empty.
         let ends: Vec<(usize, [i64; 2])> = window
             .rows()
             .iter()
@@ -49,7 +50,7 @@ impl Differences {
         }
     }
 
-    /// The columns between pillars that are so many rows apart, from 0 on.
+    /// The range of columns between pillars that are this many rows apart, from 0 on.
     pub(crate) fn columns(&self, rows: usize) -> RangeInclusive<i64> {
         self.columns[rows].clone()
     }
@@ -62,10 +63,10 @@ impl Differences {
         ends.map(|(i, j)| square(i, j)).max().unwrap_or(0)
     }
 
-    /// A small array, of at least so many rows, in which no two fall on each other. Lengths are quick to transform. (For a few windows in a hundred
-    /// one of as many rows and fewer columns would do.)
+    /// A small array with at least this number of rows in which all vectors have distinct positions. Its sides are fast to transform. (For
+    /// a few windows in a hundred, an array with the same number of rows and fewer columns would also be sufficient.)
     pub(crate) fn small_array(&self, least_rows: usize) -> (usize, usize) {
-        // Twice as long and wide, where nothing wraps around.
+        // Twice as long and wide: nothing wraps around.
         let whole = [self.shape.0, self.shape.1].map(|side| 2 * side - 1);
         let mut smallest = (smooth_size(whole[0].max(least_rows)), smooth_size(whole[1]));
         let mut rows = smooth_size(least_rows.max(self.shape.0));
@@ -83,11 +84,11 @@ impl Differences {
         smallest
     }
 
-    /// Whether no two fall on each other in an array that is not smaller than the window.
+    /// Whether all vectors have distinct positions in an array that is not smaller than the window.
     fn fit(&self, rows: usize, columns: usize) -> bool {
         let columns = columns as i64;
         let in_a_row = |apart: &RangeInclusive<i64>| apart.end() - apart.start() < columns;
-        // Rows that fall on each other are so many rows apart one way and the rest of the array the other way.
+        // Rows at the same position are `row` rows apart in one direction and the rest of the array in the other.
         let of_two_rows = |row: usize| {
             let [one, other] = [row, rows - row].map(|row| &self.columns[row]);
             if one.is_empty() || other.is_empty() {
@@ -101,7 +102,7 @@ impl Differences {
     }
 }
 
-/// The square of the distance of pillars so many rows and columns apart, in pitches.
+/// The square of the distance of pillars this many rows and columns apart, in pitches.
 pub(crate) fn square(rows: i64, columns: i64) -> i64 {
     rows * rows + rows * columns + columns * columns
 }
@@ -112,7 +113,7 @@ mod tests {
     use crate::problem::HexagonalLattice;
     use std::collections::HashMap;
 
-    /// Against all pairs of pillars, one by one.
+    /// Compares with all pairs of pillars.
     #[test]
     fn no_two_differences_have_one_place() {
         for (radius, offset, angle) in [
@@ -154,7 +155,7 @@ mod tests {
         }
     }
 
-    /// Expected: twice the diameter of a disc, in pitches, of which quick lengths are a few percent larger.
+    /// Expected: twice the diameter of a disc, in pitches; lengths that are fast to transform are a few percent larger.
     #[test]
     fn arrays_around_discs_are_twice_their_diameter_long() {
         for pitches in [11.5, 29.5, 59.0, 121.0] {

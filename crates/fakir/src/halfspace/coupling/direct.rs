@@ -1,4 +1,4 @@
-//! The coupling of any pillars, block by block: of all with each other, or of those that are near.
+//! Direct coupling of pillars, block by block: between all pillars, or between near ones.
 
 use super::pair::PairCoupling;
 use crate::numerics::fft::Real;
@@ -7,35 +7,35 @@ use crate::numerics::workers::Workers;
 use crate::problem::Point;
 use std::ops::Range;
 
-/// Pillars whose blocks a thread makes at a time, at the least.
+/// Smallest number of pillars whose blocks a thread computes at a time.
 const ROWS: usize = 16;
 
-/// Pillars in a band.
+/// Number of pillars in a band.
 const BAND: usize = 512;
 
-/// All bands together may reach over so many pillars for each that there is.
+/// Limit of the total extent of all bands, relative to the number of pillars.
 const OVERLAP: usize = 6;
 
-/// Blocks of pairs of pillars, in single precision or double. One half is kept: the other is that transposed.
+/// Blocks of pairs of pillars, in single or double precision. Each pair is stored once, since its second block is the transposed first one.
 pub(crate) struct PairBlocks<R> {
     modes: usize,
     rows: Vec<Row<R>>,
-    /// Receivers whose products are summed up by themselves, with the end of the sources of each.
+    /// Receivers whose products are summed separately, with the end of the range of their sources.
     bands: Vec<(Range<usize>, usize)>,
 }
 
-/// What some of the pillars after it do to a pillar.
+/// The effect of some of the following pillars on a pillar.
 struct Row<R> {
-    /// The sources, and by how many leading modes each acts.
+    /// The sources, and the number of leading modes with which each acts.
     sources: Vec<(u32, u8)>,
-    /// Column by column.
+    /// The blocks, stored by columns.
     blocks: Vec<R>,
 }
 
 impl<R: Real> PairBlocks<R> {
-    /// Of so many pillars and modes of each. `sources` are those of a pillar, all after it, by rising number; `pair_modes` tells by how many modes a
-    /// receiver and a source act on each other, and `fill` writes their block row by row. If it is cancelled the blocks are nothing; solvers look
-    /// before they ask for a product.
+    /// Creates the blocks for `count` pillars with `modes` modes each. `sources` are those of a pillar, all after it, in increasing order;
+    /// `pair_modes` returns the number of modes with which a receiver and a source interact, and `fill` writes their block by rows. The
+    /// blocks are undefined after cancellation; solvers check for it before they compute a product.
     pub(crate) fn new(
         [pillars, modes]: [usize; 2],
         sources: impl Fn(usize) -> Vec<u32> + Sync + Send,
@@ -65,10 +65,10 @@ impl<R: Real> PairBlocks<R> {
         Self { modes, rows, bands }
     }
 
-    /// Adds what the pillars do to each other.
+    /// Adds the loads due to the interaction of the pillars.
     pub(crate) fn add(&self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         let modes = self.modes;
-        // Summed up band by band, however many threads there are.
+        // Summed band by band, independent of the number of threads.
         let sums = workers.map(
             self.bands.len(),
             1,
@@ -93,7 +93,7 @@ impl<R: Real> PairBlocks<R> {
         }
     }
 
-    /// Those of some receivers; the first coefficient is of the first of them.
+    /// Adds the products for some receivers; the first coefficient is that of the first receiver.
     #[inline(always)]
     fn add_products(&self, receivers: &Range<usize>, coefficients: &[f64], far: &mut [f64]) {
         let modes = self.modes;
@@ -125,14 +125,14 @@ impl<R: Real> PairBlocks<R> {
     }
 }
 
-/// As [`add_block`], of a number of modes that the compiler knows.
+/// [`add_block`] for a number of modes that is known at compile time.
 #[inline(always)]
 fn add_known<const MODES: usize, R: Real>(
     block: &[R],
     [own, source]: [&[f64]; 2],
     [own_far, back]: [&mut [f64]; 2],
 ) {
-    // Whole lanes, then what is left.
+    // First complete lanes, then the remaining modes.
     let (mut whole, mut rest) = ([Lanes::default(); MOST_LANES], [0.0; LANES]);
     let (own_lanes, own_rest) = own.as_chunks::<LANES>();
     let count = MODES / LANES;
@@ -163,10 +163,10 @@ fn add_known<const MODES: usize, R: Real>(
     }
 }
 
-/// Enough for the modes that [`add_known`] knows.
+/// Number of lanes that is sufficient for the numbers of modes in [`add_known`].
 const MOST_LANES: usize = 4;
 
-/// What a source does to a receiver, and the receiver to the source.
+/// Adds the load that a source causes on a receiver, and that of the receiver on the source.
 fn add_block<R: Real>(block: &[R], [own, source]: [&[f64]; 2], [own_far, back]: [&mut [f64]; 2]) {
     let columns = block.chunks_exact(own.len());
     for ((column, c), back) in columns.zip(source).zip(back) {
@@ -178,7 +178,7 @@ fn add_block<R: Real>(block: &[R], [own, source]: [&[f64]; 2], [own_far, back]: 
     }
 }
 
-/// Some receivers after the other as long as their sources are not many more pillars; otherwise all together.
+/// Bands of consecutive receivers, provided that the extent of their sources is limited; otherwise one band.
 fn bands<R>(rows: &[Row<R>]) -> Vec<(Range<usize>, usize)> {
     let count = rows.len();
     let of_some = (0..count).step_by(BAND).map(|start| {
@@ -205,7 +205,7 @@ fn bands<R>(rows: &[Row<R>]) -> Vec<(Range<usize>, usize)> {
 /// All pairs: one dense matrix.
 pub(crate) struct DirectCoupling {
     blocks: PairBlocks<f64>,
-    /// What each does to itself, row by row; nothing on half-spaces.
+    /// The effect of each pillar on itself, by rows; `None` on half-spaces.
     own: Option<Vec<f64>>,
 }
 
@@ -228,7 +228,7 @@ impl DirectCoupling {
         }
     }
 
-    /// About how many bytes that many pillars take.
+    /// Approximate memory in bytes for this number of pillars.
     pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
         let of_pillar = modes as f64;
         4.0 * pillars * pillars * of_pillar * of_pillar + 12.0 * 8.0 * of_pillar * pillars

@@ -1,4 +1,4 @@
-//! The displacement that every pillar of a window sees from all others.
+//! The displacement of every pillar of a window due to all others.
 
 use super::convolution::{LatticeConvolution, TRANSFORMED};
 use super::direct::DirectCoupling;
@@ -9,23 +9,23 @@ use super::sites::Sites;
 use super::window::Window;
 use crate::numerics::workers::Workers;
 
-/// Windows of up to this many pillars are coupled directly: below it one dense product takes
-/// less time than the transforms.
+/// Number of pillars up to which windows are coupled directly, where one dense product takes less time than the transforms.
 const DIRECT_LIMIT: usize = 24;
 
-/// Up to so many pillars at any places are coupled pair by pair, to rounding; more on a grid, to this.
+/// Number of pillars at arbitrary positions up to which all pairs are coupled exactly (to rounding). More pillars are coupled on a grid, to
+/// this accuracy.
 const PAIRS_LIMIT: usize = 800;
 const GRID_ERROR: f64 = 5e-9;
 
-/// By what transforms in single precision change a solution on a grid, about: the force on 700 discs by 3e-7.
+/// Approximate relative change of a solution on a grid due to transforms in single precision: the force on 700 discs changes by 3e-7.
 const ROUGH_ERROR: f64 = 5e-7;
 
-/// The displacement that every pillar sees from all others.
+/// Computes the displacement of every pillar due to all others.
 pub(crate) enum LatticeCoupling<'p> {
     Direct(DirectCoupling),
     Convolution(Box<LatticeConvolution>),
     Grid(Box<GridCoupling<'p>>),
-    /// What is not needed any more: displacements are no numbers.
+    /// Memory has been released: displacements are NaN.
     Released,
 }
 
@@ -44,7 +44,7 @@ impl<'p> LatticeCoupling<'p> {
         }
     }
 
-    /// The same of any sites.
+    /// The same for arbitrary sites.
     pub(crate) fn of_sites(sites: &Sites, pair: &PairCoupling, workers: Workers<'p>) -> Self {
         if let Some(window) = sites.window() {
             return Self::new(window, pair, workers);
@@ -60,7 +60,7 @@ impl<'p> LatticeCoupling<'p> {
         Self::Direct(DirectCoupling::new(sites.centres(), radius, pair, workers))
     }
 
-    /// The degree by which two pillars with that gap over the smaller radius act on each other, `most` being the highest of any.
+    /// The degree to which two pillars with this gap, relative to the smaller radius, interact; `most` is the highest degree of any pillar.
     pub(crate) fn pair_degree(&self, gap: f64, most: usize) -> usize {
         match self {
             Self::Grid(_) => pair_degree(gap, most),
@@ -70,8 +70,8 @@ impl<'p> LatticeCoupling<'p> {
 }
 
 impl Coupling for LatticeCoupling<'_> {
-    /// The load coefficients on every pillar from the pressure coefficients of all
-    /// others; both pillar by pillar, `mode count` each.
+    /// Computes the load coefficients on every pillar from the pressure coefficients of all others; both by pillars, with `mode count`
+    /// coefficients each.
     fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         match self {
             Self::Direct(direct) => direct.apply(coefficients, far, workers),
@@ -106,7 +106,7 @@ impl Coupling for LatticeCoupling<'_> {
     }
 }
 
-/// About how many bytes the solution of pillars at any places takes.
+/// Approximate memory in bytes for the solution of pillars at arbitrary positions.
 pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize, layered: bool) -> f64 {
     if sites.len() > PAIRS_LIMIT && !layered {
         Plan::new(sites, modes).memory(sites.len(), modes)
@@ -115,9 +115,9 @@ pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize, layered: boo
     }
 }
 
-/// About how many bytes the solution of that many pillars of a hexagonal lattice takes.
+/// Approximate memory in bytes for the solution of this number of pillars of a hexagonal lattice.
 ///
-/// The lattice array is the rhombus around the window, and after padding `sqrt(3)` times as long and wide
+/// The lattice array is the rhombus around the window, `sqrt(3)` times as long and wide after padding
 /// ([`Differences`](super::differences::Differences)).
 pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
     // A rhombus around a circle has 4/(pi sqrt3/2)... of its area, in lattice cells.
@@ -141,7 +141,7 @@ mod tests {
     use crate::numerics::workers::CancelToken;
     use crate::problem::HexagonalLattice;
 
-    /// Any coefficients, reproducibly.
+    /// Arbitrary, reproducible coefficients.
     fn coefficients(count: usize) -> Vec<f64> {
         (0..count)
             .map(|k| (1.7 * k as f64 + 0.3 * (k as f64).sqrt()).sin())
@@ -192,7 +192,7 @@ mod tests {
         }
     }
 
-    /// Expected: the exact product. Numbers that single precision does not know are no other ones than those of size one.
+    /// Expected: the exact product. Coefficients outside the range of single precision have the same relative error as those of order 1.
     #[test]
     fn rough_products_are_those_to_six_digits() {
         let lattice = HexagonalLattice::new(3.5);
@@ -216,7 +216,7 @@ mod tests {
                     assert!((a - b).abs() < 1e-6 * scale, "degree {degree}: {a} {b}");
                 }
             }
-            // What is none stays none.
+            // NaN is propagated.
             let mut c = coefficients(window.len() * mode_count(degree));
             c[1] = f64::NAN;
             let mut far = vec![0.0; c.len()];

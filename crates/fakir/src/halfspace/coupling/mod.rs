@@ -1,8 +1,9 @@
-//! How pillars act on each other through the half-space.
+//! Interaction of pillars through the half-space.
 //!
-//! Lengths in pillar radii, pressures in units of the reduced modulus, as in
-//! [`disc`](super::disc). [`pair`] has the coefficients between two pillars in closed form;
-//! [`lattice`] applies those of all [sites] at once: directly, or, for many, by fast Fourier transform: on a hexagonal lattice itself, and else on a grid under them. With pillars of several radii, that of one of them is the unit of length.
+//! Lengths are in pillar radii and pressures in units of the reduced modulus, as in [`disc`](super::disc). [`pair`] contains the
+//! coefficients between two pillars in closed form. [`lattice`] applies those of all [sites] at once: directly for few pillars; for many by
+//! fast Fourier transform, on the lattice itself if it is hexagonal, otherwise on a grid. For pillars of several radii, the radius of one
+//! of them is the unit of length.
 
 pub(crate) mod convolution;
 pub(crate) mod copies;

@@ -1,17 +1,17 @@
-//! The coupling of two discs with its derivatives, for discs that move and grow.
+//! The coupling of two discs with its derivatives, for variable positions and radii.
 //!
-//! The series are those of [`pair`](super::pair). The derivatives of Appell's function are such functions again:
+//! The series are those of [`pair`](super::pair). The derivatives of Appell's function are functions of the same kind:
 //! `dF4/dx = (A B/c) F4(A + 1, B + 1; c + 1, c')` (NIST Digital Library of Mathematical Functions, 16.14). The coefficients of the
-//! recurrences depend on the modes alone and are kept, so that all series of a pair are summed side by side.
+//! recurrences depend on the modes alone and are stored, so that all series of a pair are summed together.
 
 use super::pair::{Angles, Entry, SERIES_TOLERANCE, Series, step};
 use crate::halfspace::disc::basis::{Mode, modes};
 use crate::numerics::vector::widest;
 
-/// Terms between two looks at their size.
+/// Number of terms between convergence checks.
 const LOOK: usize = 3;
 
-/// `A`, `B`, `p` and `q` of the function of a series, and of the two derivatives of that.
+/// `A`, `B`, `p` and `q` of the function of a series, and of its two derivatives.
 fn parameters(series: &Series, derivative: usize) -> [f64; 4] {
     let [a, b, p, q] = series.parameters();
     match derivative {
@@ -21,29 +21,29 @@ fn parameters(series: &Series, derivative: usize) -> [f64; 4] {
     }
 }
 
-/// Blocks between two discs, row by row: a row is a mode of the receiver.
+/// Blocks between two discs, by rows: a row is a mode of the receiver.
 #[derive(Debug, Clone)]
 pub(crate) struct PairBlock {
-    /// What moments of the source are to the load coefficients of the receiver.
+    /// The load coefficients of the receiver per moment of the source.
     pub(crate) value: Vec<f64>,
-    /// Its derivatives with the place of the receiver along x and y (those with the place of the source are the opposite), with the radius of
-    /// the receiver, and with that of the source.
+    /// Derivatives with respect to the position of the receiver along x and y (those with respect to the position of the source are the
+    /// opposite), to the radius of the receiver, and to that of the source.
     pub(crate) slopes: [Vec<f64>; 4],
-    /// Terms of the series, the ones before them, and their sums.
+    /// Current terms of the series, preceding terms, and sums.
     work: [Vec<f64>; 3],
     /// Every series with its derivatives by `a d/da`, `a' d/da'` and `delta d/d(delta)`.
     radial: Vec<[f64; 4]>,
 }
 
-/// The modes up to a degree of two discs of any radii.
+/// The modes of two discs of arbitrary radii up to a degree.
 #[derive(Debug, Clone)]
 pub(crate) struct MovingPair {
     degree: usize,
     modes: Vec<Mode>,
     series: Vec<Series>,
     entries: Vec<Entry>,
-    /// For every term, the factors of `x + y`, `y - x` and `(y - x)^2` in its recurrence: of all series, then of the first derivatives of
-    /// all, then of the second ones.
+    /// For every term, the factors of `x + y`, `y - x` and `(y - x)^2` in its recurrence: of all series, then of all their first
+    /// derivatives, then of the second derivatives.
     terms: Vec<Vec<[f64; 3]>>,
 }
 
@@ -82,10 +82,10 @@ impl MovingPair {
         &self.modes
     }
 
-    /// Makes ready for pairs whose radii add up to no more than that part of their distance, below 1.
+    /// Prepares coefficients for pairs whose radii add up to at most the fraction `reach` of their distance, below 1.
     pub(crate) fn prepare(&mut self, reach: f64) {
         let decay = 2.0 * reach.clamp(0.05, 0.999).ln();
-        // The terms are a power of their number, up to the degree, times a geometric sequence.
+        // The terms are a power of their index, up to the degree, times a geometric sequence.
         let enough = (SERIES_TOLERANCE.ln() / decay).ceil() as usize;
         let enough = enough + enough / 8 + 4 * self.degree + 12;
         for number in self.terms.len()..enough {
@@ -102,7 +102,7 @@ impl MovingPair {
         }
     }
 
-    /// Room for the blocks of a pair.
+    /// Allocates the blocks of a pair.
     pub(crate) fn room(&self) -> PairBlock {
         let size = self.modes.len() * self.modes.len();
         let work = || vec![0.0; 3 * self.series.len()];
@@ -114,8 +114,8 @@ impl MovingPair {
         }
     }
 
-    /// The block for receiver minus source, and the radii of receiver and source, which do not overlap. It is [prepared](Self::prepare) for
-    /// them.
+    /// Computes the block for receiver minus source, and the radii of receiver and source, which must not overlap. Must be
+    /// [prepared](Self::prepare) for them.
     pub(crate) fn fill(
         &self,
         [x, y]: [f64; 2],
@@ -133,7 +133,7 @@ impl MovingPair {
             let sum = angles.of((n + m) as isize);
             let k = n as f64 - m as f64;
             let total = (n + m) as f64;
-            // The parts that depend on the angle, and their derivatives.
+            // The angular parts and their derivatives.
             let ([a, b], [da, db]) = match (entry.receiver.sine, entry.source.sine) {
                 (false, false) => (
                     [difference[0], sum[0]],
@@ -161,7 +161,7 @@ impl MovingPair {
         }
     }
 
-    /// The series with their derivatives, for radii over the distance.
+    /// Sums the series and their derivatives, for radii divided by the distance.
     fn sum(&self, [alpha, beta]: [f64; 2], distance: f64, block: &mut PairBlock) {
         let (x, y) = (alpha * alpha, beta * beta);
         let (along, across) = (x + y, y - x);
@@ -214,7 +214,7 @@ mod tests {
     use super::*;
     use crate::halfspace::coupling::pair::PairCoupling;
 
-    /// The blocks that do not move, by the other program, which are checked by quadrature.
+    /// Compares with the static blocks of `pair`, which are checked by quadrature.
     #[test]
     fn the_blocks_of_discs_at_rest() {
         for (degree, offset, radii) in [

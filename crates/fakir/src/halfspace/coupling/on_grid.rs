@@ -1,15 +1,16 @@
-//! The coupling of many pillars at any places, by a grid: the pre-corrected fast Fourier transform
-//! (J. R. Phillips and J. K. White, IEEE Trans. Comput.-Aided Des. 16, 1059 (1997)).
+//! The coupling of many pillars at arbitrary positions on a grid: the pre-corrected fast Fourier transform (J. R. Phillips and J. K. White,
+//! IEEE Trans. Comput.-Aided Des. 16, 1059 (1997)).
 //!
-//! Every pillar is replaced by charges on the points of a grid around it, `rho = P' m`, such that they act far away as it does. Their
-//! potential `u = K rho` comes from a convolution with `1/(pi r)`, zero at `r = 0`, and what it does to a pillar is `P u`: the mean of its
-//! interpolation with every mode. As the same `P` spreads and gathers, the product is symmetric. Between near pillars,
-//! and from a pillar to itself, the charges are wrong: there `C - P K P'` is added, with the exact `C`, or nothing.
+//! Every pillar is replaced by charges on the grid points around it, `rho = P' m`, whose far field equals that of the pillar. Their
+//! potential `u = K rho` results from a convolution with `1/(pi r)`, zero at `r = 0`, and its effect on a pillar is `P u`: the average of
+//! the interpolated potential with every mode. Since the same `P` distributes and collects, the product is symmetric. Between near pillars,
+//! and from a pillar to itself, the charges are inaccurate: there `C - P K P'` is added, with the exact `C` for pairs and zero for the
+//! pillar itself.
 //!
-//! The modes beyond degree 2 act on near pillars alone, and of two of these as many as their gap [asks for](pair_degree).
+//! Modes beyond degree 2 act on near pillars only; the degree for two near pillars depends on [their gap](pair_degree).
 //!
-//! What is near depends on the grid step, the error hardly. So the [step](Plan) is that which costs least: small where pillars stand in
-//! clusters, whose pairs would be many, and large where the grid would mostly be empty.
+//! The number of near pairs depends on the grid step, the error hardly does. The [step](Plan) with the lowest cost is therefore chosen:
+//! small for clustered pillars, which would otherwise have many near pairs, and large where the grid would otherwise be mostly empty.
 
 use super::direct::PairBlocks;
 use super::pair::PairCoupling;
@@ -22,56 +23,56 @@ use crate::numerics::workers::Workers;
 use crate::problem::{Cells, Grid, Point};
 use std::f64::consts::PI;
 
-/// Points along each side of the square of charges of a pillar.
+/// Number of points along each side of the square of charges of a pillar.
 const STENCIL: usize = 8;
 
 /// Distance up to which pillars are near, in grid steps.
 const NEAR: f64 = 12.0;
 
-/// The same over the largest radius, at the least: beyond it pillars act by [`FAR_DEGREE`] alone.
+/// The smallest such distance relative to the largest radius: beyond it pillars interact with degree [`FAR_DEGREE`] only.
 const NEAR_RADII: f64 = 6.0;
 
-/// Degree of the modes that the charges stand for.
+/// Degree of the modes that the charges represent.
 const FAR_DEGREE: usize = 2;
 
-/// Pillars a thread takes at a time, at the least, and rows of the grid.
+/// Smallest number of pillars, and of rows of the grid, that a thread processes at a time.
 const PILLARS: usize = 200;
 const ROWS: usize = 16;
 
-/// The degree by which two pillars act on each other, by their gap over the smaller radius: the next one changes the force on two alike by less
-/// than 1e-6. From a gap on each, by falling gap.
+/// The degree to which two pillars interact, by the gap relative to the smaller radius: the next degree changes the force on two equal
+/// pillars by less than 1e-6. Each degree applies from its gap on; in order of decreasing gap.
 const DEGREES: [(f64, usize); 3] = [(5.0, 2), (2.5, 3), (1.0, 4)];
 
-/// The degree by which two pillars with that gap over the smaller radius act on each other, if `most` is the highest of any.
+/// The degree to which two pillars with this gap, relative to the smaller radius, interact, if `most` is the highest degree of any pillar.
 pub(crate) fn pair_degree(gap: f64, most: usize) -> usize {
     let of_gap = DEGREES.iter().find(|(from, _)| gap >= *from);
     of_gap.map_or(most, |(_, degree)| most.min(*degree))
 }
 
-/// Bytes of a point of the grid.
+/// Memory per point of the grid in bytes.
 const POINT_BYTES: f64 = 64.0;
 
-/// Nanoseconds of a point of the grid and of a near pair, about, over a whole solution with one mode or more.
+/// Approximate time in nanoseconds per point of the grid and per near pair, over a whole solution, for one mode and for several modes.
 const COSTS: [[f64; 2]; 2] = [[700.0, 2000.0], [2500.0, 8000.0]];
 
-/// Pillars whose neighbours are counted for a plan, and steps of which it is one, by their ratio.
+/// Number of pillars whose neighbours are counted for a plan, and the ratio of consecutive steps that are tried.
 const COUNTED: usize = 200;
 const STEP_RATIO: f64 = 1.2;
 
-/// How coarse the grid is, and what follows from that.
+/// The step of the grid, and the quantities that follow from it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plan {
     step: f64,
-    /// The first point, and how many there are along x and y.
+    /// The first point, and the number of points along x and y.
     first: Point,
     sides: [usize; 2],
-    /// About how many pairs are near.
+    /// Approximate number of near pairs.
     pairs: f64,
     cost: f64,
 }
 
 impl Plan {
-    /// The step that costs least, with so many modes of every pillar.
+    /// Chooses the step with the lowest cost for this number of modes per pillar.
     pub(crate) fn new(sites: &Sites, modes: usize) -> Self {
         let (centres, count) = (sites.centres(), sites.len());
         let bounds = |k: usize| {
@@ -107,11 +108,11 @@ impl Plan {
                 cost: sides[0] as f64 * sides[1] as f64 * of_point + pairs * of_pair,
             }
         };
-        // The discs have to lie within their stencils.
+        // The discs must be inside their stencils.
         let least = largest * (NEAR_RADII / NEAR).max(half.recip());
         let mut best = plan(least);
         let mut step = least;
-        // With one step over the whole extent all pairs are near.
+        // With a single step across the whole extent, all pairs are near.
         while step * NEAR < (right - left).hypot(high - low) {
             step *= STEP_RATIO;
             let other = plan(step);
@@ -124,12 +125,12 @@ impl Plan {
         best
     }
 
-    /// About how many bytes the solution of so many pillars takes.
+    /// Approximate memory in bytes for the solution of this number of pillars.
     pub(crate) fn memory(&self, pillars: usize, modes: usize) -> f64 {
         let of_pillar = modes as f64;
         let far_modes = modes.min(mode_count(FAR_DEGREE)) as f64;
         let stencil = far_modes * (4.0 * (STENCIL * STENCIL) as f64 + 8.0 * (far_modes + 1.0));
-        // The pairs next to each other have all modes.
+        // Adjacent pairs have all modes.
         let close = 4.0 * of_pillar * of_pillar;
         let vectors = 20.0 * 8.0 * of_pillar;
         let of_pairs = self.pairs * (4.0 * far_modes * far_modes + 16.0);
@@ -140,37 +141,38 @@ impl Plan {
 
 pub(crate) struct GridCoupling<'p> {
     modes: usize,
-    /// The pillars by the row of their charges, and column.
+    /// The pillars in the order of the row, then the column, of their charges.
     order: Vec<u32>,
     stencils: Stencils,
-    /// Points along x.
+    /// Number of points along x.
     columns: usize,
     convolution: FreeSpaceConvolution<'p>,
     near: PairBlocks<f32>,
     charges: Vec<f64>,
     potential: Vec<f64>,
-    /// In their order.
+    /// Moments in this order.
     moments: Vec<f64>,
     far: Vec<f64>,
 }
 
-/// As many weights as a pillar has at the most.
+/// Largest number of weights of a pillar.
 const WEIGHTS: usize = mode_count(FAR_DEGREE) * STENCIL * STENCIL;
 type Weights = [f64; WEIGHTS];
 
-/// The charges of all pillars, in their order.
+/// The charges of all pillars, in the order of the grid.
 struct Stencils {
-    /// Leading modes that the charges stand for.
+    /// Number of leading modes that the charges represent.
     modes: usize,
-    /// Column and row of the first of each.
+    /// Column and row of the first charge of each pillar.
     corners: Vec<[u32; 2]>,
     /// For every row of points, the first pillar whose charges start there or later.
     rows: Vec<u32>,
-    /// `P`: of every pillar row by row, for every far mode its charges there, in parts of a unit.
+    /// `P`: for every pillar, row and far mode, the charges in this row, as integer multiples of a unit.
     weights: Vec<i32>,
-    /// These units, of every pillar for every far mode. Fixed points leave smaller errors than floating ones of as many bits.
+    /// These units, for every pillar and far mode. The errors of fixed-point numbers are smaller than those of floating-point numbers with
+    /// the same number of bits.
     units: Vec<f64>,
-    /// `P K P'` of each itself, row by row.
+    /// `P K P'` of each pillar with itself, by rows.
     own: Vec<f64>,
 }
 
@@ -184,7 +186,7 @@ impl Stencils {
         &self.units[pillar * self.modes..][..self.modes]
     }
 
-    /// The weights of a pillar as numbers.
+    /// Converts the weights of a pillar to floating-point numbers.
     fn decode<'w>(&self, pillar: usize, weights: &'w mut Weights) -> &'w [f64] {
         let (encoded, units) = (self.weights(pillar), self.units(pillar));
         let weights = &mut weights[..encoded.len()];
@@ -199,13 +201,13 @@ impl Stencils {
         weights
     }
 
-    /// Grid steps from a source to a receiver.
+    /// Distance in grid steps from a source to a receiver.
     fn steps(&self, receiver: usize, source: usize) -> [i64; 2] {
         let [a, b] = [receiver, source].map(|pillar| self.corners[pillar]);
         [0, 1].map(|k| i64::from(a[k]) - i64::from(b[k]))
     }
 
-    /// The charges on a row of points.
+    /// Adds the charges to a row of points.
     #[inline(always)]
     fn charge<const MODES: usize>(
         &self,
@@ -236,7 +238,7 @@ impl Stencils {
         }
     }
 
-    /// What the potential does to a pillar, but for that of its own charges.
+    /// Computes the loads on a pillar due to the potential, without that of its own charges.
     #[inline(always)]
     fn gather<const MODES: usize>(
         &self,
@@ -248,7 +250,7 @@ impl Stencils {
     ) {
         let [column, row] = self.corners[pillar].map(|x| x as usize);
         let weights = self.weights(pillar).as_chunks::<STENCIL>().0;
-        // What is not inlined would not have the widest vectors: no closures that make arrays.
+        // Functions that are not inlined would not use the widest vector instructions: avoids closures that create arrays.
         let mut sums = [[0.0; STENCIL]; MODES];
         for (line, weights) in weights.chunks_exact(MODES).enumerate() {
             let start = (row + line) * columns + column;
@@ -284,12 +286,12 @@ fn sum_of(values: &[f64; STENCIL]) -> f64 {
 
 /// The potential between points of the grid.
 struct Kernel {
-    /// For every distance along y up to [`REACH`](Self::REACH), those along x from its negative on.
+    /// For every distance along y up to [`REACH`](Self::REACH), the values along x, beginning with the negative distances.
     values: Vec<f64>,
 }
 
 impl Kernel {
-    /// Grid steps between two charges of near pillars, at the most.
+    /// Largest distance in grid steps between two charges of near pillars.
     const REACH: usize = NEAR as usize + STENCIL + 1;
     const WIDTH: usize = 2 * Self::REACH + 1;
 
@@ -302,7 +304,7 @@ impl Kernel {
         }
     }
 
-    /// `P_n K P_k'` of two stencils that are so many steps apart, row by row.
+    /// `P_n K P_k'` of two stencils at this distance in grid steps, by rows.
     fn between(
         &self,
         modes: usize,
@@ -376,8 +378,8 @@ impl Kernel {
         }
     }
 
-    /// The potential between two stencils that are so many steps apart, by steps between halves along y and along x: from a half to itself,
-    /// by how much that to the half before and after differs.
+    /// The potential between two stencils at this distance, by the offset between their halves along y and along x: between a half and
+    /// itself, then the differences of the potentials to the preceding and the following half from this.
     #[inline(always)]
     fn halves(&self, steps: [i64; 2]) -> [[HalfKernel; 3]; 3] {
         let last = STENCIL as i64 - 1;
@@ -410,18 +412,19 @@ impl Kernel {
     }
 }
 
-/// Points along each side of a half of a stencil.
+/// Number of points along each side of half a stencil.
 const HALF: usize = STENCIL / 2;
 
-/// The potential by the steps from a point of a half to one of another.
+/// The potential as a function of the steps from a point of one half to a point of another.
 type HalfKernel = [[f64; STENCIL]; STENCIL - 1];
 
-/// The halves that receive what each of [`shares`] does.
+/// The halves that receive each of the products of [`shares`].
 const RECEIVING: [&[usize]; 3] = [&[0, 1], &[0], &[1]];
 
-/// Weights row by row of the sum of both halves, of the second and of the first, along y and along x. With the potential `A` between points of one half,
-/// `B` from the second to the first and `C` back, `u1 = A (q1 + q2) + (B - A) q2` and `u2 = A (q1 + q2) + (C - A) q1`: three products in place of
-/// four, and along both nine in place of sixteen (S. Winograd, Arithmetic Complexity of Computations, SIAM 1980).
+/// Weights, by rows, of the sum of both halves, of the second half and of the first, along y and along x. With the potential `A` between
+/// points of one half, `B` from the second to the first and `C` back, `u1 = A (q1 + q2) + (B - A) q2` and `u2 = A (q1 + q2) + (C - A) q1`:
+/// three products instead of four, and nine instead of sixteen in two dimensions (S. Winograd, Arithmetic Complexity of Computations, SIAM
+/// 1980).
 #[inline(always)]
 fn shares<const MODES: usize>(weights: &[f64]) -> [[[[[f64; HALF]; MODES]; HALF]; 3]; 3] {
     let weights = weights.as_chunks::<STENCIL>().0;
@@ -454,10 +457,10 @@ fn kernel(step: f64, [x, y]: [usize; 2]) -> f64 {
     (PI * step * ((x * x + y * y) as f64).sqrt()).recip()
 }
 
-/// Lagrange's polynomials of the points 0, 1, 2, ... at a place.
+/// Lagrange polynomials of the points 0, 1, 2, ... at a position.
 #[inline(always)]
 fn lagrange(place: f64) -> [f64; STENCIL] {
-    // The products of its distances from the other points, before and after each.
+    // The products of the distances from the points before and after each point.
     let mut values = [1.0; STENCIL];
     let (mut before, mut after) = (1.0, 1.0);
     for k in 0..STENCIL {
@@ -469,7 +472,7 @@ fn lagrange(place: f64) -> [f64; STENCIL] {
     values
 }
 
-/// For every point the inverse of the product of its distances from the others.
+/// For every point, the inverse of the product of its distances from the others.
 const INVERSES: [f64; STENCIL] = {
     let mut inverses = [1.0; STENCIL];
     let mut k = 0;
@@ -487,7 +490,7 @@ const INVERSES: [f64; STENCIL] = {
 };
 
 impl<'p> GridCoupling<'p> {
-    /// `None` where no grid can be made.
+    /// Returns `None` if no grid can be created.
     pub(crate) fn new(sites: &Sites, pair: &PairCoupling, workers: Workers<'p>) -> Option<Self> {
         let (centres, count) = (sites.centres(), sites.len());
         let radius = |pillar: usize| sites.body(pillar).radius;
@@ -552,7 +555,7 @@ impl<'p> GridCoupling<'p> {
             after.sort_unstable();
             after
         };
-        // That of fewer modes, by the number of them; between punches as they are.
+        // Couplings with fewer modes, by degree; flat punches are not truncated.
         let fewer: Vec<PairCoupling> = (0..most)
             .map(|degree| PairCoupling::new(degree, pair.pitch()))
             .collect();
@@ -615,7 +618,7 @@ impl<'p> GridCoupling<'p> {
         self.apply_by(FreeSpaceConvolution::apply, coefficients, far, workers);
     }
 
-    /// With transforms in single precision.
+    /// The same with transforms in single precision.
     pub(crate) fn apply_roughly(
         &mut self,
         coefficients: &[f64],
@@ -677,14 +680,14 @@ impl<'p> GridCoupling<'p> {
     }
 }
 
-/// Points of a rule, in the radius and around.
+/// Number of points of a rule in radial and angular direction.
 const RULE_SHAPE: [usize; 2] = {
     let degree = FAR_DEGREE + 2 * (STENCIL - 1);
     [degree / 4 + 1, degree + 1]
 };
 const RULE_POINTS: usize = RULE_SHAPE[0] * RULE_SHAPE[1];
 
-/// Points of a disc with the modes there times their weights.
+/// Points of a disc and the modes at these points times their weights.
 struct Rule {
     points: Vec<(Point, Vec<f64>)>,
     far_modes: usize,
@@ -707,7 +710,7 @@ impl Rule {
         Self { points, far_modes }
     }
 
-    /// The charges of a pillar for all modes, row by row.
+    /// Computes the charges of a pillar for all modes, by rows.
     #[inline(always)]
     fn integrate<const MODES: usize>(&self, centre: Point, radius: f64, weights: &mut [f64]) {
         let mut along = [[[0.0; STENCIL]; 2]; RULE_POINTS];
@@ -730,7 +733,8 @@ impl Rule {
         }
     }
 
-    /// Of a pillar with its radius and its centre, from the first of its charges, in grid steps: in parts of a unit, and that of every mode.
+    /// Weights of a pillar from its radius and its centre, relative to the first of its charges, in grid steps: as integers, and the unit
+    /// of every mode.
     fn weights(&self, centre: Point, radius: f64, room: &mut Weights) -> (Vec<i32>, Vec<f64>) {
         let modes = self.far_modes;
         let weights = &mut room[..modes * STENCIL * STENCIL];
@@ -783,7 +787,7 @@ mod tests {
         Sites::within(&PillarField::Listed(Arc::new(list)), f64::INFINITY)
     }
 
-    /// Pillars on about a tenth to a sixth of the plane, at any places, of radii between 0.75 and 1.25.
+    /// Pillars at random positions on a tenth to a sixth of the plane, with radii between 0.75 and 1.25.
     fn scattered(side: i32, pitch: f64) -> Vec<Disc> {
         let mut discs = Vec::new();
         for i in 0..side {
@@ -800,7 +804,7 @@ mod tests {
         discs
     }
 
-    /// The same in four clusters that are far apart.
+    /// The same in four distant clusters.
     fn clustered(side: i32, pitch: f64) -> Vec<Disc> {
         let places = [
             [0.0, 0.0],
@@ -827,7 +831,7 @@ mod tests {
         assert!((powers[1] / place.powi(7) - 1.0).abs() < 1e-11);
     }
 
-    /// The products of all pairs, each of as many modes as between near pillars on a grid.
+    /// The products of all pairs, with as many modes as between near pillars on a grid.
     fn all_pairs(
         sites: &Sites,
         degree: usize,
@@ -860,7 +864,7 @@ mod tests {
         far
     }
 
-    /// To a part of the largest displacement.
+    /// Checks products relative to the largest displacement.
     fn check_products(sites: &Sites, degree: usize, bar: f64) {
         let pair = PairCoupling::new(degree, 4.0);
         let (cancel, modes) = (CancelToken::default(), mode_count(degree));
@@ -871,7 +875,7 @@ mod tests {
             cancel: &cancel,
         });
         let size = sites.len() * modes;
-        // As they are: the higher the degree, the smaller.
+        // Realistic coefficients, which decrease with increasing degree.
         let coefficients = |turn: f64| -> Vec<f64> {
             let of_mode = |k: usize| 0.2_f64.powi(pair.modes()[k % modes].degree as i32);
             let value = |k: usize| 0.6 + (turn * k as f64 + 0.3 * (k as f64).sqrt()).sin();
@@ -894,7 +898,7 @@ mod tests {
         );
         let by_pairs = all_pairs(sites, degree, &c, alone);
         let scale = by_pairs.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
-        // Loads on the modes that the charges stand for, and on those beyond, which excite little.
+        // Loads on the modes that the charges represent, and on the higher modes, which are small.
         let mut error = [0.0_f64; 2];
         for (k, (a, b)) in by_grid.iter().zip(&by_pairs).enumerate() {
             let beyond = pair.modes()[k % modes].degree > FAR_DEGREE;
@@ -912,7 +916,7 @@ mod tests {
     #[test]
     fn products_are_those_of_all_pairs() {
         for (degree, side, pitch) in [(0, 12, 4.6), (2, 17, 4.6), (4, 12, 5.6)] {
-            // What the modes beyond do from afar is left out.
+            // The far field of the higher modes is neglected.
             let bar = if degree > FAR_DEGREE { 2e-7 } else { 5e-9 };
             check_products(&sites(scattered(side, pitch)), degree, bar);
         }
@@ -922,7 +926,7 @@ mod tests {
     #[test]
     fn products_in_clusters_and_on_lattices() {
         for degree in [1, 2] {
-            // Nearly all of it comes from near pairs, in single precision.
+            // Near pairs in single precision contribute most of the error.
             check_products(&sites(clustered(9, 4.6)), degree, 3e-8);
         }
         let lattice = PlaneLattice::new(
@@ -934,14 +938,14 @@ mod tests {
         check_products(&Sites::within(&lattice, 45.0), 2, 5e-9);
     }
 
-    /// Where there is much room between clusters the grid is so coarse that all pairs of one are near.
+    /// If clusters are far apart, the grid is so coarse that all pairs within a cluster are near.
     #[test]
     fn grids_of_clusters_are_bounded() {
         let even = Plan::new(&sites(scattered(30, 4.6)), 6);
         assert!(even.pairs < 20.0 * 900.0 && even.memory(900, 6) < 2e7);
         let clusters = Plan::new(&sites(clustered(15, 4.6)), 6);
         assert!(clusters.memory(900, 6) < 4e7, "{clusters:?}");
-        // On one line, and two that are very far apart.
+        // On one line; and two pillars at a very large distance.
         let row = (0..900).map(|k| ([3.0 * f64::from(k), 0.0], 1.0));
         assert!(Plan::new(&sites(row), 6).memory(900, 6) < 2e7);
         let far = [[0.0, 0.0], [1e12, 0.0]].map(|centre| (centre, 1.0));

@@ -1,30 +1,30 @@
-//! What places of contact do to each other, as a linear operator.
+//! The interaction of contact sites as a linear operator.
 
 use crate::numerics::workers::Workers;
 
-/// The loads that the coefficients of all places make on each other, `B c`. It is symmetric: the work that one set of pressures does
-/// on the displacements of another is that of the other on those of the one.
+/// The loads due to the coefficients of all sites, `B c`. The operator is symmetric: the work of one set of pressures on the displacements
+/// of another equals the work of the other on the displacements of the first.
 pub(crate) trait Coupling {
-    /// `far = B c`, both place by place. If it is cancelled, anything.
+    /// `far = B c`, both site by site. The result is undefined after cancellation.
     fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>);
 
-    /// The same to about seven digits, if that is quicker.
+    /// The same to about seven digits, if this is faster.
     fn apply_roughly(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         self.apply(coefficients, far, workers);
     }
 
-    /// Relative error of its products beyond rounding.
+    /// Relative error of the products in addition to rounding.
     fn error(&self) -> f64 {
         0.0
     }
 
-    /// Relative error of a solution from nothing by rough products, where they are to be made up for.
+    /// Relative error of a solution that is computed from zero with single-precision products; used where the solution is corrected for it.
     fn rough_error(&self) -> f64 {
         0.0
     }
 }
 
-/// The sum of two operators, such as of a half-space and of what differs from it.
+/// The sum of two operators, for example of a half-space and of the difference from it.
 #[cfg(test)]
 pub(crate) struct Sum<A, B> {
     first: A,

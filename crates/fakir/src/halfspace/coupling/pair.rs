@@ -1,23 +1,23 @@
-//! The coupling coefficients between the modes of two pillars, in closed form, for any two radii.
+//! The coupling coefficients between the modes of two pillars of any two radii, in closed form.
 //!
-//! The unknowns are moments: `a^2` times the coefficients of the pressure, so that the work of one on the displacement by the other is the
-//! same for both. For a receiver of radius `a` at `D` from a source of radius `a'`, `delta = |D| > a + a'`, and `Phi` the angle of `D`, complex
-//! modes of azimuthal difference or sum `M` couple by
-//! `g(l,m; l',m'; M) = 4 pi y_lm y_l'm' i^(l-l'+M) ∫ j_l(k a) j_l'(k a') J_M(k delta) dk`
-//! (the Fourier transform of `Y_lm/mu` is `2 pi (-i)^l j_l(k) Y_lm(equator)`). With `alpha = a/delta` and `beta = a'/delta` that is
-//! (W. N. Bailey, Proc. Lond. Math. Soc. s2-40, 37 (1936))
+//! The unknowns are moments: `a^2` times the coefficients of the pressure, so that the work of each pillar on the displacement due to the
+//! other is the same. For a receiver of radius `a` at `D` from a source of radius `a'`, `delta = |D| > a + a'`, and `Phi` the angle of `D`,
+//! complex modes of azimuthal difference or sum `M` couple by
+//! `g(l,m; l',m'; M) = 4 pi y_lm y_l'm' i^(l-l'+M) ∫ j_l(k a) j_l'(k a') J_M(k delta) dk` (the Fourier transform of `Y_lm/mu` is
+//! `2 pi (-i)^l j_l(k) Y_lm(equator)`). With `alpha = a/delta` and `beta = a'/delta` this is (W. N. Bailey, Proc. Lond. Math. Soc. s2-40,
+//! 37 (1936))
 //!
 //! ```text
 //! (-1)^l pi y y' G((1+L+M)/2) G((1+L-M)/2)/(G(l+3/2) G(l'+3/2)) alpha^l beta^l'/delta F4,      L = l + l',
 //! ```
 //!
-//! with Appell's `F4((1+L-M)/2, (1+L+M)/2; l+3/2, l'+3/2; alpha^2, beta^2)`. Its terms of one degree add up to a Jacobi polynomial of an argument
-//! beyond 1, which three-term recurrences give; all are positive. Radius 0 is a point that feels or acts by its mean alone.
+//! with Appell's `F4((1+L-M)/2, (1+L+M)/2; l+3/2, l'+3/2; alpha^2, beta^2)`. Its terms of one degree add up to a Jacobi polynomial of an
+//! argument above 1, which three-term recurrences evaluate; all terms are positive. Radius 0 is a point that interacts by its mean alone.
 //!
-//! Pillars of one radius have that as the unit of length. Then the moments are the coefficients.
+//! For pillars of equal radius, this radius is the unit of length, and the moments are the coefficients.
 //!
-//! Where bodies are [layers](crate::halfspace::layer), `(Phi(k) - 1)` times the integrand is added, for pillars of that radius alone: it is smooth, so that
-//! a pillar feels it of itself too, at the distance 0.
+//! If bodies are [layers](crate::halfspace::layer), `(Phi(k) - 1)` times the integrand is added; this is supported for pillars of equal
+//! radius only. The correction is smooth, so that it also acts between a pillar and itself, at the distance 0.
 
 use crate::halfspace::disc::basis::{
     Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes,
@@ -32,21 +32,21 @@ use crate::problem::scaled::Scene;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::Arc;
 
-/// Relative size of the terms at which the series is cut.
+/// Relative size of the terms at which the series is truncated.
 pub(super) const SERIES_TOLERANCE: f64 = 1e-17;
 
-/// Most terms of a series. Reached only for pillars that all but touch, where the rest is
-/// added from the algebraic decay of the terms.
+/// Largest number of terms of a series. Reached only for pillars that nearly touch; the remainder is then added from the algebraic decay of
+/// the terms.
 const SERIES_LIMIT: usize = 20_000;
 
-/// Terms that all series of a pair take in step, with coefficients from a table: enough for gaps of a seventh of the radius. The
-/// rest of those that are not done by then is added to each by itself.
+/// Number of terms that all series of a pair sum together, with coefficients from a table: sufficient for gaps of a seventh of the radius.
+/// Series that have not converged by then are continued separately.
 const TABLE: usize = 256;
 
-/// Steps after which it is looked whether all are done.
+/// Number of steps between convergence checks.
 const STRIDE: usize = 4;
 
-/// Two discs: the radius of the receiver, that of the source, and the distance of their centres.
+/// Two discs: the radii of receiver and source, and the distance of their centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Discs {
     pub(crate) receiver: f64,
@@ -85,7 +85,7 @@ impl Series {
         }
     }
 
-    /// Derivatives with respect to the logarithms of the distance, of the receiver's radius, and of the source's.
+    /// Derivatives with respect to the logarithms of the distance, of the receiver's radius, and of the source's radius.
     fn derivatives(&self, discs: Discs) -> [f64; 3] {
         let values = [discs.receiver, discs.source, discs.distance];
         let variables = std::array::from_fn(|k| Dual::variable(values[k], k));
@@ -105,16 +105,16 @@ impl Series {
         powers / distance * sum
     }
 
-    /// `A`, `B`, `p = l + 1/2` and `q = l' + 1/2` of its function.
+    /// `A`, `B`, `p = l + 1/2` and `q = l' + 1/2` of the function.
     pub(super) fn parameters(&self) -> [f64; 4] {
         let [a, b] = self.upper;
         let [p, q] = self.degrees.map(|degree| f64::from(degree) + 0.5);
         [a, b, p, q]
     }
 
-    /// `F4` from the terms before `first`: their sum, and the last two of them. By the sums of its terms of one degree,
-    /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the coefficients of the
-    /// recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
+    /// `F4`, continued from the terms before `first`: their sum and the last two of them. Uses the sums of its terms of one degree,
+    /// `U_s = f_s (c1 U_(s-1) - c2 f_(s-1) U_(s-2))` with `f_s = (A+s-1)(B+s-1)/((p+s)(q+s))`, `p = l+1/2`, `q = l'+1/2` and the
+    /// coefficients of the recurrence of Jacobi polynomials (NIST Digital Library of Mathematical Functions, 18.9.2).
     fn appell_from<N: Number>(&self, first: usize, known: [N; 3], [x, y]: [N; 2]) -> N {
         let parameters = self.parameters();
         let [mut sum, mut term, mut before] = known;
@@ -134,8 +134,8 @@ impl Series {
                 half_way = term.value();
             }
         }
-        // Where discs touch the terms go as s^(-5/2) (1 + c/s), and the rest is as their integral from s + 1/2 on.
-        // Their derivatives go as s^(-3/2).
+        // For touching discs the terms are proportional to s^(-5/2) (1 + c/s), and the remainder is approximated by their integral from s +
+        // 1/2 on. Their derivatives are proportional to s^(-3/2).
         let s = SERIES_LIMIT as f64;
         let c = s * (1.0 - 0.5_f64.powf(-2.5) * term.value() / half_way);
         let from = s + 0.5;
@@ -145,8 +145,8 @@ impl Series {
     }
 }
 
-/// Coefficients of the step to the term `s` of [Appell's function](Series::appell_from) from its `A`, `B`, `p` and `q`: those of `x + y`, of
-/// `y - x` and of `(y - x)^2`.
+/// Coefficients of the step to the term `s` of [Appell's function](Series::appell_from) from its `A`, `B`, `p` and `q`: those of `x + y`,
+/// of `y - x` and of `(y - x)^2`.
 pub(super) fn step([a, b, p, q]: [f64; 4], s: f64) -> [f64; 3] {
     let w = p + q;
     let ratio = |s: f64| (a + s - 1.0) * (b + s - 1.0) / ((p + s) * (q + s));
@@ -164,11 +164,11 @@ pub(super) fn step([a, b, p, q]: [f64; 4], s: f64) -> [f64; 3] {
     ]
 }
 
-/// All series of a pair, which take their first terms in step.
+/// All series of a pair, whose first terms are summed together.
 #[derive(Debug, Clone)]
 struct SeriesTable {
     series: Vec<Series>,
-    /// For every term from the first on: the coefficients of a [`step`], each of all series.
+    /// For every term from the first on: the coefficients of a [`step`], each for all series.
     steps: Vec<f64>,
 }
 
@@ -188,7 +188,7 @@ impl SeriesTable {
         Self { series, steps }
     }
 
-    /// Their values.
+    /// Evaluates the series.
     fn values(&self, discs: Discs, values: &mut [f64]) {
         let count = self.series.len();
         let [x, y] = [discs.receiver, discs.source].map(|r| (r / discs.distance).powi(2));
@@ -217,7 +217,7 @@ impl SeriesTable {
         }
     }
 
-    /// Adds terms until all are too small to matter, or the table ends. The number of terms.
+    /// Adds terms until all are negligible or the table ends. Returns the number of terms.
     #[inline(always)]
     fn add_terms(&self, [x, y]: [f64; 2], [sum, term, before]: [&mut [f64]; 3]) -> usize {
         let count = sum.len();
@@ -245,7 +245,7 @@ impl SeriesTable {
 /// Degree and order of the mode of a receiver, and of that of a source.
 type Orders = [(usize, usize); 2];
 
-/// Which series make up one entry of the block between two pillars.
+/// The series of one entry of the block between two pillars.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
     pub(super) receiver: Mode,
@@ -261,22 +261,22 @@ pub(crate) struct PairCoupling {
     modes: Vec<Mode>,
     pitch: f64,
     series: SeriesTable,
-    /// Whether pillars act as flat punches on the centres of the others, without series.
+    /// Radial function for pillars that act as flat punches on the centres of the others, without series.
     flat_punches: Option<RadialFunction>,
-    /// What layers add to every series; none on half-spaces.
+    /// Correction of every series for layers; `None` on half-spaces.
     layers: Option<Arc<RadialTable>>,
     part: Part,
-    /// Entries with source index >= receiver index, row by row.
+    /// Entries with source index >= receiver index, by rows.
     entries: Vec<Entry>,
 }
 
-/// What of a coupling it is.
+/// The part of the coupling that is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Part {
     Whole,
     /// The derivative with respect to the logarithm of the distance.
     ByDistance,
-    /// What layers add.
+    /// The correction for layers.
     Layers,
 }
 
@@ -317,13 +317,13 @@ impl PairCoupling {
         }
     }
 
-    /// That of the pillars of a scene, on layers where bodies are.
+    /// The coupling of the pillars of a scene, with layers if there are any.
     pub(crate) fn of_scene(degree: usize, scene: &Scene) -> Self {
         Self::new(degree, scene.field.spacing()).with_layers(&scene.layers)
     }
 
-    /// Degree 0 with the displacement `(2/pi) zeta arcsin(1/delta)` of a flat punch at the centre
-    /// of the receiving pillar instead of its average over the pillar, as in the paper.
+    /// Degree 0 with the displacement `(2/pi) zeta arcsin(1/delta)` of a flat punch at the centre of the receiving pillar instead of its
+    /// average over the pillar, as in the paper.
     pub(crate) fn of_flat_punches(pitch: f64) -> Self {
         Self {
             flat_punches: Some(RadialFunction::new(0, 0)),
@@ -331,12 +331,12 @@ impl PairCoupling {
         }
     }
 
-    /// The same on layers, given in the radius of the pillars.
+    /// The same on layers, given in units of the pillar radius.
     pub(crate) fn with_layers(&self, layers: &[WeightedLayer]) -> Self {
         if layers.is_empty() {
             return self.clone();
         }
-        // The displacement of a point by a point force, for flat punches: 2 is their force squared over pi.
+        // For flat punches, the displacement of a point due to a point force: 2 is the square of their force divided by pi.
         let of_points = RadialPart {
             factor: 2.0,
             degrees: Vec::new(),
@@ -371,12 +371,12 @@ impl PairCoupling {
         }
     }
 
-    /// Whether there are layers, by which a pillar acts on itself.
+    /// Whether there are layers, through which a pillar acts on itself.
     pub(crate) fn has_layers(&self) -> bool {
         self.layers.is_some()
     }
 
-    /// What a pillar does to itself by layers, row by row.
+    /// The effect of a pillar on itself due to layers, by rows.
     pub(crate) fn own_block(&self) -> Option<Vec<f64>> {
         let layers = self.layers.as_ref()?;
         if self.part == Part::ByDistance {
@@ -389,7 +389,7 @@ impl PairCoupling {
         Some(block)
     }
 
-    /// The derivative with respect to the logarithm of the distance in place of the coupling: what a pitch changes. It has the same symmetries.
+    /// The derivative of the coupling with respect to the logarithm of the distance, for changes of the pitch. It has the same symmetries.
     pub(crate) fn by_distance(&self) -> Self {
         Self {
             part: Part::ByDistance,
@@ -397,7 +397,7 @@ impl PairCoupling {
         }
     }
 
-    /// What layers add, without the half-spaces: for [changes](WeightedLayer::change) of layers.
+    /// The correction for layers without the half-spaces: for [changes](WeightedLayer::change) of layers.
     pub(crate) fn of_layers_alone(&self, layers: &[WeightedLayer]) -> Self {
         Self {
             part: Part::Layers,
@@ -409,7 +409,7 @@ impl PairCoupling {
         &self.modes
     }
 
-    /// That of the highest mode.
+    /// Highest degree of the modes.
     pub(crate) fn degree(&self) -> usize {
         self.modes.last().map_or(0, |mode| mode.degree)
     }
@@ -429,7 +429,7 @@ impl PairCoupling {
         self.series.series.len()
     }
 
-    /// The parts that depend on the distance alone (`delta` in pillar radii), into `radial`.
+    /// Computes the parts that depend on the distance alone (`delta` in pillar radii) into `radial`.
     pub(crate) fn radial(&self, delta: f64, radial: &mut [f64]) {
         let discs = Discs {
             receiver: 1.0,
@@ -470,8 +470,7 @@ impl PairCoupling {
         }
     }
 
-    /// Entries on and above the diagonal of the block for the unit vector `direction` from
-    /// source to receiver, row by row.
+    /// Entries on and above the diagonal of the block for the unit vector `direction` from source to receiver, by rows.
     pub(crate) fn upper_block(&self, radial: &[f64], direction: [f64; 2], block: &mut [f64]) {
         let angles = Angles::new(direction, self.degree());
         for (value, entry) in block.iter_mut().zip(&self.entries) {
@@ -479,13 +478,12 @@ impl PairCoupling {
         }
     }
 
-    /// The whole block for receiver minus source `= [x, y]`, in pillar radii, row by row: a
-    /// row is a mode of the receiver.
+    /// The complete block for receiver minus source `= [x, y]`, in pillar radii, by rows: a row is a mode of the receiver.
     pub(crate) fn block(&self, offset: [f64; 2], block: &mut [f64]) {
         self.block_of(offset, [1.0; 2], block);
     }
 
-    /// The same for moments of discs of two radii, that of the receiver first, which do not overlap.
+    /// The same for moments of discs of two radii, that of the receiver first, which must not overlap.
     pub(crate) fn block_of(
         &self,
         [x, y]: [f64; 2],
@@ -511,7 +509,7 @@ impl PairCoupling {
         self.fill_block([&radial, exchanged], direction, block);
     }
 
-    /// The derivatives of that block with respect to the logarithm of the distance, and to that of the receiver's radius.
+    /// The derivatives of this block with respect to the logarithm of the distance, and to that of the receiver's radius.
     pub(crate) fn block_derivatives(
         &self,
         [x, y]: [f64; 2],
@@ -540,7 +538,7 @@ impl PairCoupling {
         }
     }
 
-    /// A block from its radial parts, and from those with receiver and source exchanged.
+    /// Computes a block from its radial parts, and from those with receiver and source exchanged.
     fn fill_block(&self, [radial, exchanged]: [&[f64]; 2], direction: [f64; 2], block: &mut [f64]) {
         let count = self.modes.len();
         let angles = Angles::new(direction, self.degree());
@@ -590,7 +588,7 @@ impl Entry {
 pub(super) struct Angles([[f64; 2]; 2 * MAXIMUM_DEGREE + 1]);
 
 impl Angles {
-    /// Of that of a unit vector, up to twice a degree.
+    /// Multiples of the angle of a unit vector, up to twice a degree.
     pub(super) fn new([cos, sin]: [f64; 2], degree: usize) -> Self {
         let mut angles = [[1.0, 0.0]; 2 * MAXIMUM_DEGREE + 1];
         for multiple in 1..=2 * degree {
@@ -600,7 +598,7 @@ impl Angles {
         Self(angles)
     }
 
-    /// Of a multiple, which may be negative.
+    /// Cosine and sine of a multiple, which may be negative.
     #[inline]
     pub(super) fn of(&self, multiple: isize) -> [f64; 2] {
         let [cos, sin] = self.0[multiple.unsigned_abs()];
@@ -649,7 +647,7 @@ mod tests {
 
     #[test]
     fn layers_add_what_the_table_has() {
-        // In um with a radius of 3 um.
+        // In um for a radius of 3 um.
         let (half_spaces, film) = (PairCoupling::new(2, 4.0), film());
         let layered = half_spaces.with_layers(&[film]);
         for (case, value) in rows("Delta g") {
@@ -685,7 +683,7 @@ mod tests {
 
     #[test]
     fn a_layer_with_itself_by_double_quadrature() {
-        // Its far displacement between all points of two discs, and of one with itself.
+        // The far displacement of the layer between all points of two discs, and of one disc with itself.
         let degree = 4;
         let count = mode_count(degree);
         let film = film();
@@ -699,7 +697,7 @@ mod tests {
                 (point, weight, values)
             })
             .collect();
-        // Even polynomials: enough for the distances here, to 1e-9.
+        // Even polynomials: accurate to 1e-9 for the distances in this test.
         let samples: Vec<f64> = (0..=2000)
             .map(|k| response.far_displacement(f64::from(k) * 1e-3) / 2.0)
             .collect();
@@ -803,8 +801,8 @@ mod tests {
         }
     }
 
-    /// Radius 1 receives, 0.3 acts: the series by another program; where the discs touch, in 30 digits up to terms 256 to 16384 with
-    /// Richardson's extrapolation in their number.
+    /// Receiver radius 1, source radius 0.3. Reference: the series in a separate program; for touching discs, with 30 digits up to terms
+    /// 256 to 16384 and Richardson extrapolation in their number.
     #[test]
     fn two_radii_are_those_of_the_reference() {
         let pair = PairCoupling::new(2, 4.0);
@@ -848,7 +846,8 @@ mod tests {
         }
     }
 
-    /// A point receives the displacement there over the root of `2 pi`: `arcsin(1/delta)/pi` times `sqrt(2 pi)` for the lowest mode (Copson).
+    /// A point receives the displacement at its position divided by the root of `2 pi`: `arcsin(1/delta)/pi` times `sqrt(2 pi)` for the
+    /// lowest mode (Copson).
     #[test]
     fn a_point_is_a_disc_without_radius() {
         let pair = PairCoupling::new(2, 4.0);
@@ -864,7 +863,7 @@ mod tests {
         assert!(block[6..].iter().all(|value| *value == 0.0));
     }
 
-    /// Central differences of blocks, and `C(s D; s a, s a') = C/s` for the derivatives.
+    /// Compares with central differences of blocks, and checks `C(s D; s a, s a') = C/s` for the derivatives.
     #[test]
     fn derivatives_of_blocks() {
         let degree = 4;

@@ -7,14 +7,14 @@ use crate::problem::pillar_field::{Counted, PillarBody, PillarField};
 use crate::problem::{HexagonalLattice, Point};
 use std::sync::OnceLock;
 
-/// Pillars with their places and bodies.
+/// Pillars with their positions and bodies.
 #[derive(Debug, Clone)]
 pub(crate) struct Sites {
     places: Places,
-    /// Of the first pillar, and of all where `bodies` is empty.
+    /// Body of the first pillar, and of all pillars if `bodies` is empty.
     common: PillarBody,
     bodies: Vec<PillarBody>,
-    /// Radius within which it holds all pillars.
+    /// Radius that contains all pillars, relative to the lens axis.
     radius: f64,
     neighbours: OnceLock<Neighbours>,
 }
@@ -25,7 +25,7 @@ enum Places {
         window: Window,
         lattice: HexagonalLattice,
     },
-    /// By rising index.
+    /// In order of increasing index.
     Listed {
         indices: Vec<(i64, i64)>,
         centres: Vec<Point>,
@@ -33,7 +33,7 @@ enum Places {
 }
 
 impl Sites {
-    /// The pillars within a radius of the lens axis, or near it if there are none.
+    /// The pillars within a radius of the lens axis, or those near it if there are none.
     pub(crate) fn within(field: &PillarField, radius: f64) -> Self {
         if let PillarField::Hexagonal {
             lattice, column, ..
@@ -80,7 +80,7 @@ impl Sites {
         }
     }
 
-    /// The part of a hexagonal lattice that it is, if it is one.
+    /// The part of a hexagonal lattice, if the sites are one.
     pub(crate) fn window(&self) -> Option<&Window> {
         match &self.places {
             Places::Window { window, .. } => Some(window),
@@ -88,7 +88,7 @@ impl Sites {
         }
     }
 
-    /// The hexagonal lattice that it is a part of, if it is of one.
+    /// The hexagonal lattice of the sites, if there is one.
     pub(crate) fn hexagonal_lattice(&self) -> Option<&HexagonalLattice> {
         match &self.places {
             Places::Window { lattice, .. } => Some(lattice),
@@ -96,7 +96,7 @@ impl Sites {
         }
     }
 
-    /// Where they stand on the lattice that they are of; none of a list.
+    /// The positions on the lattice of the field; `None` for a list.
     pub(crate) fn on_lattice(&self, field: &PillarField) -> Option<Counted> {
         match &self.places {
             Places::Window { window, lattice } => Some(Counted {
@@ -120,22 +120,22 @@ impl Sites {
         }
     }
 
-    /// How a pillar is made.
+    /// The body of a pillar.
     pub(crate) fn body(&self, pillar: usize) -> &PillarBody {
         self.bodies.get(pillar).unwrap_or(&self.common)
     }
 
-    /// Whether all have the common body.
+    /// Whether all pillars have the common body.
     pub(crate) fn are_alike(&self) -> bool {
         self.bodies.is_empty()
     }
 
-    /// The body that is common, or that of the first pillar.
+    /// The common body, or that of the first pillar.
     pub(crate) fn common_body(&self) -> &PillarBody {
         &self.common
     }
 
-    /// What a pillar is known by, whatever part of the arrangement this is.
+    /// Identifies a pillar independently of which part of the arrangement the sites are.
     pub(crate) fn index(&self, pillar: usize) -> (i64, i64) {
         match &self.places {
             Places::Window { window, .. } => window.index(pillar),
@@ -143,7 +143,7 @@ impl Sites {
         }
     }
 
-    /// Position in the list of the pillar with that index.
+    /// Position in the list of the pillar with this index.
     pub(crate) fn find(&self, index: (i64, i64)) -> Option<usize> {
         match &self.places {
             Places::Window { window, .. } => window.find(index),
@@ -151,7 +151,7 @@ impl Sites {
         }
     }
 
-    /// Distance of the farthest centre within a radius from the lens axis along x, and along y.
+    /// Distance of the farthest centre within a radius from the lens axis, along x and along y.
     pub(crate) fn extent(&self, within: f64) -> Point {
         let near = self.centres().iter().filter(|[x, y]| x.hypot(*y) <= within);
         near.fold([0.0, 0.0], |[along_x, along_y], [x, y]| {
@@ -159,12 +159,12 @@ impl Sites {
         })
     }
 
-    /// Radius within which it holds all pillars.
+    /// Radius that contains all pillars.
     pub(crate) fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The pillars by where they are, by their places in the list.
+    /// Search structure of the pillars, with their indices in the list.
     pub(crate) fn neighbours(&self) -> &Neighbours {
         self.neighbours.get_or_init(|| {
             let centres = self.centres().iter().enumerate();

@@ -3,8 +3,7 @@
 use crate::problem::{HexagonalLattice, Point};
 use std::ops::Range;
 
-/// The pillars whose centres lie within a radius of the lens axis, as a list and as places in a
-/// rectangular array of lattice indices.
+/// The pillars whose centres are within a radius of the lens axis, as a list and as positions in a rectangular array of lattice indices.
 #[derive(Debug, Clone)]
 pub(crate) struct Window {
     /// Lattice indices of the corner of the array.
@@ -13,14 +12,14 @@ pub(crate) struct Window {
     shape: (usize, usize),
     /// Row and column of every pillar; row by row.
     places: Vec<(usize, usize)>,
-    /// The pillars of every row; they stand in columns that follow each other.
+    /// The pillars of every row, which are in consecutive columns.
     rows: Vec<Range<usize>>,
     centres: Vec<Point>,
     radius: f64,
 }
 
 impl Window {
-    /// All lengths in one unit, that of `lattice.pitch`.
+    /// All lengths are in the unit of `lattice.pitch`.
     pub(crate) fn new(lattice: &HexagonalLattice, radius: f64) -> Self {
         let nearest = lattice.nearest_pillar([0.0, 0.0]);
         // |a1 i + a2 j| <= r implies |i|, |j| <= 2 r/(sqrt3 e).
@@ -59,13 +58,13 @@ impl Window {
                 .map(|row| from_row(row)..from_row(row + 1))
                 .collect(),
             places,
-            // In a list of its own, as the one with the indices takes far more room.
+            // Copied to a separate list, since the one with the indices takes much more memory.
             centres: indexed.iter().map(|(_, centre)| *centre).collect(),
             radius,
         }
     }
 
-    /// About how many pillars a window of this radius holds.
+    /// Approximate number of pillars in a window of this radius.
     pub(crate) fn expected_len(lattice: &HexagonalLattice, radius: f64) -> f64 {
         std::f64::consts::PI * radius * radius / lattice.cell_area()
     }
@@ -111,7 +110,7 @@ impl Window {
         pillars.contains(&pillar).then_some(pillar)
     }
 
-    /// Radius within which it holds all pillars.
+    /// Radius that contains all pillars, relative to the lens axis.
     pub(crate) fn radius(&self) -> f64 {
         self.radius
     }

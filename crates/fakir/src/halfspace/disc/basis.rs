@@ -14,10 +14,10 @@ use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 /// `∫ Y_00 dOmega = sqrt(2 pi)`: the force of a unit coefficient of the lowest mode.
 pub(crate) const UNIT_FORCE: f64 = 2.506_628_274_631_000_7;
 
-/// `lambda_11`, of the tilts: the modes after the lowest.
+/// `lambda_11` of the tilt modes, which follow the lowest mode.
 pub(crate) const TILT_COMPLIANCE: f64 = FRAC_PI_2;
 
-/// `sqrt(3/(2 pi))`: these modes are that times x and y.
+/// `sqrt(3/(2 pi))`: the tilt modes are this times x and y.
 pub(crate) const TILT_MODE: f64 = 0.690_988_298_942_670_9;
 
 /// One mode of the pressure.
@@ -27,17 +27,17 @@ pub(crate) struct Mode {
     pub(crate) degree: usize,
     /// `m`
     pub(crate) order: usize,
-    /// Whether it goes as `sin(m theta)`.
+    /// Whether the mode is proportional to `sin(m theta)`.
     pub(crate) sine: bool,
 }
 
 impl Mode {
-    /// Whether it changes its sign when it is turned by half a turn.
+    /// Whether the mode changes its sign under a rotation by 180 degrees.
     pub(crate) fn is_odd(&self) -> bool {
         self.degree % 2 == 1
     }
 
-    /// Whether it is odd along x, and along y.
+    /// Whether the mode is odd in x, and in y.
     pub(crate) fn parities(&self) -> [bool; 2] {
         [(self.order + usize::from(self.sine)) % 2 == 1, self.sine]
     }
@@ -48,14 +48,14 @@ pub(crate) const fn mode_count(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// The degree whose modes are that many, or the lowest of more.
+/// The lowest degree with at least this number of modes.
 pub(crate) fn degree_with(count: usize) -> usize {
     (0..)
         .find(|&degree| mode_count(degree) >= count)
         .unwrap_or(0)
 }
 
-/// All modes up to `degree`, by rising degree: a lower degree is a leading block.
+/// All modes up to `degree`, by increasing degree: a lower degree is a leading block.
 pub(crate) fn modes(degree: usize) -> Vec<Mode> {
     let mut modes = Vec::with_capacity(mode_count(degree));
     for l in 0..=degree {
@@ -74,22 +74,22 @@ pub(crate) fn modes(degree: usize) -> Vec<Mode> {
     modes
 }
 
-/// The coefficients of what an expansion becomes when it is turned by an angle (rad).
+/// Rotates an expansion by an angle (rad).
 pub(crate) fn turn(coefficients: &mut [f64], angle: f64) {
     let modes = modes(degree_with(coefficients.len()));
     UnloadingPoint::new(&modes, angle, false).apply(coefficients);
 }
 
-/// What a rotation, after a reflection along y or none, makes of the coefficients of modes.
+/// Transformation of mode coefficients under a rotation, optionally preceded by a reflection of y.
 #[derive(Debug, Clone)]
 pub(crate) struct UnloadingPoint {
     reflected: bool,
-    /// The number of every mode that goes as a cosine, which that of the sine follows, with cosine and sine of the angle by which its order turns.
+    /// The index of every cosine mode (the sine mode follows it), with the cosine and sine of the angle times its order.
     cosines: Vec<(usize, [f64; 2])>,
 }
 
 impl UnloadingPoint {
-    /// By an angle (rad).
+    /// Rotation by an angle (rad).
     pub(crate) fn new(modes: &[Mode], angle: f64, reflected: bool) -> Self {
         let are_cosines = |(_, mode): &(usize, &Mode)| mode.order > 0 && !mode.sine;
         let turned = |(number, mode): (usize, &Mode)| {
@@ -103,9 +103,9 @@ impl UnloadingPoint {
         }
     }
 
-    /// What takes it back.
+    /// The inverse transformation.
     pub(crate) fn inverse(mut self) -> Self {
-        // What reflects takes itself back.
+        // A reflection is its own inverse.
         if !self.reflected {
             for (_, [_, sine]) in &mut self.cosines {
                 *sine = -*sine;
@@ -124,7 +124,7 @@ impl UnloadingPoint {
     }
 }
 
-/// Quarters and halves of a turn without rounding.
+/// Removes rounding from multiples of a quarter turn.
 fn whole(value: f64) -> f64 {
     let nearest = value.round();
     if (value - nearest).abs() < 1e-14 {
@@ -134,8 +134,8 @@ fn whole(value: f64) -> f64 {
     }
 }
 
-/// `lambda_lm = G((l+m+1)/2) G((l-m+1)/2) / (G((l+m+2)/2) G((l-m+2)/2))`: the displacement
-/// inside the disc is `lambda Y` under the pressure `Y/mu`.
+/// `lambda_lm = G((l+m+1)/2) G((l-m+1)/2) / (G((l+m+2)/2) G((l-m+2)/2))`: the displacement inside the disc is `lambda Y` under the pressure
+/// `Y/mu`.
 pub(crate) fn eigenvalue(degree: usize, order: usize) -> f64 {
     let ratio = |n: usize| gamma_ratio(n);
     ratio(degree + order) * ratio(degree - order)
@@ -164,7 +164,7 @@ pub(crate) struct BasisEvaluator {
     legendre: Vec<f64>,
     /// Recurrence coefficients `(alpha, beta)` at the same index, for `m <= l - 2`.
     recurrence: Vec<(f64, f64)>,
-    /// The `mu` and `rho` that the values of `legendre` are of; points on one ring have them in common.
+    /// The `mu` and `rho` for which `legendre` was evaluated; points on one ring have these in common.
     ring: Option<(f64, f64)>,
     cosines: Vec<f64>,
     sines: Vec<f64>,
@@ -201,7 +201,7 @@ impl BasisEvaluator {
         &self.modes
     }
 
-    /// The value of every mode at `point` (in pillar radii from the centre), into `values`.
+    /// Computes the value of every mode at `point` (in pillar radii from the centre) into `values`.
     pub(crate) fn evaluate(&mut self, point: [f64; 2], values: &mut [f64]) {
         let rho = point[0].hypot(point[1]);
         let mu = (1.0 - rho * rho).max(0.0).sqrt();
@@ -213,7 +213,7 @@ impl BasisEvaluator {
         self.evaluate_polar(mu, rho, direction, values);
     }
 
-    /// As [`Self::evaluate`], with `mu`, `rho` and the unit vector of the angle given.
+    /// [`Self::evaluate`] with `mu`, `rho` and the unit vector of the angle given.
     pub(crate) fn evaluate_polar(
         &mut self,
         mu: f64,
@@ -274,8 +274,8 @@ pub(crate) fn equator_value(degree: usize, order: usize) -> f64 {
     }
 }
 
-/// Displacement inside the disc per coefficient: `lambda` of every mode up to `degree`, with
-/// that of the pillar added to the mean and to the tilts: `lambda_00 = pi (1 + kappa)`, and both `lambda_11` likewise.
+/// Displacement inside the disc per coefficient: `lambda` of every mode up to `degree`, including the compliance of the pillar in the mean
+/// and in the tilts: `lambda_00 = pi (1 + kappa)`, and both `lambda_11` likewise.
 pub(crate) fn compliances(degree: usize, column: impl Into<Column>) -> Vec<f64> {
     let mut compliances: Vec<f64> = modes(degree)
         .iter()
@@ -287,7 +287,7 @@ pub(crate) fn compliances(degree: usize, column: impl Into<Column>) -> Vec<f64> 
     compliances
 }
 
-/// By what the compliances of the first modes are larger on a pillar: of the mean and of the tilts along x and y.
+/// Factors by which an elastic pillar increases the compliances of the first modes: of the mean and of the tilts along x and y.
 pub(crate) fn column_factors(column: Column) -> [f64; 3] {
     let tilt = 1.0 + column.rocking;
     [1.0 + column.shortening, tilt, tilt]
@@ -370,9 +370,8 @@ mod tests {
         assert!((eigenvalue(1, 1) - PI / 2.0).abs() < 1e-15);
     }
 
-    /// Displacement at a point of the disc under `Y/mu`, by quadrature in polar coordinates
-    /// around that point, which takes the 1/distance away; the edge singularity of `1/mu` is
-    /// taken away by the substitution s = s_max sin(t).
+    /// Displacement at a point of the disc under `Y/mu`, by quadrature in polar coordinates around that point, which removes the
+    /// singularity 1/distance. The substitution s = s_max sin(t) removes the edge singularity of `1/mu`.
     fn displacement_by_quadrature(mode: Mode, point: [f64; 2]) -> f64 {
         let mut basis = BasisEvaluator::new(mode.degree);
         let index = modes(mode.degree).iter().position(|m| *m == mode).unwrap();

@@ -1,18 +1,17 @@
-//! The covered part of a pillar top that the edge of the contact crosses.
+//! The region in contact on a partially covered pillar top.
 //!
-//! The expansion of the pressure of such a pillar has the right force and moments, but between its
-//! nodes it ripples about zero where there is no contact, and cannot follow the root with which the
-//! pressure vanishes at the edge of the contact. The gap is smooth. It tells where the contact ends:
+//! The pressure expansion of such a pillar has the correct force and moments. Between its nodes, however, it oscillates about zero outside
+//! the contact, and it cannot reproduce the square root with which the pressure vanishes at the edge of the contact. The gap is smooth and
+//! determines the edge:
 //!
-//! * along lines from the middle of the pressure, the gap opens as the distance from the edge of the
-//!   contact to the power 3/2 (K. L. Johnson, Contact Mechanics, section 5.1);
-//! * around the rim of the pillar top it opens faster at first, as the pressure that ends there is
-//!   infinite at the rim: as the power 5/4, found on meshes of 256 cells across a pillar.
+//! * along lines from the centre of pressure, the gap opens as the distance from the edge of the contact to the power 3/2 (K. L. Johnson,
+//!   Contact Mechanics, section 5.1);
+//! * around the rim of the pillar top it opens faster at first, since the pressure that ends there is infinite at the rim: as the power
+//!   5/4, found on meshes of 256 cells across a pillar.
 //!
-//! A conic through these points, `l(x) = 0`, is the edge of the contact. Inside it the pressure is
-//! taken as `p = A(x) sqrt(l(x))/mu(x)`: not negative, zero at the edge of the contact as a root, infinite
-//! at the covered rim, with the force and, as far as that leaves `A` positive, the first moments of the
-//! expansion.
+//! A conic through these points, `l(x) = 0`, is the edge of the contact. Inside it the pressure is approximated by
+//! `p = A(x) sqrt(l(x))/mu(x)`: non-negative, vanishing as a square root at the edge of the contact, infinite at the covered rim, with the
+//! force and, provided that `A` remains positive, the first moments of the expansion.
 
 use super::basis::{BasisEvaluator, UNIT_FORCE, mode_count};
 use super::nodes::{Node, bos_array};
@@ -22,60 +21,59 @@ use crate::numerics::vector::dot;
 use crate::problem::Point;
 use std::f64::consts::PI;
 
-/// Parts of the largest gap on a pillar top at which it is looked where the gap is; closer to the
-/// contact it is lost in ripple.
+/// Levels, relative to the largest gap on a pillar top, at which the gap is located. Closer to the contact the oscillations dominate.
 const LEVELS: [f64; 2] = [0.1, 0.3];
 
-/// Power of the gap that grows as the distance from the contact, along lines and around the rim.
+/// Power of the gap that grows linearly with the distance from the contact, along lines and around the rim.
 const OPENING: f64 = 2.0 / 3.0;
 const OPENING_AT_RIM: f64 = 0.8;
 
-/// Lines from the middle of the pressure, and points around the rim.
+/// Number of lines from the centre of pressure, and of points around the rim.
 const RAYS: usize = 24;
 const RIM: usize = 120;
 
-/// Weight of the points on the rim, which are found best, over those of lines.
+/// Weight of the points on the rim, which are the most accurate, relative to those on lines.
 const RIM_WEIGHT: f64 = 4.0;
 
-/// From the middle of the pressure to the edge of the contact, at the least, pillar radii.
+/// Smallest distance from the centre of pressure to the edge of the contact, in pillar radii.
 const SMALLEST: f64 = 0.02;
 
-/// How much a straight edge of the contact is preferred to a curved one.
+/// Regularisation weight that favours a straight edge of the contact over a curved one.
 const STRAIGHTNESS: f64 = 0.2;
 
-/// First moment along x or y of the mode of degree 1 that goes so, `sqrt(2 pi/3)`.
+/// First moment along x or y of the tilt mode in this direction, `sqrt(2 pi/3)`.
 const FIRST_MOMENT: f64 = 1.447_202_509_116_535_3;
 
-/// Least part of its mean to which `A` may fall.
+/// Smallest value of `A` relative to its mean.
 const LEAST_AMPLITUDE: f64 = 0.2;
 
-/// Finds covered parts from expansions up to one degree.
+/// Finds covered regions from expansions up to one degree.
 pub(crate) struct CoverFinder {
     count: usize,
     basis: BasisEvaluator,
     nodes: Vec<Node>,
-    /// Modes at the nodes, and around the rim, place by place.
+    /// Modes at the nodes, and at the points of the rim, point by point.
     at_nodes: Vec<f64>,
     at_rim: Vec<f64>,
     line: RayLine,
-    /// Places on a line from the middle to its end, as parts of it, with weights.
+    /// Positions on a line from the centre to its end, as fractions, with weights.
     rule: Vec<(f64, f64)>,
 }
 
-/// The covered part of a pillar top, in pillar radii from its centre.
+/// The covered region of a pillar top, in pillar radii from its centre.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Region {
-    /// Middle of the pressure.
+    /// Centre of pressure.
     middle: Point,
-    /// `l = 1 + k0 x + k1 y + k2 x^2 + k3 x y + k4 y^2` from there.
+    /// `l = 1 + k0 x + k1 y + k2 x^2 + k3 x y + k4 y^2` relative to this centre.
     conic: [f64; 5],
 }
 
-/// The covered part of a pillar top and the pressure on it.
+/// The covered region of a pillar top and the pressure on it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CoveredPart {
     pub(crate) region: Region,
-    /// `A = a0 + a1 x + a2 y` from the middle of the pressure.
+    /// `A = a0 + a1 x + a2 y` relative to the centre of pressure.
     amplitude: [f64; 3],
 }
 
@@ -104,15 +102,14 @@ impl CoverFinder {
         }
     }
 
-    /// The covered part of a pillar top from the coefficients of `q` and of the gap. `None` if there is
-    /// no contact to be seen.
+    /// Finds the covered region of a pillar top from the coefficients of `q` and of the gap. Returns `None` if no contact is detected.
     pub(crate) fn find(&mut self, density: &[f64], gap: &[f64]) -> Option<CoveredPart> {
         let region = self.region(density, gap)?;
         let amplitude = self.amplitude(&region, density)?;
         Some(CoveredPart { region, amplitude })
     }
 
-    /// As [`find`](Self::find), without the pressure.
+    /// [`find`](Self::find) without the pressure.
     pub(crate) fn region(&mut self, density: &[f64], gap: &[f64]) -> Option<Region> {
         let (middle, widest) = self.middle(density, gap)?;
         let corners = self.corners(gap);
@@ -124,7 +121,7 @@ impl CoverFinder {
         })
     }
 
-    /// The covered part inside an edge that is known, and the rim.
+    /// The covered region between a known edge and the rim.
     pub(crate) fn inside(&self, density: &[f64], edge: &[Point]) -> Option<CoveredPart> {
         let force = UNIT_FORCE * density.first()?;
         if force <= 0.0 {
@@ -140,8 +137,8 @@ impl CoverFinder {
         Some(CoveredPart { region, amplitude })
     }
 
-    /// Distance from an axis, given from the centre of the pillar, of the farther of the two places of the
-    /// rim at which the contact ends; `None` if it does not end there.
+    /// Distance from an axis, given relative to the centre of the pillar, of the farther of the two points of the rim at which the contact
+    /// ends; `None` if the contact does not end on the rim.
     pub(crate) fn farthest_corner(&self, gap: &[f64], axis: Point) -> Option<f64> {
         self.corners(gap)
             .into_iter()
@@ -149,7 +146,7 @@ impl CoverFinder {
             .max_by(f64::total_cmp)
     }
 
-    /// The middle of the pressure, and the widest gap at a node.
+    /// The centre of pressure, and the largest gap at a node.
     fn middle(&self, density: &[f64], gap: &[f64]) -> Option<(Point, f64)> {
         let (mut sum, mut at, mut widest) = (0.0, [0.0; 2], 0.0_f64);
         for (node, row) in self
@@ -167,7 +164,7 @@ impl CoverFinder {
         (sum > 0.0).then(|| (at.map(|x| x / sum), widest))
     }
 
-    /// The two places of the rim at which the contact ends, if it ends there.
+    /// The two points of the rim at which the contact ends; empty if it does not end there.
     fn corners(&self, gap: &[f64]) -> Vec<Point> {
         let gaps: Vec<f64> = self
             .at_rim
@@ -215,7 +212,7 @@ impl CoverFinder {
             .into()
     }
 
-    /// Points of the edge of the contact within the top, with weights.
+    /// Points of the edge of the contact on the top, with weights.
     fn edge_points(
         &mut self,
         middle: Point,
@@ -223,9 +220,9 @@ impl CoverFinder {
         widest: f64,
         has_corners: bool,
     ) -> Vec<(Point, f64)> {
-        /// Lines along which the gap opens less say little.
+        /// Smallest opening of the gap along a line that is used.
         const LEAST_OPENING: f64 = 0.15;
-        /// Close to the rim the corners tell better.
+        /// Beyond this radius the points on the rim are more accurate.
         const CLOSE_TO_RIM: f64 = 0.97;
         let mut values = vec![0.0; self.count];
         let Self { basis, line, .. } = self;
@@ -252,7 +249,7 @@ impl CoverFinder {
                     levels.map(|level| (level / widest).powf(OPENING)),
                     [first, second],
                 ),
-                // The contact is too small for its edge to be seen.
+                // The contact is too small to resolve its edge.
                 _ => 0.0,
             };
             let end = end.max(SMALLEST);
@@ -263,9 +260,9 @@ impl CoverFinder {
         (0..RAYS).filter_map(on_ray).collect()
     }
 
-    /// `A` with the force of the expansion, and its first moments where that leaves it positive.
+    /// `A` with the force of the expansion, and with its first moments if `A` remains positive.
     fn amplitude(&self, part: &Region, density: &[f64]) -> Option<[f64; 3]> {
-        // Moments of 1, x, y from the middle with sqrt(l)/mu, and its products.
+        // Moments of 1, x, y (relative to the centre) and of their products, with the weight sqrt(l)/mu.
         let mut moments = [[0.0; 3]; 3];
         part.integrate(&self.rule, |[x, y], weight| {
             let powers = [1.0, x, y];
@@ -279,7 +276,7 @@ impl CoverFinder {
         if area <= 0.0 {
             return None;
         }
-        // Of the expansion: forces and first moments of the modes of degree 0 and 1.
+        // Forces and first moments of the modes of degree 0 and 1 in the expansion.
         let force = UNIT_FORCE * density[0];
         let moment = |mode: usize| density.get(mode).map_or(0.0, |c| FIRST_MOMENT * c);
         let wanted = [
@@ -291,7 +288,7 @@ impl CoverFinder {
         let Some([_, a1, a2]) = solve_3(moments, wanted) else {
             return Some(even);
         };
-        // As much of the slope as keeps the amplitude positive, and the force.
+        // Limits the slope so that the amplitude remains positive; keeps the force.
         let centre = [across / area, up / area];
         let mut least = 0.0_f64;
         part.integrate(&self.rule, |[x, y], _| {
@@ -305,7 +302,7 @@ impl CoverFinder {
 }
 
 impl CoveredPart {
-    /// `q = p mu` at a point of the top, pillar radii from its centre: zero out of contact.
+    /// `q = p mu` at a point of the top, in pillar radii from its centre; zero outside the contact.
     pub(crate) fn density(&self, point: Point) -> f64 {
         let [middle_x, middle_y] = self.region.middle;
         let [x, y] = [point[0] - middle_x, point[1] - middle_y];
@@ -320,7 +317,7 @@ impl CoveredPart {
 }
 
 impl Region {
-    /// A polygon around it.
+    /// Outline of the region as a polygon.
     pub(crate) fn outline(&self, corners: usize) -> Vec<Point> {
         (0..corners)
             .map(|k| {
@@ -331,7 +328,7 @@ impl Region {
             .collect()
     }
 
-    /// Distance of its farthest point from an axis, given from the centre of the pillar.
+    /// Distance of the farthest point of the region from an axis, given relative to the centre of the pillar.
     pub(crate) fn farthest_from(&self, axis: Point) -> f64 {
         const DIRECTIONS: usize = 90;
         let step = 2.0 * PI / DIRECTIONS as f64;
@@ -347,7 +344,7 @@ impl Region {
                 (0.0, 0.0),
                 |best, next| if next.1 > best.1 { next } else { best },
             );
-        // There may be a kink where the contact ends at the rim: no derivatives.
+        // The boundary may have a kink where the contact ends on the rim: no derivatives are used.
         let (mut low, mut high) = (best - step, best + step);
         for _ in 0..60 {
             let third = (high - low) / 3.0;
@@ -360,21 +357,21 @@ impl Region {
         distance(0.5 * (low + high)).max(distance(best))
     }
 
-    /// Linear and quadratic part of `l` at a vector from the middle.
+    /// Coefficients of the linear and quadratic part of `l` along a vector from the centre.
     fn along(&self, [x, y]: Point) -> [f64; 2] {
         let [k0, k1, k2, k3, k4] = self.conic;
         [k0 * x + k1 * y, (k2 * x + k3 * y) * x + k4 * y * y]
     }
 
-    /// Where the contact ends in a direction from the middle.
+    /// Distance from the centre to the edge of the contact in a direction.
     fn end(&self, direction: Point) -> f64 {
         let [linear, square] = self.along(direction);
         first_root(linear, square).min(rim_distance(self.middle, direction))
     }
 
-    /// Visits points of the part (from its middle) with weights `sqrt(l) dA/mu`.
+    /// Visits points of the region (relative to its centre) with the weights `sqrt(l) dA/mu`.
     fn integrate(&self, rule: &[(f64, f64)], mut visit: impl FnMut(Point, f64)) {
-        // Evenly over the part as if it were stretched to be as wide as it is long: it may be thin.
+        // Directions are distributed as if the region were stretched to be as wide as it is long, since it may be narrow.
         let [x, y] = self.middle;
         let distance = x.hypot(y);
         let outwards = if distance > 0.0 {
@@ -385,7 +382,7 @@ impl Region {
         let along = [-outwards[1], outwards[0]];
         let extent = |axis: Point| self.end(axis) + self.end(axis.map(|x| -x));
         let (depth, length) = (extent(outwards), extent(along));
-        // The ends of a thin part are seen from its middle in few directions.
+        // The ends of a narrow region subtend a small angle at its centre.
         let directions = if depth < 0.25 * length { 8192 } else { 1024 };
         let step = 2.0 * PI / f64::from(directions);
         for k in 0..directions {
@@ -409,7 +406,7 @@ impl Region {
     }
 }
 
-/// Gauss's rule on `t = sin(s)`, which takes a root at `t = 1` away, above or below.
+/// Gauss rule in `t = sin(s)`, which removes a square-root singularity at `t = 1`, in numerator or denominator.
 fn rule_to_roots() -> Vec<(f64, f64)> {
     gauss_legendre(12)
         .into_iter()
@@ -424,7 +421,7 @@ fn rim_angle(place: f64) -> f64 {
     2.0 * PI * place / RIM as f64
 }
 
-/// From a point of the top to the rim.
+/// Distance from a point of the top to the rim in a direction.
 fn rim_distance([x, y]: Point, [cos, sin]: Point) -> f64 {
     let along = x * cos + y * sin;
     let left = (1.0 - x * x - y * y).max(0.0);
@@ -450,8 +447,7 @@ fn closing(x: [f64; 2], y: [f64; 2]) -> f64 {
     y[0] - x[0] * (y[1] - y[0]) / (x[1] - x[0])
 }
 
-/// The conic `1 + k0 x + ... = 0` around the middle that is closest to weighted points; none, with zeros,
-/// without points.
+/// The conic `1 + k0 x + ... = 0` around the centre that fits weighted points best; all coefficients are zero without points.
 fn conic_through(middle: Point, points: &[(Point, f64)]) -> [f64; 5] {
     let from_middle = |point: &Point| [point[0] - middle[0], point[1] - middle[1]];
     let squares: f64 = points
@@ -504,12 +500,12 @@ fn solve_3(matrix: [[f64; 3]; 3], mut right: [f64; 3]) -> Option<[f64; 3]> {
     })
 }
 
-/// Values along a piece of a line of what is a polynomial in the plane, as the modes of a disc are
-/// (their degree and order are even together): found at as many points as fix it, and interpolated.
+/// Interpolation along a line of functions that are polynomials in the plane, such as the modes of a disc (their degree and order have the
+/// same parity). The function is evaluated at the smallest sufficient number of points.
 struct RayLine {
     /// Chebyshev points between 0 and 1.
     nodes: Vec<f64>,
-    /// The weights of the nodes, sample after sample.
+    /// The weights of the nodes, sample by sample.
     weights: Vec<f64>,
 }
 
@@ -521,7 +517,7 @@ impl RayLine {
         let mut weights = Vec::with_capacity(Ray::SAMPLES * count);
         for sample in 0..Ray::SAMPLES {
             let x = sample as f64 / (Ray::SAMPLES - 1) as f64;
-            // Lagrange's polynomials, as products: nodes are few.
+            // Lagrange polynomials as products, since there are few nodes.
             weights.extend((0..count).map(|k| -> f64 {
                 let others = (0..count).filter(|j| *j != k);
                 others
@@ -532,7 +528,7 @@ impl RayLine {
         Self { nodes, weights }
     }
 
-    /// The gap at equal distances from 0 to `length`.
+    /// Samples the gap at equal distances from 0 to `length`.
     fn ray(&self, length: f64, mut gap: impl FnMut(f64) -> f64) -> Ray {
         let at_nodes: Vec<f64> = self.nodes.iter().map(|x| gap(length * x)).collect();
         let mut rows = self.weights.chunks_exact(at_nodes.len());
@@ -553,7 +549,7 @@ struct Ray {
 impl Ray {
     const SAMPLES: usize = 40;
 
-    /// Where the gap is last below a level that it passes.
+    /// The last position at which the gap crosses a level from below.
     fn last_below(&self, level: f64) -> Option<f64> {
         let below = self.gaps.iter().rposition(|gap| *gap < level)?;
         let after = self.gaps.get(below + 1)?;
@@ -570,17 +566,16 @@ mod tests {
     use crate::numerics::quadrature::hemisphere;
     use crate::solve::rules::unilateral::{LocalSolver, PillarTop};
 
-    /// A lens with its axis at `(-distance, 0)` that would, undeformed, enter the top up to `x = end`:
-    /// solved on square elements, 256 across the top, by conjugate gradients in FFTs, in a program of
-    /// its own.
+    /// A lens with its axis at `(-distance, 0)` whose undeformed surface would penetrate the top up to `x = end`: solved with square
+    /// elements, 256 across the top, by conjugate gradients with FFTs, in a separate program.
     struct Reference {
         distance: f64,
         end: f64,
         kappa: f64,
         force: f64,
-        /// Covered part of the top.
+        /// Covered fraction of the top.
         covered: f64,
-        /// Distance of the farthest contact from the lens axis.
+        /// Distance of the farthest contact point from the lens axis.
         reach: f64,
     }
 
@@ -620,7 +615,7 @@ mod tests {
     ];
 
     impl Reference {
-        /// Its solution on nodes of a degree: coefficients of `q` and of the gap.
+        /// The solution on nodes of a degree: coefficients of `q` and of the gap.
         fn solve(&self, degree: usize) -> (Vec<f64>, Vec<f64>) {
             let resolution = Resolution::of_nodes(degree);
             let top = PillarTop::new(resolution, 2, self.kappa);
@@ -682,7 +677,7 @@ mod tests {
         }
     }
 
-    /// The expansion itself has pressure on up to five times what is touched.
+    /// The pressure of the expansion covers up to five times the contact area.
     #[test]
     fn the_pressure_is_nowhere_negative_and_has_the_force_of_the_expansion() {
         let mut finder = CoverFinder::new(8);
@@ -697,7 +692,7 @@ mod tests {
                 assert!(q >= 0.0);
                 sum += weight * q;
             }
-            // A part of 2 % of the top, thin along its rim, is the hardest.
+            // A region of 2 % of the top, narrow along its rim, is the most difficult case.
             assert!((sum / force - 1.0).abs() < 3e-3, "{sum} {force}");
         }
     }

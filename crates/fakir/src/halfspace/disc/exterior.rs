@@ -1,13 +1,11 @@
-//! Displacement of the surface outside a loaded disc.
+//! Surface displacement outside a loaded disc.
 //!
-//! Outside, the mode `Y_lm/mu` moves the surface by
-//! `W_lm = {1|sqrt2 cos m Phi|sqrt2 sin m Phi} y_lm/sqrt(pi) G((1+l+m)/2) G((1+l-m)/2)/G(l+3/2)
-//! delta^(-l-1) 2F1((1+l+m)/2, (1+l-m)/2; l+3/2; 1/delta^2)`, with `delta` the distance from the
-//! centre in pillar radii. For `l = 0` this is `arcsin(1/delta)` up to its factor, the flat
-//! punch (Johnson, Contact Mechanics, eq. 3.37).
+//! Outside the disc, the mode `Y_lm/mu` displaces the surface by `W_lm = {1|sqrt2 cos m Phi|sqrt2 sin m Phi} y_lm/sqrt(pi) G((1+l+m)/2)
+//! G((1+l-m)/2)/G(l+3/2) delta^(-l-1) 2F1((1+l+m)/2, (1+l-m)/2; l+3/2; 1/delta^2)`, with `delta` the distance from the centre in pillar
+//! radii. For `l = 0` this is `arcsin(1/delta)` up to its factor, the flat punch (Johnson, Contact Mechanics, eq. 3.37).
 //!
-//! Where bodies are [layers](crate::halfspace::layer),
-//! `2 y_lm (-1)^((l-m)/2) ∫ (Phi(k) - 1) j_l(k) J_m(k delta) dk` is added, with the same angular factor. That goes on inside the disc.
+//! If bodies are [layers](crate::halfspace::layer), `2 y_lm (-1)^((l-m)/2) ∫ (Phi(k) - 1) j_l(k) J_m(k delta) dk` is added, with the same
+//! angular factor. This correction also applies inside the disc.
 
 use super::basis::{Mode, equator_value, gamma_degree, modes};
 use crate::halfspace::jet::FieldJet;
@@ -19,16 +17,16 @@ use crate::problem::layer::WeightedLayer;
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
 
-/// Above this `z = 1/delta^2` the hypergeometric series is summed about `z = 1` instead.
+/// Above this `z = 1/delta^2` the hypergeometric series is expanded about `z = 1`.
 const NEAR: f64 = 0.75;
 
-/// Terms kept about `z = 0`: enough for 1e-16 at `z = NEAR`.
+/// Number of terms about `z = 0`: sufficient for 1e-16 at `z = NEAR`.
 const FAR_TERMS: usize = 140;
 
-/// Terms kept about `z = 1`: enough for 1e-16 at `1 - z = 1 - NEAR`.
+/// Number of terms about `z = 1`: sufficient for 1e-16 at `1 - z = 1 - NEAR`.
 const NEAR_TERMS: usize = 40;
 
-/// Number of terms that leaves about 1e-16 behind, 1e-15 at degree 16, for `z` up to the bound.
+/// Number of terms with a truncation error of about 1e-16, 1e-15 at degree 16, for `z` up to the bound.
 const TERMS_FOR: [(f64, usize); 14] = [
     (1.0 / 4096.0, 5),
     (1.0 / 1024.0, 6),
@@ -57,11 +55,11 @@ pub(crate) struct RadialFunction {
     far: Vec<f64>,
     /// Coefficients of the regular part of `F` in powers of `1 - z` ...
     regular: Vec<f64>,
-    /// ... and of the part that goes with `sqrt(1 - z)`.
+    /// ... and of the part proportional to `sqrt(1 - z)`.
     singular: Vec<f64>,
 }
 
-/// A function of one variable with its first two derivatives, at [`LANES`] places.
+/// A function of one variable with its first two derivatives, at [`LANES`] points.
 #[derive(Debug, Clone, Copy)]
 struct Jets {
     value: Lanes,
@@ -95,7 +93,7 @@ fn horner(coefficients: &[f64], x: f64) -> f64 {
         .fold(0.0, |value, coefficient| value * x + coefficient)
 }
 
-/// Number of terms about `z = 0` that are enough at `z`.
+/// Number of terms about `z = 0` that are sufficient at `z`.
 fn far_terms(z: f64) -> usize {
     TERMS_FOR
         .iter()
@@ -146,8 +144,8 @@ impl RadialFunction {
         horner(&self.regular, u) + u.sqrt() * horner(&self.singular, u)
     }
 
-    /// `F` with its derivatives with respect to `z`, places near the disc apart. At `z = 1` the
-    /// derivatives are infinite.
+    /// `F` with its derivatives with respect to `z`, with separate expansions near the disc and far from it. At `z = 1` the derivatives are
+    /// infinite.
     #[inline(always)]
     fn series_jets(&self, z: Lanes) -> Jets {
         let (least, most) =
@@ -162,7 +160,7 @@ impl RadialFunction {
         if least > NEAR {
             return near;
         }
-        // Far places among near ones.
+        // Both expansions are evaluated, since lanes may differ.
         let far = horner_jets(&self.far, z.map(|z| z.min(NEAR)));
         let pick = |near: Lanes, far: Lanes| {
             Lanes(std::array::from_fn(|k| {
@@ -193,7 +191,7 @@ impl RadialFunction {
         }
     }
 
-    /// `S` with its derivatives with respect to `t`, `powers` those of the inverse distance.
+    /// `S` with its derivatives with respect to `t`; `powers` are those of the inverse distance.
     #[inline(always)]
     fn jets(&self, z: Lanes, powers: &[Lanes]) -> Jets {
         // S = z^alpha F(z); z dS/dz and z^2 d2S/dz2 follow, and dz/dt = -z^2.
@@ -210,7 +208,7 @@ impl RadialFunction {
         }
     }
 
-    /// `S` alone at [`LANES`] places.
+    /// `S` alone at [`LANES`] points.
     #[inline(always)]
     fn lane_values(&self, z: Lanes, inverse_distance: Lanes) -> Lanes {
         let most = z.0.iter().fold(0.0_f64, |most, z| most.max(*z));
@@ -239,24 +237,24 @@ impl RadialFunction {
 #[derive(Debug, Clone)]
 pub(crate) struct Exterior {
     modes: Vec<Mode>,
-    /// One per (degree, order), and for every mode which.
+    /// One function per (degree, order), and the index of the function of every mode.
     radial: Vec<RadialFunction>,
     radial_of: Vec<usize>,
-    /// What layers add to each of them and around a force; none on half-spaces.
+    /// Corrections for layers of each function and of a point force; `None` on half-spaces.
     layers: Option<Arc<OnLayers>>,
 }
 
-/// What layers add.
+/// Corrections for layers.
 #[derive(Debug)]
 struct OnLayers {
     radial: RadialTable,
     force: AroundForce,
 }
 
-/// Highest degree of which derivatives are evaluated.
+/// Highest degree for which derivatives are evaluated.
 pub(crate) const MAXIMUM_DEGREE: usize = 16;
 
-/// Radial functions up to degree 6, and up to there.
+/// Number of radial functions up to degree 6, and up to `MAXIMUM_DEGREE`.
 const FEW_RADIAL: usize = 16;
 const MOST_RADIAL: usize = (MAXIMUM_DEGREE / 2 + 1) * (MAXIMUM_DEGREE / 2 + 1);
 
@@ -279,7 +277,7 @@ impl Exterior {
         }
     }
 
-    /// The same on layers, given in the radius of the disc.
+    /// The same on layers, given in units of the disc radius.
     pub(crate) fn with_layers(self, layers: &[WeightedLayer]) -> Self {
         let Some(force) = AroundForce::at_point(layers) else {
             return self;
@@ -316,9 +314,8 @@ impl Exterior {
         self.modes.len()
     }
 
-    /// Adds to `sums` the displacement at [`LANES`] points (pillar radii from the centres of as many
-    /// discs, and outside them), each under two sets of coefficients at once. For degrees up to
-    /// [`MAXIMUM_DEGREE`].
+    /// Adds to `sums` the displacement at [`LANES`] points (in pillar radii from the centres of as many discs, and outside of these) for
+    /// two sets of coefficients at once. Supports degrees up to [`MAXIMUM_DEGREE`].
     #[inline(always)]
     pub(crate) fn add_jets(
         &self,
@@ -386,7 +383,7 @@ impl Exterior {
         }
     }
 
-    /// Displacement at [`LANES`] points of the first modes, as many as there are `values`.
+    /// Displacement of the first modes, as many as `values`, at [`LANES`] points.
     #[inline(always)]
     pub(crate) fn lane_values(&self, [x, y]: [Lanes; 2], values: &mut [Lanes]) {
         let inverse_square = (x * x + y * y).map(f64::recip);
@@ -424,12 +421,12 @@ impl Exterior {
         }
     }
 
-    /// Displacement at `point` of every mode, into `values`.
+    /// Computes the displacement of every mode at `point` into `values`.
     pub(crate) fn values(&self, point: [f64; 2], values: &mut [f64]) {
         self.values_of_first(self.modes.len(), point, values);
     }
 
-    /// As [`Self::values`], for the first `count` modes at the most.
+    /// [`Self::values`] for at most the first `count` modes.
     pub(crate) fn values_of_first(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
         let square = point[0] * point[0] + point[1] * point[1];
         let inverse_distance = square.sqrt().recip();
@@ -438,7 +435,7 @@ impl Exterior {
         });
     }
 
-    /// The displacement by a unit force in one point, at an offset from it: `1/(pi r)` and what layers add.
+    /// The displacement due to a unit point force, at an offset from it: `1/(pi r)` and the correction for layers.
     pub(crate) fn of_force(&self, [x, y]: [f64; 2]) -> FieldJet {
         let square = (x * x + y * y).recip();
         let value = square.sqrt() / PI;
@@ -455,7 +452,7 @@ impl Exterior {
         jet
     }
 
-    /// What layers add to them at any point, in the disc too: nothing on half-spaces.
+    /// Corrections for layers of the first modes at any point, also inside the disc: zero on half-spaces.
     pub(crate) fn layer_values(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
         let values = &mut values[..count.min(self.modes.len())];
         if self.layers.is_none() {
@@ -496,8 +493,8 @@ impl Exterior {
     }
 }
 
-/// What layers add to all radial functions, of which there are at most `N`, at the place of a lane, with derivatives with respect to the square of the
-/// distance.
+/// Adds the corrections for layers of all radial functions, of which there are at most `N`, at the point of a lane, with derivatives with
+/// respect to the square of the distance.
 #[inline(always)]
 fn add_layer_jets<const N: usize>(
     layers: &RadialTable,
@@ -524,7 +521,7 @@ fn power([x, y]: [f64; 2], exponent: usize) -> [f64; 2] {
     result
 }
 
-/// Fields at [`LANES`] points, or by as many discs.
+/// Fields at [`LANES`] points, or due to as many discs.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LaneJets {
     value: Lanes,
@@ -544,7 +541,7 @@ impl LaneJets {
         }
     }
 
-    /// Adds what is in units of a radius for every lane; `scale` is one over that.
+    /// Adds fields in units of a separate radius for every lane; `scale` is the inverse radius.
     #[inline(always)]
     pub(crate) fn add_scaled(&mut self, radius: Lanes, scale: Lanes, other: &Self) {
         self.value += radius * other.value;
@@ -556,7 +553,7 @@ impl LaneJets {
         }
     }
 
-    /// Sum of all.
+    /// Sum over the lanes.
     pub(crate) fn sum(&self) -> FieldJet {
         FieldJet {
             value: self.value.sum(),
@@ -628,7 +625,7 @@ mod tests {
         }
     }
 
-    /// Coefficients of the first disc of some, of which the others bear nothing.
+    /// Coefficients of the first of several discs; the others are unloaded.
     fn of_first(coefficients: &[f64]) -> Vec<Lanes> {
         let lanes = coefficients.iter().map(|c| Lanes([*c, 0.0, 0.0, 0.0]));
         lanes.collect()
@@ -713,7 +710,7 @@ mod tests {
 
     #[test]
     fn continuous_with_the_displacement_inside() {
-        // At the edge W = lambda y, for every mode: the two closed forms must meet.
+        // At the edge W = lambda y for every mode: the two closed forms must agree.
         let degree = 12;
         let exterior = Exterior::new(degree);
         let mut basis = BasisEvaluator::new(degree);
@@ -746,7 +743,7 @@ mod tests {
             for which in 0..count {
                 let mut unit = vec![0.0; count];
                 unit[which] = 1.0;
-                // With three more discs, far and near, that bear nothing.
+                // With three additional unloaded discs, far and near.
                 let at = |dx: f64, dy: f64| {
                     let mut sums = [LaneJets::default(); 2];
                     let x = Lanes([point[0] + dx, 1.01, 30.0, -2.0]);

@@ -1,20 +1,20 @@
-//! The points of a pillar top at which the pressure is asked not to be negative.
+//! The points of a pillar top at which the pressure must not be negative.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// How finely a partially touched pillar top is resolved.
+/// Resolution of a partially covered pillar top.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Resolution {
-    /// Degree of the node array (even), which is that of the modes.
+    /// Degree of the node array (even), equal to that of the modes.
     pub(crate) nodes: usize,
-    /// By how much the node array is turned, rad.
+    /// Rotation of the node array, rad.
     pub(crate) turn: f64,
-    /// Rings of cells in which a sliver along the rim is divided, into twice as many sectors.
+    /// Number of rings of cells for a narrow contact along the rim; there are twice as many sectors.
     pub(crate) rings: usize,
 }
 
 impl Resolution {
-    /// Nodes of a degree, for slivers too.
+    /// The resolution with nodes of a degree, also for narrow contacts at the rim.
     pub(crate) const fn of_nodes(nodes: usize) -> Self {
         Self {
             nodes,
@@ -32,13 +32,12 @@ pub(crate) struct Node {
     pub(crate) direction: [f64; 2],
 }
 
-/// Bos array of an even `degree` `p` (for `p = 0` the centre alone): rings of
-/// `2p + 1, 2p - 3, ..., 1` points, the outermost on the edge, at colatitudes
-/// `pi/2 (1 - 2k/p)`, alternate rings turned by half a step. The `(p+1)(p+2)/2` points determine a combination of the modes up to degree `p` uniquely
-/// (L. Bos, J. Approx. Theory 64, 271 (1991)).
+/// Bos array of an even `degree` `p` (for `p = 0` the centre alone): rings of `2p + 1, 2p - 3, ..., 1` points, the outermost on the edge,
+/// at colatitudes `pi/2 (1 - 2k/p)`, alternate rings rotated by half a step. The values at the `(p+1)(p+2)/2` points determine a
+/// combination of the modes up to degree `p` uniquely (L. Bos, J. Approx. Theory 64, 271 (1991)).
 ///
-/// `turn` turns the whole array about the centre, rad. All rings have odd counts, so a turn by
-/// pi puts every node half-way between two others of its ring: an independent second array.
+/// `turn` rotates the whole array about the centre, rad. All rings have odd numbers of points, so that a rotation by pi moves every node to
+/// the middle between two others of its ring: an independent second array.
 pub(crate) fn bos_array(degree: usize, turn: f64) -> Vec<Node> {
     debug_assert!(degree.is_multiple_of(2));
     if degree == 0 {
@@ -68,7 +67,7 @@ pub(crate) fn bos_array(degree: usize, turn: f64) -> Vec<Node> {
     nodes
 }
 
-/// Number of points of the outermost ring, which lies on the edge.
+/// Number of points of the outermost ring, which is on the edge.
 pub(crate) const fn edge_count(degree: usize) -> usize {
     2 * degree + 1
 }

@@ -1,13 +1,12 @@
-//! The lens shape over a pillar top, in the modes of its pressure.
+//! The lens shape over a pillar top, expanded in its pressure modes.
 
 use super::basis::{BasisEvaluator, mode_count};
 use crate::numerics::quadrature::hemisphere;
 use crate::problem::scaled::SMALL_LENS;
 use crate::problem::{Point, ShapedLens};
 
-/// Degree up to which the lens shape is projected on the modes of a pillar top. The sag is
-/// quadratic over a pillar top but for terms of order `(d/2R)^2`, which degree 4 carries, and of `(d/2R)^4` and
-/// more, which matter for small lenses only.
+/// Degree up to which the lens shape is projected on the modes of a pillar top. The sag is quadratic over a pillar top, except for terms of
+/// order `(d/2R)^2`, which degree 4 includes, and terms of order `(d/2R)^4` and higher, which are significant for small lenses only.
 fn load_degree(lens: &ShapedLens) -> usize {
     if lens.quadratic_radius() < SMALL_LENS {
         8
@@ -42,17 +41,17 @@ impl LensProjector {
         }
     }
 
-    /// Number of modes it projects on.
+    /// Number of modes in the projection.
     pub(crate) fn count(&self) -> usize {
         self.count
     }
 
-    /// `- ∫ Y_i f dOmega` over the pillar top of that centre and radius, for as many modes as `load` holds.
+    /// Computes `- ∫ Y_i f dOmega` over the pillar top with this centre and radius, for as many modes as the length of `load`.
     pub(crate) fn project(&self, lens: &ShapedLens, centre: Point, radius: f64, load: &mut [f64]) {
         self.project_function(centre, radius, |at, _| -lens.sag_with_brim(at), load);
     }
 
-    /// `∫ Y_i g dOmega` of any function of the places on that top, from the lens axis and on the unit disc.
+    /// `∫ Y_i g dOmega` of a function `g` of the position on this top, which is given relative to the lens axis and on the unit disc.
     pub(crate) fn project_function(
         &self,
         centre: Point,

@@ -1,4 +1,4 @@
-//! What every operator has to do, over sizes and patterns that have caught mistakes.
+//! Tests of all operators, for sizes and patterns that have revealed errors.
 
 use crate::halfspace::elements::half_space::HalfSpace;
 use crate::halfspace::elements::*;
@@ -12,8 +12,8 @@ fn grid(columns: usize, rows: usize) -> Grid {
     Grid::new(columns, rows, [0.5, 0.8], [-3.0, 2.0]).unwrap()
 }
 
-/// One cell, single rows and columns, primes, odd and even sizes; and patterns: everything,
-/// nothing, one cell in a corner, discs with empty rows between them, and scattered cells.
+/// One cell, single rows and columns, primes, odd and even sizes; and patterns: all cells, no cells, one cell in a corner, discs with empty
+/// rows between them, and scattered cells.
 fn cases() -> Vec<Cells> {
     let sizes = [
         (1, 1),
@@ -50,7 +50,7 @@ fn pillar_offset(x: f64) -> f64 {
     x - 5.0 * (x / 5.0).round()
 }
 
-/// Any numbers between -1 and 1, reproducibly.
+/// Arbitrary, reproducible numbers between -1 and 1.
 fn numbers(count: usize, seed: f64) -> Vec<f64> {
     (0..count)
         .map(|k| (1.7 * k as f64 + seed * (k as f64 + 1.0).sqrt()).sin())
@@ -81,8 +81,7 @@ fn assert_close(a: &[f64], b: &[f64], tolerance: f64, what: &str) {
     }
 }
 
-/// The suite. `energy` is the least that `<p, W p>/<p, p>` may be, relative to the displacement
-/// of a cell under its own pressure.
+/// The test suite. `energy` is the lower bound of `<p, W p>/<p, p>`, relative to the displacement of a cell under its own pressure.
 fn conforms<'a>(make: &dyn Fn(Cells) -> Box<dyn Operator + 'a>, energy: f64) {
     for cells in cases() {
         let count = cells.len();
@@ -110,12 +109,12 @@ fn conforms<'a>(make: &dyn Fn(Cells) -> Box<dyn Operator + 'a>, energy: f64) {
             assert!(dot(pressure, displacement) >= least, "energy");
         }
 
-        // The same again: nothing is left over from the last product.
+        // Repeats the product: the previous one must not affect it.
         assert_close(&apply(operator, &p), &wp, 0.0, "repeated");
     }
 }
 
-/// The response from one cell to another depends on their distance alone.
+/// Checks that the response of one cell to another depends on their relative position alone.
 fn is_translation_invariant<'a>(make: &dyn Fn(Cells) -> Box<dyn Operator + 'a>) {
     let grid = grid(11, 8);
     let operator = &mut *make(Cells::all(&grid));
@@ -138,7 +137,7 @@ fn is_translation_invariant<'a>(make: &dyn Fn(Cells) -> Box<dyn Operator + 'a>) 
     }
 }
 
-/// A loaded rectangle made of cells displaces them as Love's rectangle does.
+/// Checks that a loaded rectangle that consists of cells causes the displacement of Love's rectangle.
 fn adds_up_to_a_large_rectangle<'a>(make: &dyn Fn(Cells) -> Box<dyn Operator + 'a>) {
     let grid = grid(21, 15);
     let operator = &mut *make(Cells::all(&grid));
@@ -181,7 +180,7 @@ fn periodic<'a>(cells: Cells) -> Box<dyn Operator + 'a> {
     Box::new(PeriodicConvolution::new(cells, COMPLIANCE, None))
 }
 
-/// Pillars are the discs of the pattern; scattered cells far from their centres are on none.
+/// Pillars are the discs of the pattern; scattered cells far from their centres do not belong to a pillar.
 fn pillars(cells: &Cells) -> Vec<u32> {
     cells
         .centres()
@@ -202,10 +201,9 @@ fn with_columns<'a>(cells: Cells) -> Box<dyn Operator + 'a> {
     Box::new(Columns::new(operator, pillars, vec![influence; 200]))
 }
 
-/// Least energy of the free half-space. That of the endless grid is the least of the transform of
-/// its kernel, which is the one at the checkerboard: 0.49232 of the response of a cell to itself
-/// for cells of 0.5 by 0.8 (alternating sum of Love's closed form over 83 by 83 cells). Fewer
-/// cells have no less.
+/// Smallest energy of the non-periodic half-space. For an infinite grid it is the minimum of the transform of its kernel, which is the
+/// value at the checkerboard: 0.49232 of the response of a cell to itself for cells of 0.5 by 0.8 (alternating sum of Love's closed form
+/// over 83 by 83 cells). A finite grid has no smaller value.
 const FREE_ENERGY: f64 = 0.4923;
 
 #[test]
@@ -229,7 +227,7 @@ fn columns_conform() {
 
 #[test]
 fn periodic_conforms() {
-    // The mean costs no energy.
+    // The mean pressure has zero energy.
     conforms(&periodic, 0.0);
     is_translation_invariant(&periodic);
 }
@@ -273,7 +271,7 @@ fn steps_are_good_to_single_precision() {
             let mut displacement = vec![0.0; cells.len()];
             rough.apply_to_step(&step, &mut displacement);
             assert_close(&displacement, &expected, 1e-6, "steps");
-            // Pressures keep double precision.
+            // Pressures retain double precision.
             assert_close(&apply(&mut rough, &step), &expected, 0.0, "pressures");
         }
     }
@@ -339,7 +337,7 @@ fn periodic_agrees_with_a_sum_over_waves() {
     }
 }
 
-/// `Σ_q (2 c/|q|) Σ_x' p(x') cos(q (x - x'))/N`, all waves of the grid but the mean.
+/// `Σ_q (2 c/|q|) Σ_x' p(x') cos(q (x - x'))/N`, all waves of the grid except the mean.
 fn sum_over_waves(cells: &Cells, pressure: &[f64]) -> Vec<f64> {
     let grid = cells.grid();
     let (columns, rows) = (grid.columns() as i64, grid.rows() as i64);

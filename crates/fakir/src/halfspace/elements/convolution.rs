@@ -1,10 +1,8 @@
-//! Convolutions over the cells of a grid by fast Fourier transform: what the free and the
-//! periodic half-space share.
+//! Convolutions over the cells of a grid by fast Fourier transform, for the non-periodic and the periodic half-space.
 //!
-//! A product makes three passes. Rows that hold cells are transformed; then, a block of columns
-//! at a time, the columns are transformed, multiplied by the kernel and transformed back while
-//! they are in the cache; then the rows that hold cells are transformed back. Rows without cells
-//! are neither stored nor transformed.
+//! A product makes three passes. The first transforms rows that contain cells. The second processes a block of columns at a time: it
+//! transforms the columns, multiplies them by the kernel and transforms them back while they are in the cache. The third transforms the
+//! rows that contain cells back. Rows without cells are neither stored nor transformed.
 
 use super::operator::check_lengths;
 use crate::numerics::fft::Real;
@@ -16,28 +14,27 @@ use std::mem;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
-/// Columns transformed together: two cache lines of each row.
+/// Number of columns that are transformed together: two cache lines of each row.
 pub(crate) const BLOCK_WIDTH: usize = 8;
 
-/// Rows transformed together, so that each visit to a block of columns writes a stretch of it.
+/// Number of rows that are transformed together, so that each access to a block of columns writes a contiguous range.
 const ROW_BLOCK: usize = 8;
 
-/// Added to the distance of lines in work space: lines whose distance is a power of two would
-/// share few sets of the cache.
+/// Padding of lines in workspaces: lines whose distance is a power of two would map to few sets of the cache.
 const LINE_PADDING: usize = 4;
 
-/// Spectra of fewer points than this are not worth sharing between threads.
+/// Number of spectrum points below which threads are not worthwhile.
 const PARALLEL_POINTS: usize = 10_000;
 
 /// The one-dimensional transforms of a convolution, and its kernel.
 pub(crate) trait Transform: Send + Sync {
-    /// What it computes with.
+    /// Precision of the computation.
     type Real: Real;
 
-    /// Cells along x and y that it takes.
+    /// Number of cells along x and y.
     fn shape(&self) -> [usize; 2];
 
-    /// Complex numbers that a row of reals becomes.
+    /// Number of complex values in the transform of a real row.
     fn column_count(&self) -> usize;
 
     /// Transforms a row, which may be overwritten.
@@ -56,35 +53,35 @@ pub(crate) trait Transform: Send + Sync {
         scratch: &mut [Complex<Self::Real>],
     );
 
-    /// Convolves a block of columns along y, in place: transform, kernel, transform back.
+    /// Convolves a block of columns along y in place: transform, kernel, inverse transform.
     fn convolve(&self, block: &mut ColumnBlock<'_, Self::Real>, work: &mut Workspace<Self::Real>);
 
-    /// Complex numbers needed as scratch by any of the transforms.
+    /// Length of the scratch buffer for each of the transforms, in complex values.
     fn scratch_len(&self) -> usize;
 
-    /// Columns of full length that `convolve` needs at once, for each column of the block.
+    /// Number of columns of full length that `convolve` needs at once, for each column of the block.
     fn columns_at_once(&self) -> usize;
 
-    /// Real numbers that `convolve` needs room for besides.
+    /// Number of additional real values in the workspace of `convolve`.
     fn real_count(&self) -> usize {
         0
     }
 }
 
-/// Neighbouring columns of the spectrum, of which only some rows are held.
+/// Adjacent columns of the spectrum, of which only some rows are stored.
 pub(crate) struct ColumnBlock<'a, R = f64> {
     /// First column.
     pub(crate) first: usize,
     /// Number of columns.
     pub(crate) width: usize,
-    /// Rows held, ascending.
+    /// Stored rows, in increasing order.
     pub(super) rows: &'a [usize],
-    /// For each row held, the columns.
+    /// For each stored row, the columns.
     pub(super) values: &'a mut [Complex<R>],
 }
 
 impl<R: Real> ColumnBlock<'_, R> {
-    /// Writes the columns to lines of so many rows, `stride` apart; zero in rows that are not held.
+    /// Writes the columns to lines with `rows` rows, `stride` apart; zero in rows that are not stored.
     pub(crate) fn read(&self, lines: &mut [Complex<R>], stride: usize, rows: usize) {
         let mut next = 0;
         for (&row, values) in self.rows.iter().zip(self.values.chunks_exact(self.width)) {
@@ -97,7 +94,7 @@ impl<R: Real> ColumnBlock<'_, R> {
         clear_rows(lines, stride, next..rows);
     }
 
-    /// The same to lines in which rows have other places.
+    /// The same for lines with a different order of rows.
     pub(crate) fn read_to(
         &self,
         lines: &mut [Complex<R>],
@@ -113,7 +110,7 @@ impl<R: Real> ColumnBlock<'_, R> {
         }
     }
 
-    /// Takes the rows held from lines in which they have these places.
+    /// Reads the stored rows from lines with this order of rows.
     pub(crate) fn write_from(
         &mut self,
         lines: &[Complex<R>],
@@ -129,19 +126,19 @@ impl<R: Real> ColumnBlock<'_, R> {
         }
     }
 
-    /// Takes the rows held from such lines.
+    /// Reads the stored rows from such lines.
     pub(crate) fn write(&mut self, lines: &[Complex<R>], stride: usize) {
         self.write_from(lines, stride, |row| row);
     }
 }
 
-/// What one thread works in.
+/// Workspace of one thread.
 pub(crate) struct Workspace<R = f64> {
     /// Rows or columns, [`line_stride`] apart.
     pub(crate) lines: Vec<Complex<R>>,
-    /// Scratch of the transforms.
+    /// Scratch buffer of the transforms.
     pub(crate) scratch: Vec<Complex<R>>,
-    /// Room for reals.
+    /// Buffer for real values.
     pub(crate) reals: Vec<R>,
     row: Vec<R>,
 }
@@ -158,12 +155,12 @@ impl<R: Real> Workspace<R> {
     }
 }
 
-/// Distance of lines of the given length in work space.
+/// Distance of lines of the given length in a workspace.
 pub(crate) fn line_stride(length: usize) -> usize {
     length + LINE_PADDING
 }
 
-/// Bytes of rows or columns that one thread works on at once.
+/// Memory in bytes of the rows or columns that one thread processes at once.
 fn line_memory(transform: &impl Transform) -> usize {
     line_memory_of(
         transform.column_count(),
@@ -178,8 +175,7 @@ fn line_memory_of(columns: usize, rows: usize, columns_at_once: usize) -> usize 
     size_of::<Complex64>() * for_rows.max(for_columns)
 }
 
-/// Bytes of the spectrum of `held` rows of `columns` complex numbers, with the work space of
-/// `threads` threads.
+/// Memory in bytes of the spectrum of `held` rows of `columns` complex numbers, and of the workspaces of `threads` threads.
 pub(crate) fn memory_estimate(
     columns: usize,
     rows: usize,
@@ -192,14 +188,14 @@ pub(crate) fn memory_estimate(
     size_of::<Complex64>() * held * columns + threads * (lines + scratch)
 }
 
-/// The rectangle of a grid that holds all the given cells.
+/// The bounding rectangle of cells in a grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Bounds {
     /// First column and row.
     pub(super) first: [usize; 2],
-    /// Columns and rows; at least one.
+    /// Number of columns and rows; at least one.
     pub(super) shape: [usize; 2],
-    /// Rows that hold cells.
+    /// Number of rows that contain cells.
     pub(super) held_rows: usize,
 }
 
@@ -237,23 +233,22 @@ impl Bounds {
 pub(crate) struct Convolution<'p, T: Transform> {
     cells: Cells,
     transform: Arc<T>,
-    /// Column that is the first of the transform.
+    /// The first column of the transform in the grid.
     first_column: usize,
-    /// Rows that hold cells, counted from the first of the transform.
+    /// Rows that contain cells, relative to the first row of the transform.
     rows: Vec<usize>,
-    /// Where the segments of each of these rows start, and the end.
+    /// Index of the first segment of each of these rows, and the end.
     row_segments: Vec<usize>,
-    /// The spectrum, a block of columns after the other; each has the columns of every row held.
-    /// The locks let threads that own rows write to blocks, and are held for a moment.
+    /// The spectrum, by blocks of columns; each block contains its columns of every stored row. The locks let threads that process rows
+    /// write to blocks, and are held only briefly.
     spectrum: Vec<RwLock<Vec<Complex<T::Real>>>>,
-    /// One for each thread.
+    /// One workspace for each thread.
     workspaces: Vec<Mutex<Workspace<T::Real>>>,
     pool: Option<&'p ThreadPool>,
 }
 
 impl<'p, T: Transform> Convolution<'p, T> {
-    /// Prepares the convolution; cell `first` of the grid is the first of the transform, whose
-    /// shape reaches over all cells.
+    /// Prepares the convolution. Cell `first` of the grid is the first of the transform, which must include all cells.
     pub(crate) fn new(
         cells: Cells,
         first: [usize; 2],
@@ -300,7 +295,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         &self.transform
     }
 
-    /// How many rows hold cells.
+    /// Number of rows that contain cells.
     #[cfg(any(test, feature = "kernels"))]
     pub(crate) fn held_rows(&self) -> usize {
         self.rows.len()
@@ -310,7 +305,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         self.pool
     }
 
-    /// Bytes of the spectrum and the work spaces.
+    /// Memory in bytes of the spectrum and the workspaces.
     #[cfg(test)]
     pub(super) fn memory(&self) -> usize {
         let spectrum: usize = self
@@ -334,7 +329,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         self.apply_by(&*transform, pressure, displacement);
     }
 
-    /// By another transform of the same shape.
+    /// Applies another transform of the same shape.
     pub(super) fn apply_by(&mut self, transform: &T, pressure: &[f64], displacement: &mut [f64]) {
         check_lengths(&self.cells, pressure, displacement);
         let blocks = self.rows.len().div_ceil(ROW_BLOCK);
@@ -345,7 +340,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         self.rows_back(transform, displacement);
     }
 
-    /// The work space of this thread. Of several threads each has its own, so the lock is free.
+    /// The workspace of this thread. Each thread has a separate one, so that the lock is free.
     fn workspace(&self) -> MutexGuard<'_, Workspace<T::Real>> {
         let thread = self.pool.and_then(ThreadPool::current_thread_index);
         self.workspaces[thread.unwrap_or(0)]
@@ -357,12 +352,12 @@ impl<'p, T: Transform> Convolution<'p, T> {
         block * ROW_BLOCK..((block + 1) * ROW_BLOCK).min(self.rows.len())
     }
 
-    /// Runs of one of the rows held.
+    /// Segments of a stored row.
     fn segments(&self, row: usize) -> &[Segment] {
         &self.cells.segments()[self.row_segments[row]..self.row_segments[row + 1]]
     }
 
-    /// Places in vectors of the cells of some of the rows held.
+    /// Range of the cells of some stored rows in vectors.
     fn unknowns(&self, rows: &Range<usize>) -> Range<usize> {
         let start = |row: usize| {
             let segments = &self.cells.segments()[self.row_segments[row]..];
@@ -419,7 +414,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         });
     }
 
-    /// Transforms the rows back, block by block; each takes its part of the displacement from the front of the rest.
+    /// Transforms the rows back, block by block; each block splits its part of the displacement from the front of the remainder.
     fn rows_back(&self, transform: &T, displacement: &mut [f64]) {
         let blocks = self.rows.len().div_ceil(ROW_BLOCK);
         let left = Mutex::new((0..blocks, displacement));

@@ -1,16 +1,13 @@
-//! The free half-space by fast Fourier transform: nothing is periodic.
+//! The non-periodic half-space by fast Fourier transform.
 //!
-//! A linear convolution of `n` points is exact in any ring of polynomials modulo one of degree at
-//! least `2 n - 1`. Modulo `x^(2n) - 1` it is the cyclic convolution, padded with zeros to `2 n`.
-//! Here the modulus is `x^(2n) + 1 = (x^n - i)(x^n + i)`: each factor is a transform of length `n`
-//! of the data times powers of a root of unity, so that no zeros are stored or transformed. Real
-//! data have conjugate values at the roots of the two factors, and one is enough: a row of `n`
-//! reals becomes `n` complex numbers, whose columns need both. (R. E. Crandall and B. Fagin,
-//! Discrete weighted transforms and large-integer arithmetic, Math. Comp. 62, 305 (1994).)
+//! A linear convolution of `n` points is exact in any ring of polynomials modulo one of degree at least `2 n - 1`. Modulo `x^(2n) - 1` it
+//! is the cyclic convolution, padded with zeros to `2 n`. Here the modulus is `x^(2n) + 1 = (x^n - i)(x^n + i)`: each factor is a transform
+//! of length `n` of the data times powers of a root of unity, so that no zeros are stored or transformed. Real data have conjugate values
+//! at the roots of the two factors, and one factor is sufficient: a row of `n` real numbers becomes `n` complex numbers, whose columns need
+//! both. (R. E. Crandall and B. Fagin, Discrete weighted transforms and large-integer arithmetic, Math. Comp. 62, 305 (1994).)
 //!
-//! With `theta_k = pi (4 k + 1)/(2 n)` the roots of the first factor are `exp(-i theta_k)`. The
-//! kernel is even in x and in y, so that its transform is real, and the same at the roots of the
-//! second factor: `n_x n_y` reals.
+//! With `theta_k = pi (4 k + 1)/(2 n)` the roots of the first factor are `exp(-i theta_k)`. The kernel is even in x and in y, so that its
+//! transform is real, and equal at the roots of the second factor: `n_x n_y` real numbers.
 
 use super::convolution::{
     BLOCK_WIDTH, Bounds, ColumnBlock, Convolution, Transform, Workspace, clear_rows, line_stride,
@@ -28,13 +25,13 @@ use rayon::ThreadPool;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Cell sides that differ by less than this, relatively, are the same but for rounding.
+/// Relative difference of cell sides below which they are equal up to rounding.
 const SAME_SIDE: f64 = 1e-13;
 
-/// The operator of a half-space that stands free, by fast convolution.
+/// The operator of a non-periodic half-space, by fast convolution.
 ///
-/// The work of a product is that of the rectangle around the cells, `N log N` in its number of
-/// cells, less the rows without cells. A product allocates no arrays.
+/// The work of a product is that of the bounding rectangle of the cells, `N log N` in its number of cells, without the rows that contain no
+/// cells. A product allocates no arrays.
 ///
 /// ```
 /// use fakir::halfspace::elements::{FreeSpaceConvolution, Operator};
@@ -53,19 +50,19 @@ const SAME_SIDE: f64 = 1e-13;
 /// ```
 pub struct FreeSpaceConvolution<'p> {
     convolution: Convolution<'p, FreeSpace>,
-    /// The same in single precision, where that is wanted too.
+    /// The same in single precision, if requested.
     rough: Option<Convolution<'p, FreeSpace<f32>>>,
 }
 
 impl<'p> FreeSpaceConvolution<'p> {
-    /// The operator on `cells` of a half-space of compliance `compliance`, 1/Pa: for two bodies
-    /// the sum of their `(1 - nu^2)/E`. The work is shared between the threads of `pool`.
+    /// The operator on `cells` of a half-space with the given `compliance` in 1/Pa: for two bodies, the sum of their `(1 - nu^2)/E`. The
+    /// work is shared between the threads of `pool`.
     #[must_use]
     pub fn new(cells: Cells, compliance: f64, pool: Option<&'p ThreadPool>) -> Self {
         Self::on_layers(cells, compliance, &[], pool)
     }
 
-    /// The same where bodies are layers, in the unit of length of the cells.
+    /// The same if bodies are layers, in the unit of length of the cells.
     pub(crate) fn on_layers(
         cells: Cells,
         compliance: f64,
@@ -81,7 +78,8 @@ impl<'p> FreeSpaceConvolution<'p> {
         }
     }
 
-    /// The convolution with a kernel of the number of cells along x and along y, by which it is even; also [roughly](Self::apply_roughly).
+    /// The convolution with a kernel as an even function of the number of cells along x and along y, optionally also in
+    /// [single precision](Self::apply_roughly).
     pub(crate) fn of_kernel(
         cells: Cells,
         kernel: impl Fn([usize; 2]) -> f64 + Sync,
@@ -96,11 +94,10 @@ impl<'p> FreeSpaceConvolution<'p> {
         }
     }
 
-    /// The operator on other cells, of a grid with the same cell sides, sharing the kernel; none
-    /// if they reach over more columns or rows than those it was made for.
+    /// The operator on other cells, of a grid with the same cell sides, sharing the kernel. Returns `None` if they extend over more columns
+    /// or rows than the original cells.
     ///
-    /// With the cells of a pattern and those between them it gives the displacement outside the
-    /// pattern.
+    /// For the cells of a pattern and those between them, it computes the displacement outside the pattern.
     #[must_use]
     pub fn on_cells(&self, cells: Cells) -> Option<Self> {
         let free_space = self.convolution.transform();
@@ -124,32 +121,31 @@ impl<'p> FreeSpaceConvolution<'p> {
         })
     }
 
-    /// About how many bytes the operator on `cells` takes, without the cells themselves; shared
-    /// between `threads` threads.
+    /// Approximate memory in bytes of the operator on `cells`, without the cells themselves, for `threads` threads.
     #[must_use]
     pub fn memory_estimate(cells: &Cells, threads: usize) -> usize {
         let bounds = Bounds::of(cells);
         let [columns, rows] = bounds.shape.map(quick_length);
         let spectrum = memory_estimate(columns, rows, bounds.held_rows, 2, threads);
-        // The kernel half transformed is there only before the spectrum.
+        // The partly transformed kernel is released before the spectrum is allocated.
         let preparation = size_of::<f64>() * columns * bounds.shape[1];
         size_of::<f64>() * columns * rows + spectrum.max(preparation)
     }
 }
 
 impl FreeSpaceConvolution<'_> {
-    /// The cells that it acts on.
+    /// The cells on which the operator acts.
     #[must_use]
     pub fn cells(&self) -> &Cells {
         self.convolution.cells()
     }
 
-    /// Columns and rows that the kernel reaches over.
+    /// Number of columns and rows of the kernel.
     pub(super) fn shape(&self) -> [usize; 2] {
         self.convolution.transform().shape
     }
 
-    /// A product to about seven digits, in half the time where it was prepared for that.
+    /// A product to about seven digits, in half the time if it was prepared in single precision.
     pub(crate) fn apply_roughly(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         match &mut self.rough {
             Some(rough) => rough.apply(pressure, displacement),
@@ -168,7 +164,7 @@ impl Operator for FreeSpaceConvolution<'_> {
     }
 }
 
-/// The transform of one dimension.
+/// The transform along one dimension.
 struct Axis<R = f64> {
     forward: Arc<dyn Fft<R>>,
     back: Arc<dyn Fft<R>>,
@@ -224,13 +220,13 @@ impl Axis {
     }
 }
 
-/// Transforms and kernel of the free half-space.
+/// Transforms and kernel of the non-periodic half-space.
 struct FreeSpace<R = f64> {
-    /// Columns and rows of cells.
+    /// Number of columns and rows of cells.
     shape: [usize; 2],
     x: Axis<R>,
     y: Axis<R>,
-    /// For every column, its rows; with the normalisation of the transforms.
+    /// For every column, its rows; includes the normalisation of the transforms.
     kernel: Vec<R>,
 }
 
@@ -249,7 +245,7 @@ impl FreeSpace {
         Self::of_kernel(shape, compliance / PI, potential, pool)
     }
 
-    /// With `factor` times a kernel of the number of cells along x and along y, by which it is even.
+    /// Plans transforms with `factor` times a kernel as an even function of the number of cells along x and along y.
     fn of_kernel(
         shape: [usize; 2],
         factor: f64,
@@ -303,7 +299,7 @@ fn kernel_rows(
     rows
 }
 
-/// The kernel transformed along both, for every column its rows, times `scale`.
+/// The kernel transformed along both directions, times `scale`: for every column, its rows.
 fn kernel_columns(
     rows: &[f64],
     x: &Axis,
@@ -399,8 +395,7 @@ impl<R: Real> Transform for FreeSpace<R> {
 }
 
 impl<R: Real> FreeSpace<R> {
-    /// Columns times the powers of the roots that belong to the two factors, zero in rows that
-    /// are not held.
+    /// Multiplies columns by the powers of the roots of the two factors; zero in rows that are not stored.
     fn gather(
         &self,
         block: &ColumnBlock<'_, R>,
@@ -434,7 +429,7 @@ impl<R: Real> FreeSpace<R> {
         clear_rows(second, stride, next..length);
     }
 
-    /// The rows held, from the sum of what belongs to the two factors.
+    /// Computes the stored rows from the sum of the contributions of the two factors.
     fn scatter(&self, block: &mut ColumnBlock<'_, R>, first: &[Complex<R>], second: &[Complex<R>]) {
         let stride = line_stride(self.y.len());
         for (&row, values) in block

@@ -1,4 +1,4 @@
-//! The half-space under a surface, free or periodic.
+//! The half-space under a surface, non-periodic or periodic.
 
 use super::convolution::Bounds;
 use super::free_space::FreeSpaceConvolution;
@@ -8,14 +8,14 @@ use crate::problem::layer::WeightedLayer;
 use crate::problem::{Boundary, Cells};
 use rayon::ThreadPool;
 
-/// The operator of either boundary.
+/// The operator for either boundary condition.
 pub(crate) enum HalfSpace<'p> {
     Free(FreeSpaceConvolution<'p>),
     Periodic(PeriodicConvolution<'p>),
 }
 
 impl<'p> HalfSpace<'p> {
-    /// On `cells`, of a half-space of compliance `compliance`, 1/Pa, or layers on it.
+    /// The operator on `cells` of a half-space with the given `compliance` in 1/Pa, or of layers on it.
     pub(crate) fn new(
         boundary: Boundary,
         cells: Cells,
@@ -33,7 +33,7 @@ impl<'p> HalfSpace<'p> {
         }
     }
 
-    /// Preconditioned in single precision, in which also steps are where the cells are much of a period.
+    /// Adds a preconditioner in single precision; steps are also in single precision if the cells cover much of a period.
     pub(crate) fn preconditioned(
         self,
         cells: Cells,
@@ -46,7 +46,7 @@ impl<'p> HalfSpace<'p> {
         Preconditioned::in_single_precision(self, cells, rough, pool)
     }
 
-    /// On other cells of the same grid, sharing the kernel, if they reach no further.
+    /// The operator on other cells of the same grid, sharing the kernel, provided that they extend no further.
     pub(crate) fn on_cells(&self, cells: Cells) -> Option<Self> {
         match self {
             Self::Free(operator) => operator.on_cells(cells).map(Self::Free),
@@ -54,7 +54,7 @@ impl<'p> HalfSpace<'p> {
         }
     }
 
-    /// Whether a kernel of its own would be much smaller for such cells.
+    /// Whether a separate kernel for these cells would be much smaller.
     pub(crate) fn is_wide_for(&self, cells: &Cells) -> bool {
         let area = |shape: [usize; 2]| shape[0] * shape[1];
         match self {
@@ -63,7 +63,7 @@ impl<'p> HalfSpace<'p> {
         }
     }
 
-    /// About how many bytes the operator on `cells` takes, shared between `threads` threads.
+    /// Approximate memory in bytes of the operator on `cells` for `threads` threads.
     pub(crate) fn memory_estimate(boundary: Boundary, cells: &Cells, threads: usize) -> usize {
         match boundary {
             Boundary::FreeSpace => FreeSpaceConvolution::memory_estimate(cells, threads),

@@ -1,9 +1,8 @@
 //! Elements on a lattice of equal grids, one centred on each pillar.
 //!
-//! The displacement of a cell depends on how many lattice vectors and how many cells away the
-//! pressure is: a convolution over four indices, done by fast Fourier transforms over the cells
-//! of each grid and over the lattice. All pillars then have the same cells, whatever the pitch,
-//! which grids laid over the whole pattern cannot give.
+//! The displacement of a cell depends on the distance of the pressure in lattice vectors and in cells: a convolution over four indices,
+//! computed by fast Fourier transforms over the cells of each grid and over the lattice. All pillars then have the same cells for any
+//! pitch, which is impossible with a single grid over the whole pattern.
 
 use super::operator::Operator;
 use super::potential::CellPotential;
@@ -15,12 +14,12 @@ use num_complex::Complex64;
 use rayon::ThreadPool;
 use std::f64::consts::PI;
 
-/// Work below which threads are not worth waking, complex values of all spectra.
+/// Number of complex values in all spectra below which threads are not worthwhile.
 const PARALLEL_VALUES: usize = 20_000;
 
-/// The free half-space under grids of equal cells at points of a lattice.
+/// The non-periodic half-space under grids of equal cells at points of a lattice.
 ///
-/// Unknowns are ordered pillar by pillar, in each by the order of `cells`.
+/// Unknowns are ordered by pillars, and for each pillar in the order of `cells`.
 pub struct LatticeOfGrids<'a> {
     /// Indices of the cells of one grid in its padded array.
     places: Vec<usize>,
@@ -29,10 +28,10 @@ pub struct LatticeOfGrids<'a> {
     shape: (usize, usize),
     local: LocalTransform,
     lattice: LatticeTransform,
-    /// Transformed kernel: for every local frequency, the padded lattice array; real, as the
-    /// kernel is even. With the normalisation of all inverse transforms.
+    /// Transformed kernel: for every local frequency, the padded lattice array; real, since the kernel is even. Includes the normalisation
+    /// of all inverse transforms.
     kernel: Vec<f64>,
-    /// Inverse of the transformed kernel of one grid alone, with the normalisation.
+    /// Inverse of the transformed kernel of a single grid, including the normalisation.
     inverse: Vec<f64>,
     /// Local spectra: for every local frequency, all pillars.
     spectra: Vec<Complex64>,
@@ -44,7 +43,7 @@ pub struct LatticeOfGrids<'a> {
 struct LocalTransform {
     rows: usize,
     columns: usize,
-    /// Complex columns kept of a real transform.
+    /// Number of complex columns of a real transform.
     half: usize,
     plans: RealPlans,
 }
@@ -58,9 +57,8 @@ struct LatticeTransform {
 }
 
 impl<'a> LatticeOfGrids<'a> {
-    /// `cells` of one grid; `pillars` the places of the pillars in the array of lattice indices
-    /// from (0, 0) on; `vectors` the lattice vectors (m) of the first and the second index;
-    /// `compliance` that of the half-space, 1/Pa.
+    /// `cells` are those of one grid; `pillars` the positions of the pillars in the array of lattice indices from (0, 0) on; `vectors` the
+    /// lattice vectors (m) of the first and the second index; `compliance` that of the half-space, 1/Pa.
     #[must_use]
     pub fn new(
         cells: &Cells,
@@ -72,7 +70,7 @@ impl<'a> LatticeOfGrids<'a> {
         Self::on_layers(cells, pillars, vectors, compliance, &[], pool)
     }
 
-    /// The same where bodies are layers, in the unit of length of the cells.
+    /// The same if bodies are layers, in the unit of length of the cells.
     pub(crate) fn on_layers(
         cells: &Cells,
         pillars: Vec<(usize, usize)>,
@@ -116,25 +114,23 @@ impl<'a> LatticeOfGrids<'a> {
         operator
     }
 
-    /// Bytes that it takes for so many cells across each grid and such an array of lattice
-    /// indices.
+    /// Memory in bytes for this number of cells across each grid and this shape of the array of lattice indices.
     #[must_use]
     pub fn memory_estimate(cells_across: usize, pillars: usize, shape: (usize, usize)) -> usize {
         let across = smooth_size(2 * cells_across - 1);
         let frequencies = across * (across / 2 + 1);
         let lattice = padded(shape.0) * padded(shape.1);
-        // The kernel, half of it as complex numbers while it is built, and the spectra.
+        // The kernel, half of it as complex numbers during its construction, and the spectra.
         frequencies * (16 * lattice + 16 * pillars)
     }
 
-    /// Cells of one grid.
+    /// Number of cells of one grid.
     #[must_use]
     pub fn cells_per_pillar(&self) -> usize {
         self.places.len()
     }
 
-    /// Transforms the potential over the cells for every lattice offset, then over the lattice for
-    /// every local frequency.
+    /// Transforms the potential over the cells for every lattice offset, then over the lattice for every local frequency.
     fn fill_kernels(&mut self, influence: &Influence) {
         let frequencies = self.local.frequencies();
         let (rows, columns) = (self.lattice.rows, self.lattice.columns);
@@ -146,7 +142,7 @@ impl<'a> LatticeOfGrids<'a> {
             let (row, column) = (place / columns, place % columns);
             ((rows - row) % rows) * columns + (columns - column) % columns
         };
-        // At the opposite offset the spectrum is the conjugate: half of them are enough.
+        // The spectrum at the opposite offset is the conjugate: half of them are sufficient.
         let offset_spectrum = |place: usize| -> Vec<Complex64> {
             let (row, column) = (place / columns, place % columns);
             let offset = (
@@ -195,13 +191,13 @@ impl<'a> LatticeOfGrids<'a> {
         })
     }
 
-    /// Local spectra of all grids.
+    /// Computes the local spectra of all grids.
     fn spread(&mut self, values: &[f64]) {
         let count = self.pillars.len();
         let (local, places) = (&self.local, &self.places);
         let per_pillar = places.len();
         let frequencies = local.frequencies();
-        // A few pillars at a time, whose spectra are then written side by side.
+        // A few pillars at a time, whose spectra are then written next to each other.
         let mut block = vec![Complex64::default(); BLOCK * frequencies];
         let mut work = LocalWork::new(local);
         for first in (0..count).step_by(BLOCK) {
@@ -226,7 +222,7 @@ impl<'a> LatticeOfGrids<'a> {
         }
     }
 
-    /// Values of all cells from the local spectra.
+    /// Computes the values of all cells from the local spectra.
     fn collect(&mut self, values: &mut [f64]) {
         let count = self.pillars.len();
         let (local, places) = (&self.local, &self.places);
@@ -281,7 +277,7 @@ impl<'a> LatticeOfGrids<'a> {
     }
 }
 
-/// Grids whose spectra are transposed together.
+/// Number of grids whose spectra are transposed together.
 const BLOCK: usize = 8;
 
 fn padded(extent: usize) -> usize {
@@ -292,7 +288,7 @@ fn padded(extent: usize) -> usize {
     }
 }
 
-/// The signed offset that a place of a padded array stands for; `None` in the padding.
+/// The signed offset of a position in a padded array; `None` in the padding.
 fn wrapped(place: usize, extent: usize, padded: usize) -> Option<i64> {
     if place < extent {
         Some(place as i64)
@@ -320,7 +316,7 @@ impl Operator for LatticeOfGrids<'_> {
         self.collect(displacement);
     }
 
-    /// That of every grid alone, wrapped around.
+    /// Preconditioner of every grid separately, with periodic wrap-around.
     fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
         let (local, places) = (&self.local, &self.places);
         let mut work = LocalWork::new(local);
@@ -349,7 +345,7 @@ impl Operator for LatticeOfGrids<'_> {
     }
 }
 
-/// The potential of one cell on another, by lattice and cell offset.
+/// The potential of one cell at another, by lattice and cell offset.
 struct Influence {
     potential: CellPotential,
     cell: [f64; 2],
@@ -390,7 +386,7 @@ impl LocalTransform {
         self.half * self.rows
     }
 
-    /// Spectrum of `work.array`, which is used up; column by column.
+    /// Spectrum of `work.array`, which is overwritten; stored by columns.
     fn forward(&self, work: &mut LocalWork, spectrum: &mut [Complex64]) {
         for (values, row) in work
             .array
@@ -413,7 +409,7 @@ impl LocalTransform {
             .process_with_scratch(spectrum, &mut work.scratch);
     }
 
-    /// `work.array` from its spectrum, which is used up; not normalised.
+    /// `work.array` from its spectrum, which is overwritten; not normalised.
     fn backward(&self, spectrum: &mut [Complex64], work: &mut LocalWork) {
         self.plans
             .column_back
@@ -424,7 +420,7 @@ impl LocalTransform {
             .chunks_exact_mut(self.half)
             .zip(work.array.chunks_exact_mut(self.columns))
         {
-            // The imaginary parts of the first and, for even sizes, the last are rounding.
+            // The imaginary parts of the first and, for even sizes, the last coefficient are rounding errors.
             row[0].im = 0.0;
             if self.columns.is_multiple_of(2) {
                 row[self.half - 1].im = 0.0;
@@ -437,10 +433,10 @@ impl LocalTransform {
         }
     }
 
-    /// Inverse of a kernel's spectrum, with the normalisation of the transforms.
+    /// Inverse of a kernel's spectrum, including the normalisation of the transforms.
     ///
-    /// The kernel is cut off where the grid ends, so that small values of its spectrum may have
-    /// any sign; they are kept away from zero.
+    /// The kernel is truncated at the end of the grid, so that small values of its spectrum may have any sign; they are replaced by a
+    /// positive lower bound.
     fn inverse(&self, spectrum: &[Complex64]) -> Vec<f64> {
         let largest = spectrum.iter().map(|k| k.re.abs()).fold(0.0, f64::max);
         let normalisation = 1.0 / (self.rows * self.columns) as f64;
@@ -450,7 +446,7 @@ impl LocalTransform {
             .collect()
     }
 
-    /// Spectrum of the potential at all cell offsets of grids so many lattice vectors apart.
+    /// Spectrum of the potential at all cell offsets of grids separated by this number of lattice vectors.
     fn kernel_spectrum(&self, influence: &Influence, (i, j): (i64, i64)) -> Vec<Complex64> {
         let mut work = LocalWork::new(self);
         let [a, b] = influence.vectors;
@@ -504,8 +500,7 @@ impl LatticeTransform {
         }
     }
 
-    /// Transforms `work.array`, of which only the first `used` rows hold anything. The result
-    /// is left transposed.
+    /// Transforms `work.array`, of which only the first `used` rows are non-zero. The result is transposed.
     fn forward(&self, used: usize, work: &mut LatticeWork) {
         self.plans
             .row
@@ -517,7 +512,7 @@ impl LatticeTransform {
         std::mem::swap(&mut work.array, &mut work.line);
     }
 
-    /// Back from [`Self::forward`], as far as the first `used` rows; not normalised.
+    /// Inverse of [`Self::forward`] for the first `used` rows; not normalised.
     fn backward(&self, used: usize, work: &mut LatticeWork) {
         self.plans
             .column_back
@@ -596,7 +591,7 @@ mod tests {
 
     #[test]
     fn preconditioner_is_nearly_the_inverse_on_one_pillar() {
-        // Symmetric, positive, and with the operator not far from one.
+        // Symmetric and positive; the product with the operator is close to the identity.
         let cells = cells(12);
         let mut operator = LatticeOfGrids::new(&cells, vec![(0, 0)], VECTORS, COMPLIANCE, None);
         let (a, b) = (numbers(operator.len()), vec![1.0; operator.len()]);

@@ -1,15 +1,13 @@
 //! Elements of constant pressure on a half-space, after Love.
 //!
-//! The surface is divided into equal rectangles, usually squares, with a constant pressure on
-//! each; the displacement is taken at their centres (A. E. H. Love, Phil. Trans. R. Soc. A 228,
-//! 377 (1929); K. L. Johnson, Contact Mechanics, section 3.3). Nothing here knows the spectral
-//! basis of a disc, so that each method can check the other.
+//! The surface is divided into equal rectangles, usually squares, with a constant pressure on each; the displacement is evaluated at their
+//! centres (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929); K. L. Johnson, Contact Mechanics, section 3.3). The module is
+//! independent of the spectral basis of a disc, so that the two methods can verify each other.
 //!
-//! * [`Rectangle`]: the potential of one loaded rectangle, at any point, to rounding;
-//! * [`Operator`]: the displacement of all cells from the pressures on them, with its
-//!   implementations.
+//! * [`Rectangle`]: the potential of one loaded rectangle, at any point, accurate to rounding;
+//! * [`Operator`]: the displacement of all cells due to the pressures on them, with its implementations.
 //!
-//! On [layers](super::layer) every cell does so much less to all others, and to itself, as a force in its middle does, averaged over the cell.
+//! On [layers](super::layer), the correction for a cell is that of a force at its centre, averaged over the cell.
 //!
 //! Lengths in m, pressures in Pa, compliances in 1/Pa.
 

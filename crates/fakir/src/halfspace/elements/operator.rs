@@ -1,10 +1,10 @@
-//! The displacement of the cells from the pressures on them.
+//! The displacement of cells due to the pressures on them.
 
 use super::rectangle::Rectangle;
 use crate::problem::{Cells, HeightMap, Point};
 use std::f64::consts::PI;
 
-/// The normal displacement of every cell from the pressure on every cell: linear and symmetric.
+/// The normal displacement of every cell due to the pressure on every cell: linear and symmetric.
 ///
 /// Vectors have one entry for each cell.
 pub trait Operator {
@@ -17,7 +17,7 @@ pub trait Operator {
     /// If a length is not [`len`](Self::len).
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]);
 
-    /// The same of a step that pressures take, if there is a quicker way: good to about single precision, relative to the largest displacement.
+    /// The same for a pressure step, if there is a faster way: accurate to about single precision, relative to the largest displacement.
     ///
     /// # Panics
     /// If a length is not [`len`](Self::len).
@@ -25,8 +25,7 @@ pub trait Operator {
         self.apply(step, displacement);
     }
 
-    /// An approximate solution of `W direction = residual`, symmetric and positive; by default
-    /// the residual itself.
+    /// An approximate solution of `W direction = residual`, symmetric and positive; by default the residual itself.
     ///
     /// # Panics
     /// If a length is not [`len`](Self::len).
@@ -34,7 +33,7 @@ pub trait Operator {
         direction.copy_from_slice(residual);
     }
 
-    /// Whether there is nothing to act on.
+    /// Whether there are no unknowns.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -67,11 +66,11 @@ pub(super) fn check_lengths(cells: &Cells, pressure: &[f64], displacement: &[f64
     );
 }
 
-/// The displacement (m) at any point (m) of a half-space of compliance `compliance` (1/Pa) under
-/// the pressures (Pa) on `cells`, by summation over all of them.
+/// The displacement (m) at any point (m) of a half-space with the given `compliance` (1/Pa) under the pressures (Pa) on `cells`, by direct
+/// summation.
 ///
 /// # Panics
-/// If there is not one pressure for every cell.
+/// If the number of pressures is not the number of cells.
 #[must_use]
 pub fn displacement_at(cells: &Cells, compliance: f64, pressure: &[f64], point: Point) -> f64 {
     assert_eq!(pressure.len(), cells.len(), "one pressure for every cell");
@@ -85,19 +84,18 @@ pub fn displacement_at(cells: &Cells, compliance: f64, pressure: &[f64], point: 
     compliance / PI * sum
 }
 
-/// The free half-space by direct summation: the reference for the other operators.
+/// The non-periodic half-space by direct summation: the reference for the other operators.
 ///
-/// The work of a product grows as the square of the number of cells.
+/// The work of a product is proportional to the square of the number of cells.
 #[derive(Debug, Clone)]
 pub struct Dense {
     cells: Cells,
-    /// Displacement of a cell from unit pressure on a cell so many columns and rows away.
+    /// Displacement of a cell due to unit pressure on a cell at this distance in columns and rows.
     influence: Vec<f64>,
 }
 
 impl Dense {
-    /// The operator on `cells` of a half-space of compliance `compliance`, 1/Pa: for two bodies
-    /// the sum of their `(1 - nu^2)/E`.
+    /// The operator on `cells` of a half-space with the given `compliance` in 1/Pa: for two bodies, the sum of their `(1 - nu^2)/E`.
     #[must_use]
     pub fn new(cells: Cells, compliance: f64) -> Self {
         let grid = cells.grid();
@@ -112,7 +110,7 @@ impl Dense {
         Self { cells, influence }
     }
 
-    /// Bytes that the operator takes, without the cells themselves.
+    /// Memory in bytes of the operator, without the cells themselves.
     #[must_use]
     pub fn memory_estimate(cells: &Cells) -> usize {
         size_of::<f64>() * cells.grid().cell_count()
@@ -141,38 +139,37 @@ impl Operator for Dense {
     }
 }
 
-/// An operator with columns under the pillars: each sinks uniformly in proportion to the force on
-/// it, which adds a term of rank one for every pillar.
+/// An operator with elastic columns (pillars) under cells. The displacement of each pillar is uniform and proportional to its force, which
+/// adds a term of rank one per pillar.
 #[derive(Debug, Clone)]
 pub struct Columns<O> {
     operator: O,
     /// Pillar of each cell.
     pillars: Vec<u32>,
-    /// Displacement of a pillar from the sum of the pressures on its cells, m/Pa.
+    /// Displacement of a pillar per sum of the pressures on its cells, m/Pa.
     influence: Vec<f64>,
-    /// Work space: sum of the pressures on each pillar.
+    /// Workspace: sum of the pressures on each pillar.
     sums: Vec<f64>,
 }
 
 impl Columns<()> {
-    /// Label of the cells that stand on no pillar.
+    /// Label of cells that belong to no pillar.
     pub const NO_PILLAR: u32 = HeightMap::NO_PILLAR;
 }
 
 impl<O: Operator> Columns<O> {
-    /// Adds columns under the cells of `operator`. `pillars` has one label for every cell:
-    /// pillars are counted from zero, and [`Columns::NO_PILLAR`] is none. `influence` is, for
-    /// every pillar, how far it sinks for a unit sum of the pressures on its cells, m/Pa: its
-    /// compliance, such as `4 h/(pi E d^2)`, times the area of a cell.
+    /// Adds columns under the cells of `operator`. `pillars` contains one label for every cell: pillars are numbered from zero, and
+    /// [`Columns::NO_PILLAR`] means no pillar. `influence` contains the displacement of every pillar per sum of the pressures on its cells,
+    /// m/Pa: its compliance, such as `4 h/(pi E d^2)`, times the area of a cell.
     ///
     /// # Panics
-    /// If there is not one label for every cell.
+    /// If the number of labels is not the number of cells.
     #[must_use]
     pub fn new(operator: O, pillars: Vec<u32>, influence: Vec<f64>) -> Self {
         assert_eq!(pillars.len(), operator.len(), "one label for every cell");
         Self {
             operator,
-            // Where none sinks, nothing is asked about them.
+            // Without compliant pillars, the labels are not used.
             pillars: if influence.is_empty() {
                 Vec::new()
             } else {
@@ -205,10 +202,10 @@ impl<O: Operator> Operator for Columns<O> {
 }
 
 impl<O> Columns<O> {
-    /// Adds what the columns sink.
+    /// Adds the displacements of the columns.
     fn sink(&mut self, pressure: &[f64], displacement: &mut [f64]) {
         self.sums.fill(0.0);
-        // Cells on no pillar have no sum, as their label is beyond the last.
+        // Cells without a pillar have no sum, since their label exceeds the last index.
         for (pillar, pressure) in self.pillars.iter().zip(pressure) {
             if let Some(sum) = self.sums.get_mut(*pillar as usize) {
                 *sum += pressure;

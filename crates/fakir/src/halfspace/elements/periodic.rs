@@ -14,33 +14,31 @@ use rayon::ThreadPool;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The operator of a half-space on which the grid repeats for ever along x and y.
+/// The operator of a half-space with a grid that is periodic along x and y.
 ///
-/// A pressure of wave vector `q` makes the displacement `2 c p/|q|` (Johnson, Contact Mechanics,
-/// section 13.2; `2 pi/|q|` is the transform of `1/|x|`, and the factor of the potential is
-/// `c/pi`). The waves are those that the grid resolves, with `|q|` itself, as is usual for
-/// periodic contacts: the pressure is the trigonometric interpolant of the values on the cells.
-/// This is not the periodic sum of Love's rectangles, which carry all shorter waves too; the two
-/// agree as the cells become small.
+/// A pressure of wave vector `q` causes the displacement `2 c p/|q|` (Johnson, Contact Mechanics, section 13.2; `2 pi/|q|` is the transform
+/// of `1/|x|`, and the factor of the potential is `c/pi`). The waves are those that the grid resolves, with the exact `|q|`, as is usual
+/// for periodic contacts: the pressure is the trigonometric interpolant of the values on the cells. This differs from the periodic sum of
+/// Love's rectangles, which include all shorter waves; the two converge to each other as the cells become small.
 ///
-/// The mean pressure would sink the half-space without limit. Its displacement is set to zero,
-/// so that every displacement is relative to the mean of its cell.
+/// The displacement of a half-space under a mean pressure is unbounded. The mean displacement is therefore set to zero: displacements are
+/// relative to the mean of the period.
 pub struct PeriodicConvolution<'p> {
     convolution: Convolution<'p, Periodic>,
 }
 
 impl<'p> PeriodicConvolution<'p> {
-    /// The operator on `cells`, whose grid is the period, of a half-space of compliance
-    /// `compliance`, 1/Pa. The work is shared between the threads of `pool`.
+    /// The operator on `cells`, whose grid is the period, of a half-space with the given `compliance` in 1/Pa. The work is shared between
+    /// the threads of `pool`.
     ///
-    /// Any size works; sizes of the form `2^a 3^b 5^c` are fastest.
+    /// Any size is supported; sizes of the form `2^a 3^b 5^c` are fastest.
     #[must_use]
     pub fn new(cells: Cells, compliance: f64, pool: Option<&'p ThreadPool>) -> Self {
         Self::on_layers(cells, compliance, &[], pool)
     }
 
-    /// The same where bodies are layers, in the unit of length of the cells: a wave makes `Phi(|q|)` times the displacement. The mean pressure
-    /// squeezes a layer as a whole, and nothing else.
+    /// The same if bodies are layers, in the unit of length of the cells: the displacement of a wave is multiplied by `Phi(|q|)`. The mean
+    /// pressure compresses a layer uniformly.
     pub(crate) fn on_layers(
         cells: Cells,
         compliance: f64,
@@ -76,7 +74,7 @@ impl<'p> PeriodicConvolution<'p> {
         }
     }
 
-    /// The same in single precision, where the cells reach over more than half of the period.
+    /// The same in single precision, if the cells extend over more than half of the period.
     pub(super) fn in_single_precision(&self) -> Option<Periodic<f32>> {
         let cells = self.cells();
         let [columns, rows] = Bounds::of(cells).shape;
@@ -84,8 +82,7 @@ impl<'p> PeriodicConvolution<'p> {
         wide.then(|| self.convolution.transform().in_single_precision())
     }
 
-    /// About how many bytes the operator on `cells` takes, without the cells themselves; shared
-    /// between `threads` threads.
+    /// Approximate memory in bytes of the operator on `cells`, without the cells themselves, for `threads` threads.
     #[must_use]
     pub fn memory_estimate(cells: &Cells, threads: usize) -> usize {
         let grid = cells.grid();
@@ -97,7 +94,7 @@ impl<'p> PeriodicConvolution<'p> {
 }
 
 impl PeriodicConvolution<'_> {
-    /// The cells that it acts on.
+    /// The cells on which the operator acts.
     #[must_use]
     pub fn cells(&self) -> &Cells {
         self.convolution.cells()
@@ -116,37 +113,37 @@ impl Operator for PeriodicConvolution<'_> {
 
 /// An operator with the inverse of the periodic half-space as its preconditioner.
 ///
-/// On the free half-space it is wrong only for the longest waves, so that the number of
-/// iterations hardly grows with the number of cells (J. Zhao, E. A. H. Vollebregt, C. W.
-/// Oosterlee, J. Comput. Phys. 292, 1 (2015) use the like for one contact).
+/// On the non-periodic half-space, the preconditioner is inaccurate only for the longest waves, so that the number of iterations hardly
+/// increases with the number of cells (J. Zhao, E. A. H. Vollebregt, C. W. Oosterlee, J. Comput. Phys. 292, 1 (2015) use a similar
+/// preconditioner for one contact).
 ///
 /// `R` is the precision of the preconditioner.
 #[allow(private_bounds, reason = "only the precisions that are transformed")]
 pub struct Preconditioned<'p, O, R: Real = f64> {
     operator: O,
     inverse: PeriodicInverse<'p, R>,
-    /// The operator itself, roughly, of the shape of the inverse.
+    /// The operator in single precision, with the shape of the inverse.
     rough: Option<Periodic<R>>,
 }
 
-/// The inverse of the periodic half-space, up to a factor, on the smallest grid that holds some cells: the wave number.
+/// The inverse of the periodic half-space, up to a factor, on the smallest grid that contains the cells: multiplication by the wave number.
 pub(crate) struct PeriodicInverse<'p, R: Real = f64> {
     convolution: Convolution<'p, Periodic<R>>,
 }
 
 impl<'p, R: Real> PeriodicInverse<'p, R> {
-    /// The wave number.
+    /// The inverse for displacements at cell centres: the wave number.
     pub(crate) fn new(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
         Self::of(cells, |[x, y]| x.hypot(y), pool)
     }
 
-    /// Of the mean displacements of cells under constant pressures on them, on a half-space of unit compliance.
+    /// The inverse for mean displacements of cells under constant pressures on them, on a half-space of unit compliance.
     pub(crate) fn of_means(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
         let cell = cells.grid().cell();
         Self::of(cells, |wave| of_means(wave, cell).recip(), pool)
     }
 
-    /// The same of cells with mirror images along x and along y at the corner of their grid.
+    /// The same for cells with mirror images along x and along y at the corner of their grid.
     pub(crate) fn of_mirrored_means(cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
         let cell = cells.grid().cell();
         let Bounds { first, shape, .. } = Bounds::of(&cells);
@@ -166,7 +163,7 @@ impl<'p, R: Real> PeriodicInverse<'p, R> {
         }
     }
 
-    /// A pressure that makes about this displacement, all else equal.
+    /// Computes a pressure that approximately causes this displacement.
     pub(crate) fn apply(&mut self, displacement: &[f64], pressure: &mut [f64]) {
         self.convolution.apply(displacement, pressure);
     }
@@ -176,7 +173,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
     /// Preconditions `operator`, which acts on `cells`.
     ///
     /// # Panics
-    /// If it does not act on as many.
+    /// If the number of unknowns of the operator is not the number of cells.
     #[must_use]
     pub fn new(operator: O, cells: Cells, pool: Option<&'p ThreadPool>) -> Self {
         assert_eq!(operator.len(), cells.len(), "the cells of the operator");
@@ -187,7 +184,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
         }
     }
 
-    /// About how many bytes it takes besides the operator.
+    /// Approximate additional memory in bytes.
     #[must_use]
     pub fn memory_estimate(cells: &Cells) -> usize {
         let bounds = Bounds::of(cells);
@@ -198,11 +195,11 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
 }
 
 impl<'p, O: Operator> Preconditioned<'p, O, f32> {
-    /// With a preconditioner in single precision, which takes half of the memory and about half of the time. The solution is as exact, since
-    /// residuals are those of the operator.
+    /// Creates the operator with a preconditioner in single precision, which takes half of the memory and about half of the time. The
+    /// accuracy of the solution is the same, since residuals are computed with the operator.
     ///
-    /// If there is the operator in single precision too, [steps](Operator::apply_to_step) are by that, and share the transforms and the
-    /// memory of the preconditioner.
+    /// If the operator is also available in single precision, it is used for [steps](Operator::apply_to_step), and shares the transforms
+    /// and the memory of the preconditioner.
     pub(super) fn in_single_precision(
         operator: O,
         cells: Cells,
@@ -248,8 +245,8 @@ impl<O: Operator, R: Real> Operator for Preconditioned<'_, O, R> {
     }
 }
 
-/// Mean displacement of cells by constant pressures on them that go as a wave: by the waves of which cells see no more than this one. `2/|q|`,
-/// and for either direction the mean of a wave over a cell, squared.
+/// Mean displacement of cells due to constant pressures on them that follow a wave, without the aliased waves: `2/|q|` times the squared
+/// mean of a wave over a cell in each direction.
 fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
     const ALIASES: [f64; 3] = [0.0, -1.0, 1.0];
     let along = |k: usize| {
@@ -275,21 +272,21 @@ fn of_means(wave: [f64; 2], cell: [f64; 2]) -> f64 {
 pub(super) struct Periodic<R = f64> {
     shape: [usize; 2],
     plans: Plans<R>,
-    /// For every column of the transform, its rows that are not mirror images, `rows/2 + 1`;
-    /// with the normalisation of the transforms. Of a quarter of the period: of both real columns of every complex one, all rows.
+    /// For every column of the transform, its rows without mirror images, `rows/2 + 1`; for a quarter of the period: for both real columns
+    /// of every complex column, all rows. Includes the normalisation of the transforms.
     kernel: Vec<R>,
 }
 
 #[derive(Clone)]
 enum Plans<R> {
-    /// Of the period.
+    /// Plans for the whole period.
     Whole(RealPlans<R>),
-    /// Of a quarter of it, of which the others are mirror images.
+    /// Plans for a quarter of the period; the others are mirror images.
     Mirrored(CosinePlans<R>),
 }
 
 impl<R: Real> Periodic<R> {
-    /// With a [`kernel`] of the wave vector.
+    /// Plans transforms with a [`kernel`] as a function of the wave vector.
     fn new(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         Self {
             shape,
@@ -298,7 +295,7 @@ impl<R: Real> Periodic<R> {
         }
     }
 
-    /// Of a quarter of the period.
+    /// The same for a quarter of the period.
     fn mirrored(shape: [usize; 2], cell: [f64; 2], of_wave: impl Fn([f64; 2]) -> f64) -> Self {
         let [columns, rows] = shape;
         let plans = CosinePlans::new(rows, columns);
@@ -340,7 +337,7 @@ impl<R: Real> Periodic<R> {
     }
 }
 
-/// A function of the wave vector, of half the smallest there is for the mean; with the normalisation of the transforms.
+/// A function of the wave vector; the mean is evaluated at half the smallest wave vector. Includes the normalisation of the transforms.
 fn kernel<R: Real>(
     [columns, rows]: [usize; 2],
     [width, height]: [f64; 2],
@@ -365,7 +362,7 @@ fn kernel<R: Real>(
         .collect()
 }
 
-/// Multiplies a transformed column by a kernel of half of its rows, which the others mirror.
+/// Multiplies a transformed column by a kernel of half of its rows; the others are mirror images.
 fn multiply_whole<R: Real>(line: &mut [Complex<R>], kernel: &[R]) {
     let (low, high) = line.split_at_mut(kernel.len());
     multiply(low, kernel);

@@ -1,11 +1,11 @@
-//! What the pressure on one cell does around it.
+//! The potential of the pressure on one cell.
 
 use super::rectangle::Rectangle;
 use crate::halfspace::layer::force::AroundForce;
 use crate::problem::Point;
 use crate::problem::layer::WeightedLayer;
 
-/// The potential of a cell under unit pressure, `∫ 1/r` over it, with what [layers](crate::halfspace::layer) add.
+/// The potential of a cell under unit pressure, `∫ 1/r` over the cell, including the correction for [layers](crate::halfspace::layer).
 pub(crate) struct CellPotential {
     rectangle: Rectangle,
     area: f64,
@@ -13,7 +13,7 @@ pub(crate) struct CellPotential {
 }
 
 impl CellPotential {
-    /// Of cells of these sides, in the unit of length of the layers; half-spaces have none.
+    /// Creates the potential for cells with these sides, in the unit of length of the layers; `layers` is empty for half-spaces.
     pub(crate) fn new([width, height]: [f64; 2], layers: &[WeightedLayer]) -> Self {
         Self {
             rectangle: Rectangle::new(width, height),
@@ -22,12 +22,12 @@ impl CellPotential {
         }
     }
 
-    /// What layers add around a unit force on a cell.
+    /// Correction for layers around a unit force on a cell.
     pub(super) fn layers(&self) -> Option<&AroundForce> {
         self.layers.as_ref()
     }
 
-    /// At a place seen from the middle of the cell.
+    /// The potential at a position relative to the centre of the cell.
     pub(crate) fn at(&self, [x, y]: Point) -> f64 {
         let potential = self.rectangle.potential(x, y);
         match &self.layers {

@@ -1,24 +1,23 @@
 //! The potential of a uniformly loaded rectangle.
 //!
-//! `I(x, y) = ∫∫ dA'/|x - x'|` over the rectangle; `(c/pi) p I` is the normal displacement of a
-//! half-space of compliance `c` under the pressure `p`. Near the rectangle it is taken from
-//! Love's closed form (Johnson, Contact Mechanics, eq. 3.25), which far away is a small
-//! difference of large terms; there the multipole expansion takes over.
+//! `I(x, y) = ∫∫ dA'/|x - x'|` over the rectangle; `(c/pi) p I` is the normal displacement of a half-space of compliance `c` under the
+//! pressure `p`. Near the rectangle it is computed from Love's closed form (Johnson, Contact Mechanics, eq. 3.25), which far away is a
+//! small difference of large terms; there the multipole expansion is used.
 
 use crate::numerics::quadrature::gauss_legendre;
 
-/// Multipoles kept: degrees 0, 2, ..., `2 TERMS - 2`.
+/// Number of multipole degrees: 0, 2, ..., `2 TERMS - 2`.
 const TERMS: usize = 12;
 
-/// The multipole expansion is used where `(D/r)^2` is below this, `D` being half a diagonal.
-/// The first degree left out is then below `0.05^TERMS = 2.4e-16` of the sum.
+/// Value of `(D/r)^2` below which the multipole expansion is used, with `D` half a diagonal. The first neglected degree is then below
+/// `0.05^TERMS = 2.4e-16` of the sum.
 const CROSSOVER: f64 = 0.05;
 
-/// Beyond `1e8 D` the rectangle is a point: the next multipole is below `1e-16` of the first.
-/// Taken apart so that no square overflows.
+/// Distance in units of `D` beyond which the rectangle is a point: the next multipole is below `1e-16` of the first. Treated separately to
+/// avoid overflow of squares.
 const POINT_DISTANCE: f64 = 1e8;
 
-/// Distances from the line of an edge below this, relative to `D`, contribute nothing.
+/// Distance from the line of an edge, relative to `D`, below which the edge does not contribute.
 const ON_THE_LINE: f64 = 1e-100;
 
 /// A rectangle with sides along x and y and its centre at the origin.
@@ -30,7 +29,7 @@ pub struct Rectangle {
     half_diagonal: f64,
     /// `moments[t][m]`: the factor of `(D/r)^(2t) cos(2 m phi)` in `r I/(4 half_x half_y)`.
     moments: [[f64; TERMS]; TERMS],
-    /// `reach[t]`: the largest `(D/r)^2` at which the first `t + 1` degrees are enough.
+    /// `reach[t]`: the largest `(D/r)^2` at which the first `t + 1` degrees are sufficient.
     reach: [f64; TERMS],
 }
 
@@ -73,8 +72,7 @@ impl Rectangle {
         }
     }
 
-    /// `Σ (D/r)^(2t) Σ_m moments[t][m] cos(2 m phi)`, degrees that matter, with
-    /// `cos(2 m phi)` from its recurrence in `m`.
+    /// `Σ (D/r)^(2t) Σ_m moments[t][m] cos(2 m phi)` over the significant degrees, with `cos(2 m phi)` from its recurrence in `m`.
     fn multipole_sum(&self, cos: f64, sin: f64, squared: f64) -> f64 {
         let terms = 1 + self
             .reach
@@ -101,12 +99,12 @@ impl Rectangle {
 
     /// Love's closed form in the first quadrant.
     ///
-    /// `I = Σ ± s ln(...)` over the four edges, `s` the distance of the point from the line of
-    /// the edge, positive on the inner side: a sum of positive terms inside the rectangle.
+    /// `I = Σ ± s ln(...)` over the four edges, with `s` the distance of the point from the line of the edge, positive on the inner side: a
+    /// sum of positive terms inside the rectangle.
     fn closed_form(&self, x: f64, y: f64) -> f64 {
         let [a, b] = self.half;
         let scale = 1.0 / self.half_diagonal;
-        // Differences first: exact next to an edge.
+        // Differences are computed first, so that they are exact next to an edge.
         let (x1, x2) = ((x - a) * scale, (x + a) * scale);
         let (y1, y2) = ((y - b) * scale, (y + b) * scale);
         let (height, width) = (2.0 * b * scale, 2.0 * a * scale);
@@ -137,12 +135,11 @@ fn edge(s: f64, u1: f64, u2: f64, length: f64) -> f64 {
     s * excess.ln_1p()
 }
 
-/// The factors of the multipole expansion of a rectangle of half sides `half`, per area.
+/// The factors of the multipole expansion of a rectangle with half sides `half`, per area.
 ///
-/// `1/|x - x'| = Σ_l (r'^l/r^(l+1)) P_l(cos(phi - phi'))`, in which
-/// `P_l(cos g) = Σ_k c_k c_(l-k) cos((l - 2k) g)` with `c_k = (2k)!/(4^k k!^2)` (E. T. Whittaker
-/// and G. N. Watson, A Course of Modern Analysis, section 15.1); by symmetry only even `l` and
-/// the cosines remain. The means of `r'^l cos(m phi')` are by an exact Gauss rule.
+/// `1/|x - x'| = Σ_l (r'^l/r^(l+1)) P_l(cos(phi - phi'))`, in which `P_l(cos g) = Σ_k c_k c_(l-k) cos((l - 2k) g)` with
+/// `c_k = (2k)!/(4^k k!^2)` (E. T. Whittaker and G. N. Watson, A Course of Modern Analysis, section 15.1); by symmetry only even `l` and
+/// the cosines remain. The means of `r'^l cos(m phi')` are computed by an exact Gauss rule.
 fn multipoles(half: [f64; 2]) -> [[f64; TERMS]; TERMS] {
     let mut central = [1.0; 2 * TERMS];
     for k in 1..2 * TERMS {

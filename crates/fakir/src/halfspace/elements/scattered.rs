@@ -1,13 +1,13 @@
-//! Elements on grids of one pattern, anywhere and of any size.
+//! Elements on copies of one grid, at arbitrary positions and of arbitrary size.
 //!
-//! Every grid stands by itself: its cells are those of the pattern, moved and scaled. What the cells of a grid do to each other is a
-//! convolution. What they do to those of other grids is summed up cell by cell where these are near. Between parts of grids that are
-//! far from each other the potential is interpolated by Chebyshev polynomials on both sides, in boxes of boxes, so that the work grows
-//! about as the number of cells (W. Fong and E. Darve, J. Comput. Phys. 228, 8712 (2009)).
+//! The cells of every grid are those of a pattern, shifted and scaled. The interaction of the cells of a grid is a convolution. The effect
+//! on cells of other grids is summed cell by cell for near grids. Between distant parts of grids, the potential is interpolated by
+//! Chebyshev polynomials on both sides, in a tree of boxes, so that the work grows approximately in proportion to the number of cells (W.
+//! Fong and E. Darve, J. Comput. Phys. 228, 8712 (2009)).
 //!
-//! Cells of different sizes do not act on each other symmetrically if displacements are taken at their centres. Here the mean of both
-//! directions is taken, which differs from either in proportion to the square of the cells over their distance. Cells of one size are
-//! as those of other operators.
+//! The interaction of cells of different sizes is not symmetric if displacements are evaluated at their centres. The mean of both
+//! directions is used, which differs from either in proportion to the square of the cell size divided by the distance. For cells of equal
+//! size the result equals that of the other operators.
 
 use super::lattice::LatticeOfGrids;
 use super::operator::Operator;
@@ -17,34 +17,34 @@ use crate::problem::{Cells, Point};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Chebyshev nodes along a side of a box.
+/// Number of Chebyshev nodes along a side of a box.
 pub(crate) const NODES: usize = 7;
 
-/// Nodes of a box.
+/// Number of nodes of a box.
 const ALL_NODES: usize = NODES * NODES;
 
-/// Cells of one grid in a box that is not divided any more.
+/// Largest number of cells of one grid in a box that is not divided further.
 const LEAF: usize = 64;
 
-/// Half the diagonals of two boxes together over the distance of their middles, up to which they are far from each other. The
-/// interpolation then errs by about 1e-7 of the displacement (measured).
+/// Largest sum of the half diagonals of two boxes, relative to the distance of their centres, for which they are far from each other. The
+/// interpolation error is then about 1e-7 of the displacement (measured).
 const SMALLNESS: f64 = 0.5;
 
-/// A grid of the pattern: where its middle is, and by how much it is scaled.
+/// A copy of the grid: the position of its centre and its scale.
 pub(crate) type PlacedGrid = (Point, f64);
 
-/// Values at the nodes of a box: of `1/r`, and of its Laplacian for the size of cells.
+/// Values at the nodes of a box: for `1/r`, and for its Laplacian, which accounts for the size of cells.
 type NodeValues = [[f64; ALL_NODES]; 2];
 
 const NO_VALUES: NodeValues = [[0.0; ALL_NODES]; 2];
 
 /// A box around the centres of some cells.
 struct Part {
-    /// Places among the cells in the order of the tree.
+    /// Range of the cells in the order of the tree.
     cells: Range<usize>,
     middle: Point,
     half: [f64; 2],
-    /// The two that it is divided into, which come before it.
+    /// The two boxes into which it is divided, which precede it.
     halves: Option<[usize; 2]>,
     of_one_grid: bool,
 }
@@ -76,11 +76,11 @@ impl Part {
         self.half_diagonal() + other.half_diagonal() <= SMALLNESS * x.hypot(y)
     }
 
-    /// The weights of the nodes for a value at a point, along each side.
+    /// The weights of the nodes for the interpolated value at a point, along each side.
     fn weights(&self, point: Point) -> [[f64; NODES]; 2] {
         [0, 1].map(|k| {
             let away = point[k] - self.middle[k];
-            // A side without length has its value in the middle.
+            // A side of zero length has its value at the centre.
             weights(if self.half[k] > 0.0 {
                 away / self.half[k]
             } else {
@@ -95,7 +95,7 @@ impl Part {
     }
 }
 
-/// From -1 to 1.
+/// Chebyshev nodes from -1 to 1.
 pub(crate) fn chebyshev_nodes() -> [f64; NODES] {
     std::array::from_fn(|k| (PI * (k as f64 + 0.5) / NODES as f64).cos())
 }
@@ -118,15 +118,15 @@ pub(crate) fn weights(t: f64) -> [f64; NODES] {
     })
 }
 
-/// Which parts of grids act on which.
+/// Near and far pairs of parts of grids.
 pub(crate) struct Interactions {
     /// Number of cells of the pattern.
     per_grid: usize,
-    /// Centres of all cells, grid by grid.
+    /// Centres of all cells, by grids.
     points: Vec<Point>,
     /// The cells in the order of the tree.
     order: Vec<u32>,
-    /// The whole is the last.
+    /// The last part contains all cells.
     parts: Vec<Part>,
     /// Pairs of parts of different grids.
     far: Vec<[usize; 2]>,
@@ -134,7 +134,7 @@ pub(crate) struct Interactions {
 }
 
 impl Interactions {
-    /// Between grids of a pattern, of which there is at least one.
+    /// Pairs between copies of a pattern, at least one.
     pub(crate) fn new(cells: &Cells, grids: &[PlacedGrid]) -> Self {
         let points: Vec<Point> = grids
             .iter()
@@ -158,7 +158,7 @@ impl Interactions {
         interactions
     }
 
-    /// Bytes that the operator takes.
+    /// Memory in bytes of the operator.
     pub(crate) fn memory_estimate(&self) -> usize {
         let count = |part: usize| self.parts[part].cells.len();
         let near: usize = self.near.iter().map(|&[a, b]| count(a) * count(b)).sum();
@@ -171,7 +171,7 @@ impl Interactions {
             + per_pair * (self.far.len() + self.near.len())
     }
 
-    /// Divides grids until there is one in each part; returns the number of the part with all of them.
+    /// Divides grids until each part contains one; returns the index of the part with all of them.
     fn divide_grids(&mut self, numbers: &mut [usize], grids: &[PlacedGrid]) -> usize {
         if let [number] = numbers {
             let first = self.order.len();
@@ -225,13 +225,13 @@ impl Interactions {
         self.parts.len() - 1
     }
 
-    /// Finds the pairs among a part.
+    /// Finds the pairs within a part.
     fn pair(&mut self, whole: usize) {
         let mut open = vec![[whole; 2]];
         while let Some([one, other]) = open.pop() {
             let (a, b) = (&self.parts[one], &self.parts[other]);
             if one == other {
-                // The cells of one grid are coupled by themselves.
+                // The interaction of the cells of one grid is computed separately.
                 if !a.of_one_grid
                     && let Some([low, high]) = a.halves
                 {
@@ -263,27 +263,27 @@ fn longer_side(part: &Part) -> usize {
     usize::from(part.half[1] > part.half[0])
 }
 
-/// For every node of a part along a side, the weights of the nodes of that which it is a half of.
+/// For every node of a part along a side, the weights of the nodes of its parent.
 type Transfer = [[f64; NODES]; NODES];
 
-/// The free half-space under grids of one pattern, anywhere and of any size.
+/// The non-periodic half-space under copies of one grid, at arbitrary positions and of arbitrary size.
 ///
-/// Unknowns are ordered grid by grid, in each by the order of the cells of the pattern. Instead of pressures they are forces over the
-/// area of a cell of the pattern itself: on a grid of scale `s` the pressure times `s^2`.
+/// Unknowns are ordered by grids, and for each grid in the order of the cells of the pattern. They are forces divided by the area of a cell
+/// of the pattern, instead of pressures: on a grid of scale `s`, the pressure times `s^2`.
 pub(crate) struct ScatteredGrids {
     interactions: Interactions,
     scales: Vec<f64>,
     /// A grid of scale 1.
     alone: LatticeOfGrids<'static>,
-    /// Displacement over the sums, which are of force over area of a cell of scale 1 times `1/r`.
+    /// Displacement divided by the sums, which are those of force divided by the area of a cell of scale 1 times `1/r`.
     factor: f64,
-    /// Of a cell of scale 1. Where bodies are layers all are of that scale.
+    /// Potential of a cell of scale 1. On layers, all grids have this scale.
     potential: CellPotential,
-    /// Area of a cell of each grid, over that by which the second moment of a square acts: `r^-1 + A r^-3/24`, half of it on either side.
+    /// Cell area `A` of each grid divided by 48: the second moment of a square adds `A r^-3/24` to `r^-1`, half of it on either side.
     areas: Vec<f64>,
-    /// Influence of the cells of near parts on each other, pair by pair.
+    /// Interaction of the cells of near parts, pair by pair.
     near: Vec<f64>,
-    /// Of every cell in the order of the tree, the weights of the nodes of its part.
+    /// For every cell in the order of the tree, the weights of the nodes of its part.
     weights: Vec<[[f64; NODES]; 2]>,
     transfers: Vec<[Transfer; 2]>,
     /// Charges and potentials at the nodes of every part.
@@ -294,8 +294,8 @@ pub(crate) struct ScatteredGrids {
 }
 
 impl ScatteredGrids {
-    /// Of `cells` around the origin at every place, on a half-space of compliance `compliance`, 1/Pa, or on layers, in the unit of length of the
-    /// cells: then all grids have scale 1.
+    /// Copies of `cells` (around the origin) at all positions, on a half-space with the given `compliance` in 1/Pa or on layers, in the
+    /// unit of length of the cells; on layers all grids must have scale 1.
     pub(crate) fn new(
         cells: &Cells,
         grids: &[PlacedGrid],
@@ -385,7 +385,7 @@ impl ScatteredGrids {
         }
     }
 
-    /// Charges at the nodes of all parts, from those of the cells.
+    /// Computes the charges at the nodes of all parts from those of the cells.
     fn gather(&mut self) {
         let parts = &self.interactions.parts;
         for (number, part) in parts.iter().enumerate() {
@@ -417,7 +417,7 @@ impl ScatteredGrids {
         }
     }
 
-    /// What far parts do to each other, at their nodes.
+    /// Computes the interaction of far parts at their nodes.
     fn act_from_afar(&mut self) {
         for potentials in &mut self.potentials {
             *potentials = NO_VALUES;
@@ -458,7 +458,7 @@ impl ScatteredGrids {
         }
     }
 
-    /// What near parts do to each other, cell by cell.
+    /// Computes the interaction of near parts, cell by cell.
     fn act_nearby(&mut self) {
         let Interactions { parts, near, .. } = &self.interactions;
         let [charges, sums] = &mut self.sorted;
@@ -475,7 +475,7 @@ impl ScatteredGrids {
         }
     }
 
-    /// Potentials of all cells, from those at the nodes.
+    /// Computes the potentials of all cells from those at the nodes.
     fn spread(&mut self) {
         let parts = &self.interactions.parts;
         for (number, part) in parts.iter().enumerate().rev() {
@@ -510,7 +510,7 @@ impl ScatteredGrids {
     }
 }
 
-/// Adds the charges of a half to those of the whole.
+/// Adds the charges of a half to those of its parent.
 fn up(transfer: &[Transfer; 2], half: &[f64; ALL_NODES], whole: &mut [f64; ALL_NODES]) {
     for (k, row) in half.chunks_exact(NODES).enumerate() {
         let mut across = [0.0; NODES];
@@ -527,7 +527,7 @@ fn up(transfer: &[Transfer; 2], half: &[f64; ALL_NODES], whole: &mut [f64; ALL_N
     }
 }
 
-/// Adds the potentials of the whole to those of a half.
+/// Adds the potentials of the parent to those of a half.
 fn down(transfer: &[Transfer; 2], whole: &[f64; ALL_NODES], half: &mut [f64; ALL_NODES]) {
     for (k, row) in half.chunks_exact_mut(NODES).enumerate() {
         let mut across = [0.0; NODES];
@@ -575,7 +575,7 @@ impl Operator for ScatteredGrids {
         }
     }
 
-    /// That of every grid alone.
+    /// Preconditioner of every grid separately.
     fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
         self.alone.precondition(residual, direction);
         let per_grid = self.interactions.per_grid;
@@ -623,7 +623,7 @@ mod tests {
             let forces = numbers(operator.len());
             let found = applied(&mut operator, &forces);
             let points = operator.interactions.points.clone();
-            // A force on a cell of the size of that of either.
+            // A force on a cell of the size of either grid.
             let squares: Vec<(Rectangle, f64)> = grids
                 .iter()
                 .map(|(_, scale)| {
@@ -670,7 +670,7 @@ mod tests {
         let (wa, wb) = (applied(&mut operator, &a), applied(&mut operator, &b));
         assert!((dot(&a, &wb) / dot(&b, &wa) - 1.0).abs() < 1e-13);
         assert!(dot(&a, &wa) > 0.0 && dot(&b, &wb) > 0.0);
-        // The same again: nothing is left over from the last product.
+        // Repeats the product: the previous one must not affect it.
         let again = applied(&mut operator, &a);
         assert!(again.iter().zip(&wa).all(|(a, b)| (a - b).abs() < 1e-300));
         let mut preconditioned = |values: &[f64]| {
@@ -683,7 +683,7 @@ mod tests {
         assert!(dot(&a, &pa) > 0.0 && dot(&b, &pb) > 0.0);
     }
 
-    /// Equal grids on a lattice, as one operator and as the other.
+    /// Compares both operators for equal grids on a lattice.
     #[test]
     fn grids_on_a_lattice_are_as_a_lattice_of_grids() {
         let cells = disc(16);

@@ -1,42 +1,42 @@
-//! Numbers on the pillars and their transforms, over the coarse grid of half lattice cells.
+//! Coefficients on the pillars and their transforms, on the coarse grid of half lattice cells.
 
 use crate::halfspace::elements::convolution::BLOCK_WIDTH;
 use crate::numerics::fft::{Real, RealPlans};
 use num_complex::Complex64;
 use std::sync::{Mutex, PoisonError};
 
-/// Transforms of the floor that meet those of pillars on the coarse grid.
+/// Transforms of the floor that are combined with those of pillars on the coarse grid.
 pub(super) trait BesidePillars {
     /// Whether the kernels of the coupled modes are imaginary.
     fn odd(&self) -> &[bool];
 
-    /// Takes the coefficients of a mode of all pillars, which were put on the coarse grid.
+    /// Stores the coefficients of a mode of all pillars after they were placed on the coarse grid.
     fn take_mode(&self, coarse: &mut Coarse, mode: usize);
 
-    /// Adds up what the floor does to pillars.
+    /// Adds up the loads on pillars due to the floor.
     fn gather(&self, coarse: &mut Coarse);
 
-    /// Numbers of all kernels.
+    /// Number of values in all kernels.
     #[cfg(any(test, feature = "kernels"))]
     fn kernel_count(&self) -> usize;
 }
 
-/// Transforms over the coarse grid, with room.
+/// Transforms over the coarse grid, with buffers.
 pub(super) struct Coarse {
     shape: [usize; 2],
     plans: RealPlans,
-    /// Numbers on all points, a row after the other.
+    /// Values at all points, by rows.
     pub(super) grid: Vec<f64>,
-    /// Half of the columns, each with its rows.
+    /// The non-redundant half of the columns, each with its rows.
     columns: Vec<Complex64>,
     line: Vec<Complex64>,
     scratch: Vec<Complex64>,
-    /// For every column, every mode, its rows: folded transforms, real parts and imaginary ones.
+    /// Folded transforms: for every column and every mode, its rows, real and imaginary parts.
     folded: Vec<f64>,
 }
 
 impl Coarse {
-    /// Columns and rows.
+    /// Number of columns and rows.
     #[cfg(any(test, feature = "kernels"))]
     pub(super) fn shape(&self) -> [usize; 2] {
         self.shape
@@ -57,7 +57,7 @@ impl Coarse {
         }
     }
 
-    /// Puts numbers of all pillars on the grid.
+    /// Places the coefficients of all pillars on the grid.
     pub(super) fn put<'v>(
         &mut self,
         places: &[Option<usize>],
@@ -71,7 +71,7 @@ impl Coarse {
         }
     }
 
-    /// Takes the mean of mirror images about the first point, along x and along y, of what is odd along each or not.
+    /// Replaces the values by the mean of mirror images about the first point, along x and along y, with a sign change for odd modes.
     pub(super) fn mirror(&mut self, odd: [bool; 2]) {
         let [columns, rows] = self.shape;
         let sign = odd.map(|odd| if odd { -1.0 } else { 1.0 });
@@ -135,7 +135,7 @@ impl Coarse {
         }
     }
 
-    /// The same of the real part, or of minus the imaginary one, alone.
+    /// Writes only the real part, or minus the imaginary part.
     pub(super) fn write_real<R: Real>(&self, mode: usize, imaginary: bool, spectra: &mut [R]) {
         let [columns, rows] = self.shape;
         let stride = spectra.len() / columns;
@@ -156,8 +156,8 @@ impl Coarse {
         }
     }
 
-    /// Adds up the folded real columns that repeat, of which every complex one has one or two. Rows are half of all: to each belongs one that mirrors it, and
-    /// the first one is half of itself.
+    /// Adds up the folded real columns that are equivalent on the coarse grid; every complex column contains one or two. Only half of the
+    /// rows are stored: each has a mirror image, and the first one has half its weight.
     pub(super) fn gather_real<R: Real>(
         &mut self,
         columns_of: impl Fn(usize) -> (usize, Option<usize>),
@@ -196,7 +196,8 @@ impl Coarse {
         }
     }
 
-    /// Adds up the folded columns that repeat, of so many on the fine grid. They are half of all; the ends of these are their own conjugates.
+    /// Adds up the folded columns that are equivalent on the coarse grid. `columns` is their number on the fine grid. Only half of them are
+    /// stored; the first and the last one are their own conjugates.
     pub(super) fn gather<R: Real>(&mut self, columns: usize, folded: &[Mutex<Vec<R>>]) {
         let stride = self.folded.len() / self.shape[0];
         let last = columns / 2;
@@ -218,7 +219,7 @@ impl Coarse {
         }
     }
 
-    /// Transforms one mode back, to the grid: the sum over the half and over its conjugates.
+    /// Transforms one mode back to the grid: the sum over the stored half and over its conjugates.
     pub(super) fn back(&mut self, mode: usize, odd: bool) {
         let [columns, rows] = self.shape;
         let stride = self.folded.len() / columns;

@@ -1,23 +1,25 @@
-//! What pillar tops and floor cells do to each other, by one fast Fourier transform of the floor there and one back.
+//! Interaction of pillar tops and floor cells, by one fast Fourier transform of the floor and its inverse.
 //!
-//! The coefficients of a floor cell are its pressure times the root of the cell's area, and its load is the mean displacement
-//! times the same root: so that the work is the product of the two, as on a pillar, and the operator symmetric.
+//! The coefficient of a floor cell is its pressure times the root of its area, and its load is the mean displacement times the same root.
+//! The work is then the product of the two, as for a pillar, and the operator is symmetric.
 //!
-//! Pillars of many lattices stand on a coarse grid, whose points are points of the fine grid of the floor. The fine transform of
-//! numbers on coarse points alone is their coarse transform, repeated; and a fine transform that is wanted on coarse points alone
-//! may be folded, sums over all that repeat, before it is transformed back. So with the hats of transforms
+//! The pillars of many lattices are on a coarse grid, whose points are points of the fine grid of the floor. The fine transform of values
+//! that are non-zero only on coarse points is the periodic repetition of their coarse transform. A fine transform whose inverse is needed
+//! only on coarse points may be folded, that is, summed over all equivalent frequencies, before the inverse transform. With hats for
+//! transforms
 //!
 //! ```text
 //! floor = inverse(S^ F^ + sum_i W_i^ C_i^ (repeated)),     load on mode i = coarse inverse(folded(conj(W_i^) F^)).
 //! ```
 //!
-//! A kernel `W_i` is even or odd in `x` and in `y` about the pillar, which is half a cell from the nearest cell centres: up to a phase
-//! its transform is real or imaginary, and kept as one real number.
+//! A kernel `W_i` is even or odd in `x` and in `y` about the pillar, which is half a cell from the nearest cell centres. Up to a phase, its
+//! transform is therefore real or imaginary, and is stored as one real number.
 //!
-//! Where all is its own mirror image along x and along y, [one quadrant](super::mirrored) makes the products of the [whole](super::whole).
+//! If the whole system is symmetric under reflections of x and of y, products are computed on [one quadrant](super::mirrored) instead of
+//! the [whole](super::whole).
 //!
-//! What pillars that stand anywhere do to the floor is a [table](super::table) of every pillar and every cell; the floor's own part remains a
-//! convolution.
+//! The effect of pillars at arbitrary positions on the floor is a [table](super::table) of every pillar and every cell; the interaction of
+//! floor cells remains a convolution.
 
 use super::coarse::{BesidePillars, Coarse};
 use super::grid::{Division, FloorGrid, Folding};
@@ -34,10 +36,10 @@ use crate::problem::layer::WeightedLayer;
 use rayon::ThreadPool;
 use std::sync::Arc;
 
-/// Numbers of a table of pillars that are multiplied in the time that a point of a transform takes, about.
+/// Approximate number of values in a table of pillars that are processed in the time that a point of a transform takes.
 const NUMBERS_PER_POINT: f64 = 20.0;
 
-/// The coupling of pillar tops with each other and, where it is touched, with the floor.
+/// The coupling of pillar tops with each other and, if the floor is touched, with the floor.
 pub(crate) struct SurfaceCoupling<'a> {
     pub(crate) tops: LatticeCoupling<'a>,
     pub(crate) floor: Option<Box<FloorCoupling<'a>>>,
@@ -64,13 +66,14 @@ impl Coupling for SurfaceCoupling<'_> {
 }
 
 impl<'a> SurfaceCoupling<'a> {
-    /// The tops alone.
+    /// The coupling of the tops alone.
     pub(crate) fn of_tops(tops: LatticeCoupling<'a>) -> Self {
         Self { tops, floor: None }
     }
 
-    /// With the cells of a grid as the floor, and pillars up to a distance from the lens axis. The [modes](FloorCoupling::new) are those of a pillar and
-    /// the degree that the floor sees; `kernels` are those of the last grid, and then of this one.
+    /// Adds the cells of a grid as the floor, and pillars up to a distance from the lens axis. `modes` are those of [`FloorCoupling::new`]:
+    /// the number of modes of a pillar and the degree that acts on the floor. `kernels` contains those of the previous grid, and then of
+    /// this one.
     pub(crate) fn lay_floor(
         &mut self,
         grid: &FloorGrid,
@@ -80,14 +83,14 @@ impl<'a> SurfaceCoupling<'a> {
         kernels: &mut Option<FloorKernels>,
         (workers, pool): (Workers<'_>, Option<&'a ThreadPool>),
     ) {
-        // The room of the one before it is needed.
+        // Releases the memory of the previous floor first.
         self.floor = None;
         let floor = FloorCoupling::new(grid, pillars, modes, layers, kernels.take(), workers, pool);
         *kernels = Some(floor.kernels());
         self.floor = Some(Box::new(floor));
     }
 
-    /// The tops with each other by one of their products, and then with the floor by one of its.
+    /// Applies one of the products of the tops, and then one of the products of the floor.
     fn apply_by(
         &mut self,
         couple_tops: impl FnOnce(&mut LatticeCoupling<'a>, &[f64], &mut [f64], Workers<'_>),
@@ -107,7 +110,7 @@ impl<'a> SurfaceCoupling<'a> {
     }
 }
 
-/// The floor with itself and with pillar tops.
+/// The interaction of the floor with itself and with pillar tops.
 pub(crate) struct FloorCoupling<'a> {
     /// Number of floor cells.
     cells: usize,
@@ -118,40 +121,40 @@ pub(crate) struct FloorCoupling<'a> {
     folding: Folding,
 }
 
-/// Products with the floor, in double precision and in single.
+/// Products with the floor, in double precision and in single precision.
 enum Products<'a> {
     Whole {
         exact: Convolution<'a, Together<f64>>,
         rough: Convolution<'a, Together<f32>>,
     },
-    /// Where all is its own mirror image, by one quadrant.
+    /// For symmetric systems, on one quadrant.
     Mirrored {
         exact: Convolution<'a, Mirrored<f64>>,
         rough: Convolution<'a, Mirrored<f32>>,
     },
 }
 
-/// The pillars beside the floor.
+/// How pillars are coupled to the floor.
 enum Pillars {
     OnGrid {
-        /// Place of every pillar on the coarse grid, if it can be touched.
+        /// Position of every pillar on the coarse grid, if it can be touched.
         places: Vec<Option<usize>>,
         coarse: Box<Coarse>,
     },
     Anywhere(PillarTable),
 }
 
-/// How far the pillars reach that can be touched.
+/// Distance of the farthest pillar from the lens axis along x, and along y.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PillarExtent {
     /// Distance of the farthest from the lens axis along x, and along y.
     farthest: [f64; 2],
-    /// How many there are, if they do not stand on the grid.
+    /// Number of pillars, if they are not on the grid.
     listed: usize,
 }
 
 impl PillarExtent {
-    /// Of those up to a distance from the lens axis, on a grid or not.
+    /// Extent of the pillars up to a distance from the lens axis, on a grid or not.
     pub(crate) fn new(sites: &Sites, reach: f64, on_grid: bool) -> Self {
         let near = |[x, y]: &&[f64; 2]| x.hypot(*y) <= reach;
         Self {
@@ -169,7 +172,7 @@ impl PillarExtent {
     }
 }
 
-/// What it takes longest to make, to be used again: in double precision and in single.
+/// The kernels, whose computation takes longest, for reuse: in double precision and in single precision.
 #[derive(Clone)]
 pub(crate) struct FloorKernels(Kernels);
 
@@ -196,7 +199,7 @@ impl FloorKernels {
         Self(Kernels::Mirrored(Arc::new(exact), Arc::new(rough)))
     }
 
-    /// Whether they are those of a grid.
+    /// Whether the kernels belong to this grid.
     fn are_of(&self, grid: &FloorGrid, coarse: [usize; 2], degree: Option<usize>) -> bool {
         let (division, own, own_degree, mirrored) = match &self.0 {
             Kernels::Whole(exact, _) => (&exact.division, exact.coarse, exact.degree, false),
@@ -210,9 +213,10 @@ impl FloorKernels {
 }
 
 impl<'a> FloorCoupling<'a> {
-    /// Of a grid with the pillars of its lattice; those farther than `reach` can neither be touched nor need to know the floor. Their first modes up to `degree` see the floor; they have `modes` in all. If it is
-    /// cancelled the kernels are nothing; solvers look before they ask for a product. The kernels
-    /// that are `known` are used again if they are those of this grid, on the same bodies.
+    /// Couples a grid with the pillars of its lattice. Pillars farther than `reach` cannot be touched, and the displacement of the floor at
+    /// these is not computed. The modes up to `degree` are coupled to the floor; pillars have `modes` modes. The kernels `known` are reused
+    /// if they belong to this grid, on the same bodies. The kernels are undefined after cancellation; solvers check for it before they
+    /// compute a product.
     pub(crate) fn new(
         grid: &FloorGrid,
         (sites, reach): (&Sites, f64),
@@ -256,7 +260,7 @@ impl<'a> FloorCoupling<'a> {
         }
     }
 
-    /// Its kernels.
+    /// The kernels, for reuse.
     pub(crate) fn kernels(&self) -> FloorKernels {
         FloorKernels(match &self.products {
             Products::Whole { exact, rough } => {
@@ -268,7 +272,7 @@ impl<'a> FloorCoupling<'a> {
         })
     }
 
-    /// About how many bytes it takes, with the vectors of the solution.
+    /// Approximate memory in bytes, including the vectors of the solution.
     pub(crate) fn memory_estimate(
         division: &Division,
         radius: f64,
@@ -286,11 +290,12 @@ impl<'a> FloorCoupling<'a> {
         let kept = 8.0 * kernels * half * kernel_rows(shape[1] as usize) as f64;
         let folded = 16.0 * half * kernels * coarse[1] as f64;
         let vectors = 20.0 * 8.0 * FloorGrid::expected_len(division, radius);
-        // All but what they are built in once more in single precision.
+        // In addition, single-precision copies of all arrays but those used during the construction.
         build + 1.5 * (kept + folded + 16.0 * held * half) + vectors + tables
     }
 
-    /// About how many numbers it takes a product by: points of the transform, and those of the table of pillars that stand anywhere.
+    /// Approximate number of values that a product processes: points of the transform, and those of the table of pillars at arbitrary
+    /// positions.
     pub(crate) fn points(
         division: &Division,
         radius: f64,
@@ -308,7 +313,8 @@ impl<'a> FloorCoupling<'a> {
         cells * (pillars.listed * mode_count(degree)) as f64
     }
 
-    /// Operations of a product with pillars on the grid at the least, and the bytes it moves, counted as `LatticeConvolution::least_work` does.
+    /// Minimum number of operations of a product with pillars on the grid, and the number of bytes transferred, counted as in
+    /// `LatticeConvolution::least_work`.
     #[cfg(any(test, feature = "kernels"))]
     pub(crate) fn least_work(&self, rough: bool) -> Option<[f64; 2]> {
         let Pillars::OnGrid { coarse, .. } = &self.pillars else {
@@ -357,7 +363,7 @@ impl<'a> Products<'a> {
                 rough: Convolution::new(grid.cells.clone(), [0, 0], rough, pool),
             },
             (Kernels::Mirrored(..), None) => {
-                unreachable!("mirrored kernels are of grids with mirrors")
+                unreachable!("mirrored kernels require a grid with mirrors")
             }
         }
     }
@@ -381,9 +387,10 @@ fn least_work<T: Transform + BesidePillars>(
     let transforms = 2.0 * held * 2.5 * length * length.log2()
         + 2.0 * columns * 5.0 * rows * rows.log2()
         + 2.0 * modes * 2.5 * coarse_points * coarse_points.log2();
-    // Complex numbers of the floor times its kernel; every mode of the pillars times its own, and the floor for every mode.
+    // The floor times its kernel, in complex numbers; every mode of the pillars times its kernel, and the floor times the kernel of every
+    // mode.
     let multiplied = (2.0 + 8.0 * modes) * columns * rows;
-    // Transformed rows are written, read and written again, and read; what the floor does to pillars is written and read.
+    // Transformed rows are written, read, written again, and read again; the loads of the floor on pillars are written and read.
     let numbers = 8.0 * columns * held
         + 4.0 * modes * columns * coarse_rows
         + 4.0 * modes * coarse_points
@@ -443,7 +450,7 @@ mod tests {
             .collect()
     }
 
-    /// Every entry by itself: the same kernels without any transform.
+    /// Computes every entry separately: the same kernels without transforms.
     fn dense(
         grid: &FloorGrid,
         sites: &Sites,
@@ -492,7 +499,7 @@ mod tests {
         far
     }
 
-    /// Lattices of the paper, on grids and anywhere; and a list of pillars of several radii.
+    /// The paper's lattices, on grids and at arbitrary positions; and a list of pillars with several radii.
     fn fields() -> Vec<(PillarField, usize, usize)> {
         let paper = |pitch, offset| {
             hexagonal(HexagonalLattice {
@@ -521,7 +528,7 @@ mod tests {
             .unwrap();
         let film = [crate::halfspace::layer::tests::film()];
         let on_layers = |(field, _, _): &(PillarField, usize, usize)| {
-            // Discs of unit radius alone.
+            // Discs of unit radius only.
             [field.smallest_radius(), field.bounds()[0]]
                 .iter()
                 .all(|radius| (radius - 1.0).abs() < 1e-12)
@@ -554,7 +561,7 @@ mod tests {
                     workers,
                     pool,
                 );
-                // Twice, as nothing of the first product may be left in the second.
+                // Twice, since the first product must not affect the second.
                 for tolerance in [1e-12, 1e-12, 1e-5] {
                     let mut far = vec![0.0; coefficients.len()];
                     let (far_tops, far_floor) = far.split_at_mut(tops);
@@ -576,7 +583,7 @@ mod tests {
         }
     }
 
-    /// Lattices that are no mirror images of themselves at the lens axis, and lists.
+    /// Lattices without mirror symmetry at the lens axis, and lists.
     #[test]
     fn what_is_not_mirrored_has_no_quadrant() {
         let aside = [1, 2, 3, 4, 5, 6, 7].map(|k| fields().swap_remove(k).0);
@@ -664,7 +671,8 @@ mod tests {
                     far
                 })
             });
-            // A quarter of the numbers but for the coarse grid, which is transformed whole; and half of the bytes in single precision.
+            // A quarter of the values, except for the coarse grid, which is transformed completely; and half of the bytes in single
+            // precision.
             for ([operations, bytes], [all_operations, all_bytes]) in work[1].iter().zip(&work[0]) {
                 let share = operations / all_operations;
                 assert!((0.2..0.5).contains(&share), "{field:?}: {share}");

@@ -1,31 +1,32 @@
 //! The cells of the floor.
 //!
-//! The pillars of many lattices stand on a coarse rectangular grid: those of a square or rectangular one on all of its points, those of a
-//! hexagonal one, whose rectangular cell `sqrt3 e` by `e` holds two pillars, on every other of half such cells. Its cells are divided
-//! into whole numbers of columns and rows, so that every pillar stands on a corner of the fine grid. What pillars do to the
-//! floor is then a convolution on the grid, wherever the lens axis is. Under pillars that stand anywhere, the grid begins at the lens axis.
+//! The pillars of many lattices are on a coarse rectangular grid: those of a square or rectangular lattice on all of its points, those of a
+//! hexagonal lattice, whose rectangular cell `sqrt3 e` by `e` contains two pillars, on alternate corners of half such cells. The cells of
+//! the coarse grid are divided into integer numbers of columns and rows, so that every pillar is on a corner of the fine grid. The effect
+//! of pillars on the floor is then a convolution on the grid, for any position of the lens axis. For pillars at arbitrary positions, the
+//! grid begins at the lens axis.
 
 use crate::numerics::fft::smooth_number;
 use crate::problem::pillar_field::{ListedPillar, PillarField, PillarGrid};
 use crate::problem::{Cells, Grid, Point};
 use std::sync::Arc;
 
-/// Lengths up to this over the rim of a pillar are rounding.
+/// Distances from the rim of a pillar below this are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// How finely the floor is divided.
+/// Size of the floor cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Division {
-    /// Cells along half the shortest distance of pillars, but for rounding to whole numbers.
+    /// Number of cells along half the shortest distance of pillars, before rounding to integers.
     pub(crate) fineness: usize,
-    /// Cells along the sides of a cell of the coarse grid; 1 where there is none.
+    /// Number of cells along the sides of a cell of the coarse grid; 1 without a coarse grid.
     pub(crate) parts: [usize; 2],
     /// Sides of a cell.
     pub(crate) cell: [f64; 2],
 }
 
 impl Division {
-    /// Of the floor between pillars.
+    /// Division of the floor between pillars.
     pub(crate) fn new(field: &PillarField, fineness: usize) -> Self {
         let wanted = 0.5 * field.shortest_distance() / fineness as f64;
         let Some(PillarGrid { sides, .. }) = field.pillar_grid() else {
@@ -35,7 +36,7 @@ impl Division {
                 cell: [wanted, wanted],
             };
         };
-        // Prime factors up to 11 alone: nearly the nearest, and quick to transform.
+        // Prime factors up to 11 only: close to the nearest number, and fast to transform.
         let parts = sides.map(|side| {
             let nearest = (side / wanted).max(1.0);
             let above = smooth_number(nearest.ceil() as usize);
@@ -67,43 +68,43 @@ impl Division {
     }
 }
 
-/// The cells of the floor within a radius of the lens axis that no pillar top covers or cuts.
+/// The cells of the floor within a radius of the lens axis that are neither covered nor cut by a pillar top.
 #[derive(Debug, Clone)]
 pub(crate) struct FloorGrid {
     pub(crate) division: Division,
-    /// On which the pillars stand, if they do.
+    /// The coarse grid of the pillars, if there is one.
     pillar_grid: Option<PillarGrid>,
-    /// Those next to the cells; if there are none, the nearest of all and some more.
+    /// The pillars next to the cells; if there are none, the nearest pillar and some others.
     pub(crate) pillars: Vec<ListedPillar>,
-    /// Corner of the grid in cells of the coarse one from pillar (0, 0), or from the lens axis.
+    /// Corner of the grid in cells of the coarse grid, relative to pillar (0, 0), or to the lens axis.
     corner: [i64; 2],
     pub(crate) cells: Cells,
-    /// Radius within which all cells are that it may need.
+    /// Radius that contains all cells that may be needed.
     pub(crate) radius: f64,
-    /// The mirror images that cells are of each other, if they are known to be.
+    /// The mirror images of cells, if the system is symmetric.
     pub(crate) mirrors: Option<Arc<Mirrors>>,
 }
 
-/// Cells that are mirror images of each other along x and along y at the lens axis.
+/// Mirror images of cells under reflections of x and of y at the lens axis.
 #[derive(Debug)]
 pub(crate) struct Mirrors {
-    /// Place of the lens axis, in cells of the coarse grid from the corner.
+    /// Position of the lens axis, in cells of the coarse grid from the corner.
     axis: [i64; 2],
     /// The cells of one quadrant, on a grid that begins at the lens axis.
     pub(crate) quadrant: Cells,
-    /// The one in the quadrant of every cell.
+    /// The index in the quadrant of every cell.
     images: Vec<u32>,
-    /// The cell that stands for its images, for every cell of the quadrant.
+    /// The representative cell for every cell of the quadrant.
     own: Vec<u32>,
 }
 
 impl Mirrors {
-    /// Place of a pillar in cells of the coarse grid from the lens axis, of that from the corner.
+    /// Position of a pillar relative to the lens axis, from its position relative to the corner, in cells of the coarse grid.
     pub(crate) fn place_from_axis(&self, place: [i64; 2]) -> [i64; 2] {
         [0, 1].map(|k| place[k] - self.axis[k])
     }
 
-    /// The mean of images.
+    /// Computes the means over mirror images.
     fn fold(&self, of_cells: &[f64], of_quadrant: &mut [f64]) {
         of_quadrant.fill(0.0);
         for (value, image) in of_cells.iter().zip(&self.images) {
@@ -111,21 +112,21 @@ impl Mirrors {
         }
     }
 
-    /// The same for all images.
+    /// Copies the values of the quadrant to all mirror images.
     fn unfold<T: Copy>(&self, of_quadrant: &[T], of_cells: &mut [T]) {
         for (value, image) in of_cells.iter_mut().zip(&self.images) {
             *value = of_quadrant[*image as usize];
         }
     }
 
-    /// The mean of images, for all of them.
+    /// Replaces the values of all cells by the means over mirror images.
     pub(crate) fn average(&self, of_cells: &mut [f64]) {
         let mut means = vec![0.0; self.own.len()];
         self.fold(of_cells, &mut means);
         self.unfold(&means, of_cells);
     }
 
-    /// What the cells of the quadrant have, for all their images.
+    /// Copies the values of the representative cells to all their mirror images.
     pub(crate) fn mirror<T: Copy>(&self, of_cells: &mut [T]) {
         let own: Vec<T> = self
             .own
@@ -136,10 +137,10 @@ impl Mirrors {
     }
 }
 
-/// The way of values of all cells to those of the quadrant and back, where there is one.
+/// Maps values of all cells to those of the quadrant and back, if there is one.
 pub(crate) struct Folding {
     mirrors: Option<Arc<Mirrors>>,
-    /// Of the quadrant: what is transformed, and what that becomes.
+    /// Values on the quadrant: the argument of a transformation, and its result.
     values: Vec<f64>,
     transformed: Vec<f64>,
 }
@@ -154,7 +155,7 @@ impl Folding {
         }
     }
 
-    /// Does something to values: by the mean of mirror images, for all of them, where cells are those of each other.
+    /// Applies a transformation to values: on the quadrant, by the means over mirror images, if the system is symmetric.
     pub(crate) fn through(
         &mut self,
         of_cells: &[f64],
@@ -171,7 +172,7 @@ impl Folding {
 }
 
 impl FloorGrid {
-    /// `None` if no cell is in reach.
+    /// Returns `None` if the radius contains no cell.
     pub(crate) fn new(field: &PillarField, division: Division, radius: f64) -> Option<Self> {
         let pillar_grid = field.pillar_grid();
         let first = pillar_grid.map_or([0.0, 0.0], |grid| grid.origin);
@@ -192,7 +193,7 @@ impl FloorGrid {
             reach *= 2.0;
         };
         for (index, pillar) in &listed {
-            // In cells from the corner: whole numbers on the grid, so that pillars cover as many.
+            // In cells from the corner. These are integers on the grid, so that all pillars cover the same number of cells.
             let at = match &pillar_grid {
                 Some(grid) => {
                     let place = grid.place(*index);
@@ -217,7 +218,8 @@ impl FloorGrid {
         })
     }
 
-    /// The same, of cells that are mirror images of each other: the lens axis is so many columns and rows of the coarse grid from pillar (0, 0).
+    /// Adds mirror images of cells; `from_first` is the position of the lens axis relative to pillar (0, 0), in columns and rows of the
+    /// coarse grid.
     pub(crate) fn with_mirrors(mut self, from_first: [i64; 2]) -> Self {
         self.mirrors = self.find_mirrors(from_first).map(Arc::new);
         self
@@ -227,7 +229,7 @@ impl FloorGrid {
         let axis = [0, 1].map(|k| from_first[k] - self.corner[k]);
         let grid = self.cells.grid();
         let shape = [grid.columns(), grid.rows()];
-        // The first column and row beyond the lens axis.
+        // The first column and row after the lens axis.
         let first = [0, 1].map(|k| axis[k] * self.division.parts[k] as i64);
         let sides = [0, 1].map(|k| usize::try_from(shape[k] as i64 - first[k]).ok());
         let [columns, rows] = [sides[0]?, sides[1]?];
@@ -245,7 +247,7 @@ impl FloorGrid {
             counts[row * columns + column] += 1;
         }
         if !counts.iter().all(|count| [0, 4].contains(count)) {
-            // By rounding.
+            // Asymmetric due to rounding.
             return None;
         }
         let cells = Cells::where_true(&quadrant, |index| counts[index] > 0);
@@ -273,23 +275,24 @@ impl FloorGrid {
         self.cells.len()
     }
 
-    /// About how many cells there are within a radius, covered ones too.
+    /// Approximate number of cells within a radius, including covered ones.
     pub(crate) fn expected_len(division: &Division, radius: f64) -> f64 {
         std::f64::consts::PI * radius * radius / division.cell_area()
     }
 
-    /// Place of a pillar in cells of the coarse grid from the corner; it may lie before it. None of pillars that do not stand on one.
+    /// Position of a pillar relative to the corner, in cells of the coarse grid; may be negative. `None` for pillars that are not on a
+    /// coarse grid.
     pub(crate) fn place_of(&self, index: (i64, i64)) -> Option<[i64; 2]> {
         let place = self.pillar_grid.as_ref()?.place(index);
         Some([0, 1].map(|k| place[k] - self.corner[k]))
     }
 
-    /// Whether the pillars stand on corners of the grid.
+    /// Whether the pillars are on corners of the grid.
     pub(crate) fn holds_pillars(&self) -> bool {
         self.pillar_grid.is_some()
     }
 
-    /// The column and row of the grid that hold a point, if it has them.
+    /// The column and row of the cell that contains a point; `None` outside the grid.
     pub(crate) fn position_of(&self, point: Point) -> Option<[usize; 2]> {
         let grid = self.cells.grid();
         let ([x, y], [width, height]) = (grid.origin(), grid.cell());
@@ -300,23 +303,23 @@ impl FloorGrid {
         inside.then_some([column as usize, row as usize])
     }
 
-    /// Cells of the coarse grid along x and y of a period in which nothing meets its images: twice as long as the
-    /// farthest cell and the farthest pillar, `pillars`, or two cells, are from the lens axis together, along x and y.
+    /// Number of cells of the coarse grid, along x and y, in a period without interaction of periodic images: twice the sum of the largest
+    /// distances from the lens axis of a cell and a pillar (`pillars`), or of two cells, along x and y.
     pub(crate) fn period(division: &Division, radius: f64, pillars: [f64; 2]) -> [usize; 2] {
         let sides = division.coarse_sides();
         [0, 1].map(|k| {
             let farthest = radius + radius.max(pillars[k]);
-            // The cells themselves begin and end with whole cells of the coarse grid.
+            // The cells begin and end with complete cells of the coarse grid.
             let cells = (2.0 * radius / sides[k]).ceil() as usize + 1;
             let count = cells.max((2.0 * farthest / sides[k]).ceil() as usize);
-            // Rows are taken four at a time, and columns two at a time.
+            // Rows are processed in groups of four, columns in groups of two.
             let together = if k == 1 { 4 } else { 2 };
             together * smooth_number(count.div_ceil(together))
         })
     }
 }
 
-/// Marks the cells of a grid that a pillar covers or cuts, whose centre is `at`, in cells from the corner.
+/// Marks the cells of a grid that are covered or cut by a pillar with the centre `at`, in cells from the corner.
 fn cover(
     covered: &mut [bool],
     [columns, rows]: [usize; 2],
@@ -331,7 +334,7 @@ fn cover(
         let end = (at + reach).ceil().max(0.0) as usize;
         first.min(count)..end.min(count)
     };
-    // How far a column or row is from the centre.
+    // Distance of a column or row from the centre.
     let away = |place: usize, at: f64, side: f64| {
         let low = (place as f64 - at) * side;
         low.max(-low - side).max(0.0)
@@ -359,7 +362,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Tops of the unit radius on any lattice.
+    /// Tops of unit radius on an arbitrary lattice.
     pub(in crate::halfspace::floor) fn plane(vectors: [Point; 2], origin: Point) -> PillarField {
         let body = PillarBody::of_column(0.0);
         PillarField::Lattice(Arc::new(
@@ -367,7 +370,7 @@ pub(super) mod tests {
         ))
     }
 
-    /// Tops of several radii at any places.
+    /// Tops of several radii at arbitrary positions.
     pub(in crate::halfspace::floor) fn listed() -> PillarField {
         let places = [
             (0.3, 0.4, 1.0),
@@ -426,7 +429,7 @@ pub(super) mod tests {
                 area += division.cell_area();
             }
             let circle = std::f64::consts::PI * radius * radius;
-            // What the tops cover, and the cells that they cut.
+            // The area of the tops, and of the cells that they cut.
             let tops: f64 = pillars
                 .iter()
                 .map(|(_, pillar)| 3.2 + 8.0 * pillar.body.radius * division.longest())
@@ -447,7 +450,7 @@ pub(super) mod tests {
         }
     }
 
-    /// The hexagonal lattice in two descriptions has the same cells.
+    /// Two descriptions of the hexagonal lattice result in the same cells.
     #[test]
     fn hexagonal_lattices_are_centred_ones() {
         let lattice = HexagonalLattice {

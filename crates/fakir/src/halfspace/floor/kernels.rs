@@ -1,4 +1,4 @@
-//! What a loaded rectangle, and a loaded pillar top, do to a rectangle on the mean.
+//! Mean displacement of a rectangle due to a loaded rectangle or a loaded pillar top.
 
 use super::grid::Division;
 use crate::halfspace::disc::exterior::Exterior;
@@ -7,29 +7,29 @@ use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::problem::layer::WeightedLayer;
 use std::f64::consts::PI;
 
-/// Distance, in longer sides of a cell, from which on two rectangles act on each other by their moments: the closed form is a small
-/// difference of large terms there. The two agree to 1e-10 here.
+/// Distance, in longer sides of a cell, above which the interaction of two rectangles is computed from their moments: there the closed form
+/// is a small difference of large terms. The two agree to 1e-10 at this distance.
 const FAR: f64 = 24.0;
 
-/// Half the distance of the two points of Gauss's rule, of half a side.
+/// Half the distance of the two Gauss points, relative to half a side.
 pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 
-/// Mean displacement of a rectangle by a unit pressure on an equal one, on a half-space of unit compliance.
+/// Mean displacement of a rectangle due to a unit pressure on an equal one, on a half-space of unit compliance.
 ///
-/// With `1/(pi r)` integrated twice in either direction over both rectangles it is the second difference of
+/// The integral of `1/(pi r)` over both rectangles is the second difference, in each direction, of
 /// `G(x, y) = x y^2/2 asinh(x/|y|) + x^2 y/2 asinh(y/|x|) - r^3/6`, whose fourth mixed derivative is `1/r`.
 #[derive(Debug)]
 pub(crate) struct Rectangles {
     cell: [f64; 2],
     near: usize,
-    /// `G` at whole cells from -1 on, in units of the cell's longer side cubed; rows of constant x.
+    /// `G` at integer numbers of cells from -1 on, in units of the cube of the cell's longer side; rows of constant x.
     table: Vec<f64>,
-    /// What layers add, averaged over both; none on half-spaces.
+    /// Correction for layers, averaged over both rectangles; `None` on half-spaces.
     layers: Option<AroundForce>,
 }
 
 impl Rectangles {
-    /// On half-spaces or layers, in the unit of length of the cells.
+    /// Creates the table on half-spaces or layers, in the unit of length of the cells.
     pub(crate) fn new(division: &Division, layers: &[WeightedLayer]) -> Self {
         let cell = division.cell;
         let longest = division.longest();
@@ -53,7 +53,7 @@ impl Rectangles {
         }
     }
 
-    /// Of one so many columns and rows away.
+    /// The displacement of a rectangle at this distance in columns and rows.
     #[cfg(test)]
     pub(crate) fn value(&self, columns: usize, rows: usize) -> f64 {
         let mut values = vec![0.0; columns + 1];
@@ -61,7 +61,7 @@ impl Rectangles {
         values[columns]
     }
 
-    /// Of those so many rows away, by columns.
+    /// The displacements of the rectangles at this distance in rows, by columns.
     pub(crate) fn fill_row(&self, rows: usize, values: &mut [f64]) {
         let [width, height] = self.cell;
         let y = rows as f64 * height;
@@ -99,7 +99,7 @@ impl Rectangles {
         difference * width.max(height).powi(3) / (PI * width * height)
     }
 
-    /// The expansion about the centres of both, to the fourth order in the sides over the distance.
+    /// The expansion about the centres of both, to fourth order in the sides divided by the distance.
     #[inline(always)]
     fn by_moments(&self, x: f64, y: f64) -> f64 {
         let [width, height] = self.cell;
@@ -131,19 +131,19 @@ fn fourfold_integral(x: f64, y: f64) -> f64 {
     part(x, y) + part(y, x) - distance.powi(3) / 6.0
 }
 
-/// Mean displacement of rectangles by the modes of a pillar top, whose centre is a corner of the grid: by two points of Gauss's rule in
-/// either direction. Zero on rectangles that the top covers or cuts.
+/// Mean displacement of rectangles due to the modes of a pillar top whose centre is a corner of the grid: by two Gauss points in each
+/// direction. Zero on rectangles that the top covers or cuts.
 pub(crate) struct PillarMeans {
     exterior: Exterior,
-    /// Lower left corners are whole multiples of this.
+    /// Lower left corners are integer multiples of this.
     cell: [f64; 2],
-    /// The points from the lower left corner.
+    /// The Gauss points relative to the lower left corner.
     points: [Lanes; 2],
     values: Vec<Lanes>,
 }
 
 impl PillarMeans {
-    /// Of the modes up to a degree, on half-spaces or layers.
+    /// Prepares the means for the modes up to a degree, on half-spaces or layers.
     pub(crate) fn new(division: &Division, degree: usize, layers: &[WeightedLayer]) -> Self {
         let cell = division.cell;
         let sides = [-GAUSS, GAUSS];
@@ -159,7 +159,8 @@ impl PillarMeans {
         }
     }
 
-    /// Those whose lower left corners are `row` above the centre, in the first half of the columns of every mode.
+    /// Computes the means for rectangles whose lower left corners are `row` cells above the centre, into the first half of the columns of
+    /// every mode.
     pub(crate) fn fill_row(&mut self, row: usize, columns: usize, means: &mut [f64]) {
         let y = row as f64 * self.cell[1];
         let at_y = Lanes::splat(y) + self.points[1];
@@ -168,7 +169,7 @@ impl PillarMeans {
             || {
                 for column in 0..columns / 2 {
                     let x = column as f64 * self.cell[0];
-                    // Corners on the rim are those of cells beside the top, whatever rounding says.
+                    // Corners on the rim belong to cells outside the top, despite rounding.
                     let covered = x * x + y * y < 1.0 - 1e-12;
                     let at_x = Lanes::splat(x) + self.points[0];
                     if !covered {
@@ -198,7 +199,7 @@ mod tests {
         }
     }
 
-    /// Love's potential of one rectangle, averaged over the other by Gauss's rule on parts of it.
+    /// Love's potential of one rectangle, averaged over the other by Gauss quadrature on subdivisions.
     #[test]
     fn rectangles_by_quadrature() {
         let division = division();
@@ -269,7 +270,7 @@ mod tests {
         }
     }
 
-    /// The displacement by a pillar top, averaged by Gauss's rule of a high order.
+    /// The displacement due to a pillar top, averaged by Gauss quadrature of high order.
     #[test]
     fn pillars_by_quadrature() {
         let division = division();

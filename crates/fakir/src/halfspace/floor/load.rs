@@ -1,16 +1,17 @@
-//! A pressure on floor cells, and what it does anywhere.
+//! A pressure on floor cells, and the displacement that it causes at any point.
 //!
-//! Cells near a point act as the rectangles that they are, those farther off in groups, by their multipoles: with `(rho, phi)` about the
-//! middle of a group,
+//! Cells near a point are treated as rectangles, more distant cells in groups by their multipoles: with `(rho, phi)` about the centre of a
+//! group,
 //!
 //! ```text
 //! 1/|x - x'| = sum_l rho'^l/rho^(l+1) sum_k c_k c_(l-k) cos((l - 2k)(phi - phi')),    c_k = (2k)!/(4^k k!^2)
 //! ```
 //!
-//! (E. T. Whittaker and G. N. Watson, A Course of Modern Analysis, section 15.1). Groups are halved until they are small for their distance.
+//! (E. T. Whittaker and G. N. Watson, A Course of Modern Analysis, section 15.1). Groups are halved until they are small compared with
+//! their distance.
 //!
-//! What [layers](crate::halfspace::layer) add is smooth over a thickness, however near a point is: groups that are small for that act as forces at
-//! Chebyshev nodes in them.
+//! The correction for [layers](crate::halfspace::layer) is smooth over a thickness, even near a point: groups that are small compared with
+//! this scale act as forces at Chebyshev nodes.
 
 use crate::halfspace::elements::rectangle::Rectangle;
 use crate::halfspace::elements::scattered::{NODES, chebyshev_nodes, weights};
@@ -23,18 +24,18 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-/// Degrees of multipoles, and how many there are of all orders.
+/// Number of degrees of the multipoles, and of multipoles of all orders.
 const DEGREES: usize = 10;
 const MULTIPOLES: usize = DEGREES * (DEGREES + 2) / 4;
 
-/// A group acts by its multipoles if its radius is no more than this part of its distance: what is left out is then less than 1e-6 of what
-/// it does, and a tenth of that on the average.
+/// Largest radius of a group, relative to its distance, for which multipoles are used: the truncation error is then less than 1e-6 of the
+/// displacement due to the group, and a tenth of this on average.
 const SMALL: f64 = 0.28;
 
-/// The same for what layers add, by Chebyshev nodes: over how far it is smooth.
+/// The same for the correction for layers with Chebyshev nodes, relative to the length over which it is smooth.
 const SMOOTH: f64 = 0.2;
 
-/// Groups of no more cells are not divided.
+/// Number of cells up to which groups are not divided.
 const FEW_CELLS: usize = 12;
 
 /// Pressures on some cells of a grid.
@@ -42,23 +43,23 @@ const FEW_CELLS: usize = 12;
 pub(crate) struct FloorLoad {
     cells: Cells,
     pressure: Vec<f64>,
-    /// Place of every cell of the grid in the vector.
+    /// Index in the vector of every cell of the grid.
     place: Vec<u32>,
     rectangle: Rectangle,
-    /// What layers add around a force on a cell; none on half-spaces.
+    /// Correction for layers around a force on a cell; `None` on half-spaces.
     layers: Option<Arc<AroundForce>>,
-    /// By how much the grid is turned about the lens axis, rad.
+    /// Rotation of the grid about the lens axis, rad.
     rotation: f64,
-    /// Made when the first displacement is asked for.
+    /// Computed for the first displacement.
     groups: OnceLock<Groups>,
 }
 
-/// Cells in an order in which groups are ranges of them.
+/// Cells in an order in which groups are contiguous.
 #[derive(Debug, Clone)]
 struct Groups {
     /// Centre and pressure.
     cells: Vec<(Point, f64)>,
-    /// The whole one first; the two halves of a group that is divided follow somewhere after it.
+    /// The group of all cells is the first; the two halves of a group follow it.
     groups: Vec<Group>,
 }
 
@@ -68,7 +69,7 @@ struct Group {
     radius: f64,
     multipoles: [Complex64; MULTIPOLES],
     parts: Parts,
-    /// Places and pressures over cells that act as those of the group where that is smooth.
+    /// Positions and pressures (times a cell area) that represent the group where the correction is smooth.
     nodes: Vec<(Point, f64)>,
 }
 
@@ -103,23 +104,23 @@ impl FloorLoad {
         self
     }
 
-    /// The same turned about the lens axis, rad.
+    /// The same, rotated about the lens axis, rad.
     pub(crate) fn turned(mut self, angle: f64) -> Self {
         self.rotation += angle;
         self
     }
 
-    /// Whether its grid is turned.
+    /// Whether the grid is rotated.
     pub(crate) fn is_turned(&self) -> bool {
         self.rotation != 0.0
     }
 
-    /// Where a point of the grid is when that is turned.
+    /// Position of a point of the grid after the rotation.
     pub(crate) fn placed(&self, point: Point) -> Point {
         turned(point, self.rotation)
     }
 
-    /// A point as it is on the grid before this is turned.
+    /// Position of a point in the grid before the rotation.
     fn turned_back(&self, point: Point) -> Point {
         if self.rotation == 0.0 {
             point
@@ -128,13 +129,13 @@ impl FloorLoad {
         }
     }
 
-    /// Cells and pressures in units of which these are the numbers of the present ones.
+    /// Cells and pressures in SI units; the current values are in units of `length` and `pressure`.
     pub(crate) fn in_metres(&self, length: f64, pressure: f64) -> (Cells, Vec<f64>) {
         let pressures = self.pressure.iter().map(|p| p * pressure).collect();
         (self.cells.scaled(length), pressures)
     }
 
-    /// Centre, before it is turned, and pressure of every cell.
+    /// Centre, before the rotation, and pressure of every cell.
     pub(crate) fn loaded_cells(&self) -> impl Iterator<Item = (Point, f64)> + '_ {
         self.cells.centres().zip(self.pressure.iter().copied())
     }
@@ -182,7 +183,7 @@ impl FloorLoad {
 }
 
 impl Groups {
-    /// With nodes or without.
+    /// Creates groups, with or without nodes.
     fn new(cells: Vec<(Point, f64)>, cell: [f64; 2], with_nodes: bool) -> Self {
         let mut building = Building {
             quadrature: quadrature(cell),
@@ -208,7 +209,7 @@ impl Groups {
         Self { cells, groups }
     }
 
-    /// Pressures at Chebyshev nodes of the square about a group, from those of its cells.
+    /// Pressures at Chebyshev nodes of the square around a group, from those of its cells.
     fn nodes(groups: &[Group], group: usize, cells: &[(Point, f64)]) -> Vec<(Point, f64)> {
         let Group { centre, radius, .. } = groups[group];
         let (mut first, mut last) = (group, group);
@@ -244,7 +245,7 @@ impl Groups {
         (0..NODES * NODES).map(node).collect()
     }
 
-    /// What layers add at a point to pressures, over the area of a cell.
+    /// Correction for layers of the displacement at a point, per cell area.
     fn added_by_layers(&self, group: usize, point: Point, around: &AroundForce) -> f64 {
         let group = &self.groups[group];
         let distance = |at: &Point| (point[0] - at[0]).hypot(point[1] - at[1]);
@@ -290,9 +291,9 @@ impl Groups {
     }
 }
 
-/// Groups in the making.
+/// Groups during their construction.
 struct Building {
-    /// Sides of a cell, and the points that stand for it about its centre, with the part of its force on each, times its area.
+    /// Sides of a cell, and the points around its centre that represent it, with the fraction of its force at each, times its area.
     cell: [f64; 2],
     quadrature: Vec<(Point, f64)>,
     cells: Vec<(Point, f64)>,
@@ -300,7 +301,7 @@ struct Building {
 }
 
 impl Building {
-    /// Makes the group of a range of cells and its parts; its place and its moments, in units of its radius.
+    /// Creates the group of a range of cells and its parts. Returns its index and its moments, in units of its radius.
     fn divide(&mut self, first: usize, end: usize) -> (usize, Moments) {
         let place = self.groups.len();
         let own = &mut self.cells[first..end];
@@ -351,7 +352,7 @@ impl Building {
     }
 }
 
-/// Points that stand for a cell about its centre, with weights whose sum is its area.
+/// Points around the centre of a cell that represent it, with weights whose sum is its area.
 fn quadrature([width, height]: [f64; 2]) -> Vec<(Point, f64)> {
     let rule = gauss_legendre(3);
     let point = |(u, weight_u): (f64, f64), (v, weight_v): (f64, f64)| {
@@ -363,7 +364,7 @@ fn quadrature([width, height]: [f64; 2]) -> Vec<(Point, f64)> {
         .collect()
 }
 
-/// Sums of `p z^a conj(z)^b` over forces `p` at `z = x + i y`, in row `a` and column `b`, as far as `a + b` is less than the number of degrees.
+/// Sums of `p z^a conj(z)^b` over forces `p` at `z = x + i y`, in row `a` and column `b`, for `a + b` less than the number of degrees.
 #[derive(Default)]
 struct Moments([[Complex64; DEGREES]; DEGREES]);
 
@@ -387,7 +388,7 @@ impl Moments {
         }
     }
 
-    /// With all places multiplied by a factor and then shifted: the powers of `factor z + shift` by the binomial theorem.
+    /// The moments after all positions are scaled by a factor and then shifted: the powers of `factor z + shift` by the binomial theorem.
     fn moved(mut self, factor: f64, [x, y]: Point) -> Self {
         let shift = Complex64::new(x, y);
         for (a, row) in self.0.iter_mut().enumerate() {
@@ -412,7 +413,7 @@ impl Moments {
         self
     }
 
-    /// The multipoles with their factors: by degree, by rising order.
+    /// The multipoles with their factors, by degree and increasing order.
     fn multipoles(&self) -> [Complex64; MULTIPOLES] {
         let mut central = [1.0; DEGREES];
         for k in 1..DEGREES {
@@ -483,7 +484,7 @@ mod tests {
         }
         println!("worst {worst:e}");
         assert!(worst < 1e-7, "{worst:e}");
-        // On layers, thinner and thicker than what is pressed.
+        // On layers that are thinner and thicker than the extent of the load.
         for thickness in [1.0, 30.0] {
             let film = WeightedLayer {
                 thickness,

@@ -1,9 +1,9 @@
-//! Sums over the rows of a column of transforms, as vectors of real and imaginary parts.
+//! Sums over the rows of transformed columns, with separate vectors of real and imaginary parts.
 
 use crate::numerics::fft::Real;
 use num_complex::Complex;
 
-/// The phase of a column times those of rows, in parts.
+/// Product of the phase of a column with those of rows, in parts.
 #[inline(always)]
 pub(super) fn turn<R: Real>(
     phase: Complex<R>,
@@ -17,7 +17,7 @@ pub(super) fn turn<R: Real>(
     }
 }
 
-/// A line, turned back by phases, in parts.
+/// Reads a line, multiplied by conjugate phases, in parts.
 #[inline(always)]
 pub(super) fn take<R: Real>(
     line: &[Complex<R>],
@@ -33,7 +33,7 @@ pub(super) fn take<R: Real>(
     }
 }
 
-/// Multiplies a line by a kernel, and adds sums turned by phases.
+/// Multiplies a line by a kernel, and adds sums that are multiplied by phases.
 #[inline(always)]
 pub(super) fn put<R: Real>(
     line: &mut [Complex<R>],
@@ -59,7 +59,7 @@ pub(super) fn halves<R>(values: &mut [R]) -> [&mut [R]; 2] {
     values.split_at_mut(values.len() / 2).into()
 }
 
-/// All rows of a kernel, from those that are held.
+/// Expands the stored rows of a kernel to all rows.
 #[inline(always)]
 pub(super) fn unfold<R: Real>(held: &[R], sign: R, whole: &mut [R]) {
     let (first, second) = whole.split_at_mut(held.len());
@@ -69,26 +69,26 @@ pub(super) fn unfold<R: Real>(held: &[R], sign: R, whole: &mut [R]) {
     }
 }
 
-/// Pillars' modes and the rows of a column, which are several times those of the coarse grid.
+/// Modes of pillars and the rows of a column, which are a multiple of those of the coarse grid.
 #[derive(Clone, Copy)]
 pub(super) struct Meeting<'a, R> {
-    /// Rows in all, and those of the coarse grid.
+    /// Number of all rows, and of those of the coarse grid.
     pub(super) rows: usize,
     pub(super) coarse: usize,
-    /// The rows that are held of the kernel of every mode, and the sign of the others, which mirror them.
+    /// The stored rows of the kernel of every mode, and the sign of the others, which are mirror images.
     pub(super) kernels: &'a [R],
     pub(super) mirrored: &'a [R],
-    /// Coefficients of every mode: the real parts of its rows, then the imaginary ones.
+    /// Coefficients of every mode: the real parts of its rows, then the imaginary parts.
     pub(super) tops: &'a [R],
     /// The real and the imaginary parts of the floor.
     pub(super) floor: [&'a [R]; 2],
 }
 
 impl<R: Real> Meeting<'_, R> {
-    /// `sums += kernel tops` over `N` modes and `folded += kernel floor` for each in all rows; the rows of `tops` and `folded`, laid out alike, repeat.
-    /// Their number is a multiple of `L`.
+    /// `sums += kernel tops` over `N` modes and `folded += kernel floor` for each in all rows. The rows of `tops` and `folded`, which have
+    /// the same layout, repeat; their number is a multiple of `L`.
     ///
-    /// All that one chunk of rows of the coarse grid meets is done at once, so that its sums stay in registers.
+    /// All products for one chunk of rows of the coarse grid are computed together, so that its sums stay in registers.
     #[inline(always)]
     pub(super) fn multiply_add<const L: usize, const N: usize>(
         &self,
@@ -140,7 +140,7 @@ impl<R: Real> Meeting<'_, R> {
     }
 }
 
-/// The same of some rows.
+/// The same for some rows.
 #[inline(always)]
 fn meet_rows<R: Real, const L: usize, const N: usize>(
     kernels: &[[R; L]; N],
@@ -160,7 +160,7 @@ fn meet_rows<R: Real, const L: usize, const N: usize>(
     [*real, *imaginary] = totals;
 }
 
-/// `L` values from a place on.
+/// `L` values from an index on.
 #[inline(always)]
 fn chunk<R: Real, const L: usize>(values: &[R], first: usize) -> [R; L] {
     let mut chunk = [R::default(); L];
@@ -174,7 +174,7 @@ fn chunk_mut<R, const L: usize>(values: &mut [R], first: usize) -> &mut [R; L] {
     &mut chunks[0]
 }
 
-/// The same, last first and times a sign.
+/// The same in reverse order and times a sign.
 #[inline(always)]
 fn mirror<R: Real, const L: usize>(values: &[R], sign: R, first: usize) -> [R; L] {
     let chunk: [R; L] = chunk(values, first);
@@ -206,7 +206,7 @@ mod tests {
         let mut kernels = numbers(6 * held, 1.3);
         let mirrored = [1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
         if rows.is_multiple_of(2) {
-            // The middle row mirrors itself.
+            // The middle row is its own mirror image.
             for (kernel, sign) in kernels.chunks_exact_mut(held).zip(mirrored) {
                 kernel[held - 1] *= 0.5 * (1.0 + sign);
             }

@@ -1,9 +1,10 @@
-//! The [coupling](super::coupling) of a floor and pillars that are their own mirror images along x and along y at the lens axis: by the cells of one quadrant.
+//! The [coupling](super::coupling) of a floor and pillars that are symmetric under reflections of x and of y at the lens axis: on the cells
+//! of one quadrant.
 //!
-//! Turned back by half a cell the transforms of all that is even are real and even themselves. So the transform of the floor is one of
-//! [cosines](CosinePlans), of a quarter of the numbers, and so are what the floor does to itself, `S^ F^`, and what a mode of the pillars does to
-//! the floor: of its coefficients, which are even or odd along x and y as the mode is, the real part of the transform counts where the kernel is real, and minus the
-//! imaginary one where it is imaginary.
+//! After a shift by half a cell, the transforms of even functions are real and even. The transform of the floor is therefore a
+//! [cosine transform](CosinePlans) of a quarter of the values. The interaction of floor cells, `S^ F^`, and the effect of a mode of the
+//! pillars on the floor are transforms of this kind as well. The coefficients of a mode are even or odd in x and y as the mode is; of their
+//! transform, only the real part is used if the kernel is real, and only minus the imaginary part if it is imaginary.
 
 use super::coarse::{BesidePillars, Coarse};
 use super::grid::Division;
@@ -18,30 +19,30 @@ use crate::numerics::vector::{LANES, widest};
 use num_complex::Complex;
 use std::sync::{Mutex, PoisonError, RwLock};
 
-/// Rows are held in such numbers.
+/// The number of stored rows is a multiple of this.
 const TOGETHER: usize = 2 * LANES;
 
 /// Transforms and kernels of a quadrant.
 pub(super) struct Mirrored<R> {
     pub(super) division: Division,
     pub(super) degree: Option<usize>,
-    /// Columns and rows of the quadrant, and of the coarse grid.
+    /// Number of columns and rows of the quadrant, and of the coarse grid.
     shape: [usize; 2],
     pub(super) coarse: [usize; 2],
     plans: CosinePlans<R>,
-    /// Whether kernels of modes are imaginary, and whether the modes are odd along x, and along y.
+    /// Whether the kernels of modes are imaginary, and whether the modes are odd in x, and in y.
     odd: Vec<bool>,
     parities: Vec<[bool; 2]>,
-    /// Of both real columns of every complex one, every kernel, that of the floor first: its rows, [`held`](Self::held) of them.
+    /// For both real columns of every complex column and every kernel, that of the floor first: its [stored](Self::held) rows.
     kernel: Vec<R>,
-    /// Of the pillars' coefficients, for every coarse column, every mode: its rows.
+    /// The coefficients of the pillars: for every coarse column and every mode, its rows.
     tops: RwLock<Vec<R>>,
-    /// Of both real columns of every complex one, every mode: folded rows; in blocks.
+    /// For both real columns of every complex column and every mode: folded rows, in blocks.
     folded: Vec<Mutex<Vec<R>>>,
 }
 
 impl<R: Real> Mirrored<R> {
-    /// The quadrant of a whole.
+    /// Derives the quadrant from the whole.
     pub(super) fn of(whole: &Together<f64>) -> Self {
         let modes = whole.degree.map_or_else(Vec::new, modes);
         let parities: Vec<[bool; 2]> = modes.iter().map(Mode::parities).collect();
@@ -92,12 +93,12 @@ impl<R: Real> Mirrored<R> {
         }
     }
 
-    /// Rows of a column that are held: those of the quadrant, and some zeros.
+    /// Number of stored rows of a column: those of the quadrant, and padding.
     fn held(&self) -> usize {
         self.shape[1].next_multiple_of(TOGETHER)
     }
 
-    /// One real column of the floor's transform meets that of the pillars.
+    /// Combines one real column of the floor's transform with that of the pillars.
     #[inline(always)]
     fn meet(&self, kernel: &[R], tops: &[R], values: &mut [R], sums: &mut [R], folded: &mut [R]) {
         let coarse = self.coarse[1];
@@ -105,7 +106,7 @@ impl<R: Real> Mirrored<R> {
         for ((sum, value), kernel) in sums.iter_mut().zip(&*values).zip(of_floor) {
             *sum = *value * *kernel;
         }
-        // Folded rows are met by those beyond the first too, which mirror them; the first one mirrors itself.
+        // Folded rows also receive contributions from the mirror images of the rows; the first row is its own mirror image.
         values[0] = values[0] * R::of(0.5);
         let column = Column {
             rows: self.shape[1],
@@ -122,12 +123,12 @@ impl<R: Real> Mirrored<R> {
     }
 }
 
-/// Pillars' modes and the rows of a real column, which are several times those of the coarse grid.
+/// Modes of pillars and the rows of a real column, which are a multiple of those of the coarse grid.
 struct Column<'a, R> {
-    /// Rows, and those of the coarse grid.
+    /// Number of rows, and of those of the coarse grid.
     rows: usize,
     coarse: usize,
-    /// Of every mode the kernel.
+    /// The kernel of every mode.
     kernels: &'a [R],
     /// Coefficients of every mode.
     tops: &'a [R],
@@ -135,7 +136,7 @@ struct Column<'a, R> {
 }
 
 impl<R: Real> Column<'_, R> {
-    /// All modes, four of them or two or one at a time.
+    /// Processes all modes in groups of four, two or one.
     #[inline(always)]
     fn meet_all<const L: usize>(&self, modes: usize, sums: &mut [R], folded: &mut [R]) {
         let mut mode = 0;
@@ -152,8 +153,8 @@ impl<R: Real> Column<'_, R> {
         }
     }
 
-    /// `sums += kernel tops` over `N` modes from the first on and `folded = kernel floor` for each in all rows; the rows of `tops` and `folded` repeat.
-    /// Their number is a multiple of `L`.
+    /// `sums += kernel tops` over `N` modes from `first` on and `folded = kernel floor` for each in all rows. The rows of `tops` and
+    /// `folded` repeat; their number is a multiple of `L`.
     #[inline(always)]
     fn multiply_add<const L: usize, const N: usize>(
         &self,

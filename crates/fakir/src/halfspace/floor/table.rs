@@ -1,7 +1,7 @@
-//! What pillars of any radii do to the floor's cells wherever they stand: a table of every cell and every pillar.
+//! Effect of pillars with arbitrary radii and positions on the floor's cells: a table of every cell and every pillar.
 //!
-//! A pillar of radius `a` at `X` moves a cell by the mean over it of `sum_i W_i((x - X)/a) c_i/a`, by two points of Gauss's rule in either
-//! direction, as a pillar on a corner of the grid does.
+//! A pillar of radius `a` at `X` displaces a cell by the mean over the cell of `sum_i W_i((x - X)/a) c_i/a`, computed with two Gauss points
+//! in each direction, as for a pillar on a corner of the grid.
 
 use super::grid::FloorGrid;
 use super::kernels::GAUSS;
@@ -12,16 +12,16 @@ use crate::numerics::vector::{LANES, Lanes, add_scaled, dot, widest};
 use crate::numerics::workers::Workers;
 use crate::problem::layer::WeightedLayer;
 
-/// Cells a thread takes at a time, at the least.
+/// Smallest number of cells that a thread processes at a time.
 const CELLS_AT_ONCE: usize = 16;
 
-/// The pillars that see the floor, and what they do to every cell of it.
+/// The pillars that are coupled to the floor, and their effect on every cell.
 pub(super) struct PillarTable {
-    /// Their places among all.
+    /// Their indices among all pillars.
     pillars: Vec<usize>,
-    /// Modes of each that see the floor.
+    /// Number of modes of each pillar that are coupled to the floor.
     modes: usize,
-    /// For every cell, every pillar, its modes: mean displacement times the root of the area of a cell.
+    /// For every cell, every pillar and each of its modes: mean displacement times the root of the area of a cell.
     values: Vec<f64>,
     /// Coefficients of these modes, and loads on them.
     coefficients: Vec<f64>,
@@ -29,7 +29,8 @@ pub(super) struct PillarTable {
 }
 
 impl PillarTable {
-    /// Of the modes up to a degree of the pillars within `reach` of the lens axis. Where bodies are layers all have unit radius. If it is cancelled the table is nothing.
+    /// Computes the table for the modes up to a degree of the pillars within `reach` of the lens axis. On layers, all must have unit
+    /// radius. The table is undefined after cancellation.
     pub(super) fn new(
         grid: &FloorGrid,
         (sites, reach): (&Sites, f64),
@@ -87,7 +88,7 @@ impl PillarTable {
         }
     }
 
-    /// Adds to the loads on pillars, of which each has so many modes, and to those on cells.
+    /// Adds to the loads on pillars, each of which has `modes` modes, and to those on cells.
     pub(super) fn apply(
         &mut self,
         modes: usize,

@@ -16,35 +16,37 @@ use num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
 use std::sync::{Mutex, PoisonError, RwLock};
 
-/// Rows of kernels a thread takes at a time, at the least.
+/// Smallest number of kernel rows that a thread computes at a time.
 const KERNEL_ROWS: usize = 4;
 
-/// Rows of a kernel that are held: the others mirror them.
+/// Number of stored rows of a kernel: the others are mirror images.
 pub(super) fn kernel_rows(rows: usize) -> usize {
     rows / 2 + 1
 }
 
-/// Transforms and kernels of the fine grid, and how it meets the coarse one.
+/// Transforms and kernels of the fine grid, and their relation to the coarse grid.
 pub(super) struct Together<R> {
     pub(super) division: Division,
-    /// Of the modes of pillars on the coarse grid; none where they do not stand on it.
+    /// Degree of the modes of pillars on the coarse grid; `None` if they are not on it.
     pub(super) degree: Option<usize>,
-    /// Columns and rows of the fine grid and of the coarse one.
+    /// Number of columns and rows of the fine grid and of the coarse grid.
     pub(super) shape: [usize; 2],
     pub(super) coarse: [usize; 2],
     plans: RealPlans<R>,
-    /// Whether the kernels of the coupled modes are imaginary, and the modes where they are not and where they are.
+    /// Whether the kernels of the coupled modes are imaginary, and the modes with real and with imaginary kernels.
     pub(super) odd: Vec<bool>,
     alike: [Vec<usize>; 2],
-    /// Sign of the kernel of each in the rows of the other half, which mirror those of the first.
+    /// Sign of each kernel in the second half of the rows, which are mirror images of the first half.
     mirrored: Vec<R>,
-    /// For every column, every kernel, that of the floor first: its rows, [`kernel_rows`] of them. With the normalisation of all transforms.
+    /// For every column and every kernel, that of the floor first: its stored rows ([`kernel_rows`]). Includes the normalisation of all
+    /// transforms.
     pub(super) kernel: Vec<R>,
     /// `exp(i theta/2)` for every column and for every row.
     phases: [Vec<Complex<R>>; 2],
-    /// Transforms of the pillars' coefficients: for every coarse column, every mode, the real parts of its rows, then the imaginary ones.
+    /// Transforms of the coefficients of the pillars: for every coarse column and every mode, the real parts of its rows, then the
+    /// imaginary parts.
     tops: RwLock<Vec<R>>,
-    /// For every block of columns, every column, every mode: folded rows, likewise.
+    /// For every block of columns, every column and every mode: folded rows in the same format.
     folded: Vec<Mutex<Vec<R>>>,
 }
 
@@ -81,7 +83,7 @@ fn folded_room<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> 
         .collect()
 }
 
-/// Whether the transform of its kernel is imaginary.
+/// Whether the transform of the mode's kernel is imaginary.
 fn is_imaginary(mode: &Mode) -> bool {
     mode.degree % 2 == 1
 }
@@ -159,7 +161,8 @@ impl Together<f64> {
         let [columns, rows] = self.shape;
         let half = columns / 2 + 1;
         let kernels = 1 + modes.len();
-        // Rows of the quadrant, those of the floor at whole cells and those of pillars at half cells, transformed along x.
+        // Rows of the quadrant, transformed along x: those of the floor at integer positions and those of pillars at half-integer
+        // positions.
         let quadrant = rows / 2 + 1;
         let rectangles = Rectangles::new(division, layers);
         let mut transformed = vec![0.0; quadrant * kernels * half];
@@ -233,7 +236,7 @@ impl Together<f64> {
                 for (output, value) in output[..held].iter_mut().zip(&*line) {
                     *output = scale * value.re;
                 }
-                // Two modes alike in y by one transform: as its real and its imaginary part.
+                // Transforms two modes of equal parity in y together, as real and imaginary part.
                 for pair in even.chunks(2).chain(odd.chunks(2)) {
                     let odd_y = modes[pair[0]].parities()[1];
                     for row in 0..rows / 2 {
@@ -245,7 +248,7 @@ impl Together<f64> {
                     plan.process_with_scratch(line, scratch);
                     for (k, mode) in pair.iter().enumerate() {
                         let odd_x = modes[*mode].parities()[0];
-                        // Two imaginary factors make a negative one.
+                        // The product of two imaginary factors is negative.
                         let scale = root * if odd_x && odd_y { -scale } else { scale };
                         let output = &mut output[(mode + 1) * held..][..held];
                         for ((output, value), phase) in output.iter_mut().zip(&*line).zip(phases_y)
@@ -274,8 +277,8 @@ impl Together<f64> {
     }
 }
 
-/// The transform of an even or odd sequence about its middle, half a cell before the first place if there is a phase: its real or its
-/// imaginary part.
+/// The real or imaginary part of the transform of an even or odd sequence about its middle, which is half a cell before the first element
+/// if there is a phase.
 fn real_part(value: Complex64, phase: Option<Complex64>, odd: bool) -> f64 {
     let value = phase.map_or(value, |phase| value * phase.conj());
     if odd { value.im } else { value.re }
@@ -390,7 +393,7 @@ impl<R: Real> Transform for Together<R> {
 }
 
 impl<R: Real> Together<R> {
-    /// One column of the floor's transform meets that of the pillars.
+    /// Combines one column of the floor's transform with that of the pillars.
     #[inline(always)]
     fn meet(
         &self,
@@ -423,7 +426,7 @@ impl<R: Real> Together<R> {
         };
         for (modes, sums) in self.alike.iter().zip([&mut *even, &mut *uneven]) {
             let sums = halves(sums);
-            // Lanes as wide as the registers for single precision, if the rows come in such numbers.
+            // Lanes as wide as the registers in single precision, if the number of rows is divisible by this width.
             if coarse.is_multiple_of(2 * LANES) {
                 meet_modes::<R, { 2 * LANES }>(&meeting, modes, sums, folded);
             } else {
@@ -433,7 +436,7 @@ impl<R: Real> Together<R> {
         unfold(of_floor, R::of(1.0), whole);
         let [even_real, even_imaginary] = halves(even);
         let [uneven_real, uneven_imaginary] = halves(uneven);
-        // i times the uneven ones.
+        // i times the odd modes.
         for (sum, imaginary) in even_real.iter_mut().zip(&*uneven_imaginary) {
             *sum = *sum - *imaginary;
         }
@@ -451,7 +454,7 @@ impl<R: Real> Together<R> {
     }
 }
 
-/// All modes of a group with the same loop, four of them or two or one at a time.
+/// Processes all modes of a group in the same loop, in groups of four, two or one.
 #[inline(always)]
 fn meet_modes<R: Real, const L: usize>(
     meeting: &Meeting<'_, R>,

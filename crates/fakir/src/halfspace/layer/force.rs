@@ -1,10 +1,10 @@
-//! What layers add around a force.
+//! Correction of the displacement around a force for layers.
 
 use super::table::{RadialPart, RadialTable};
 use crate::halfspace::jet::FieldJet;
 use crate::problem::layer::WeightedLayer;
 
-/// What layers add to `1/r` around a unit force, `DK(r) = sum_b (w_b/t_b) Psi_b(r/t_b)`.
+/// Difference from `1/r` around a unit force due to layers, `DK(r) = sum_b (w_b/t_b) Psi_b(r/t_b)`.
 #[derive(Debug)]
 pub(crate) struct AroundForce {
     table: RadialTable,
@@ -12,18 +12,19 @@ pub(crate) struct AroundForce {
 }
 
 impl AroundForce {
-    /// Around a force at one point; none on half-spaces. Layers and distances are in one unit of length.
+    /// Creates the correction for a force at one point; `None` on half-spaces. Layers and distances have the same unit of length.
     pub(crate) fn at_point(layers: &[WeightedLayer]) -> Option<Self> {
         Self::on_cell(layers, [0.0; 2])
     }
 
-    /// The mean over a rectangle of such sides for the force: a wave over a cell of side `h` has the mean `1 - k_x^2 h^2/24`, so that the integrand
-    /// gets `exp(-k^2 h^2/24)`, which leaves an error of the fourth power of `h/t`.
+    /// Creates the correction for a force that is distributed uniformly over a rectangle with these sides. A wave has the mean
+    /// `1 - k_x^2 h^2/24` over a cell with side `h`, so that the integrand is multiplied by `exp(-k^2 h^2/24)`; the error is of fourth
+    /// order in `h/t`.
     pub(crate) fn on_cell(layers: &[WeightedLayer], cell: [f64; 2]) -> Option<Self> {
         Self::averaged(layers, cell, 1.0)
     }
 
-    /// The mean over such a rectangle for the force and over another one for the place: the factor is squared.
+    /// The same, averaged over an equal rectangle at the point of observation: the factor is squared.
     pub(crate) fn between_cells(layers: &[WeightedLayer], cell: [f64; 2]) -> Option<Self> {
         Self::averaged(layers, cell, 2.0)
     }
@@ -42,25 +43,25 @@ impl AroundForce {
         Some(Self { table, thinnest })
     }
 
-    /// How far a place at a distance is from where it is not smooth: branches at twice the thickness, along the imaginary axis.
+    /// Distance from the nearest singularity of the function: branch points at twice the thickness, along the imaginary axis.
     pub(crate) fn smoothness(&self, distance: f64) -> f64 {
         distance.hypot(2.0 * self.thinnest)
     }
 
-    /// At a distance.
+    /// The value at a distance.
     pub(crate) fn value(&self, distance: f64) -> f64 {
         let mut value = [0.0];
         self.table.values(distance, &mut value);
         value[0]
     }
 
-    /// With derivatives, at a place seen from the force.
+    /// The value and derivatives at an offset from the force.
     pub(crate) fn jet(&self, [x, y]: [f64; 2]) -> FieldJet {
         let distance = x.hypot(y);
         let [mut value, mut first, mut second] = [[0.0]; 3];
         let jets = [&mut value[..], &mut first, &mut second];
         self.table.jets(distance, jets);
-        // f'/r, and (f'' - f'/r)/r^2; at the force itself the field is a bowl.
+        // f'/r, and (f'' - f'/r)/r^2; at the force itself the field is a paraboloid.
         let (slope, twist) = if distance > 0.0 {
             let slope = first[0] / distance;
             (slope, (second[0] - slope) / (distance * distance))
@@ -96,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_cell_has_the_mean_of_points() {
-        // The mean over a square of side h by 6x6 points of Gauss's rule; what is left goes as h^4.
+        // The mean over a square of side h by 6x6 Gauss points; the error is of order h^4.
         let film = film();
         let around = AroundForce::at_point(&[film]).unwrap();
         let rule = crate::numerics::quadrature::gauss_legendre(6);

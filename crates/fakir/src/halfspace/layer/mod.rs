@@ -1,13 +1,13 @@
-//! How a layer gives way: what differs from a half-space.
+//! Response of elastic layers: the difference from a half-space.
 //!
-//! Under a pressure of wave number `k` the surface of a half-space goes down by `2 p/(E* k)`, that of a layer of thickness `t` by `phi(k t)` times
-//! as much. A force on it moves the surface at the distance `r` by `(1/r + Psi(r/t)/t)/(pi E*)`, with
-//! `Psi(s) = ∫_0^∞ (phi(x) - 1) J_0(x s) dx`, which is smooth: near the force a layer is a half-space.
+//! A pressure of wave number `k` displaces the surface of a half-space by `2 p/(E* k)`, and that of a layer of thickness `t` by `phi(k t)`
+//! times as much. A force displaces the surface of the layer at the distance `r` by `(1/r + Psi(r/t)/t)/(pi E*)`, with
+//! `Psi(s) = ∫_0^∞ (phi(x) - 1) J_0(x s) dx`, which is smooth: near the force the layer responds like a half-space.
 //!
-//! Of several bodies the shares in the contact compliance count: `Phi(k) = sum_b w_b phi_b(k t_b)`.
+//! If both bodies deform, they are weighted by their fractions of the contact compliance: `Phi(k) = sum_b w_b phi_b(k t_b)`.
 //!
-//! `phi` of layers on a rigid base: W. C. Hayes, L. M. Keer, G. Herrmann, L. F. Mockros, J. Biomech. 5, 541 (1972), and K. L. Johnson, Contact
-//! Mechanics, section 5.8; on an elastic one: D. M. Burmister, J. Appl. Phys. 16, 89 (1945).
+//! `phi` of layers on a rigid base: W. C. Hayes, L. M. Keer, G. Herrmann, L. F. Mockros, J. Biomech. 5, 541 (1972), and K. L. Johnson,
+//! Contact Mechanics, section 5.8; on an elastic one: D. M. Burmister, J. Appl. Phys. 16, 89 (1945).
 
 pub(crate) mod force;
 pub(crate) mod response;
@@ -20,13 +20,13 @@ pub(crate) mod tests {
     use crate::problem::layer::WeightedLayer;
     use crate::problem::{Layer, Material};
 
-    /// An incompressible layer on something rigid, twice as thick as a pillar's radius: 6 um under the paper's pillars.
+    /// An incompressible layer on a rigid base, twice as thick as a pillar's radius: 6 um under the paper's pillars.
     pub(crate) fn film() -> WeightedLayer {
         let film = (Material::new(1.0, 0.5), Some(Layer::new(2.0)));
         WeightedLayer::among(&[film], 1.0)[0]
     }
 
-    /// The rows of `tests/reference/layer.csv` of some quantity: of what, and how much.
+    /// The rows of `tests/reference/layer.csv` for a quantity: its case and its value.
     pub(crate) fn rows(quantity: &str) -> Vec<(String, f64)> {
         let table = include_str!("../../../tests/reference/layer.csv");
         let records = csv::Reader::from_reader(table.as_bytes()).into_records();

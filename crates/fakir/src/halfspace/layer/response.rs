@@ -1,4 +1,4 @@
-//! The compliance of one layer beside that of a half-space.
+//! The compliance of one layer relative to that of a half-space.
 
 use crate::numerics::quadrature::gauss_legendre;
 use crate::numerics::special::bessel;
@@ -6,16 +6,16 @@ use crate::problem::layer::{LayerBase, WeightedLayer};
 use crate::problem::{Layer, Material};
 use std::sync::LazyLock;
 
-/// Beyond this argument `phi` is 1.
+/// Argument above which `phi` is 1.
 const END: f64 = 26.0;
 
-/// Gauss points of a piece.
+/// Number of Gauss points in an interval of integration.
 const POINTS: usize = 64;
 
-/// Shear modulus of a layer over that of its base from which `phi` changes so quickly near 0 that pieces have to become shorter there.
+/// Ratio of the shear moduli of layer and base above which `phi` varies so quickly near 0 that shorter intervals are required there.
 const SOFT_BASE: f64 = 10.0;
 
-/// Length of the pieces then, where they no longer do.
+/// Length of the intervals in this case beyond the refined range.
 const PIECE: f64 = 0.5;
 
 /// The compliance of one layer relative to that of a half-space of its material, for all wave numbers.
@@ -27,7 +27,7 @@ pub struct LayerResponse {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Form {
     Frictionless,
-    /// `L`, `kappa`, what both lack to 1, and the ratio of the shear moduli.
+    /// `L`, `kappa`, their differences from 1, and the ratio of the shear moduli.
     Bonded {
         numbers: [f64; 2],
         complements: [f64; 2],
@@ -36,7 +36,7 @@ enum Form {
 }
 
 impl LayerResponse {
-    /// A layer of this material.
+    /// Creates the response of a layer of this material.
     #[must_use]
     pub fn new(material: &Material, layer: &Layer) -> Self {
         let body = [(*material, Some(*layer))];
@@ -66,7 +66,7 @@ impl LayerResponse {
         Self { form }
     }
 
-    /// `phi(x) - 1` at `x = k t >= 0`, written so that nothing cancels or overflows.
+    /// `phi(x) - 1` at `x = k t >= 0`, in a form without cancellation and overflow.
     #[must_use]
     pub fn deficit(&self, x: f64) -> f64 {
         let e = (-2.0 * x).exp();
@@ -100,7 +100,7 @@ impl LayerResponse {
         // phi - 1 = E A/B, and E' = -2 E.
         let [above, below, above_slope, below_slope] = match self.form {
             Form::Frictionless => {
-                // phi goes as x/2.
+                // phi is proportional to x/2.
                 if x < 1e-6 {
                     return 0.5;
                 }
@@ -127,7 +127,7 @@ impl LayerResponse {
         e / below * (above_slope - above * (2.0 + below_slope / below))
     }
 
-    /// `phi(x)`: how much more a layer gives way than a half-space.
+    /// `phi(x)`: the compliance of the layer relative to that of a half-space.
     #[must_use]
     pub fn relative_compliance(&self, x: f64) -> f64 {
         1.0 + self.deficit(x)
@@ -144,28 +144,28 @@ impl LayerResponse {
         terms.sum()
     }
 
-    /// `Psi_0 = Psi(0)`: how far a force on a small part of the surface shifts all around it.
+    /// `Psi_0 = Psi(0)`: uniform displacement near a force on a small part of the surface.
     #[must_use]
     pub fn shift(&self) -> f64 {
         self.rule(0.0).iter().map(|(_, weight)| weight).sum()
     }
 
-    /// `Psi_2` in `Psi = Psi_0 + Psi_2 s^2 + ..`: how it bends what is around.
+    /// `Psi_2` in `Psi = Psi_0 + Psi_2 s^2 + ..`: curvature of the displacement near the force.
     #[must_use]
     pub fn curvature(&self) -> f64 {
         let terms = self.rule(0.0).into_iter();
         terms.map(|(x, weight)| -0.25 * weight * x * x).sum()
     }
 
-    /// Nodes `x`, and weights times `phi(x) - 1`, for integrals with functions that turn `reach` times as fast as the cosine at the most.
+    /// Nodes `x`, and weights times `phi(x) - 1`, for integrals with functions that oscillate at most `reach` times as fast as the cosine.
     pub(crate) fn rule(&self, reach: f64) -> Vec<(f64, f64)> {
         let with_deficit = |(x, weight)| (x, weight * self.deficit(x));
         self.nodes(reach).into_iter().map(with_deficit).collect()
     }
 
-    /// The same nodes with their weights alone.
+    /// The same nodes with unmodified weights.
     pub(crate) fn nodes(&self, reach: f64) -> Vec<(f64, f64)> {
-        // A piece has 14.3 points for every turn over the whole length, and enough for what changes with the thickness.
+        // An interval has 14.3 points per oscillation in the total length, and enough points for the variation with the thickness.
         let mut longest = END / ((90.0 + 14.3 * reach) / POINTS as f64).ceil();
         let mut graded = vec![0.0];
         if let Form::Bonded { shear_ratio, .. } = self.form

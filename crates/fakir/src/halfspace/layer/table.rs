@@ -1,9 +1,9 @@
-//! What layers add, as smooth functions of a distance, from tables.
+//! Tables of the smooth corrections for layers as functions of distance.
 //!
-//! Every function is `factor r^(-power) sum_b w_b ∫ (phi_b(k t_b) - 1) j_l(k) j_l'(k) .. J_M(k r) dk`, in pillar radii, with as many spherical Bessel
-//! functions as there are discs in it. It is analytic but for branches at `r = ±n ± 2i t`, with `n` the number of discs, so that Chebyshev
-//! polynomials on pieces that grow with the distance from there give all digits. Pieces are made when they are first asked for, and cut
-//! into cells with a short polynomial each.
+//! Every function is `factor r^(-power) sum_b w_b ∫ (phi_b(k t_b) - 1) j_l(k) j_l'(k) .. J_M(k r) dk`, in pillar radii, with one spherical
+//! Bessel function for each disc. It is analytic except for branch points at `r = ±n ± 2i t`, with `n` the number of discs. Chebyshev
+//! polynomials on intervals whose length grows with the distance from the branch points therefore represent it to full precision. Intervals
+//! are computed on first use and divided into cells with a short polynomial each.
 
 use super::response::LayerResponse;
 use crate::numerics::special::{bessel, spherical_bessel};
@@ -11,44 +11,44 @@ use crate::problem::layer::WeightedLayer;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Chebyshev points of a piece: what they leave is 1e-15 where branches are as far off as they are.
+/// Number of Chebyshev points in an interval: the error is 1e-15 for intervals at this distance from the branch points.
 const POINTS: usize = 24;
 
-/// Cells of a piece, and coefficients of the polynomial on each: as exact.
+/// Number of cells in an interval, and of coefficients of the polynomial in each: the accuracy is the same.
 const CELLS: usize = 16;
 const TERMS: usize = 9;
 
-/// Functions that are evaluated side by side.
+/// Number of functions that are evaluated together.
 const GROUP: usize = 4;
 
-/// Length of a piece over its distance from the branches at the most.
+/// Largest length of an interval relative to its distance from the branch points.
 const GROWTH: f64 = 1.5;
 
-/// Distance up to which there are pieces: far beyond the radius of any lens.
+/// Distance up to which there are intervals, in pillar radii: far beyond the radius of any lens.
 const FARTHEST: f64 = 1e8;
 
 /// One function of the distance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RadialPart {
     pub(crate) factor: f64,
-    /// Degrees of the modes of the discs in it.
+    /// Degrees of the modes of the discs.
     pub(crate) degrees: Vec<usize>,
     /// `M`
     pub(crate) order: usize,
-    /// Power of the distance by which it is divided.
+    /// Power of the distance by which the function is divided.
     pub(crate) power: usize,
 }
 
-/// Some functions of the distance.
+/// A set of functions of the distance.
 #[derive(Debug)]
 pub(crate) struct RadialTable {
     parts: Vec<RadialPart>,
     layers: Vec<(WeightedLayer, LayerResponse)>,
-    /// Discs in a function.
+    /// Number of discs in a function.
     discs: f64,
-    /// All are multiplied by the exponential of `-k^2` times this.
+    /// Coefficient of a Gaussian factor: the integrands are multiplied by `exp(-blur k^2)`.
     blur: f64,
-    /// Where pieces begin and end.
+    /// Boundaries of the intervals.
     ends: Vec<f64>,
     pieces: Vec<OnceLock<Piece>>,
 }
@@ -58,12 +58,13 @@ struct Piece {
     start: f64,
     /// Half the length of a cell.
     half: f64,
-    /// Of every cell, for every group of functions, the powers of the distance from its middle in units of its half length, one after the other.
+    /// For every cell and every group of functions, the coefficients in powers of the distance from the middle of the cell in units of its
+    /// half length.
     coefficients: Vec<[f64; GROUP]>,
 }
 
 impl RadialTable {
-    /// The layers are given in pillar radii.
+    /// Layers are given in pillar radii.
     pub(crate) fn new(layers: &[WeightedLayer], parts: Vec<RadialPart>) -> Self {
         let discs = parts.iter().map(|part| part.degrees.len()).max();
         let discs = discs.unwrap_or(0) as f64;
@@ -87,7 +88,7 @@ impl RadialTable {
         }
     }
 
-    /// The same with `exp(-blur k^2)` times the integrands, before anything is asked for.
+    /// The same with integrands multiplied by `exp(-blur k^2)`. Must be called before the first evaluation.
     pub(crate) fn blurred(self, blur: f64) -> Self {
         Self { blur, ..self }
     }
@@ -97,7 +98,7 @@ impl RadialTable {
         self.parts.len()
     }
 
-    /// The polynomials about a distance, group by group, the variable in them, and its derivative with respect to the distance.
+    /// The polynomials of the cell that contains a distance, by groups, their variable, and its derivative with respect to the distance.
     #[inline(always)]
     fn cell(&self, distance: f64) -> (&[[f64; GROUP]], f64, f64) {
         let number = self.ends.partition_point(|end| *end <= distance);
@@ -188,7 +189,7 @@ impl RadialTable {
         }
     }
 
-    /// The functions at distances up to the largest, one distance after the other.
+    /// The functions at distances up to `largest`, one distance after another.
     fn integrals(&self, distances: &[f64], largest: f64) -> Vec<f64> {
         let count = self.count();
         let highest = |of: fn(&RadialPart) -> usize| self.parts.iter().map(of).max().unwrap_or(0);
@@ -224,12 +225,12 @@ impl RadialTable {
     }
 }
 
-/// The zeros of Chebyshev's polynomial of that degree.
+/// The zeros of the Chebyshev polynomial of degree `count`.
 fn chebyshev_points(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| (PI * (k as f64 + 0.5) / count as f64).cos())
 }
 
-/// Coefficients of Chebyshev's polynomials from values of some functions at these points.
+/// Chebyshev coefficients from values of functions at these points.
 fn chebyshev_coefficients(values: &[f64], count: usize) -> Vec<f64> {
     let points = values.len() / count;
     let mut coefficients = vec![0.0; values.len()];
@@ -245,7 +246,7 @@ fn chebyshev_coefficients(values: &[f64], count: usize) -> Vec<f64> {
     coefficients
 }
 
-/// Their sums at a place.
+/// Evaluates Chebyshev series.
 fn chebyshev_sums(coefficients: &[f64], count: usize, x: f64) -> Vec<f64> {
     // T_0, and T_(-1) = T_1.
     let (mut value, mut before) = (1.0, x);
@@ -259,7 +260,7 @@ fn chebyshev_sums(coefficients: &[f64], count: usize, x: f64) -> Vec<f64> {
     sums
 }
 
-/// The same polynomials in powers.
+/// Converts Chebyshev coefficients to powers.
 fn monomials(coefficients: &[f64], count: usize) -> Vec<f64> {
     let terms = coefficients.len() / count;
     let mut powers = vec![0.0; coefficients.len()];

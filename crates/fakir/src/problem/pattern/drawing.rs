@@ -1,4 +1,4 @@
-//! Pillars of one form on a lattice or at random, drawn on a grid.
+//! Draws pillars of one shape, on a lattice or at random positions, on a grid.
 
 use super::invalid::{InvalidPattern, PatternQuantity};
 use super::placement::{self, Site};
@@ -36,14 +36,14 @@ use std::f64::consts::PI;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
-    /// One pillar.
+    /// Shape of the pillars.
     pub pillar: PillarShape,
-    /// Where they are, on a lattice or at random, and how their heights differ.
+    /// Positions, on a lattice or at random, and variation of heights.
     pub arrangement: Arrangement,
 }
 
 impl Pattern {
-    /// Pillars of one form in an arrangement.
+    /// Pillars of one shape in an arrangement.
     #[must_use]
     pub fn new(pillar: PillarShape, arrangement: impl Into<Arrangement>) -> Self {
         Self {
@@ -52,18 +52,16 @@ impl Pattern {
         }
     }
 
-    /// Fraction of the surface that is pillar, on average.
+    /// Mean fraction of the surface that is covered by pillars.
     #[must_use]
     pub fn surface_fraction(&self) -> f64 {
         self.pillar.cross_section.area() / self.arrangement.cell_area()
     }
 
-    /// The surface on the cells of a grid, whose origin of coordinates is the lens axis. Columns
-    /// are of the material `substrate`.
+    /// The surface on the cells of a grid, with the lens axis at the origin of coordinates. Columns consist of the material `substrate`.
     ///
     /// # Errors
-    /// A value that cannot be, pillars that overlap, or more of them than find a place at
-    /// random: see [`InvalidPattern`].
+    /// An invalid value, overlapping pillars, or random positions that cannot be placed: see [`InvalidPattern`].
     pub fn height_map(
         &self,
         grid: &Grid,
@@ -73,13 +71,12 @@ impl Pattern {
         self.draw(grid, &self.sites(grid)?, substrate)
     }
 
-    /// The surface on the cells of a grid that is one period of it: pillars that reach over its
-    /// border go on at the other side, as the same pillar. A grid border should not pass through
-    /// centres of pillars.
+    /// The surface on the cells of a grid that is one period of it: pillars that cross its border continue on the opposite side, as the
+    /// same pillar. The grid border should not pass through centres of pillars.
     ///
     /// # Errors
-    /// As [`height_map`](Self::height_map); [`InvalidPattern::NoPeriod`] of an endless lattice that is turned or oblique, and
-    /// [`InvalidPattern::NotAPeriod`] if the sides of the grid are not whole multiples of those of [`period`](Self::period).
+    /// As for [`height_map`](Self::height_map); [`InvalidPattern::NoPeriod`] for an infinite lattice that is rotated or oblique, and
+    /// [`InvalidPattern::NotAPeriod`] if the sides of the grid are not integer multiples of those of [`period`](Self::period).
     pub fn periodic_height_map(
         &self,
         grid: &Grid,
@@ -103,8 +100,8 @@ impl Pattern {
         self.draw(grid, &placement::continued(sites, grid), substrate)
     }
 
-    /// Sides of the smallest rectangle along x and y that repeats on the complete lattice, m; none of a lattice that is turned, oblique or
-    /// finite. Finitely many pillars, and those at random, take any rectangle as their period.
+    /// Sides of the smallest rectangular period along x and y of the complete lattice, m; `None` for a lattice that is rotated, oblique or
+    /// finite. For a finite number of pillars, and for random positions, any rectangle is a period.
     #[must_use]
     pub fn period(&self) -> Option<Point> {
         let lattice = self.arrangement.lattice()?;
@@ -140,7 +137,7 @@ impl Pattern {
                 PillarCompliance::Column => {
                     height / (substrate.young_modulus * self.pillar.cross_section.area())
                 }
-                // Elastic ones are refused.
+                // Elastic pillars are refused.
                 PillarCompliance::None | PillarCompliance::Elastic => 0.0,
             };
             drawing.add(&self.pillar, site, height, compliance);
@@ -160,7 +157,7 @@ impl Pattern {
     /// Checks every value, and that pillars do not overlap.
     ///
     /// # Errors
-    /// The first of them that cannot be.
+    /// The first invalid value.
     pub fn check(&self) -> Result<(), InvalidPattern> {
         use PatternQuantity as Q;
         let is_fraction = |value: f64| (0.0..1.0).contains(&value);
@@ -220,7 +217,7 @@ impl Pattern {
         let outline = &self.pillar.cross_section;
         let vectors = reduced(lattice.vectors());
         let pitch = vectors[0][0].hypot(vectors[0][1]);
-        // A step along each reduced vector brings at least half the shortest of them.
+        // A step along a reduced vector covers at least half the shortest vector.
         let reach = (2.0 * outline.outer_diameter() / pitch)
             .ceil()
             .min(LONGEST_REACH) as i64;
@@ -238,11 +235,10 @@ impl Pattern {
     }
 }
 
-/// The least sine of the angle between the rows of a lattice: pillars of flatter ones overlap.
+/// Smallest sine of the angle between the rows of a lattice: pillars of flatter lattices overlap.
 const FLATTEST: f64 = 1e-9;
 
-/// Pillars longer than this many pitches are checked for overlap with neighbours as far only:
-/// they overlap with the nearest ones long before.
+/// Largest number of pitches over which pillars are checked for overlap: pillars longer than this overlap with their nearest neighbours.
 const LONGEST_REACH: f64 = 30.0;
 
 /// Heights and labels while pillars are drawn on them.
@@ -251,7 +247,7 @@ struct Drawing<'a> {
     heights: Vec<f64>,
     labels: Vec<u32>,
     compliance: Vec<f64>,
-    /// Height of the highest middle of a pillar on the grid: that of a cone is not the centre of a cell.
+    /// Height of the highest pillar centre on the grid: the apex of a cone is not the centre of a cell.
     summit: f64,
 }
 
@@ -266,7 +262,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// Draws a pillar at all places of its site; pillars without a cell get no label.
+    /// Draws a pillar at all positions of its site; pillars without a cell are not labelled.
     fn add(&mut self, pillar: &PillarShape, site: &Site, height: f64, compliance: f64) {
         let label = self.compliance.len() as u32;
         let reach = 0.5 * pillar.cross_section.outer_diameter();

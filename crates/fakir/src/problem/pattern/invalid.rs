@@ -1,10 +1,10 @@
-//! What a pattern may not be.
+//! Errors of patterns.
 
-/// A value of a [`Pattern`](super::Pattern).
+/// A quantity of a [`Pattern`](super::Pattern).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum PatternQuantity {
-    /// Diameter of a circle, or of that through the corners of a polygon, m.
+    /// Diameter of a circle, or of the circumscribed circle of a polygon, m.
     Diameter,
     /// Side of a square, m.
     Side,
@@ -14,11 +14,11 @@ pub enum PatternQuantity {
     Length,
     /// Width of an ellipse, m.
     Width,
-    /// Angle by which pillars are turned, rad.
+    /// Rotation of the outline, rad.
     Orientation,
     /// Pillar height, m.
     Height,
-    /// How much lower the edge of a top is than its centre, m.
+    /// Height difference between the centre and the edge of a top, m.
     Drop,
     /// Width of a sloping edge, m.
     ChamferWidth,
@@ -26,21 +26,21 @@ pub enum PatternQuantity {
     EdgeRadius,
     /// Distance between neighbours on a lattice, m.
     Pitch,
-    /// Place of the lens axis on a lattice, m or pitches.
+    /// Position of the lens axis on a lattice, m or pitches.
     Offset,
     /// Direction of the offset, rad.
     OffsetAngle,
-    /// By how much a lattice is turned, rad.
+    /// Rotation of a lattice, rad.
     Rotation,
-    /// Between the rows of an oblique lattice, rad.
+    /// Angle between the rows of an oblique lattice, rad.
     LatticeAngle,
-    /// Fraction of the surface that is pillar.
+    /// Fraction of the surface that is covered by pillars.
     SurfaceFraction,
-    /// Smallest distance between pillars placed at random, m.
+    /// Smallest distance between random positions, m.
     MinimumDistance,
-    /// Fraction of the pillars that are missing.
+    /// Fraction of missing pillars.
     Missing,
-    /// Largest deviation of heights, over the height: the half-width of a uniform law.
+    /// Largest relative deviation of heights: the half-width of a uniform law.
     HeightHalfWidth,
     /// Young's modulus of the substrate, Pa.
     YoungModulus,
@@ -104,30 +104,30 @@ impl std::fmt::Display for PatternQuantity {
     }
 }
 
-/// A pattern that cannot be.
+/// The reason why a pattern is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidPattern {
-    /// A value that cannot be.
-    #[error("{quantity} cannot be {value}: it must be {requirement}")]
+    /// A value is invalid.
+    #[error("invalid {quantity} {value}: must be {requirement}")]
     Value {
-        /// Which one.
+        /// The quantity.
         quantity: PatternQuantity,
         /// The value given, in SI units.
         value: f64,
-        /// What would be accepted.
+        /// The accepted values.
         requirement: &'static str,
     },
-    /// Elastic pillars, of which it is known only as flat cylinders of a texture how they give way.
+    /// Elastic pillars, whose compliance is available only for flat cylinders of a texture.
     #[error(
-        "the compliance of elastic pillars is known for the cylinders of a texture only: here pillars are \
-         columns, or do not give way"
+        "the compliance of elastic pillars is available only for the cylinders of a texture: here pillars \
+         must be columns or rigid"
     )]
     NotElastic,
-    /// Neighbours on a lattice overlap.
+    /// Adjacent pillars of a lattice overlap.
     #[error(
         "pillars {outer_diameter:e} m across overlap on a lattice of pitch {pitch:e} m: widen the \
-         pitch, or turn or shrink the pillars"
+         pitch, or rotate or shrink the pillars"
     )]
     Overlap {
         /// Distance between neighbours, m.
@@ -135,19 +135,19 @@ pub enum InvalidPattern {
         /// Largest extent of a pillar, m.
         outer_diameter: f64,
     },
-    /// Pillars of a list, each of which may have its own height and diameter.
+    /// A list of pillars, whose heights and diameters may differ.
     #[error(
-        "the pillars of a pattern have one form: give a lattice, or pillars at random, in place of a list"
+        "the pillars of a pattern have equal shapes: give a lattice, or random positions, instead of a list"
     )]
     Listed,
-    /// An endless lattice without a period along x and y.
+    /// An infinite lattice without a period along x and y.
     #[error(
-        "a lattice that is turned or oblique has no period along x and y: draw it on a grid with free borders"
+        "a rotated or oblique lattice has no period along x and y: use a grid with free borders"
     )]
     NoPeriod,
-    /// A grid that is no period of the lattice.
+    /// A grid that is not a period of the lattice.
     #[error(
-        "a side of {side:e} m is not a whole multiple of the period of the lattice, {period:e} m"
+        "a side of {side:e} m is not an integer multiple of the period of the lattice, {period:e} m"
     )]
     NotAPeriod {
         /// Side of the grid, m.
@@ -155,15 +155,15 @@ pub enum InvalidPattern {
         /// Period of the lattice along it, m.
         period: f64,
     },
-    /// Not enough places were found at random.
+    /// Not all random positions could be placed.
     #[error(
-        "only {placed} of {wanted} pillars found a place at least {minimum_distance:e} m from the \
+        "only {placed} of {wanted} pillars could be placed at least {minimum_distance:e} m from the \
          others: lower the surface fraction or the minimum distance"
     )]
     TooCrowded {
-        /// Pillars placed.
+        /// Number of pillars that were placed.
         placed: usize,
-        /// Pillars wanted.
+        /// Number of pillars required.
         wanted: usize,
         /// Smallest distance between centres, m.
         minimum_distance: f64,

@@ -1,10 +1,9 @@
-//! Surfaces patterned with pillars of any form and arrangement, as height maps.
+//! Surfaces patterned with pillars of any shape and arrangement, as height maps.
 //!
-//! A [`Pattern`] has pillars of one [shape](PillarShape) in an [`Arrangement`](crate::problem::Arrangement): on a lattice or at random, some of them
-//! missing or of another height if wanted. It is drawn on the cells of a grid about the lens
-//! axis, as a [`HeightMap`](crate::problem::HeightMap) with the pillars labelled and their compliance as columns. The same
-//! pattern and seed give the same surface; on a lattice, also where grids of different extent or
-//! cell size overlap.
+//! A [`Pattern`] has pillars of one [shape](PillarShape) in an [`Arrangement`](crate::problem::Arrangement): on a lattice or at random,
+//! optionally with missing pillars and varying heights. It is drawn on the cells of a grid around the lens axis, as a
+//! [`HeightMap`](crate::problem::HeightMap) with labelled pillars and their compliance as columns. The same pattern and seed result in the
+//! same surface; on a lattice, also where grids of different extent or cell size overlap.
 //!
 //! The floor has height 0. A cell belongs to a pillar if its centre does.
 

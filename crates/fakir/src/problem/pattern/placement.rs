@@ -1,4 +1,4 @@
-//! Where the pillars of a pattern stand.
+//! Positions of the pillars of a pattern.
 
 use super::invalid::InvalidPattern;
 use crate::problem::arrangement::{PlaneLattice, RandomPlaces, coordinates};
@@ -7,15 +7,15 @@ use crate::problem::point::Point;
 use crate::problem::scatter::Random;
 use std::collections::HashMap;
 
-/// Places that are tried for each pillar before giving up: random addition of discs comes to
-/// cover 0.547 of the plane (J. Feder, J. Theor. Biol. 87, 237 (1980)), very slowly at last.
+/// Number of trials for each pillar before the placement fails. Random sequential addition of discs covers at most 0.547 of the plane (J.
+/// Feder, J. Theor. Biol. 87, 237 (1980)), with slow convergence.
 const TRIALS: usize = 2000;
 
 /// A pillar to be drawn.
 pub(super) struct Site {
-    /// Tells it from the others, whatever the grid.
+    /// Identifies the pillar independently of the grid.
     pub(super) index: (i64, i64),
-    /// Its centre; and those of its images, where it reaches over the border of a period.
+    /// Its centre, and those of its periodic images if it crosses the border of a period.
     pub(super) centres: Vec<Point>,
 }
 
@@ -25,7 +25,8 @@ pub(super) fn extent(grid: &Grid) -> Point {
     [grid.columns() as f64 * width, grid.rows() as f64 * height]
 }
 
-/// The pillars of a lattice with centres on the grid or within `reach` of it, missing ones too, by rows along x where the lattice has such rows.
+/// The pillars of a lattice with centres on the grid or within `reach` of it, including missing ones, by rows along x if the lattice has
+/// such rows.
 pub(super) fn on_lattice(lattice: &PlaneLattice, grid: &Grid, reach: f64) -> Vec<Site> {
     let (start, sides) = (grid.origin(), extent(grid));
     let ends = [0, 1].map(|axis| [start[axis] - reach, start[axis] + sides[axis] + reach]);
@@ -48,7 +49,7 @@ pub(super) fn on_lattice(lattice: &PlaneLattice, grid: &Grid, reach: f64) -> Vec
         }
         first..end
     };
-    // A hexagonal lattice has the same y to the bit along its rows by its own sum.
+    // The coordinates of a hexagonal lattice have bitwise equal y along its rows if they are computed by its own sum.
     let hexagonal = lattice.hexagonal();
     let centre = |(i, j): (i64, i64)| {
         hexagonal.map_or_else(|| lattice.place((i, j)), |lattice| lattice.centre(i, j))
@@ -67,7 +68,7 @@ pub(super) fn on_lattice(lattice: &PlaneLattice, grid: &Grid, reach: f64) -> Vec
     sites.into_iter().map(site).collect()
 }
 
-/// The sites whose centres lie in the grid, continued over its border as over that of a period.
+/// The sites whose centres are in the grid, continued periodically over its border.
 pub(super) fn continued(sites: Vec<Site>, grid: &Grid) -> Vec<Site> {
     let (origin, period) = (grid.origin(), extent(grid));
     let inside = |site: &Site| {
@@ -85,7 +86,7 @@ pub(super) fn continued(sites: Vec<Site>, grid: &Grid) -> Vec<Site> {
         .collect()
 }
 
-/// Random sequential addition on the grid as a period.
+/// Random sequential addition with the grid as a period.
 pub(super) fn random(places: &RandomPlaces, grid: &Grid) -> Result<Vec<Site>, InvalidPattern> {
     let minimum_distance = places.minimum_distance;
     let area = grid.cell_count() as f64 * grid.cell_area();
@@ -130,7 +131,7 @@ fn images([x, y]: Point, [width, height]: Point) -> impl Iterator<Item = Point> 
         .flat_map(move |i| shifts.map(|j| [x + i * width, y + j * height]))
 }
 
-/// Points of a period by squares no smaller than the distance they keep.
+/// Points of a period, sorted into squares that are at least as large as the minimum distance.
 struct Bins {
     period: Point,
     distance: f64,
@@ -162,7 +163,7 @@ impl Bins {
             .push(number);
     }
 
-    /// Whether a point keeps its distance from all others, and from its own images.
+    /// Whether a point keeps the minimum distance from all others, and from its own images.
     fn is_free(&self, place: Point, others: &[Point]) -> bool {
         if self.period.iter().any(|side| *side < self.distance) {
             return false;
@@ -223,7 +224,7 @@ mod tests {
         let Some(InvalidPattern::TooCrowded { placed, wanted, .. }) = crowded else {
             panic!("too many pillars were placed");
         };
-        // Not far below the coverage at which random addition comes to an end.
+        // Close to the jamming limit of random sequential addition.
         let coverage = placed as f64 * 4.0 * PI / 6000.0;
         assert!(
             wanted == 2 * count as usize && coverage > 0.48 && coverage < 0.56,

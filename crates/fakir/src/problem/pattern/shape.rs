@@ -5,7 +5,7 @@ use crate::problem::column::PillarCompliance;
 use crate::problem::point::Point;
 use std::f64::consts::PI;
 
-/// Outline of a pillar, before it is turned; its centre is the origin.
+/// Outline of a pillar before its rotation; its centre is the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CrossSection {
     /// A circle.
@@ -49,7 +49,7 @@ impl CrossSection {
         }
     }
 
-    /// Diameter of the smallest circle around the centre that holds it, m.
+    /// Diameter of the smallest circle around the centre that contains the outline, m.
     #[must_use]
     pub fn outer_diameter(&self) -> f64 {
         match *self {
@@ -59,7 +59,7 @@ impl CrossSection {
         }
     }
 
-    /// Diameter of the largest circle around the centre within it, m.
+    /// Diameter of the largest circle around the centre inside the outline, m.
     #[must_use]
     pub fn inner_diameter(&self) -> f64 {
         match *self {
@@ -70,7 +70,7 @@ impl CrossSection {
         }
     }
 
-    /// How far out a point is: 0 at the centre, 1 on the outline, in proportion between.
+    /// Relative distance of a point from the centre: 0 at the centre, 1 on the outline, linear between.
     #[must_use]
     pub fn eccentricity(&self, [x, y]: Point) -> f64 {
         match *self {
@@ -84,10 +84,10 @@ impl CrossSection {
         }
     }
 
-    /// Whether the outline crosses that of a copy moved by `shift`: two convex bodies overlap
-    /// where the shift lies in the sum of the one and the mirror image of the other.
+    /// Whether the outline overlaps a copy that is translated by `shift`: two convex bodies overlap if the shift is in the Minkowski sum of
+    /// one and the mirror image of the other.
     pub(super) fn overlaps(&self, shift: Point) -> bool {
-        // Outlines that touch may round to outlines that overlap.
+        // Touching outlines may overlap due to rounding.
         let touching = 1.0 - 8.0 * f64::EPSILON;
         let apart = match *self {
             Self::Polygon { sides, diameter } if sides % 2 == 1 => {
@@ -119,7 +119,7 @@ impl CrossSection {
     }
 }
 
-/// Directions in which the sides of a polygon face.
+/// Outward normals of the sides of a polygon.
 fn normals(sides: u32) -> impl Iterator<Item = Point> {
     (0..sides).map(move |side| {
         let (sin, cos) = (PI * f64::from(2 * side + 1) / f64::from(sides)).sin_cos();
@@ -127,28 +127,27 @@ fn normals(sides: u32) -> impl Iterator<Item = Point> {
     })
 }
 
-/// Form of a pillar's top. The distance from the edge is `(1 - e) d/2`, `e` the
-/// [eccentricity](CrossSection::eccentricity) and `d` the inner diameter: the distance from the
-/// nearest side of a circle, square or polygon; on an ellipse that along the shorter axis.
+/// Shape of a pillar's top. The distance from the edge is `(1 - e) d/2`, with `e` the [eccentricity](CrossSection::eccentricity) and `d`
+/// the inner diameter: the distance from the nearest side of a circle, square or polygon; for an ellipse, the distance along the shorter
+/// axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Top {
     /// Level.
     #[default]
     Flat,
-    /// A cone or pyramid: falls in proportion to the eccentricity, from the full height at the
-    /// centre.
+    /// A cone or pyramid: the height decreases in proportion to the eccentricity, from the full height at the centre.
     Cone {
-        /// How much lower the edge is than the centre, m.
+        /// Height difference between centre and edge, m.
         drop: f64,
     },
-    /// Level but for a linear slope along the edge.
+    /// Level except for a linear slope along the edge.
     Chamfer {
         /// Distance from the edge at which the slope begins, m.
         width: f64,
-        /// How much lower the edge is than the middle, m.
+        /// Height difference between centre and edge, m.
         drop: f64,
     },
-    /// Level but for an edge rounded with a quarter of a circle.
+    /// Level except for an edge that is rounded by a quarter circle.
     Rounded {
         /// Radius of the circle, m.
         radius: f64,
@@ -156,7 +155,7 @@ pub enum Top {
 }
 
 impl Top {
-    /// How much lower than the centre the top is at a distance from the edge, m.
+    /// Depth of the top below its centre at a distance from the edge, m.
     fn depth(&self, distance: f64, half_width: f64) -> f64 {
         match *self {
             Self::Flat => 0.0,
@@ -203,20 +202,20 @@ impl Top {
 /// One pillar of a pattern.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PillarShape {
-    /// Its outline.
+    /// Outline.
     pub cross_section: CrossSection,
-    /// Angle by which the outline is turned, anticlockwise, rad.
+    /// Rotation of the outline, anticlockwise, rad.
     pub orientation: f64,
     /// Height of the centre of its top above the floor, m.
     pub height: f64,
-    /// Form of its top.
+    /// Shape of its top.
     pub top: Top,
-    /// Whether it shortens under load, by `h F/(E A)` with the area `A` of its outline.
+    /// Compliance model; a column shortens by `h F/(E A)` with the area `A` of its outline.
     pub compliance: PillarCompliance,
 }
 
 impl PillarShape {
-    /// A cylinder with a flat top that shortens under load.
+    /// A cylinder with a flat top and the compliance of a column.
     #[must_use]
     pub fn cylinder(diameter: f64, height: f64) -> Self {
         Self {
@@ -228,14 +227,13 @@ impl PillarShape {
         }
     }
 
-    /// The outline's own coordinates of a point.
+    /// The coordinates of a point relative to the outline before its rotation.
     pub(super) fn turned_back(&self, [x, y]: Point) -> Point {
         let (sin, cos) = self.orientation.sin_cos();
         [cos * x + sin * y, cos * y - sin * x]
     }
 
-    /// How much lower than its centre the top is at a point, m from the pillar's axis; none
-    /// beside the pillar.
+    /// Depth of the top below its centre at a point, m, relative to the pillar's axis; `None` outside the pillar.
     pub(super) fn depth_at(&self, point: Point) -> Option<f64> {
         let eccentricity = self.cross_section.eccentricity(self.turned_back(point));
         let half_width = 0.5 * self.cross_section.inner_diameter();
@@ -243,7 +241,7 @@ impl PillarShape {
         (eccentricity < 1.0).then(|| self.top.depth(distance, half_width))
     }
 
-    /// `spread` is the relative variation of heights.
+    /// `spread` is the largest relative deviation of heights.
     pub(super) fn check(&self, spread: f64) -> Result<(), InvalidPattern> {
         use PatternQuantity as Q;
         self.cross_section.check()?;
@@ -334,7 +332,7 @@ mod tests {
                     };
                     (outline.overlaps(shift), inside.iter().any(covered))
                 };
-                // The smallest distance at which they do not overlap, by bisection.
+                // Bisection for the smallest distance without overlap.
                 let (mut near, mut far) = (0.0, 3.0);
                 while far - near > 1e-3 {
                     let middle = 0.5 * (near + far);
@@ -363,7 +361,7 @@ mod tests {
         assert!(close(depth(chamfer, 0.5), 0.0) && close(depth(chamfer, 0.1), 0.15));
         let rounded = Top::Rounded { radius: 0.5 };
         assert!(close(depth(rounded, 0.6), 0.0) && close(depth(rounded, 0.0), 0.5));
-        // (0.3, 0.4) lies on a circle of radius 0.5.
+        // (0.3, 0.4) is on a circle of radius 0.5.
         assert!(close(depth(rounded, 0.2), 0.1));
     }
 }

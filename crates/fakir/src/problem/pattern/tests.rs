@@ -1,4 +1,4 @@
-//! Patterns as they are drawn.
+//! Tests of drawn patterns.
 
 use crate::problem::pattern::*;
 use crate::problem::{
@@ -21,7 +21,7 @@ fn pillar(cross_section: CrossSection, orientation: f64) -> PillarShape {
     }
 }
 
-/// Outlines of about 6 um, and how they are turned.
+/// Outlines of about 6 um, with their rotations.
 fn pillars() -> [PillarShape; 5] {
     [
         pillar(CrossSection::Circle { diameter: 6.0e-6 }, 0.0),
@@ -62,7 +62,7 @@ fn square(pitch: f64) -> PlaneLattice {
     }
 }
 
-/// Pillars with heights of a uniform law, some of which are missing.
+/// Pillars with uniformly distributed heights, some of which are missing.
 fn disordered(lattice: PlaneLattice, half_width: f64, missing: f64, seed: u64) -> PlaneLattice {
     let heights = Scatter::uniform(half_width, seed);
     PlaneLattice {
@@ -79,7 +79,7 @@ fn covered(surface: &HeightMap) -> f64 {
 
 #[test]
 fn surface_fraction_is_that_of_the_cells() {
-    // Whole periods, of cells a fiftieth of a pillar.
+    // Complete periods, with cells of a fiftieth of a pillar.
     let pitch = 9.0e-6;
     let grids = |lattice: &PlaneLattice| match lattice.form {
         LatticeForm::Hexagonal { .. } => {
@@ -101,13 +101,13 @@ fn surface_fraction_is_that_of_the_cells() {
         let pattern = Pattern::new(pillar, places);
         let grid = Grid::centred(1000, 800, 0.2e-6).unwrap();
         let surface = pattern.height_map(&grid, &rubber()).unwrap();
-        // Half a pillar of the 113 to 274, and the cells.
+        // Half a pillar of 113 to 274, and the discretisation by cells.
         let error = covered(&surface) / pattern.surface_fraction() - 1.0;
         assert!(error.abs() < 0.006, "{pattern:?}: {error}");
     }
 }
 
-/// The centres of 24 by 24 cells are beside the apex of a cone, from which an indentation counts all the same.
+/// The centres of 24 by 24 cells do not include the apex of a cone, from which indentations are nevertheless measured.
 #[test]
 fn a_surface_is_as_high_as_the_apex_of_a_cone() {
     let grid = Grid::centred(24, 24, 1e-6).unwrap();
@@ -120,7 +120,7 @@ fn a_surface_is_as_high_as_the_apex_of_a_cone() {
     let cells = surface.heights().iter().copied().fold(0.0, f64::max);
     assert!(cells < 0.99 * HEIGHT);
     assert_eq!(surface.highest().to_bits(), HEIGHT.to_bits());
-    // The apex is not on a grid beside it.
+    // The apex is outside this grid.
     let beside = Grid::new(24, 24, [1e-6; 2], [2e-6, 2e-6]).unwrap();
     let part = Pattern::new(cone, hexagonal(60e-6)).height_map(&beside, &rubber());
     assert!(part.unwrap().highest() < 0.99 * HEIGHT);
@@ -255,7 +255,7 @@ fn what_cannot_be_is_refused() {
         refused(Pattern::new(circle, hexagonal(5.9e-6))),
         InvalidPattern::Overlap { .. }
     ));
-    // Side by side they fit, turned they do not.
+    // Unrotated squares fit, rotated ones do not.
     let upright = PillarShape {
         orientation: 0.0,
         ..square_pillar

@@ -1,10 +1,9 @@
 //! An independent solution for a few fully covered pillars: squares of constant pressure.
 //!
-//! A uniform pressure on a rectangle displaces the surface in closed form (A. E. H. Love, Phil.
-//! Trans. R. Soc. A 228, 377 (1929); K. L. Johnson, Contact Mechanics, section 3.3). Every pillar
-//! top is the set of squares of side `d/n` whose centres lie on it, scaled so that a flat punch
-//! alone has exactly the force `2 a E* delta`: most of the error of the ragged edge goes with it,
-//! and the rest falls as the cell size to the power 1.4 or so.
+//! A uniform pressure on a rectangle displaces the surface in closed form (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929); K. L.
+//! Johnson, Contact Mechanics, section 3.3). Every pillar top is the set of squares of side `d/n` whose centres are on it, scaled so that
+//! an isolated flat punch has exactly the force `2 a E* delta`. This removes most of the error of the stepped edge, and the remainder
+//! decreases approximately as the cell size to the power 1.4.
 
 use fakir::problem::{Point, System};
 
@@ -62,7 +61,7 @@ impl CoveredPillars {
         }
     }
 
-    /// How far the surfaces are moved apart at a point, m.
+    /// Relative displacement of the surfaces at a point, m.
     pub(crate) fn displacement(&self, point: Point) -> f64 {
         self.cells
             .iter()
@@ -80,7 +79,7 @@ impl Mesh {
             square(difference(raw.centres[i], raw.centres[j]), raw.cell)
         });
         let force = pressure.iter().sum::<f64>() * raw.cell * raw.cell;
-        // The force of a flat punch goes as its size.
+        // The force of a flat punch is proportional to its size.
         let scale = 2.0 * radius / force;
         Self {
             centres: raw

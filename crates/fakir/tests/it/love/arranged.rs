@@ -1,4 +1,4 @@
-//! Pillars of any arrangement by elements against the spectral method.
+//! Pillars in any arrangement: elements compared with the spectral method.
 
 use crate::common::{INTERMEDIATE, paper_lens, paper_pillar};
 use chacha20::ChaCha8Rng;
@@ -52,7 +52,8 @@ impl Random {
         }
     }
 
-    /// A square lattice, one of unequal sides and heights, one with gaps, a finite one, or pillars of five radii at random places.
+    /// A square lattice, one with unequal sides and heights, one with vacancies, a finite one, or pillars of five radii at random
+    /// positions.
     fn arrangement(&mut self, number: u64) -> (&'static str, Arrangement) {
         let surface_fraction = 10f64.powf(self.uniform(-2.0, -0.7));
         let lattice = PlaneLattice {
@@ -120,7 +121,7 @@ impl Random {
         PillarList::new(pillars).expect("they do not overlap")
     }
 
-    /// Down to a contact of a few pitches, or a force, or, where few pillars are touched by then, down to the floor.
+    /// The load: a contact of a few pitches, a force, or, if this would touch few pillars, contact with the floor.
     fn control(&mut self, system: &System) -> Load {
         if system.texture().surface_fraction() < 0.02 {
             return Load::FloorContact;
@@ -131,7 +132,7 @@ impl Random {
         if self.uniform(0.0, 1.0) < 0.5 {
             return Load::Indentation(indentation);
         }
-        // A flat punch for every pillar within reach, somewhat less than half-way down.
+        // A flat punch for every pillar within reach, at somewhat less than half the indentation.
         let pillars = (PI * reach * reach * system.texture().surface_fraction()
             / (0.25 * PI * DIAMETER * DIAMETER))
             .max(1.0);
@@ -139,7 +140,7 @@ impl Random {
     }
 }
 
-/// What elements and the spectral method say of a random system.
+/// The comparison of elements and spectral method for a random system.
 fn opinion(number: u64) -> (&'static str, Load, Verification) {
     let mut random = Random(ChaCha8Rng::seed_from_u64(number));
     let (name, arrangement) = random.arrangement(number);
@@ -160,12 +161,12 @@ fn random_arrangements_agree_with_the_spectral_method() {
 #[ignore = "slow: 95 arrangements more"]
 fn many_random_arrangements_agree_with_the_spectral_method() {
     let told = agreeing(100);
-    // Of light touches of one top at a slope, the estimates may leave no digit.
+    // For light contacts on one inclined top, the estimates may exceed all digits.
     assert!(told >= 98, "{told}");
 }
 
-/// Of so many arrangements those that agree, none of which may disagree: square, oblique, with scattered heights, missing pillars, of finite size, and pillars of
-/// five radii at random places.
+/// The number of arrangements for which the methods agree; none may disagree: square, oblique, with scattered heights, missing pillars, of
+/// finite size, and pillars of five radii at random positions.
 fn agreeing(count: u64) -> usize {
     let opinions: Vec<_> = (0..count).into_par_iter().map(opinion).collect();
     let mut largest = 0.0_f64;
@@ -210,7 +211,7 @@ fn a_list_of_many_pillars_of_a_lattice_is_that_lattice() {
     compare_with_list(16, &[Load::Indentation(0.8e-6), Load::FloorContact]);
 }
 
-/// One lattice as that, and as a list of its pillars: two operators for the same elements.
+/// A lattice, and the list of its pillars: two operators for the same elements.
 fn compare_with_list(cells_per_diameter: usize, controls: &[Load]) {
     let disorder = Disorder {
         heights: Scatter::normal(0.05, 3),
@@ -249,7 +250,7 @@ fn compare_with_list(cells_per_diameter: usize, controls: &[Load]) {
     }
 }
 
-/// Both layouts of cells, on pillars of several radii.
+/// Both layouts of cells, for pillars of several radii.
 #[test]
 #[ignore = "slow: fine meshes"]
 fn layouts_agree_on_a_list() {

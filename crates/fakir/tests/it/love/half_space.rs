@@ -1,4 +1,4 @@
-//! Single contacts on a free half-space.
+//! Single contacts on a non-periodic half-space.
 
 use super::{Indenter, assert_within, error, grid};
 use fakir::halfspace::elements::{FreeSpaceConvolution, displacement_at};
@@ -15,7 +15,7 @@ fn hertz_force() -> f64 {
     4.0 / 3.0 * INDENTATION.powf(1.5)
 }
 
-/// `across` cells along the diameter of the contact, on a square a quarter wider.
+/// `across` cells along the diameter of the contact, on a square that is a quarter wider.
 pub(super) fn paraboloid(across: usize) -> Indenter<FreeSpaceConvolution<'static>> {
     let count = across + across / 4;
     let grid = grid(count, count, 2.0 * CONTACT_RADIUS / across as f64);
@@ -34,7 +34,7 @@ fn paraboloid_at_an_indentation_as_hertz() {
     let contact = indenter.press(Prescribed::Indentation(INDENTATION));
     assert_within(contact.force, hertz_force(), 5e-4, "force");
     let radius = (indenter.contact_area(&contact) / PI).sqrt();
-    // Cells at the edge are in contact or not.
+    // Each cell at the edge is either in contact or not.
     assert_within(radius, CONTACT_RADIUS, 1.0 / 120.0, "contact radius");
     check_profile(&indenter, &contact.pressure, CONTACT_RADIUS);
 }
@@ -61,7 +61,7 @@ fn check_profile(
     for ([x, y], pressure) in indenter.cells.centres().zip(pressure) {
         let r = x.hypot(y) / contact_radius;
         let expected = peak * (1.0 - r * r).max(0.0).sqrt();
-        // The slope of the profile is infinite at the edge: the last cells average over it.
+        // The slope of the profile is infinite at the edge: the last cells contain averages.
         let tolerance = if r < 0.95 { 3e-3 } else { 0.1 };
         let error = (pressure - expected).abs() / peak;
         assert!(error < tolerance, "{pressure} instead of {expected} at {r}");
@@ -89,7 +89,7 @@ fn far_away_a_contact_is_a_point_force() {
         let tolerance = 0.11 / (radii * radii) + 1e-12;
         assert_within(displacement, charge, tolerance, "point force");
         let next = 1.0 + 0.1 / (radii * radii);
-        // What follows is (9/64)(3/35 * 8) of the distance to the fourth, and the elements.
+        // The next term is (9/64)(3/35 * 8) times the inverse distance to the fourth power, in addition to the error of the elements.
         let tolerance = 0.2 * radii.powi(-4) + 1e-3 * radii.powi(-2) + 1e-12;
         assert_within(displacement, charge * next, tolerance, "with its moment");
     }

@@ -18,8 +18,8 @@ pub(super) fn order(cells: &[usize], errors: &[f64]) -> f64 {
     covariance / variance
 }
 
-/// The value at no error of the straight line through `values` over `measures` of their error,
-/// by least squares: Richardson's extrapolation where errors scatter.
+/// The value of the straight line through `values` against `measures` of their error at zero error, by least squares: Richardson
+/// extrapolation for scattered errors.
 pub(super) fn extrapolated(measures: &[f64], values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let x = measures.iter().sum::<f64>() / count;

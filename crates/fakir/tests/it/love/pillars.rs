@@ -1,4 +1,4 @@
-//! Pillar tops by elements: orders of convergence, and agreement with the spectral method.
+//! Pillar tops with elements: orders of convergence, and agreement with the spectral method.
 
 use super::half_space::hertz_error;
 use super::order::{extrapolated, order};
@@ -35,7 +35,7 @@ fn transition(system: &System, method: Method) -> CriticalState {
     state
 }
 
-/// Cells of which `across` cover the diameter of a disc of radius 1.
+/// Cells with `across` along the diameter of a disc of radius 1.
 fn disc(across: usize) -> Cells {
     let grid = grid(across, across, 2.0 / across as f64);
     Cells::where_centre(&grid, |[x, y]| x.hypot(y) < 1.0)
@@ -63,7 +63,7 @@ fn flat_punch_is_of_first_order() {
 
 #[test]
 fn paraboloid_is_of_second_order() {
-    // Its pressure is continuous, and the cells follow it to the edge.
+    // The pressure is continuous, and the cells resolve it up to the edge.
     let cells: Vec<usize> = (16..=64).step_by(4).chain([96, 128]).collect();
     let errors: Vec<f64> = cells.iter().map(|across| hertz_error(*across)).collect();
     let order = order(&cells, &errors);
@@ -72,7 +72,7 @@ fn paraboloid_is_of_second_order() {
     assert!((1.6..2.4).contains(&order), "{order}");
 }
 
-/// Forces on several meshes, with their errors and what the method thinks of them.
+/// Forces on several meshes, with their errors and error estimates.
 struct Study {
     cells: Vec<usize>,
     forces: Vec<f64>,
@@ -98,14 +98,14 @@ impl Study {
         order(&self.cells, &self.errors)
     }
 
-    /// Errors scatter with how squares cover a disc. A flat punch on the same cells measures
-    /// that: the force where it would be exact.
+    /// Errors scatter with the coverage of a disc by squares. A flat punch on the same cells measures this: extrapolates to the force for
+    /// exact coverage.
     fn extrapolated(&self) -> f64 {
         let punch: Vec<f64> = self.cells.iter().map(|m| flat_punch_error(*m)).collect();
         extrapolated(&punch, &self.forces)
     }
 
-    /// Largest error over its estimate.
+    /// Largest ratio of error to estimate.
     fn estimate_ratio(&self) -> f64 {
         self.errors
             .iter()
@@ -173,7 +173,7 @@ fn check_seven_pillars(most: usize, matched: &[usize]) {
     });
 }
 
-/// One of the paper's critical states, with pillars in part.
+/// One of the paper's critical states, with partially covered pillars.
 #[test]
 #[ignore = "slow: orders of convergence where the floor is reached, beyond those on seven pillars"]
 fn critical_state_agrees_with_the_spectral_method() {
@@ -224,7 +224,7 @@ fn layouts_of_many_cells_agree() {
     compare_layouts(&[16, 24]);
 }
 
-/// A grid on each pillar, and one over the pattern.
+/// A grid on each pillar, and a single grid over the pattern.
 fn compare_layouts(cells: &[usize]) {
     let system = intermediate(0.03);
     let load = Load::Indentation(3.5e-6);
@@ -246,8 +246,8 @@ fn compare_layouts(cells: &[usize]) {
     }
 }
 
-/// Force on each of the pillars of radius 1 at these places along a line, pressed level to an
-/// indentation of 1, on cells that bear the force of a flat punch.
+/// Force on each of the pillars of radius 1 at these positions along a line, under a level plate at an indentation of 1, on cells that are
+/// matched to the force of a flat punch.
 fn level_punches(across: usize, distance: f64, count: usize) -> f64 {
     let size = 2.0 / across as f64 / (1.0 + flat_punch_error(across));
     let grid = grid(across, across, size);
@@ -272,11 +272,10 @@ fn level_punches(across: usize, distance: f64, count: usize) -> f64 {
     contact.force / count as f64
 }
 
-/// Two level punches at a distance `a/epsilon`. Each sinks under the other by the mean of the
-/// displacement `(2/pi) arcsin(a/r)`, weighted with its own pressure: relatively
-/// `(2/pi) (epsilon + epsilon^3/3)`; and the slope of that displacement draws the force away from
-/// the other punch, a moment `4/3 E* a^3` times it (Johnson, Contact Mechanics, eq. 5.38 for the
-/// stiffness of a tilted punch), which takes `8/(3 pi^2) epsilon^4` back.
+/// Two level punches at a distance `a/epsilon`. Each is displaced by the other by the mean of the displacement `(2/pi) arcsin(a/r)`,
+/// weighted with its own pressure: relatively `(2/pi) (epsilon + epsilon^3/3)`. The slope of this displacement shifts the force away from
+/// the other punch, a moment of `4/3 E* a^3` times the slope (Johnson, Contact Mechanics, eq. 5.38 for the stiffness of a tilted punch),
+/// which reduces the displacement by `8/(3 pi^2) epsilon^4`.
 #[test]
 fn two_level_punches_far_apart() {
     for (distance, remainder) in [(40.0_f64, 1e-7), (20.0, 1e-6), (10.0, 1e-5)] {
@@ -289,7 +288,7 @@ fn two_level_punches_far_apart() {
     }
 }
 
-/// The same pair under the lens, whose axis is between them, by both methods.
+/// The same pair under the lens, whose axis is between the pillars, with both methods.
 #[test]
 fn two_pillars_agree_with_the_spectral_method() {
     let lattice = paper_lattice(0.01, 0.75_f64.sqrt());

@@ -1,5 +1,4 @@
-//! Rough surfaces: whatever the surface, the load and the start, the solver finds the solution
-//! and knows how far from it it is.
+//! Rough surfaces: for any surface, load and initial guess, the solver finds the solution and bounds its error.
 
 use super::{Indenter, dot, grid};
 use fakir::halfspace::elements::{FreeSpaceConvolution, Operator, PeriodicConvolution};
@@ -9,7 +8,7 @@ use std::f64::consts::PI;
 
 const ACROSS: usize = 64;
 
-/// Numbers between 0 and 1 from a seed (Marsaglia's xorshift).
+/// Random numbers between 0 and 1 from a seed (Marsaglia's xorshift).
 struct Numbers(u64);
 
 impl Iterator for Numbers {
@@ -23,7 +22,7 @@ impl Iterator for Numbers {
     }
 }
 
-/// Waves of random phase with a spectrum of Hurst exponent 0.8, down to four cells; of period 1.
+/// Waves of random phase with a spectrum of Hurst exponent 0.8, with wavelengths down to four cells; period 1.
 fn heights(seed: u64) -> impl Fn([f64; 2]) -> f64 {
     let mut numbers = Numbers(seed);
     let limit = ACROSS as i32 / 4;
@@ -65,8 +64,7 @@ fn fraction(contact: &ElementContact) -> f64 {
     loaded as f64 / contact.pressure.len() as f64
 }
 
-/// Energy at the load over the area of a cell: `p·(u/2 + s)`, and `- zeta Σp` under an
-/// indentation.
+/// Energy under the load divided by the area of a cell: `p·(u/2 + s)`, and `- zeta Σp` for a prescribed indentation.
 fn energy(contact: &ElementContact, separation: &[f64], load: Prescribed) -> f64 {
     let at = match load {
         Prescribed::Indentation(indentation) => indentation,
@@ -91,7 +89,7 @@ fn elastic_energy(contact: &ElementContact, separation: &[f64]) -> f64 {
         .sum()
 }
 
-/// The certificate of rough solutions against the energy of a much better one.
+/// Compares the energy bound of rough solutions with the energy of a much more accurate solution.
 fn check_certificate<O: Operator>(indenter: &mut Indenter<O>, load: Prescribed) {
     let best = indenter.press_from(load, 1e-12, None);
     for tolerance in [0.3, 1e-2, 1e-4, 1e-7] {
@@ -109,7 +107,7 @@ fn check_certificate<O: Operator>(indenter: &mut Indenter<O>, load: Prescribed) 
     }
 }
 
-/// The same solution from nothing, from noise, and from other solutions.
+/// The same solution from zero, from noise, and from other solutions as initial guesses.
 fn check_starts<O: Operator>(indenter: &mut Indenter<O>, load: Prescribed, others: &[Vec<f64>]) {
     let cold = indenter.press(load);
     let noise: Vec<f64> = Numbers(99)

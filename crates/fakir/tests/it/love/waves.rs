@@ -1,5 +1,4 @@
-//! Wavy surfaces, on the periodic half-space. Displacements are relative to their mean, so the
-//! force is prescribed.
+//! Wavy surfaces on the periodic half-space. Displacements are relative to their mean, so that the force is prescribed.
 
 use super::{Indenter, assert_within, grid};
 use fakir::halfspace::elements::PeriodicConvolution;
@@ -7,7 +6,7 @@ use fakir::problem::Cells;
 use fakir::solve::elements::solver::Prescribed;
 use std::f64::consts::{PI, SQRT_2};
 
-/// Amplitude of the waves, whose length is 1: `E* = 1` throughout.
+/// Amplitude of the waves of length 1; `E* = 1` throughout.
 const AMPLITUDE: f64 = 1e-3;
 
 /// `s = Delta (1 - cos 2 pi x)`, on a few rows.
@@ -18,9 +17,8 @@ fn westergaard(columns: usize) -> Indenter<PeriodicConvolution<'static>> {
     })
 }
 
-/// H. M. Westergaard, J. Appl. Mech. 6, A-49 (1939); Johnson, Contact Mechanics, section 13.2:
-/// contact over `|x| < a` carries `p = p* sin^2(pi a)`, `p* = pi E* Delta/lambda`, distributed as
-/// `2 p* cos(pi x) sqrt(sin^2(pi a) - sin^2(pi x))`.
+/// H. M. Westergaard, J. Appl. Mech. 6, A-49 (1939); Johnson, Contact Mechanics, section 13.2: contact over `|x| < a` carries
+/// `p = p* sin^2(pi a)`, `p* = pi E* Delta/lambda`, distributed as `2 p* cos(pi x) sqrt(sin^2(pi a) - sin^2(pi x))`.
 #[test]
 fn one_dimensional_wave_as_westergaard() {
     let full = PI * AMPLITUDE;
@@ -47,7 +45,7 @@ fn one_dimensional_wave_as_westergaard() {
         }
         println!("Westergaard, a = {half_width}: pressure within {inside:.1e}, {anywhere:.1e}");
         assert!(inside < 5e-3, "a = {half_width}: {inside:e}");
-        // The profile is a square root at its edges, and the cells there are a part of it.
+        // The profile is a square root at its edges, where the cells are partly in contact.
         let first_cell = (2.0 / (512.0 * half_width)).sqrt();
         assert!(
             anywhere < 0.5 * first_cell,
@@ -56,8 +54,8 @@ fn one_dimensional_wave_as_westergaard() {
     }
 }
 
-/// `s = Delta (1 - cos(2 pi x) cos(2 pi y))` in axes at 45 degrees to the waves, in which a
-/// square of side `1/sqrt 2` is a period with one crest.
+/// `s = Delta (1 - cos(2 pi x) cos(2 pi y))` in axes at 45 degrees to the waves, in which a square of side `1/sqrt 2` is a period with one
+/// crest.
 fn crossed(across: usize) -> Indenter<PeriodicConvolution<'static>> {
     let side = SQRT_2.recip();
     let grid = grid(across, across, side / across as f64);
@@ -67,8 +65,7 @@ fn crossed(across: usize) -> Indenter<PeriodicConvolution<'static>> {
     })
 }
 
-/// Part of the surface in contact under a mean pressure, relative to that of full contact:
-/// `p* = sqrt(2) pi E* Delta/lambda`.
+/// Fraction of the surface in contact under a mean pressure, relative to that of full contact: `p* = sqrt(2) pi E* Delta/lambda`.
 fn contact_fraction(across: usize, mean_pressure: f64) -> f64 {
     let mut indenter = crossed(across);
     let area = indenter.cells.len() as f64 * indenter.area();
@@ -77,24 +74,21 @@ fn contact_fraction(across: usize, mean_pressure: f64) -> f64 {
     indenter.contact_area(&contact) / area
 }
 
-/// Cells along the period.
+/// Number of cells along the period.
 const ACROSS: usize = 360;
 
-/// Half a cell more or less at the edge of the round spot that covers this fraction of the
-/// period, relative to that.
+/// Relative change of the area for half a cell at the edge of the round spot that covers this fraction of the period.
 fn half_a_cell(fraction: f64) -> f64 {
     let radius = (fraction / PI).sqrt() * ACROSS as f64;
     1.0 / radius
 }
 
-/// K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985): Hertz at
-/// each crest at light load, `A = pi (3 p/(8 pi p*))^(2/3)`.
+/// K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985): Hertz's contact at each crest at light load,
+/// `A = pi (3 p/(8 pi p*))^(2/3)`.
 ///
-/// The crest is flatter than a paraboloid: around it the mean of the surface over the angle is
-/// `Delta ((k r)^2/4 - (k r)^4/64)`, `k = 2 sqrt(2) pi`, so that a contact of radius `a` bears
-/// `1 - (k a)^2/10` of the force of Hertz and its area is `1 + (k a)^2/15` times larger
-/// (Johnson, Contact Mechanics, section 5.3, for the term of fourth degree). Neighbours act on
-/// each other only at the order `(k a)^3`.
+/// The crest is flatter than a paraboloid: around it the mean of the surface over the angle is `Delta ((k r)^2/4 - (k r)^4/64)`,
+/// `k = 2 sqrt(2) pi`, so that a contact of radius `a` carries `1 - (k a)^2/10` of Hertz's force and its area is `1 + (k a)^2/15` times
+/// larger (Johnson, Contact Mechanics, section 5.3, for the term of fourth degree). Neighbours interact only at the order `(k a)^3`.
 #[test]
 fn crossed_waves_at_light_load() {
     for pressure in [0.001, 0.003, 0.01] {
@@ -113,13 +107,11 @@ fn crossed_waves_at_light_load() {
     }
 }
 
-/// The same near full contact: what is not in contact is a penny-shaped crack at each trough,
-/// `1 - A = 3/(2 pi) (1 - p/p*)`.
+/// The same close to full contact: the region without contact is a penny-shaped crack at each trough, `1 - A = 3/(2 pi) (1 - p/p*)`.
 ///
-/// A crack of radius `b` closes smoothly where `∫ r T/sqrt(b^2 - r^2) dr = 0` over it. The mean
-/// over the angle of what full contact would pull is
-/// `T = p* - p - p* ((k r)^2/4 - (k r)^4/64)`: hence `(k b)^2 = 6 (1 - p/p*) (1 + (k b)^2/20)`, of
-/// which the authors keep the first order. Cracks act on each other at the order `(k b)^3`.
+/// A crack of radius `b` closes smoothly if `∫ r T/sqrt(b^2 - r^2) dr = 0` over it. The mean over the angle of the tension in full contact
+/// is `T = p* - p - p* ((k r)^2/4 - (k r)^4/64)`: hence `(k b)^2 = 6 (1 - p/p*) (1 + (k b)^2/20)`, of which the authors keep the first
+/// order. Cracks interact at the order `(k b)^3`.
 #[test]
 fn crossed_waves_near_full_contact() {
     for pressure in [0.9, 0.95, 0.98] {
@@ -138,7 +130,7 @@ fn crossed_waves_near_full_contact() {
 
 #[test]
 fn crossed_waves_in_full_contact() {
-    // p = p* (p_mean/p* + cos cos): everything is in contact from p* on.
+    // p = p* (p_mean/p* + cos cos): full contact from p* on.
     let mut indenter = crossed(64);
     let area = indenter.cells.len() as f64 * indenter.area();
     let full = SQRT_2 * PI * AMPLITUDE;
