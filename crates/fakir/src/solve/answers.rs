@@ -533,7 +533,8 @@ fn table_errors(scene: &Scene, radius: f64) -> [f64; 2] {
     [error(patch.force, force), error(patch.radius, radius)]
 }
 
-/// Depth and force of an axisymmetric contact of radius `a` on a half-space: `a ∫ f'(r)/sqrt(a^2 - r^2) dr` and `2 ∫ r^2 f'(r)/sqrt(a^2 - r^2) dr`.
+/// Depth and force of an axisymmetric contact of radius `a` on a half-space: `a ∫ f'(r)/sqrt(a^2 - r^2) dr` and
+/// `2 ∫ r^2 f'(r)/sqrt(a^2 - r^2) dr`.
 fn sneddon(profile: &LensProfile, a: f64) -> [f64; 2] {
     const POINTS: usize = 2000;
     let step = FRAC_PI_2 / POINTS as f64;

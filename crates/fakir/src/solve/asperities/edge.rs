@@ -10,10 +10,10 @@
 //! A contact does not grow beyond the rim of its pillar. The best of all discs within the rim is the one with the largest force at the same
 //! indentation, since the true contact has the largest force of all shapes (Barber, ibid.). The force on a disc that grows by `dr` and
 //! moves by `(dx, dy)` increases in proportion to `q0 dr + (q1 dx + q2 dy)/2`. Hence a disc that leans on the rim from inside at an angle
-//! `phi` satisfies `q1 = 2 q0 cos(phi)` and `q2 = 2 q0 sin(phi)` with `q0` not negative, and a disc that fills the top satisfies `hypot(q1,
-//! q2) <= 2 q0`. The two cases meet where the contact just reaches the rim or just fills the top. A contact that leans on the rim is
-//! modelled by a disc without the part beyond the rim and extended slightly on the opposite side, where its edge is in tension: the error
-//! of its force is of second order in that extension.
+//! `phi` satisfies `q1 = 2 q0 cos(phi)` and `q2 = 2 q0 sin(phi)` with `q0` not negative, and a disc that fills the top satisfies
+//! `hypot(q1, q2) <= 2 q0`. The two cases meet where the contact just reaches the rim or just fills the top. A contact that leans on the
+//! rim is modelled by a disc without the part beyond the rim and extended slightly on the opposite side, where its edge is in tension: the
+//! error of its force is of second order in that extension.
 
 use crate::halfspace::disc::basis::{Mode, equator_value};
 use crate::state::discs::{Disc, Hold};

@@ -6,9 +6,9 @@
 //! E(p) = A (1/2 p·Wp + p·(s - zeta)),   p >= 0,
 //! ```
 //!
-//! with `A` the area of an element, `W` its [`Operator`] and `s` the separation of the undeformed surfaces. The gradient `v = Wp + s -
-//! zeta` is the gap. Under a force `F` they minimise the same function without `zeta` among all `p >= 0` with `A Σp = F`, and `zeta` is the
-//! multiplier.
+//! with `A` the area of an element, `W` its [`Operator`] and `s` the separation of the undeformed surfaces. The gradient
+//! `v = Wp + s - zeta` is the gap. Under a force `F` they minimise the same function without `zeta` among all `p >= 0` with `A Σp = F`, and
+//! `zeta` is the multiplier.
 //!
 //! # Duality gap
 //!
