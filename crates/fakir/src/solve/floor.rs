@@ -61,7 +61,7 @@ pub(crate) struct Discs {
     /// Number of coefficients of each disc.
     modes: usize,
     centres: Vec<[Lanes; 2]>,
-    /// Their radii, or that of all.
+    /// Radii of the discs, or the single radius of all.
     radii: Vec<Lanes>,
     differ: bool,
     /// Radii of the discs, or the single radius of all.
