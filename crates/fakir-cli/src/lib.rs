@@ -1,10 +1,9 @@
 //! The command `fakir`: case files in, critical states and contacts out.
 //!
-//! Arguments (`arguments`) are resolved into a case and a question, a command (`commands`)
-//! asks the library and makes a report, and that is printed as a table or as
-//! JSON (`output`) and saved. Standard output holds the result and nothing else.
+//! Arguments (`arguments`) are resolved into a case and a question. A command (`commands`) calls the library and creates a report, which is
+//! printed as a table or as JSON (`output`) and saved. Standard output contains the result and nothing else.
 //!
-//! The program and the command that the Python package brings are this library's [`main`].
+//! Both the program and the command of the Python package call this library's [`main`].
 
 mod arguments;
 mod commands;
@@ -25,9 +24,9 @@ use session::Session;
 use std::ffi::OsString;
 use std::path::Path;
 
-/// Runs the command with its arguments, the first of which is its name, and gives its exit status.
+/// Runs the command with its arguments, the first of which is its name, and returns its exit status.
 ///
-/// Ends the process itself where arguments are wrong, or help is asked for.
+/// Exits the process itself if arguments are invalid, or if help is requested.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let (arguments, is_older_name) = arguments::renamed(arguments.into_iter().collect());
     let arguments = Arguments::parse_from(arguments);
@@ -146,7 +145,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
     }
 }
 
-/// Designs; the case that is saved is the one that was found.
+/// Runs a design; the saved case is the one that was found.
 fn design(command: &Command, options: &arguments::Design) -> Result<Status, Failure> {
     let session = Session::start(&options.run, options.case.quiet)?;
     let file = read_case(&options.case)?;
@@ -170,7 +169,7 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
     })
 }
 
-/// Fits; the case that is saved is the one with the fitted values.
+/// Runs a fit; the saved case is the one with the fitted values.
 fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let case = options.case();
     let session = Session::start(&options.run, case.quiet)?;
@@ -181,15 +180,15 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     }
     let fitted = commands::fit::run(&file, &data, options, &session)?;
     drop(session);
-    // Also with --quiet: numbers without this would be about something else.
+    // Printed even with --quiet: without it the numbers would be misleading.
     if let Some(misfit) = &fitted.misfit {
         failure::tell(&format!("warning: {misfit}"));
     }
     deliver(command, &case, file.warnings(), || Ok(fitted.report))
 }
 
-/// Answers questions about a case, if they have an answer. A session that `ask` owns ends with it, and clears its
-/// progress away before anything is printed.
+/// Runs a command on a case, if its questions are supported. A session owned by `ask` ends with it, so that progress output is cleared
+/// before anything is printed.
 fn answer(
     command: &Command,
     options: &CaseArguments,
@@ -201,7 +200,7 @@ fn answer(
     deliver(command, options, file.warnings(), || ask(&case))
 }
 
-/// The same of a question that only pillars with flat tops have an answer to.
+/// The same for a question that is supported only for pillars with flat tops.
 fn answer_of_pillars(
     command: &Command,
     options: &CaseArguments,
@@ -213,7 +212,7 @@ fn answer_of_pillars(
     deliver(command, options, file.warnings(), || ask(&case))
 }
 
-/// The case of pillars with flat tops, if a question has an answer for it.
+/// The case of pillars with flat tops, if it supports a question.
 fn texture(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
     match file.any_case(&[question])? {
         AnyCase::Pillars(case) => Ok(case),
@@ -221,8 +220,8 @@ fn texture(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
     }
 }
 
-/// Asks (a session in `ask` ends with it, and clears its progress away), and delivers the report:
-/// saved first, so that what is printed is safe. `case_warnings` are about the case as it is written.
+/// Runs `ask` (a session owned by it ends with it, which clears its progress output) and delivers the report: saves it first, so that a
+/// printed result is always saved. `case_warnings` refer to the case as written.
 fn deliver(
     command: &Command,
     options: &CaseArguments,
@@ -237,7 +236,7 @@ fn deliver(
         let files = report.files(command.name());
         fakir_study::results::save_results(folder, &files, options.replace())?;
     }
-    // Why there is no answer is never kept quiet.
+    // The reason for a missing result is printed even with --quiet.
     if !options.quiet || !report.converged {
         for warning in &report.warnings {
             failure::tell(&format!("warning: {warning}"));
@@ -272,7 +271,7 @@ fn case_file(path: &Path, set: &[String]) -> Result<CaseFile, Failure> {
     Ok(file)
 }
 
-/// The case to begin with: that of a file, or the one that `fakir init` writes.
+/// The initial case: that of a file, or the one that `fakir init` writes.
 #[cfg(feature = "explore")]
 fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
     let file = match &options.case {

@@ -1,4 +1,4 @@
-//! What the reports of rounded pillar tops have in common.
+//! Common parts of the reports of rounded pillar tops.
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use fakir::problem::{Accuracy, Asperity, Indenter, Method};
@@ -6,7 +6,7 @@ use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
 use fakir_study::provenance::method_words;
 
-/// The case in a line: `64 rounded pillar tops, radius of curvature 526.0 um, under a plate`.
+/// The case in one line: `64 rounded pillar tops, radius of curvature 526.0 um, under a plate`.
 pub(crate) fn case_line(case: &AsperityCase) -> String {
     let asperities = case.field.asperities();
     let radius = asperities

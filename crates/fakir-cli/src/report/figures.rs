@@ -16,7 +16,7 @@ use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::record::Record;
 
-/// The figures that the state has; none unless maps are wanted. `floor_contact` is in m.
+/// The figures of a state; none unless maps are requested. `floor_contact` is in m.
 pub(crate) fn files(
     state: &ContactState,
     floor_contact: Option<Point>,
@@ -47,7 +47,7 @@ pub(crate) fn files(
         match figure {
             Ok(figure) => files.extend(saved(figure, provenance)),
             Err(FigureError::Solve(error)) => return Err(error.into()),
-            // Of this state or by this method there is no such figure.
+            // This figure does not exist for this state or method.
             Err(_) => {}
         }
     }
@@ -72,14 +72,14 @@ pub(crate) fn of_surface(
         surface_pressure_map(&state),
         surface_gap_map(&state),
     ];
-    // Of a surface that is not touched, or touched everywhere, some do not exist.
+    // On a surface without contact, or in full contact, some figures do not exist.
     let figures = figures.into_iter().flatten();
     figures
         .flat_map(|figure| saved(figure, provenance))
         .collect()
 }
 
-/// The figure of a loading; none of a single state.
+/// The figure of a loading; none for a single state.
 pub(crate) fn of_loading<P: Loadable>(
     found: &Approach<P>,
     point: fn(&Record) -> LoadingPoint,

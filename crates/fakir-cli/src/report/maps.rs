@@ -7,17 +7,17 @@ use fakir_study::fields::FieldMap;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 
-/// Which maps are wanted.
+/// Requested maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Maps {
     /// Nothing is saved.
     None,
-    /// Maps of so many points across, or as many as suit the pillars.
+    /// Maps with this number of points across, or a default that resolves the pillars.
     Points(Option<usize>),
 }
 
 impl Maps {
-    /// A table that is saved with the maps; none if nothing is saved, as long tables take their time.
+    /// A table that is saved with the maps; not created if nothing is saved, because long tables take time.
     pub(crate) fn table(self, make: impl FnOnce() -> Option<File>) -> Vec<File> {
         match self {
             Self::None => Vec::new(),
@@ -25,8 +25,7 @@ impl Maps {
         }
     }
 
-    /// Whether maps of so many points as were asked for fit the memory: better known before a long
-    /// computation than after it.
+    /// Checks that maps with the requested number of points fit in memory, before a long computation starts.
     pub(crate) fn check_memory(self, session: &Session) -> Result<(), Failure> {
         match self {
             Self::Points(Some(points)) => Ok(FieldMap::check_memory([points; 2], &session.run())?),
@@ -34,7 +33,7 @@ impl Maps {
         }
     }
 
-    /// The files of a contact, stamped; none for methods without fields.
+    /// The files of a contact, with provenance; none for methods without fields.
     pub(crate) fn files(
         self,
         state: &ContactState,

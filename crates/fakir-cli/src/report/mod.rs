@@ -1,4 +1,4 @@
-//! What a command hands back, ready to be printed and saved.
+//! Result of a command, to be printed and saved.
 
 pub(crate) mod asperities;
 pub(crate) mod figures;
@@ -11,28 +11,27 @@ use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::result::with_case_warnings;
 
-/// The result of a command, in every form it is wanted in.
+/// The result of a command, in all output forms.
 #[derive(Debug)]
 pub(crate) struct Report {
     /// One JSON object.
     pub(crate) json: String,
-    /// Tables for a person.
+    /// Tables as text.
     pub(crate) text: String,
-    /// What was asked, and how it was answered.
+    /// Question and method.
     pub(crate) provenance: Provenance,
     /// Tables and fields for other programs, and figures.
     pub(crate) tables: Vec<File>,
-    /// What to be careful about.
+    /// Warnings.
     pub(crate) warnings: Vec<String>,
-    /// Whether the numbers are to be relied on: every solution converged, its numbers are resolved, and where two methods
-    /// check each other they agree.
+    /// Whether the numbers are reliable: every solution converged, its numbers are resolved, and two methods that verify each other agree.
     pub(crate) converged: bool,
-    /// Limits of the model that it strains.
+    /// Validity limits of the model that are exceeded.
     pub(crate) strained: Vec<String>,
 }
 
 impl Report {
-    /// The same with warnings about the case as it is written: before its own, and in the JSON object.
+    /// Adds warnings about the case as written: before the others, and in the JSON object.
     pub(crate) fn with_case_warnings(mut self, warnings: Vec<String>) -> Self {
         if !warnings.is_empty() {
             self.json = with_case_warnings(&self.json, &warnings);
@@ -41,13 +40,12 @@ impl Report {
         self
     }
 
-    /// The exit status that goes with it: 1 unless it converged.
+    /// The exit status: 1 unless it converged.
     pub(crate) fn status(&self) -> u8 {
         u8::from(!self.converged)
     }
 
-    /// The files to save: the summary, the tables, the case as a case file, and where all this is
-    /// from.
+    /// The files to save: the summary, the tables, the case as a case file, and the provenance.
     pub(crate) fn files(&self, command: &str) -> Vec<File> {
         let Provenance {
             fakir_version,

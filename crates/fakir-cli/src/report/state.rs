@@ -1,4 +1,4 @@
-//! What the reports of contact states have in common.
+//! Common parts of the reports of contact states.
 
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
@@ -9,18 +9,18 @@ use fakir_case::unit::Dimension;
 use fakir_study::record::GradientObject;
 use std::fmt::Write;
 
-/// Most digits shown of contact radii.
+/// Largest number of digits of contact radii.
 const RADIUS_DIGITS: usize = 5;
 
-/// Digits of a contact radius with this relative error that mean something.
+/// Number of significant digits of a contact radius with this relative error.
 pub(crate) fn radius_digits(relative_error: f64) -> usize {
     digits(relative_error).min(RADIUS_DIGITS)
 }
 
-/// Digits shown of the homogenised lattice: its error is that of the model, not of the numbers.
+/// Digits of results of the homogenised lattice: its error is a model error, not a numerical one.
 const MODEL_DIGITS: usize = 4;
 
-/// A text with derivatives under it, if there are any.
+/// A text followed by derivatives, if there are any.
 pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) -> String {
     match gradient {
         Some(gradient) => format!("{text}\n\n{}", gradient.text()),
@@ -28,7 +28,7 @@ pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) 
     }
 }
 
-/// The texture in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
+/// The pattern in one line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
 pub(crate) fn texture_line(system: &System) -> String {
     let fraction = plain(system.texture().surface_fraction());
     let pitch = with_unit(system.pitch(), Dimension::Length, DIGITS);
@@ -76,7 +76,7 @@ pub(crate) fn texture_line(system: &System) -> String {
     format!("{line}{}{}", lens_part(system), layers_part(system))
 }
 
-/// What there is to say of bodies that are no half-spaces: `, on a film 200 um thick; indentations are the approach of the backs`.
+/// Description of bodies that are not half-spaces: `, on a film 200 um thick; indentations are the approach of the backs`.
 fn layers_part(system: &System) -> String {
     let thickness = |layer: &Layer| {
         let base = match layer.base {
@@ -102,7 +102,7 @@ fn layers_part(system: &System) -> String {
     line
 }
 
-/// What there is to say of a lens that is no sphere: `, under a cylinder of radius 2.2 mm`.
+/// Description of a lens that is not a sphere: `, under a cylinder of radius 2.2 mm`.
 fn lens_part(system: &System) -> String {
     let length = |value: f64| with_unit(value, Dimension::Length, DIGITS);
     let degrees = |angle: f64| plain(angle.to_degrees());
@@ -131,7 +131,7 @@ fn lens_part(system: &System) -> String {
     }
 }
 
-/// Where the lens axis stands, for an offset in pitches and its direction in rad.
+/// Position of the lens axis, for an offset in pitches and its direction in rad.
 fn axis(offset: f64, angle: f64) -> String {
     if offset == 0.0 {
         return "lens axis on a pillar".to_owned();
@@ -148,13 +148,13 @@ fn axis(offset: f64, angle: f64) -> String {
     )
 }
 
-/// A number in six digits at most, without zeros that say nothing.
+/// A number with at most six digits, without trailing zeros.
 fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     rounded.to_string()
 }
 
-/// What a row of a loading is.
+/// Remark on a row of a loading.
 pub(crate) fn loading_remark(converged: bool, critical: bool, beyond: bool) -> &'static str {
     match (converged, critical, beyond) {
         (false, ..) => "no answer",
@@ -164,7 +164,7 @@ pub(crate) fn loading_remark(converged: bool, critical: bool, beyond: bool) -> &
     }
 }
 
-/// Where the critical state is that a loading does not come to.
+/// Location of a critical state beyond the end of a loading.
 pub(crate) fn further_on(indentation: f64, force: f64) -> String {
     format!(
         "\nThe critical state is further on, at an indentation of {} and a force of {}.\n",
@@ -173,7 +173,7 @@ pub(crate) fn further_on(indentation: f64, force: f64) -> String {
     )
 }
 
-/// A difference of two answers in words. Nothing for what was prescribed.
+/// A difference of two results as text. Empty for the prescribed quantity.
 pub(crate) fn difference(name: &str, difference: Difference) -> String {
     if difference.allowed == 0.0 {
         return String::new();
@@ -185,7 +185,7 @@ pub(crate) fn difference(name: &str, difference: Difference) -> String {
     )
 }
 
-/// What to be careful about if the range of the attraction does not count as small.
+/// Warnings if the range of the attraction is too large for the short-range assumption.
 pub(crate) fn strained_range(limits: &[Limit]) -> Vec<String> {
     let strained = limits.iter().filter(|limit| limit.strained);
     strained
@@ -201,7 +201,7 @@ pub(crate) fn strained_range(limits: &[Limit]) -> Vec<String> {
         .collect()
 }
 
-/// A limit of the model for a person.
+/// Description of a validity limit.
 fn limit_words(name: &'static str) -> &'static str {
     match name {
         "kendall_strain" => "strain of pillars at pull-off",
@@ -222,7 +222,7 @@ fn limit_words(name: &'static str) -> &'static str {
     }
 }
 
-/// The value of a limit in the fewest digits, from this number on, with which it is on the same side of the threshold as it is.
+/// The value of a limit with the smallest number of digits, at least `digits`, for which it is on the correct side of the threshold.
 fn limit_value(limit: &Limit, digits: usize) -> String {
     if limit.name == CELLS {
         return limit.value.to_string();
@@ -233,7 +233,7 @@ fn limit_value(limit: &Limit, digits: usize) -> String {
     shown.unwrap_or_else(|| significant(limit.value, digits))
 }
 
-/// What is to be told of limits that are strained where that is not to be.
+/// Messages about exceeded limits in strict mode.
 pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
     let strained = limits.iter().filter(|limit| limit.strained);
     let words = strained.filter_map(|limit| {
@@ -250,16 +250,16 @@ pub(crate) fn strained_words(limits: &[Limit]) -> Vec<String> {
     words.collect()
 }
 
-/// What elastic pillars are known to.
+/// Model error of elastic pillars.
 const ELASTIC_ERROR: &str = "elastic_pillar_error";
 
 /// The limit that is a number of cells.
 const CELLS: &str = "cells_in_contact";
 
-/// The limit that the range of the attraction sets.
+/// The limit that depends on the range of the attraction.
 const RANGE: &str = "tabor_number";
 
-/// A list of the quantities of a state, built up row by row.
+/// A list of the quantities of a state, built row by row.
 #[derive(Debug, Default)]
 pub(crate) struct QuantityList(Vec<[String; 4]>);
 
@@ -279,7 +279,7 @@ impl QuantityList {
         self
     }
 
-    /// A contact radius, with the digits that its relative error leaves.
+    /// A contact radius, rounded to its relative error.
     pub(crate) fn radius(
         &mut self,
         name: &str,
@@ -296,7 +296,7 @@ impl QuantityList {
         self.quantity(name, value, Dimension::Length, radius_digits(error), remark)
     }
 
-    /// A length that is known well enough.
+    /// A length whose error is negligible.
     pub(crate) fn length(&mut self, name: &str, value: f64, remark: String) -> &mut Self {
         self.quantity(name, value, Dimension::Length, LENGTH_DIGITS, remark)
     }
@@ -308,7 +308,7 @@ impl QuantityList {
         self
     }
 
-    /// Force and indentation, with the digits that their errors leave.
+    /// Force and indentation, rounded to their estimated errors.
     pub(crate) fn load(&mut self, state: &ContactState, reduced: &Normalized) -> &mut Self {
         let known = |error| match state.method {
             Method::Homogenised => MODEL_DIGITS,
@@ -316,7 +316,7 @@ impl QuantityList {
         };
         let remark = |name: &str, value, error: f64| {
             let estimate = match state.method {
-                Method::Homogenised => String::new(), // the estimate says nothing of the error of the model
+                Method::Homogenised => String::new(), // the estimate does not include the model error
                 _ => error_remark(error),
             };
             format!("{name} = {}{estimate}", significant(value, known(error)))
@@ -338,7 +338,7 @@ impl QuantityList {
         )
     }
 
-    /// What the floor bears, if it is touched.
+    /// The floor contact, if there is one.
     pub(crate) fn floor(&mut self, state: &ContactState) -> &mut Self {
         let Some(floor) = &state.floor else {
             return self;
@@ -387,7 +387,7 @@ impl QuantityList {
         self
     }
 
-    /// How near a contact with adhesion comes to where the model is doubtful.
+    /// Validity limits of a contact with adhesion.
     pub(crate) fn limits(&mut self, limits: &[Limit]) -> &mut Self {
         for limit in limits {
             let name = limit_words(limit.name);
@@ -401,7 +401,7 @@ impl QuantityList {
                 (RANGE, true) => {
                     format!("below {threshold}: the range does not count as small (JKR limit)")
                 }
-                // Of what is to be large.
+                // Limits with a lower threshold.
                 (_, true) if limit.value < threshold => {
                     format!("below {threshold}, where the model is doubtful")
                 }
@@ -415,7 +415,7 @@ impl QuantityList {
         self
     }
 
-    /// Whether a contact is where the model holds: the limit that it comes nearest to, or those that are strained.
+    /// Whether a contact is within the validity limits of the model: the limit closest to its threshold, or those that are exceeded.
     pub(crate) fn model(&mut self, limits: &[Limit]) -> &mut Self {
         if let Some(error) = limits.iter().find(|limit| limit.name == ELASTIC_ERROR) {
             let remark = "of the model, the largest found beside finite elements";
@@ -452,13 +452,13 @@ impl QuantityList {
         self
     }
 
-    /// Of these limits the one that the range of the attraction sets, where it is known.
+    /// The limit that depends on the range of the attraction, if that is known.
     pub(crate) fn range(&mut self, limits: &[Limit]) -> &mut Self {
         let of_range = limits.iter().filter(|limit| limit.name == RANGE);
         self.limits(&of_range.copied().collect::<Vec<Limit>>())
     }
 
-    /// An area, in the square of the unit that suits its root.
+    /// An area, in the square of the unit that suits its square root.
     pub(crate) fn area(&mut self, name: &str, area: f64, digits: usize, remark: &str) -> &mut Self {
         let unit = Dimension::Length.unit_for(area.sqrt());
         let (size, symbol) = unit.map_or((1.0, "m"), |unit| (unit.in_si(), unit.symbol));
@@ -470,7 +470,7 @@ impl QuantityList {
         )
     }
 
-    /// How many pillars are touched.
+    /// Number of touched pillars.
     pub(crate) fn pillars(&mut self, state: &ContactState) -> &mut Self {
         let remark = match state.method {
             Method::Homogenised => "by lattice cells in the contact circle".to_owned(),
@@ -494,7 +494,7 @@ impl QuantityList {
         self
     }
 
-    /// Adds the number of steps, whether they converged, and the time that they took.
+    /// Adds the number of steps, whether they converged, and the computing time.
     pub(crate) fn solution(&mut self, state: &ContactState, wall_time: f64) -> &mut Self {
         let outcome = match state.method {
             Method::Homogenised | Method::Love(_) => "iterations",
@@ -537,7 +537,7 @@ pub(crate) fn error_remark(error: f64) -> String {
 mod tests {
     use super::*;
 
-    /// A value that is rounded to its threshold would be strained and kept in the same digits.
+    /// A value rounded to its threshold would be exceeded and satisfied with the same digits.
     #[test]
     fn limits_are_shown_on_their_side_of_the_threshold() {
         for (value, shown) in [

@@ -22,7 +22,7 @@ use fakir_study::result::{
 };
 use fakir_study::surfaces::SurfaceVerification;
 
-/// Digits shown of contact areas, which change by whole cells.
+/// Digits of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
 
 /// The contact under a load.
@@ -80,7 +80,7 @@ pub(crate) fn reached(
             x.hypot(y),
             format!("from the lens axis, at x = {}, y = {}", place(x), place(y)),
         ),
-        // A plate has no axis to count a distance from.
+        // A plate has no axis as an origin of distances.
         Indenter::Flat(_) => list.length("floor contact, x", x, String::new()).length(
             "floor contact, y",
             y,
@@ -106,7 +106,7 @@ pub(crate) fn reached(
     }
 }
 
-/// A second opinion.
+/// The report of a verification.
 pub(crate) fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Report {
     let summary = SurfaceVerifySummary::new(control, found, wall_time);
     let rows = summary.answers();
@@ -158,7 +158,7 @@ pub(crate) fn verified(control: Load, found: &SurfaceVerification, wall_time: f6
     }
 }
 
-/// An error estimate; none of what was prescribed, or on too few cells.
+/// An error estimate; `-` for the prescribed quantity, or on too few cells.
 fn estimate(error: Option<f64>) -> String {
     match error {
         Some(error) if error > 0.0 => significant(error, 1),
@@ -166,7 +166,7 @@ fn estimate(error: Option<f64>) -> String {
     }
 }
 
-/// The report of a contact, but for its JSON and text.
+/// The report of a contact without its JSON and text.
 fn report(
     case: &SurfaceCase,
     question: &str,
@@ -203,7 +203,7 @@ fn report(
     }
 }
 
-/// What a surface makes use of.
+/// The features of a surface, for citations.
 pub(crate) fn topic(case: &SurfaceCase) -> Topic {
     let random = match &case.origin {
         SurfaceOrigin::HeightMap(_) => false,
@@ -249,7 +249,7 @@ fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
     }
 }
 
-/// The digits of a number that its estimated error leaves, at most so many, and a remark about that error.
+/// Number of significant digits according to the estimated error, at most `most`, and a remark on that error.
 fn as_known(error: Option<f64>, most: usize) -> (usize, String) {
     match error {
         None => (AREA_DIGITS, "error not estimated: too few cells".to_owned()),
@@ -317,7 +317,7 @@ fn add_solution(list: &mut QuantityList, contact: &SurfaceContact, wall_time: f6
     );
 }
 
-/// The surface and how it is solved, a line each.
+/// The surface and the method, one line each.
 pub(crate) fn description(case: &SurfaceCase) -> [String; 2] {
     let surface = match &case.origin {
         SurfaceOrigin::HeightMap(path) => format!("height map {}", path.display()),
@@ -345,7 +345,7 @@ pub(crate) fn description(case: &SurfaceCase) -> [String; 2] {
     [surface, cells]
 }
 
-/// A pattern in a line: `square pillars on a square lattice, surface fraction 0.2`.
+/// A pattern in one line: `square pillars on a square lattice, surface fraction 0.2`.
 fn pattern_line(pattern: &Pattern) -> String {
     let outline = match pattern.pillar.cross_section {
         CrossSection::Circle { .. } => "round".to_owned(),

@@ -12,8 +12,8 @@ pub(crate) struct Column<T> {
 }
 
 impl<T: 'static> Column<T> {
-    /// A physical quantity; the whole column is in the unit that suits its largest value, which
-    /// stands in the heading. What is missing is a dash.
+    /// A physical quantity. The whole column has the unit that suits its largest value, which is given in the heading. Missing values are
+    /// dashes.
     pub(crate) fn quantity(
         name: &str,
         dimension: Dimension,
@@ -23,7 +23,7 @@ impl<T: 'static> Column<T> {
         Self::scaled(name, dimension, rows, value, |_| DIGITS)
     }
 
-    /// A force of which only so many digits are known.
+    /// A force with a given number of significant digits.
     pub(crate) fn force(
         name: &str,
         rows: &[T],
@@ -33,12 +33,12 @@ impl<T: 'static> Column<T> {
         Self::scaled(name, Dimension::Force, rows, value, known)
     }
 
-    /// A length that is known well enough.
+    /// A length whose error is negligible.
     pub(crate) fn length(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
         Self::scaled(name, Dimension::Length, rows, value, |_| LENGTH_DIGITS)
     }
 
-    /// A contact radius of which only so many digits are known.
+    /// A contact radius with a given number of significant digits.
     pub(crate) fn radius(
         name: &str,
         rows: &[T],
@@ -75,7 +75,7 @@ impl<T: 'static> Column<T> {
         }
     }
 
-    /// A count or a measure with its own way of writing.
+    /// A count, or a value with its own format.
     pub(crate) fn right(name: &str, cell: fn(&T) -> String) -> Self {
         Self {
             heading: name.to_owned(),
@@ -84,7 +84,7 @@ impl<T: 'static> Column<T> {
         }
     }
 
-    /// A column of words.
+    /// A column of text.
     pub(crate) fn text(name: &str, cell: fn(&T) -> String) -> Self {
         Self {
             heading: name.to_owned(),
@@ -98,7 +98,7 @@ fn number_or_dash(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".to_owned(), |value| significant(value, digits))
 }
 
-/// A table with a rule under its headings.
+/// A table with a rule below its headings.
 pub(crate) fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
     let rule = LineStyle::none().fill('─').junction('─');
     let mut table = Table::new();
@@ -120,7 +120,7 @@ pub(crate) fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
 pub(crate) fn list(rows: Vec<[String; 4]>) -> String {
     let mut table = Table::new();
     table.load_style(TableStyle::new()).add_rows(rows);
-    // A unit stands close to its number.
+    // The unit follows its number closely.
     for (column, right) in table.column_iter_mut().zip([2, 1, 2, 0]) {
         column.set_padding((0, right));
     }
@@ -130,7 +130,7 @@ pub(crate) fn list(rows: Vec<[String; 4]>) -> String {
     lines(&table)
 }
 
-/// Without the blanks that fill lines up.
+/// Removes trailing blanks.
 fn lines(table: &Table) -> String {
     table
         .lines()
