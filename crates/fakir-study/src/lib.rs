@@ -1,5 +1,4 @@
-//! Many cases: sweeps along the axes of a study, with a journal that survives being killed, and
-//! their tables.
+//! Many cases: sweeps along the axes of a study, with a journal that survives a killed process, and tables of their results.
 //!
 //! ```
 //! use fakir_case::{Case, StudyFile};
@@ -18,28 +17,26 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! * [`sweep`] answers every case of a [`Study`](fakir_case::Study) in memory; [`sweep_into`] does so
-//!   in a folder, with a journal from which an interrupted sweep goes on; [`merge`] puts the shards
-//!   of a sweep together.
-//! * [`Ledger`] keeps the answers of cases that are computed elsewhere, as by [`solve`] in other
-//!   processes.
-//! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
-//!   the table of a sweep that was killed and resumed is the same, byte for byte.
-//! * A case without an answer keeps its row in the [`Table`], with the reason.
+//! * [`sweep`] computes every case of a [`Study`](fakir_case::Study) in memory; [`sweep_into`] does so in a folder, with a journal from
+//!   which an interrupted sweep continues; [`merge`] combines the shards of a sweep.
+//! * [`Ledger`] collects the results of cases that are computed elsewhere, for instance by [`solve`] in other processes.
+//! * The result of a case depends on the study alone: not on threads, shards or interruptions. The table of a sweep that was killed and
+//!   resumed is therefore identical, byte for byte.
+//! * A case without a result has a row in the [`Table`], with the reason.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
-//! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
-//!   [`closed_forms`](mod@closed_forms) is the list of formulas.
-//! * [`workshop`] has surfaces with rounded pillar tops as solids and maps of heights.
-//! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.
-//! * [`record`] has one row for every number of a contact; [`result`] is what every answer is as a JSON object and as tables:
-//!   command line, Python package and page show it and make none of their own.
-//! * [`provenance`] is stamped on every file, [`citations`] says what to cite, [`output`] saves files that are there whole or not
-//!   at all, and [`results`] replaces folders of results.
+//! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) compares all methods,
+//!   [`closed_forms`](mod@closed_forms) lists the formulas.
+//! * [`workshop`] exports surfaces with rounded pillar tops as solids and height maps.
+//! * [`surfaces`] solves a case with a general surface on a sufficiently wide grid.
+//! * [`record`] has one row for every number of a contact; [`result`] defines every result as a JSON object and as tables: command line,
+//!   Python package and page use these definitions.
+//! * [`provenance`] is written into every file, [`citations`] lists the references, [`output`] saves files atomically, and [`results`]
+//!   replaces folders of results.
 //!
 //! # From a study to a table
 //!
-//! A [`Study`](fakir_case::Study) becomes a plan, a list of cases; each case goes to [`solve`] and comes back as a [`Row`]; rows are written to
-//! the journal as they come, and the [`Table`] is made of them at the end, in the order of the plan.
+//! A [`Study`](fakir_case::Study) becomes a plan, a list of cases; each case is passed to [`solve`], which returns a [`Row`]; rows are
+//! written to the journal as they arrive, and the [`Table`] is created from them at the end, in the order of the plan.
 
 mod answer;
 pub mod approach;
@@ -81,5 +78,5 @@ pub use plan::{InvalidShard, Shard};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
 
-/// The version of fakir, stamped on every result.
+/// The version of fakir, written into every result.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
