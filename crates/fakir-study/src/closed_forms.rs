@@ -126,6 +126,9 @@ pub fn check_arrangement(system: &System) -> Result<(), SolveError> {
 }
 
 /// Every formula that can be evaluated for this system.
+///
+/// # Errors
+/// As [`check_arrangement`].
 pub fn closed_forms(system: &System) -> Result<Vec<ClosedForm>, SolveError> {
     check_arrangement(system)?;
     let can_be_summed = radius_of_sums(system) <= LARGEST_SUM * system.pitch();

@@ -81,6 +81,7 @@ pub fn sweep_into(
 /// Collects the results of a sweep in any order, wherever they are computed, in a folder or in memory.
 ///
 /// Rows that are [appended](Self::append) are in the journal when that function returns.
+///
 /// ```
 /// # use fakir_case::{Case, StudyFile};
 /// # let text = format!("[axes]\nsurface_fraction = [1e-3, 3e-3]\n{}", Case::example().to_toml());
@@ -223,6 +224,9 @@ impl Ledger {
     }
 
     /// Computes the remaining cases.
+    ///
+    /// # Errors
+    /// [`StudyError::Interrupted`], and a journal that cannot be written.
     pub fn complete(&mut self, options: &mut Options<'_>) -> Result<(), StudyError> {
         let folder = &mut self.folder;
         complete(&self.study, &mut self.rows, options, |new| match folder {
