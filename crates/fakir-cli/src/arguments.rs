@@ -27,8 +27,9 @@ const EXIT_STATUS: &str = "\
 Exit status:
   0    done
   1    a solution did not converge, an estimated relative error is above 0.5, cases of a sweep
-       failed, verify found a disagreement or cannot tell, or with --strict a limit of the model is
-       strained or a fit does not describe the data; the result is still printed and saved
+       failed, verify found a disagreement or is inconclusive, or with --strict a validity limit of
+       the model is exceeded or a fit does not describe the data; the result is still printed and
+       saved
   2    bad input: arguments, case file, a combination that is not supported, or a file that cannot be
        read or written
   3    no answer: the contact is too large for the lens, for the surface or for memory, the pattern
@@ -583,7 +584,7 @@ pub(crate) struct Design {
     #[arg(long, value_name = "KEY=DEVIATION", value_parser = tolerance)]
     tolerance: Vec<Tolerance>,
     #[arg(long, value_name = "N", help = format!(
-        "Samples drawn with these tolerances; {} if there are any", Sampling::SAMPLES
+        "Number of samples drawn with these tolerances; {} if there are any", Sampling::SAMPLES
     ))]
     samples: Option<usize>,
     /// Seed for the samples, and for the assignment of heights to pillars
