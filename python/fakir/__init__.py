@@ -1,4 +1,5 @@
-"""How does a soft lens rest on a bed of pillars, and when does it touch the floor between them?
+"""Contact between a soft lens and a surface patterned with pillars, and the load at which the lens touches the floor between
+them.
 
 >>> import fakir
 >>> system = fakir.System(
@@ -10,9 +11,9 @@
 >>> critical.pillars_in_contact
 451
 
-Numbers are in SI units; quantities are given as numbers in SI units, as texts with a unit, or as
-pint quantities. Names are those of case files and of the command line. `fakir.theory` has what is
-known in closed form, `fakir.bem` contacts on height maps, `fakir.plot` figures.
+Results are in SI units; quantities are given as numbers in SI units, as strings with a unit, or as pint quantities. Names are
+those of case files and of the command line. `fakir.theory` contains closed forms, `fakir.bem` contacts on height maps,
+`fakir.plot` figures.
 """
 
 from . import bem, errors, love, plot, theory

@@ -1,4 +1,4 @@
-"""Lenses, substrates and textures: what is pressed onto what."""
+"""Lenses, substrates and pillar patterns."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _RENAMED_SPREAD = "height_spread is now called height_standard_deviation"
 
 
 def _set_material(body: object, keys: str, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
-    """Both numbers of an elastic body, whose keys in a case file begin so."""
+    """Sets both numbers of an elastic body, whose keys in a case file have this prefix."""
     modulus = si(young_modulus, "pressure", f"{keys}young_modulus")
     object.__setattr__(body, "young_modulus", modulus)
     ratio = si(poisson_ratio, "number", f"{keys}poisson_ratio")
@@ -27,7 +27,7 @@ def _set_material(body: object, keys: str, young_modulus: Quantity, poisson_rati
 
 @dataclass(frozen=True, init=False)
 class ElasticBase:
-    """A half-space that a lens or a substrate of finite thickness is bonded to.
+    """An elastic half-space to which a lens or a substrate of finite thickness is bonded.
 
     Parameters
     ----------
@@ -48,17 +48,18 @@ Base = Literal["rigid", "frictionless"] | ElasticBase
 
 
 class LayerOptions(TypedDict, total=False):
-    """What every lens and the substrate take besides their material, where they are no half-spaces."""
+    """Options of lenses and the substrate for bodies that are not half-spaces."""
 
     thickness: Quantity | None
-    """Thickness of the body as a flat layer (m), without which it is a half-space. Indentations are then the approach of the backs."""
+    """Thickness of the body as a flat layer (m); without it the body is a half-space. Indentations are then the approach of the
+    backs."""
     base: Base
-    """What its back is bonded to: ``"rigid"``, or an `ElasticBase`; or ``"frictionless"``, where it lies on something rigid."""
+    """Condition at its back: bonded to ``"rigid"`` or an `ElasticBase`, or ``"frictionless"`` on a rigid base."""
 
 
 @dataclass(frozen=True, init=False)
 class _Body:
-    """What lenses and substrates have in common: their thickness."""
+    """Common base of lenses and substrates: their thickness."""
 
     thickness: float | None = field(kw_only=True)
     base: Base = field(kw_only=True)
@@ -95,7 +96,7 @@ class _Body:
 
 
 def layer_of(values: Mapping[str, Any], part: str) -> LayerOptions:
-    """The layer that a body of a case is, if it is one."""
+    """The layer options of a body of a case, if it is a layer."""
     thickness = values.get(f"{part}.thickness")
     if thickness is None:
         return {}
@@ -113,7 +114,7 @@ LayerNumbers = tuple[float, str, list[float] | None]
 
 
 def layer_numbers(body: object) -> LayerNumbers | None:
-    """Thickness, base, and modulus and Poisson's ratio of an elastic base; nothing of a half-space."""
+    """Thickness, base, and modulus and Poisson's ratio of an elastic base; None for a half-space."""
     if not isinstance(body, _Body) or body.thickness is None:
         return None
     match body.base:
@@ -124,7 +125,7 @@ def layer_numbers(body: object) -> LayerNumbers | None:
 
 
 def layer_options(layer: LayerNumbers | None) -> LayerOptions:
-    """The options of a body with such numbers."""
+    """The options of a body from these numbers."""
     match layer:
         case None:
             return {}
@@ -137,7 +138,7 @@ def layer_options(layer: LayerNumbers | None) -> LayerOptions:
 
 
 def refuse_layers(lens: object, substrate: Substrate) -> None:
-    """Where both bodies are half-spaces."""
+    """Raises an error unless both bodies are half-spaces."""
     for part, body in (("lens", lens), ("substrate", substrate)):
         if isinstance(body, _Body) and body.thickness is not None:
             raise ValueError(f"{part}.thickness is not known here: leave it out")
@@ -145,7 +146,7 @@ def refuse_layers(lens: object, substrate: Substrate) -> None:
 
 @dataclass(frozen=True, init=False)
 class RoundLens(_Body):
-    """What the lenses with a radius have in common."""
+    """Common base of lenses with a radius."""
 
     radius: float
     young_modulus: float
@@ -170,34 +171,35 @@ class Lens(RoundLens):
     Parameters
     ----------
     radius
-        Radius of curvature: a number in m, a text such as ``"2.2 mm"``, or a pint quantity.
+        Radius of curvature: a number in m, a string such as ``"2.2 mm"``, or a pint quantity.
     young_modulus
         Young's modulus (Pa).
     poisson_ratio
         Poisson's ratio, from 0 to 0.5.
     **options
-        `LayerOptions`, which all lenses take: ``thickness``, ``base``.
+        `LayerOptions` of all lenses: ``thickness``, ``base``.
     """
 
 
 @dataclass(frozen=True, init=False)
 class ParaboloidLens(RoundLens):
-    """A lens of height r^2/(2R) over its lowest point; parameters as `Lens`.
+    """A lens of height r^2/(2R) above its lowest point; parameters as `Lens`.
 
-    Like all lenses but the sphere it is answered by the method ``"spectral"``, without adhesion and without a floor that bears a part.
+    Like all lenses except the sphere it is supported by the method ``"spectral"`` only, without adhesion and without load on the
+    floor.
     """
 
 
 @dataclass(frozen=True, init=False)
 class CylinderLens(RoundLens):
-    """A cylinder on its side, over finitely many pillars.
+    """A cylinder with a horizontal axis, above finitely many pillars.
 
     Parameters
     ----------
     radius, young_modulus, poisson_ratio
-        As of a `Lens`.
+        As for a `Lens`.
     angle
-        Direction from x of the line along which it is lowest (rad, or a text such as ``"30 deg"``).
+        Direction of its lowest line relative to x (rad, or a string such as ``"30 deg"``).
 
     Examples
     --------
@@ -225,17 +227,17 @@ class CylinderLens(RoundLens):
 
 @dataclass(frozen=True, init=False)
 class PlateLens(_Body):
-    """A flat plate that is kept from turning and reaches beyond all of finitely many pillars.
+    """A flat plate with a fixed orientation that extends beyond all of finitely many pillars.
 
     Parameters
     ----------
     young_modulus, poisson_ratio
-        As of a `Lens`.
+        As for a `Lens`.
     tilt
-        Between the plate and the floor (rad, or a text such as ``"0.1 deg"``), up to 10 degrees. Indentations are those at the origin, the
-        place of the lens axis.
+        Angle between the plate and the floor (rad, or a string such as ``"0.1 deg"``), up to 10 degrees. Indentations are those
+        at the origin, the position of the lens axis.
     tilt_direction
-        In which it rises, from x (rad).
+        Direction in which the plate rises, relative to x (rad).
     """
 
     young_modulus: float
@@ -261,14 +263,14 @@ class PlateLens(_Body):
 
 @dataclass(frozen=True, init=False)
 class ProfileLens(_Body):
-    """An axisymmetric lens of any smooth shape that rises, by a table of its heights.
+    """An axisymmetric lens of any smooth, rising shape, given by a table of its heights.
 
     Parameters
     ----------
     profile
-        A file with the columns ``radius_m`` and ``height_m``, from the axis outwards. No contact may come to its end.
+        A file with the columns ``radius_m`` and ``height_m``, from the axis outwards. It must extend beyond every contact.
     young_modulus, poisson_ratio
-        As of a `Lens`.
+        As for a `Lens`.
     """
 
     profile: str
@@ -291,7 +293,7 @@ AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens
 
 
 def shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
-    """The numbers and words of a lens by their keys, but those of its material."""
+    """The numbers and words of a lens by their keys, except those of its material."""
     numbers: list[tuple[str, float | None]]
     match lens:
         case ParaboloidLens():
@@ -310,7 +312,7 @@ def shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple[
 
 @dataclass(frozen=True, init=False)
 class Substrate(_Body):
-    """The elastic body under the pillars, and what they are made of: a half-space, or a film of some thickness.
+    """The elastic body that the pillars belong to: a half-space, or a film of finite thickness.
 
     Parameters
     ----------
@@ -342,7 +344,7 @@ class Substrate(_Body):
 
 @dataclass(frozen=True, init=False)
 class LatticeTexture:
-    """What the textures on lattices have in common."""
+    """Common base of pillar patterns on lattices."""
 
     diameter: float
     height: float
@@ -429,26 +431,26 @@ class LatticeTexture:
 
 
 class LatticeOptions(TypedDict, total=False):
-    """What every texture on a lattice takes besides its pillars and its pitch."""
+    """Options of every pillar pattern on a lattice besides its pillars and its pitch."""
 
     offset: Quantity
-    """Distance of the lens axis from a pillar centre, in pitches ..."""
+    """Distance of the lens axis from a pillar centre, in pitches."""
     offset_angle: Quantity
-    """... in this direction from x (rad, or a text such as ``"30 deg"``)."""
+    """Direction of the offset relative to x (rad, or a string such as ``"30 deg"``)."""
     rotation: Quantity
-    """By which the lattice is turned about the lens axis, anticlockwise (rad)."""
+    """Rotation of the lattice about the lens axis, anticlockwise (rad)."""
     columns: int | None
-    """Pillars along each side of a finite lattice; without it the lattice has no end."""
+    """Number of pillars along each side of a finite lattice; without it the lattice is infinite."""
     height_standard_deviation: Quantity
-    """Standard deviation of the heights over the height, up to 0.2: every pillar has its own."""
+    """Standard deviation of the individual pillar heights relative to the height, up to 0.2."""
     height_spread: Quantity
     """Deprecated name of ``height_standard_deviation``."""
     missing: Quantity
     """Probability that a pillar is missing."""
     seed: int
-    """Whole number that decides which heights and which pillars."""
+    """Integer seed of the random heights and missing pillars."""
     compliance: Literal["column", "elastic", "none"]
-    """``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they do not give way."""
+    """``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they are rigid."""
 
 
 def _one_of(pitch: Quantity | None, surface_fraction: Quantity | None) -> None:
@@ -462,14 +464,13 @@ class HexagonalTexture(LatticeTexture):
     Parameters
     ----------
     diameter, height
-        Of the pillars (m).
+        Diameter and height of the pillars (m).
     pitch, surface_fraction
-        Distance of neighbouring pillars (m), or the fraction of the surface that is pillar top:
-        exactly one of them.
+        Distance between neighbouring pillars (m), or the fraction of the surface covered by pillar tops: exactly one of them.
     **options
-        `LatticeOptions`: ``offset``, ``offset_angle``, ``rotation``, ``columns``,
-        ``height_standard_deviation``, ``missing``, ``seed``, ``compliance``. The paper's texture has none of
-        ``rotation`` to ``seed``; all methods, floor contact and adhesion are for that one.
+        `LatticeOptions`: ``offset``, ``offset_angle``, ``rotation``, ``columns``, ``height_standard_deviation``, ``missing``,
+        ``seed``, ``compliance``. The paper's pattern has none of ``rotation`` to ``seed``; all methods, floor contact and
+        adhesion support that pattern.
     """
 
     _lattice = "hexagonal"
@@ -564,25 +565,25 @@ class ObliqueTexture(LatticeTexture):
 
 
 class Pillars:
-    """Cylindrical pillars wherever they stand, and no others.
+    """Cylindrical pillars at arbitrary positions.
 
     Parameters
     ----------
     x, y
         Centres (m): one array each.
     height, diameter
-        Of each pillar (m): an array, or one for all.
+        Height and diameter of each pillar (m): an array, or one value for all.
     axis
-        Where the lens axis stands, in the same coordinates (m).
+        Position of the lens axis, in the same coordinates (m).
     reference_height, reference_diameter
-        The pillar from whose top indentations are counted, and that results are reduced by; without them, the highest pillar and
-        the mean diameter.
+        The pillar from whose top indentations are measured, and by which results are normalised; by default the highest pillar
+        and the mean diameter.
     compliance
-        ``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they do not give way.
+        ``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they are rigid.
 
     Examples
     --------
-    Three pillars, of which one is lower:
+    Three pillars, one of which is lower:
 
     >>> pillars = Pillars([0.0, 20e-6, 0.0], [0.0, 0.0, 20e-6], [2.2e-6, 2.2e-6, 2e-6], 6e-6)
     >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), Substrate("2 MPa", 0.5), pillars)
@@ -640,7 +641,7 @@ class Pillars:
         )
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Writes the table that ``pillars = "..."`` of a case file reads."""
+        """Writes the table for ``pillars = "..."`` in a case file."""
         lines = ["x_m,y_m,height_m,diameter_m"]
         lines += [",".join(repr(value) for value in row) for row in self._rows()]
         unfinished = Path(f"{fspath(path)}.tmp")

@@ -8,5 +8,5 @@ from . import _fakir
 
 
 def main() -> int:
-    """Runs the command with the arguments of this process; gives its exit status."""
+    """Runs the command with the arguments of this process; returns its exit status."""
     return _fakir.command(["fakir", *sys.argv[1:]])

@@ -1,4 +1,4 @@
-"""The critical state by every method, coarse to exact."""
+"""The critical state by every method, approximate to exact."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ if TYPE_CHECKING:
 
 
 class Comparison(Result):
-    """Critical states by method; what does not apply says why in its ``remark``."""
+    """Critical states by method; ``remark`` gives the reason if a method does not apply."""
 
     _titles = ("fakir.Comparison: critical force (difference)", "Critical force by every method (difference)")
 
     rows: list[dict[str, Any]]
     """A row for every method, with the names of ``fakir compare --json``."""
     states: dict[str, CriticalState]
-    """The critical states of the methods that solve something."""
+    """The critical states of the methods with a numerical solution."""
 
     def __init__(self, summary: dict[str, Any], states: dict[str, CriticalState]) -> None:
         self._summary, self.rows, self.states = summary, summary["methods"], states
 
     @property
     def reference(self) -> str | None:
-        """The method that differences are from: the most accurate one with an answer."""
+        """The reference of the differences: the most accurate method with a result."""
         return self._summary["reference"]  # type: ignore[no-any-return]
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -54,7 +54,7 @@ class Comparison(Result):
 
 
 def compare(system: System, options: _fakir.Options) -> Comparison:
-    """Asks every method for the critical state."""
+    """Computes the critical state by every method."""
     summary, found = _fakir.compare(system._case, options)
     states = {name: CriticalState(state, system) for name, state in found}
     return Comparison(json.loads(summary), states)

@@ -1,4 +1,4 @@
-"""Loading and unloading of pillar tops that stick."""
+"""Loading and unloading with adhesive pillar tops."""
 
 from __future__ import annotations
 
@@ -26,16 +26,17 @@ Drive = Literal["displacement", "force", "machine"]
 
 @dataclass(frozen=True, init=False)
 class Adhesion:
-    """The work of adhesion between the lens and the pillar tops, of short range.
+    """Short-range work of adhesion between the lens and the pillar tops.
 
     Parameters
     ----------
     work
-        Energy per area that is won where contact is made: a number in J/m^2, or a text such as ``"50 mJ/m2"``.
+        Energy per area released on attachment: a number in J/m^2, or a string such as ``"50 mJ/m2"``.
     work_receding
-        Energy per area that it takes to break contact, if that is more.
+        Energy per area required for detachment, if it is larger.
     floor
-        Whether the floor sticks too: the lens jumps onto it where it first touches it, and loses it later than it came.
+        Whether the floor is adhesive too: the lens jumps into contact with the floor at first touch, and detaches at a smaller
+        indentation.
     """
 
     work: float
@@ -55,35 +56,35 @@ class Adhesion:
 
 @dataclass(frozen=True)
 class StuckFloor:
-    """A floor that sticks, in a cycle. Numbers are in SI units."""
+    """An adhesive floor in a cycle. Numbers are in SI units."""
 
     force_before_jump: float
-    """Force before the lens jumps onto the floor, N."""
+    """Force before jump-in to the floor, N."""
     jump: dict[str, Any]
-    """The state after the jump: a row of ``floor.csv``."""
+    """The state after jump-in: a row of ``floor.csv``."""
     last: dict[str, Any] | None
-    """The last state with the floor in contact; none if it still is."""
+    """The last state with floor contact; None if the contact persists."""
     force_after_loss: float | None
-    """Force after the floor is lost, N."""
+    """Force after detachment of the floor, N."""
     cells_across_ring: float
-    """Cells across the free ring round a pillar."""
+    """Number of cells across the detached ring around a pillar."""
     coarse: bool
-    """Whether the cells are so coarse that the figures are orders of magnitude."""
+    """Whether the cells are so coarse that only orders of magnitude are meaningful."""
     errors: dict[str, float]
-    """Estimated relative errors of ``turn_force``, ``turn_share`` and ``turn_contact_area`` at the end of loading, of ``jump_force``, ``jump_contact_area``
-    and ``lost_indentation``: by two more cycles on larger cells."""
+    """Estimated relative errors of ``turn_force``, ``turn_share`` and ``turn_contact_area`` at the end of loading, and of
+    ``jump_force``, ``jump_contact_area`` and ``lost_indentation``, from two more cycles on larger cells."""
     stations: list[dict[str, Any]]
-    """The stations at which the floor is in contact: the rows of ``floor.csv``."""
+    """The load steps with floor contact: the rows of ``floor.csv``."""
 
 
 @dataclass(frozen=True)
 class PullOff:
-    """The largest pull of the unloading."""
+    """The largest tensile force of the unloading."""
 
     force: float
-    """N, negative."""
+    """Force, N, negative."""
     indentation: float
-    """m."""
+    """Indentation, m."""
     error: CycleError
     """Estimated relative errors of the force."""
     pillars: dict[str, Any]
@@ -91,10 +92,10 @@ class PullOff:
 
 
 class Cycle(CycleNumbers):
-    """A lens lowered onto pillars that stick, and pulled off again. Numbers are in SI units.
+    """Loading and unloading of a lens on adhesive pillars. Numbers are in SI units.
 
-    Between one station and the next the force is linear in the indentation, so that the stations are the whole
-    curve; two are at (nearly) one indentation where contacts snap.
+    The force is linear in the indentation between load steps, so that the load steps define the whole curve; where contacts
+    attach or detach there are two at (nearly) the same indentation.
     """
 
     _titles = ("fakir.Cycle", "Loading and unloading with adhesion")
@@ -102,9 +103,9 @@ class Cycle(CycleNumbers):
     __slots__ = ("critical", "pull_off")
 
     critical: CriticalState | None
-    """The critical state, if the lens went down so far."""
+    """The critical state, if it was reached."""
     pull_off: PullOff | None
-    """The largest pull; none without unloading, or if nothing pulls."""
+    """The pull-off; None without unloading or without tensile force."""
 
     def __init__(self, cycle: _fakir.Cycle, system: System) -> None:
         super().__init__(cycle)
@@ -120,32 +121,32 @@ class Cycle(CycleNumbers):
 
     @property
     def indentation(self) -> FloatArray:
-        """Indentation at every station, m; negative where the lens pulls at the tops above their height."""
+        """Indentation at every load step, m; negative if tops are stretched above their height."""
         return self._stations("indentation_m")
 
     @property
     def force(self) -> FloatArray:
-        """Force at every station, N; negative where the lens is held back."""
+        """Force at every load step, N; negative in tension."""
         return self._stations("force_N")
 
     @property
     def pillars_in_contact(self) -> FloatArray:
-        """Number of pillars in contact at every station."""
+        """Number of pillars in contact at every load step."""
         return self._stations("pillars_in_contact")
 
     @property
     def contact_radius(self) -> FloatArray:
-        """Distance of the farthest point in contact from the lens axis at every station, m."""
+        """Distance of the farthest point in contact from the lens axis at every load step, m."""
         return self._stations("contact_radius_m")
 
     @property
     def contact_area(self) -> FloatArray:
-        """Area in contact at every station, m^2."""
+        """Contact area at every load step, m^2."""
         return self._stations("contact_area_m2")
 
     @property
     def unloading(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Which stations are on the unloading branch."""
+        """Whether load steps are on the unloading branch."""
         return np.array([it["branch"] == "unloading" for it in self._summary["stations"]], dtype=bool)
 
     @property
@@ -155,7 +156,7 @@ class Cycle(CycleNumbers):
 
     @property
     def floor(self) -> StuckFloor | None:
-        """What a floor that sticks did; none if it does not, or was not touched."""
+        """Results of an adhesive floor; None if the floor is not adhesive, or was not touched."""
         found = self._summary.get("floor")
         if found is None or found["jump"] is None:
             return None

@@ -1,4 +1,4 @@
-"""The inverse question, the scatter about an answer, and what to cite for it."""
+"""Design, scatter of samples, and references to cite."""
 
 from __future__ import annotations
 
@@ -24,45 +24,44 @@ if TYPE_CHECKING:
 
 
 class Candidate(NamedTuple):
-    """A value of the free quantity, and what it gives."""
+    """A value of the free quantity, and the resulting state."""
 
     value: float
     """The value of the free key, in SI units."""
     system: System
     """The system with this value."""
     reached: CriticalState | ContactState | Cycle
-    """Its critical state; its contact under the load where a floor share was wanted; its cycle where a
-    pull-off force was."""
+    """Its critical state; its contact under the load for a target floor share; its cycle for a target pull-off force."""
 
     @property
     def critical(self) -> CriticalState:
-        """Its critical state, which is computed now where a floor share or pull-off force was wanted."""
+        """Its critical state; computed on access for a target floor share or pull-off force."""
         return self.reached if isinstance(self.reached, CriticalState) else self.system.transition()
 
     @property
     def cycle(self) -> Cycle:
-        """Its loading and unloading, which is computed now unless a pull-off force was wanted."""
+        """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
         return self.reached if isinstance(self.reached, Cycle) else self.system.cycle()
 
     @property
     def state(self) -> ContactState:
-        """Its contact: critical, or under the load where a floor share was wanted."""
+        """Its contact: critical, or under the load for a target floor share."""
         return self.reached if isinstance(self.reached, ContactState) else self.critical.state
 
 
 class Design(Result):
-    """The value that gives what is wanted."""
+    """The value that attains the target."""
 
     _titles = ("fakir.Design", "Design")
 
     free: str
-    """The key that was sought."""
+    """The free key."""
     value: float
     """Its value, in SI units."""
     system: System
     """The system with this value."""
     sensitivity: float
-    """Relative change of the answer over that of the value: how exactly it must be made."""
+    """Relative change of the result divided by that of the value: the required manufacturing accuracy."""
 
     def __init__(self, summary: dict[str, Any], found: Candidate) -> None:
         self._summary = summary
@@ -74,17 +73,17 @@ class Design(Result):
 
     @property
     def critical(self) -> CriticalState:
-        """Its critical state, which is computed now where a floor share or pull-off force was wanted."""
+        """Its critical state; computed on access for a target floor share or pull-off force."""
         return self._found.critical
 
     @property
     def cycle(self) -> Cycle:
-        """Its loading and unloading, which is computed now unless a pull-off force was wanted."""
+        """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
         return self._found.cycle
 
     @property
     def state(self) -> ContactState:
-        """Its contact: critical, or under the load where a floor share was wanted."""
+        """Its contact: critical, or under the load for a target floor share."""
         return self._found.state
 
     def _rows(self) -> list[Row]:
@@ -113,7 +112,7 @@ class Design(Result):
 
 
 class OutOfReach(DesignError):
-    """No value gives what is wanted; ``nearest`` are the candidates that come nearest."""
+    """The target is unattainable; ``nearest`` contains the closest candidates."""
 
     nearest: list[Candidate]
 
@@ -138,35 +137,32 @@ def design(
     force: Quantity | None = None,
     contact_radius: Quantity | None = None,
 ) -> Design:
-    """The value of one quantity that gives a wanted critical force, critical contact radius, floor share or
-    pull-off force.
+    """Finds the value of one quantity for a target critical force, critical contact radius, floor share or pull-off force.
 
     Parameters
     ----------
     system
-        Everything else is as in it, and its own value of ``free`` is where the search begins.
+        All other quantities; its value of ``free`` is the initial value.
     free
-        Key of the quantity: ``"texture.pitch"``, ``"texture.surface_fraction"``,
-        ``"texture.pillar.height"``, ``"texture.pillar.diameter"``, ``"lens.radius"``,
-        ``"lens.young_modulus"``, ``"substrate.young_modulus"``, ``"substrate.thickness"``,
-        ``"lens.thickness"`` or the modulus of an elastic base.
+        Key of the quantity: ``"texture.pitch"``, ``"texture.surface_fraction"``, ``"texture.pillar.height"``,
+        ``"texture.pillar.diameter"``, ``"lens.radius"``, ``"lens.young_modulus"``, ``"substrate.young_modulus"``,
+        ``"substrate.thickness"``, ``"lens.thickness"`` or the modulus of an elastic base.
     critical_force, critical_contact_radius
-        What is wanted of the critical state (N, m).
+        Target of the critical state (N, m).
     floor_share, at_force, at_indentation
-        The part of the force that the floor is to bear past the transition, as in ``0.2`` or ``"20 %"``,
-        and the load at which it is to do so: a force (N) or an indentation (m). It is met to within its
-        own estimated error.
+        Target fraction of the load carried by the floor past the transition, as in ``0.2`` or ``"20 %"``, and the load at which
+        it applies: a force (N) or an indentation (m). It is met within its estimated error.
     pull_off
-        The pull-off force (N, as a positive number) that is wanted on the way back from the critical state, of a
-        system with adhesion. It is met to within its own numerical error. Exactly one of ``critical_force``,
-        ``critical_contact_radius``, ``floor_share`` and ``pull_off`` must be given.
+        Target pull-off force (N, as a positive number) on unloading from the critical state, for a system with adhesion. It is
+        met within its numerical error. Exactly one of ``critical_force``, ``critical_contact_radius``, ``floor_share`` and
+        ``pull_off`` must be given.
     force, contact_radius
         The older names of these.
 
     Raises
     ------
     OutOfReach
-        If no value gives it; it says what comes nearest, and why there is nothing nearer.
+        If the target is unattainable; contains the closest attainable value and the reason.
     """
     critical_force = _renamed("force", force, "critical_force", critical_force)
     critical_contact_radius = _renamed(
@@ -225,7 +221,7 @@ def _reached(
 def _renamed(
     old: str, given: Quantity | None, name: str, value: Quantity | None
 ) -> Quantity | None:
-    """The value of an argument that may be given under its older name, which is told."""
+    """The value of an argument that may be given under its deprecated name, with a warning."""
     if given is None:
         return value
     if value is not None:
@@ -235,7 +231,7 @@ def _renamed(
 
 
 class Spread(Result):
-    """Critical states of samples about a system, and how the lens comes off tops that stick. Arrays have one value for every sample."""
+    """Critical states of samples about a system, and their unloading with adhesion. Arrays have one value for every sample."""
 
     _titles = ("fakir.Spread", "Spread of the critical state")
 
@@ -244,7 +240,7 @@ class Spread(Result):
 
     @property
     def force(self) -> FloatArray:
-        """Critical forces, N; NaN where there is none."""
+        """Critical forces, N; NaN if there is none."""
         return self._column("critical_force_N")
 
     @property
@@ -259,25 +255,26 @@ class Spread(Result):
 
     @property
     def pull_off_force(self) -> FloatArray | None:
-        """Largest pulls when the lens is withdrawn from the critical state, N, negative; none where nothing sticks."""
+        """Pull-off forces on unloading from the critical state, N, negative; None without adhesion."""
         return self._column("pull_off_force_N") if "pull_off_force_N" in self._columns else None
 
     @property
     def hysteresis(self) -> FloatArray | None:
-        """Areas of the loop of force over indentation, J; none where nothing sticks."""
+        """Hysteresis (area of the force-indentation loop), J; None without adhesion."""
         return self._column("hysteresis_J") if "hysteresis_J" in self._columns else None
 
     @property
     def first_order(self) -> tuple[float, float] | None:
-        """Standard deviations of critical force (N) and indentation (m) by their exact derivatives where the lens lands as given; none
-        where there are no such derivatives, as with missing pillars. Where it lands scatters besides."""
+        """Standard deviations of critical force (N) and indentation (m) from exact derivatives, with the landing position as
+        given; None if these derivatives are not available, as with missing pillars. The scatter of the landing position is not
+        included."""
         first_order = self._summary["spread"].get("first_order")
         if first_order is None:
             return None
         return first_order["critical_force_N"], first_order["critical_indentation_m"]
 
     def force_at(self, place: int) -> FloatArray:
-        """Forces (N) at one of the indentations that were asked for, by its place among them; NaN where there is no critical state."""
+        """Forces (N) at one of the requested indentations, by its index; NaN if there is no critical state."""
         columns = [name for name in self._columns if name.startswith("force_at_")]
         return self._column(columns[place])
 
@@ -337,23 +334,22 @@ def spread(
     progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> Spread:
-    """How far the critical state scatters from sample to sample; with tops that stick also pull-off and hysteresis.
+    """Computes the scatter of the critical state from sample to sample; with adhesive tops also that of pull-off and hysteresis.
 
     Parameters
     ----------
     tolerances
-        Standard deviations by key: ``{"texture.pillar.height": "5 %", "texture.pitch": "0.1 um"}``,
-        as a part of the value with ``%``, otherwise in SI units or with a unit.
+        Standard deviations by key: ``{"texture.pillar.height": "5 %", "texture.pitch": "0.1 um"}``, as a fraction of the value
+        with ``%``, otherwise in SI units or with a unit.
     samples, seed
-        Number of samples, and what decides all that is random: 500 and 1 unless given, as on the command
-        line.
+        Number of samples, and seed of all random numbers: by default 500 and 1, as on the command line.
     landing
-        Where the lens lands on the lattice: ``"anywhere"`` or ``"as_given"``.
+        Landing position of the lens on the lattice: ``"anywhere"`` or ``"as_given"``.
     force_at
-        Indentations (m) at which the force on every sample is told too.
+        Indentations (m) at which the force of every sample is computed too.
 
-    Every sample of a lattice with a ``height_standard_deviation`` or ``missing`` pillars draws its own pillars; ``seed`` of the
-    texture is then not used.
+    Every sample of a lattice with a ``height_standard_deviation`` or ``missing`` pillars has its own random pillars; ``seed`` of
+    the pattern is then not used.
     """
     if landing not in {"anywhere", "as_given"}:
         raise ValueError(f'landing is {landing!r}: give "anywhere" or "as_given"')
@@ -373,7 +369,7 @@ def _tolerance(key: str, value: Quantity) -> tuple[str, float, bool]:
 
 
 class Citation(NamedTuple):
-    """A work to be cited."""
+    """A reference to cite."""
 
     text: str
     bibtex: str
@@ -381,9 +377,9 @@ class Citation(NamedTuple):
 
 
 def cite(*what: object, theory: bool = False) -> list[Citation]:
-    """What to cite for systems and results; with ``theory`` also for closed forms.
+    """References to cite for systems and results; with ``theory`` also for closed forms.
 
-    ``print("\\n".join(entry.bibtex for entry in fakir.cite(critical)))`` is a bibliography.
+    ``print("\\n".join(entry.bibtex for entry in fakir.cite(critical)))`` prints a bibliography.
     """
     cases: list[_fakir.Case] = []
     surface: bool | None = None

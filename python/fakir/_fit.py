@@ -1,4 +1,4 @@
-"""Moduli, sizes, works of adhesion and instrument parameters from measured curves."""
+"""Fits of moduli, sizes, works of adhesion and instrument parameters to measured curves."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pandas
 
 Measurements: TypeAlias = Union[str, PathLike[str], Mapping[str, Any], "pandas.DataFrame"]
-"""A table as instruments write it, or its columns: a dictionary or a table of pandas."""
+"""A table as written by instruments, or its columns: a dictionary or a pandas table."""
 
 UNITS = {
     "J_per_m2": "J/m^2",
@@ -31,75 +31,75 @@ UNITS = {
     "rad": "rad",
     "m": "m",
 }
-"""Ends of names, and the units they stand for."""
+"""Suffixes of names, and the corresponding units."""
 
 
 class Estimate(NamedTuple):
     """A fitted parameter, in SI units."""
 
     value: float
-    """The fitted value. It has no meaning by itself if the data do not determine it."""
+    """The fitted value. Meaningless by itself if the data do not determine it."""
     standard_error: float | None
     """The standard error; ``None`` if the data do not determine the parameter."""
     interval: tuple[float, float] | None
-    """Ends of the 95 % confidence interval; ``None`` if the data do not determine the parameter."""
+    """Ends of the 95 % confidence interval; None if the data do not determine the parameter."""
     start: float
-    """Where the fit began."""
+    """The initial value."""
     unit: str
     """The unit: ``"Pa"``, ``"m"``, ``"m/N"``, ``"N"``, ``"J/m^2"`` or ``"rad"``; ``""`` for plain numbers."""
     one_sided: bool = False
-    """Whether the interval begins at the least value that the parameter can have, so that the data give its upper end alone:
-    of a work of adhesion that is compatible with zero."""
+    """Whether the interval starts at the smallest possible value of the parameter, so that the data determine only its upper end:
+    for a work of adhesion that is compatible with zero."""
 
     @property
     def determined(self) -> bool:
-        """Whether the data say anything of it."""
+        """Whether the data determine the parameter."""
         return self.interval is not None
 
 
 class FittedPullOff(NamedTuple):
-    """The pull-off of the data and that of the fitted cycle."""
+    """Pull-off of the data and of the fitted cycle."""
 
     measured: float
-    """The least measured force without the offset of the instrument, N."""
+    """The smallest measured force minus the offset of the instrument, N."""
     fitted: float
-    """That of the cycle, N."""
+    """Pull-off force of the cycle, N."""
     model_error: float
-    """The relative error of the model in it, from the shapes of partial contacts."""
+    """Relative model error of that force, due to the shapes of partial contacts."""
     work_error: float | None
-    """What that is of the work of adhesion: it is not in its interval. ``None`` if no work was fitted."""
+    """The corresponding error of the work of adhesion, which is not included in its interval. None if no work was fitted."""
 
 
 class RunsTest(NamedTuple):
-    """How often residuals of a quantity change sign, in the order of the load."""
+    """Number of sign changes of the residuals of a quantity, in the order of the load."""
 
     quantity: str
     """``"force"`` or ``"contact radius"``."""
     branch: str
     """``"loading"`` or ``"unloading"``."""
     runs: int
-    """Runs of residuals of one sign."""
+    """Number of runs of residuals of the same sign."""
     expected: float
-    """How many are to be expected."""
+    """Expected number of runs."""
     p_value: float
-    """The probability of so few or fewer by chance."""
+    """Probability of at most this many runs by chance."""
 
 
 class LeftOut(NamedTuple):
-    """A parameter that was held, and what the data say of it."""
+    """A fixed parameter, and its test against the data."""
 
     name: str
     """The parameter."""
     p_value: float
-    """The probability that residuals lie so far along what it would change by chance: the score test."""
+    """p-value of the score test: the probability of such residuals if the fixed value is correct."""
     value: float | None
-    """About where it would be found, in SI units; ``None`` if that is far away."""
+    """Approximate fitted value, in SI units; None if it is far away."""
     wanted: bool
-    """Whether the fit does not describe the data without it."""
+    """Whether the fit does not describe the data unless the parameter is free."""
 
 
 class Fit(Result):
-    """What came of a fit."""
+    """Result of a fit."""
 
     _titles = ("fakir.Fit", "Fit")
 
@@ -123,42 +123,42 @@ class Fit(Result):
 
     @property
     def correlation(self) -> FloatArray:
-        """Correlation of each parameter with each; NaN with one that is not determined."""
+        """Correlation matrix of the parameters; NaN for parameters that are not determined."""
         return np.array(self._summary["correlation"], dtype=float)
 
     @property
     def undetermined(self) -> list[str]:
-        """A sentence for everything that the data do not determine."""
+        """A sentence for every quantity that the data do not determine."""
         return [given["statement"] for given in self._summary["undetermined"]]
 
     @property
     def contact_point(self) -> float | None:
-        """Displacement at which the lens meets the pillar tops, m; ``None`` without displacements."""
+        """Displacement at which the lens meets the pillar tops, m; None without displacements."""
         return _optional(self._summary["contact_point_m"])
 
     @property
     def machine_compliance(self) -> float | None:
-        """How far the instrument gives way, m/N; ``None`` without displacements."""
+        """Compliance of the instrument, m/N; None without displacements."""
         return _optional(self._summary["machine_compliance_m_per_N"])
 
     @property
     def force_offset(self) -> float:
-        """What the instrument reads without any force, N."""
+        """Reading of the instrument at zero force, N."""
         return float(self._summary["force_offset_N"])
 
     @property
     def displacement_drift(self) -> float:
-        """By how much the displacement drifts from the first row to the last, m."""
+        """Drift of the displacement from the first row to the last, m."""
         return float(self._summary["displacement_drift_m"])
 
     @property
     def force_drift(self) -> float:
-        """By how much the force drifts from the first row to the last, N."""
+        """Drift of the force from the first row to the last, N."""
         return float(self._summary["force_drift_N"])
 
     @property
     def describes_data(self) -> bool:
-        """Whether nothing speaks against the fit: runs of residuals, chi-square, or parameters that were held."""
+        """Whether no test rejects the fit: runs of residuals, chi-square, and fixed parameters."""
         return bool(self._summary["describes_data"])
 
     @property
@@ -169,12 +169,12 @@ class Fit(Result):
 
     @property
     def chi_square_p_value(self) -> float | None:
-        """The probability of a chi-square so large by chance; ``None`` where errors are estimated."""
+        """Probability of a chi-square at least as large by chance; None if errors are estimated."""
         return _optional(self._summary["tests"]["chi_square_p_value"])
 
     @property
     def left_out(self) -> list[LeftOut]:
-        """The parameters that were held, the most suspect first."""
+        """The fixed parameters, the one most likely to be wrong first."""
         return [
             LeftOut(
                 name=given["name"],
@@ -187,20 +187,20 @@ class Fit(Result):
 
     @property
     def limits(self) -> list[Limit]:
-        """The conditions of the model, and how near the fitted system comes to where they end under the largest load.
+        """The validity limits of the model, evaluated for the fitted system under the largest load.
 
-        ``any(limit.strained for limit in fit.limits)`` tells of a fit beyond its model.
+        ``any(limit.strained for limit in fit.limits)`` is true if a limit is exceeded.
         """
         return [Limit(**limit) for limit in self._summary["limits"]]
 
     @property
     def understood(self) -> list[str]:
-        """What the columns of the data were taken for, a line for each."""
+        """How every column of the data was interpreted, one line each."""
         return list(self._understood)
 
     @property
     def pull_off(self) -> FittedPullOff | None:
-        """The pull-off of the data and of the fitted cycle; ``None`` without adhesion or unloading."""
+        """Pull-off of the data and of the fitted cycle; None without adhesion or unloading."""
         given = self._summary.get("pull_off")
         if given is None:
             return None
@@ -218,46 +218,46 @@ class Fit(Result):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Number of values less that of parameters."""
+        """Number of values minus number of parameters."""
         return int(self._summary["degrees_of_freedom"])
 
     @property
     def reduced_chi_square(self) -> float | None:
-        """Chi-square per degree of freedom; ``None`` where errors are estimated so as to make it 1."""
+        """Chi-square per degree of freedom; None if errors are estimated so as to make it 1."""
         return _optional(self._summary["reduced_chi_square"])
 
     @property
     def converged(self) -> bool:
-        """Whether the search came to its end and every contact is solved."""
+        """Whether the search converged and every contact is solved."""
         return bool(self._summary["converged"])
 
     @property
     def load(self) -> str:
-        """The column of `to_pandas` that is the load."""
+        """The column of `to_pandas` that is used as the load."""
         return self._fitted.load
 
     @property
     def compared(self) -> list[str]:
-        """What was compared with the model: ``"force_N"``, ``"contact_radius_m"``."""
+        """The quantities compared with the model: ``"force_N"``, ``"contact_radius_m"``."""
         return [{"force": "force_N"}.get(name, f"{name}_m") for name in self._fitted.compared]
 
     @property
     def curve(self) -> dict[str, FloatArray]:
-        """The computed curve over the data, by columns: the load, ``force_N``, ``contact_radius_m``."""
+        """The computed curve over the range of the data, by columns: the load, ``force_N``, ``contact_radius_m``."""
         at, force, contact_radius = self._fitted.curve()
         return {self.load: at, "force_N": force, "contact_radius_m": contact_radius}
 
     @property
     def unloading(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Which points of the curve are of the unloading of pillar tops that stick."""
+        """Whether points of the curve belong to the unloading, with adhesive tops."""
         return self._fitted.unloading()
 
     def columns(self) -> dict[str, Any]:
-        """The data beside the model, by the columns of ``fitted.csv``."""
+        """Data and model, by the columns of ``fitted.csv``."""
         return dict(self._fitted.table())
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The data beside the model: the columns of ``fitted.csv``."""
+        """Data and model: the columns of ``fitted.csv``."""
         import pandas
 
         return pandas.DataFrame(self.columns())
@@ -308,50 +308,48 @@ def fit(
     progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> Fit:
-    """The values that fit a measured curve best, by least squares.
+    """Fits parameters to a measured curve by least squares.
 
     With adhesion in ``system``, or ``"adhesion.work"`` free, the data are one cycle of loading and unloading.
 
     Parameters
     ----------
     measurements
-        A table as instruments write it, or its columns, each as long as the others, with NaN or empty cells for
-        what was not measured: ``displacement_m`` (reading of the instrument) or ``indentation_m``,
-        ``force_N``, ``contact_radius_m``, two of them at the least, and their standard errors
-        ``force_error_N`` and so on; in other units too, as ``displacement_um`` or ``Load [mN]``. ``branch`` tells with
-        adhesion what was measured on ``"loading"`` and what on ``"unloading"``; without it unloading begins after the
-        largest load. ``time_s`` says when. Columns with units of pint may be called without: ``"force"``. Columns that
-        are not understood are not used: see `Fit.understood`.
+        A table as written by instruments, or its columns of equal length, with NaN or empty cells for missing measurements: at
+        least two of ``displacement_m`` (reading of the instrument) or ``indentation_m``, ``force_N`` and ``contact_radius_m``,
+        and their standard errors ``force_error_N`` and so on; other units are accepted, as in ``displacement_um`` or
+        ``Load [mN]``. With adhesion, ``branch`` contains ``"loading"`` or ``"unloading"``; without it unloading begins after the
+        largest load. ``time_s`` contains the time. Columns with pint units need no unit in their name: ``"force"``. Columns that
+        are not recognised are not used: see `Fit.understood`.
     system
-        All else; the values of the free parameters are where the search begins.
+        All other quantities; its values of the free parameters are the initial values.
     free
         Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"texture.offset"``; ``"adhesion.work"`` and
-        ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
-        displacements, ``"contact_point"``, ``"machine_compliance"`` and ``"displacement_drift"``.
+        ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with displacements,
+        ``"contact_point"``, ``"machine_compliance"`` and ``"displacement_drift"``.
     contact_point
-        Displacement (m) at which the lens would touch the pillar tops, or where to begin.
+        Displacement (m) at which the lens would touch the pillar tops, or its initial value.
     machine_compliance
-        How far the instrument gives way (m/N), or where to begin.
+        Compliance of the instrument (m/N), or its initial value.
     force_offset
-        What the instrument reads without any force (N), or where to begin. It is in all measured forces.
+        Reading of the instrument at zero force (N), or its initial value; contained in all measured forces.
     displacement_drift, force_drift
-        By how much the readings drift from the first row to the last (m, N), or where to begin: linear in time if there
-        is a column of times, or else in the number of the row.
+        Drift of the readings from the first row to the last (m, N), or its initial value: linear in time if there is a column of
+        times, otherwise in the row number.
     starts
-        From how many places the search begins, the first of which is the system; the best fit counts.
+        Number of starting points of the search, the first of which is the system; the best fit is returned.
     columns
-        Columns by hand, headings by quantities: ``{"force": "Channel 2 [mN]"}``. ``"#2 [mN]"`` is the second column, and a
-        minus sign before the heading turns the sign of its values.
+        Explicitly assigned columns, headings by quantities: ``{"force": "Channel 2 [mN]"}``. ``"#2 [mN]"`` is the second column,
+        and a minus sign before the heading reverses the sign of its values.
     position_error, force_error, contact_radius_error
-        Standard errors (m, N, m) of what has none in the columns. Without any they are estimated from
-        the residuals.
+        Standard errors (m, N, m) of quantities without errors in the columns. Without any they are estimated from the residuals.
 
     Raises
     ------
     FitError
-        If the data or the parameters cannot be.
+        If the data or the parameters are invalid.
     NotConverged
-        If the search did not come to its end; what was reached is in its ``result``.
+        If the search did not converge; ``result`` contains the last iterate.
     """
     if isinstance(free, str):
         raise TypeError(f'free is the text "{free}": give a list of names')
@@ -396,7 +394,8 @@ def _data(measurements: Measurements, named: Mapping[str, str]) -> _fakir.Data:
 
 
 def _column(name: str, values: Any) -> tuple[str, FloatArray | None]:
-    """Heading and values; NaN is what was not measured. None for what is no column of numbers, which cannot be used."""
+    """Heading and values, with NaN for missing measurements. The values are None for a column that is not numeric, which cannot
+    be used."""
     if isinstance(values, WithUnit):
         unit = "s" if name.startswith("time") else "N" if name.startswith("force") else "m"
         try:

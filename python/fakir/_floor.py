@@ -1,4 +1,4 @@
-"""What the floor between the pillars bears."""
+"""Contact with the floor between the pillars."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ._result import Numbered
 class FloorContact(FloorNumbers):
     """The contact with the floor between the pillars. Numbers are in SI units.
 
-    Its pressure is constant on the cells of a grid that is aligned with the lattice, and turned with it:
-    ``x``, ``y`` and ``pressure`` are arrays with a number for every cell in contact.
+    Its pressure is constant on the cells of a grid that is aligned and rotated with the lattice: ``x``, ``y`` and ``pressure``
+    are arrays with one value for every cell in contact.
     """
 
     _titles = ("fakir.FloorContact", "Contact with the floor")

@@ -1,4 +1,4 @@
-"""Numbers and tables for people."""
+"""Formatting of numbers and tables."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n"}
 
 
 def engineering(value: float, unit: str, digits: int = 6) -> str:
-    """A value with the prefix that suits it: ``4.44813 mN``."""
+    """A value with a suitable unit prefix: ``4.44813 mN``."""
     if value == 0.0 or not math.isfinite(value) or not unit:
         return f"{value:.{digits}g} {unit}".strip()
     step = math.floor(math.log10(abs(value)) / 3 + 1e-9)
@@ -22,14 +22,14 @@ def engineering(value: float, unit: str, digits: int = 6) -> str:
 
 
 def known_digits(error: float) -> int:
-    """Digits of a number with this relative error that mean something, one to six."""
+    """Number of significant digits of a value with this relative error, one to six."""
     if not 0.0 < error < 1.0:
         return 6 if error == 0.0 else 1
     return min(max(math.ceil(-math.log10(error)), 1), 6)
 
 
 def remark(error: float) -> str:
-    """What stands behind a number about its error, if it has one."""
+    """Remark on the error of a number, if it has one."""
     return f" (estimated error {error:.0e})" if error > 0.0 else ""
 
 
@@ -54,11 +54,11 @@ def html_table(title: str, rows: Iterable[Row]) -> str:
 
 
 class Shown:
-    """A table of names and values in a terminal and in a notebook."""
+    """A table of names and values for terminals and notebooks."""
 
     __slots__ = ()
     _titles: ClassVar[tuple[str, str]]
-    """What is above the table, in a terminal and in a notebook."""
+    """Titles of the table, in a terminal and in a notebook."""
 
     def _rows(self) -> list[Row]:
         raise NotImplementedError

@@ -1,4 +1,4 @@
-"""How a contact changes with the numbers of its system."""
+"""Derivatives of a contact with respect to the numbers of its system."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ PILLAR_GRADIENT = np.dtype(
         ("indentation_m_per_m", np.float64),
     ]
 )
-"""Derivatives by the height of a pillar; what is prescribed does not change."""
+"""Derivatives with respect to the height of a pillar; the prescribed quantity is constant."""
 
 
 class Gradient(Result):
-    """A contact with its exact derivatives, each while all other numbers stay as they are.
+    """A contact with its exact derivatives, each with all other numbers constant.
 
-    They are those of the numerical solution itself, up to the next load at which a pillar is touched or let go, and
-    are in SI units: N and m over the SI unit of the key.
+    They are derivatives of the numerical solution, valid up to the next load at which a pillar is touched or released, in SI
+    units: N and m divided by the SI unit of the key.
     """
 
     _titles = ("fakir.Gradient of a contact", "Contact with its derivatives")
@@ -45,31 +45,31 @@ class Gradient(Result):
 
     @property
     def state(self) -> ContactState:
-        """The contact; where no load was given, that at the critical state."""
+        """The contact; the critical state if no load was given."""
         return self._state
 
     @property
     def stiffness(self) -> float:
-        """Force over indentation, N/m."""
+        """Derivative of the force with respect to the indentation, N/m."""
         return float(self._summary["stiffness_N_per_m"])
 
     @property
     def force(self) -> dict[str, float] | None:
-        """Derivatives of the force by the keys of the case, such as ``texture.pillar.height``; None where it is prescribed.
+        """Derivatives of the force by the keys of the case, such as ``texture.pillar.height``; None if the force is prescribed.
 
-        With the height of the pillars the floor becomes deeper too; with the pitch, pillars and lens axis stay where they
-        are in pitches.
+        The depth of the floor changes with the height of the pillars; with the pitch, the positions of pillars and lens axis in
+        units of the pitch are constant.
         """
         return self._by_key("force_N")
 
     @property
     def indentation(self) -> dict[str, float] | None:
-        """Derivatives of the indentation by the keys of the case; None where it is prescribed."""
+        """Derivatives of the indentation by the keys of the case; None if the indentation is prescribed."""
         return self._by_key("indentation_m")
 
     @property
     def contact_area(self) -> dict[str, float] | None:
-        """Derivatives of the area of contact, m^2; None where the edge of the contact crosses a pillar."""
+        """Derivatives of the contact area, m^2; None if the contact edge crosses a pillar."""
         return self._by_key("contact_area_m2")
 
     def _by_key(self, name: str) -> dict[str, float] | None:
@@ -78,7 +78,7 @@ class Gradient(Result):
 
     @property
     def pillars(self) -> npt.NDArray[np.void]:
-        """By the height of every touched pillar alone, those nearest to the lens axis first."""
+        """Derivatives with respect to the individual height of every touched pillar, sorted by distance from the lens axis."""
         names = PILLAR_GRADIENT.names or ()
         rows = [tuple(row[name] or 0 for name in names) for row in self._summary["pillars"]]
         return np.array(rows, dtype=PILLAR_GRADIENT)

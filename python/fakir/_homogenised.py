@@ -14,22 +14,22 @@ class HomogenisedLattice(NamedTuple):
     """The constants of the model for one system, and its critical state."""
 
     layer_compliance: float
-    """How far the layer of springs gives way per pressure, m/Pa."""
+    """Compliance of the layer of springs (displacement per pressure), m/Pa."""
     critical_central_force: float
     """Force on the central pillar when the floor is reached, N."""
     critical_central_pressure: float
-    """That force over the area of a lattice cell, Pa."""
+    """That force divided by the area of a lattice cell, Pa."""
     critical: CriticalState
     """The critical state of the model."""
 
 
 def homogenised(system: System) -> HomogenisedLattice:
-    """The homogenised lattice of a system.
+    """Computes the homogenised lattice of a system.
 
     Raises
     ------
     SolveError
-        If the texture is too dense for the model.
+        If the pattern is too dense for the model.
     """
     case = system._case.with_settings(["method.name=homogenised"])
     critical = critical_state(_fakir.transition(case, options()), system)

@@ -1,4 +1,4 @@
-"""Quasi-static loading from first touch to the critical state, and through it."""
+"""Quasi-static loading from first contact to the critical state, and beyond."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ State = TypeVar("State")
 
 
 class Loading(Result, Generic[State]):
-    """The states of a loading, whatever is loaded."""
+    """The states of a loading of any problem."""
 
     states: list[State]
-    """The states, the critical one among them if the loading gets there."""
+    """The states, including the critical one if it is reached."""
 
     def __init__(self, summary: dict[str, Any], states: list[State]) -> None:
         self._summary, self.states = summary, states
@@ -50,7 +50,7 @@ class Loading(Result, Generic[State]):
 def in_order(
     summary: dict[str, Any], critical: State | None, others: Iterator[State]
 ) -> list[State]:
-    """The states of a loading, with the critical one where the loading gets there."""
+    """The states of a loading, including the critical one if it is reached."""
     return [
         critical if row["critical"] and critical is not None else next(others)
         for row in summary["states"]
@@ -58,12 +58,12 @@ def in_order(
 
 
 class Approach(Loading[ContactState]):
-    """The states of a loading, by rising indentation; iterates over them."""
+    """The states of a loading, by increasing indentation; iterable."""
 
     _titles = ("fakir.Approach: indentation, force", "Approach of the lens: indentation, force")
 
     critical: CriticalState
-    """The critical state, also if the loading ends before it."""
+    """The critical state, even if the loading ends before it."""
 
     def __init__(
         self, summary: dict[str, Any], states: list[ContactState], critical: CriticalState
@@ -93,7 +93,7 @@ def checked_path(
     to: Quantity | None,
     to_force: Quantity | None,
 ) -> Path:
-    """A loading by steps up to one end at the most."""
+    """A loading in steps with at most one prescribed end."""
     if past_transition:
         if until is None or to is not None:
             raise TypeError("past_transition needs until: the indentation to go to")
@@ -134,6 +134,6 @@ def approach(system: System, path: Path, options: _fakir.Options) -> Approach:
 
 
 def _state(state: _fakir.State, system: System) -> ContactState:
-    """Through the floor is where the loading was told to go: no warning."""
+    """The contact state, without a warning that floor contact is ignored, which was requested."""
     contact = ContactState(state, system)
     return contact if contact._goes_through_floor else contact_state(state, system)

@@ -1,4 +1,4 @@
-"""One entry for every kind of surface."""
+"""Problems with every kind of surface."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ def problem(
     top_radius: Quantity | None = None,
     **options: Any,
 ) -> System | Surface | RoundedTops:
-    """What is pressed onto what, for every kind of surface.
+    """Creates the problem of an indenter and a surface of any kind.
 
     Parameters
     ----------
     indenter, substrate
         A lens or a plate, and the half-space under the surface.
     surface
-        Pillars, such as a `HexagonalTexture` or `Pillars`, or a height map: an array (m) or an object as of SurfaceTopography.
+        Pillars, such as a `HexagonalTexture` or `Pillars`, or a height map: an array (m) or an object of SurfaceTopography.
     top_radius
         Radius of curvature (m) of `Pillars` with rounded tops.
     options
-        Those of `System`, `fakir.bem.Surface` or `RoundedTops`, of which one is returned. All of them have `press`.
+        Those of `System`, `fakir.bem.Surface` or `RoundedTops`, one of which is returned. All of them have `press`.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def problem(
 def read_case(
     path: str | PathLike[str], overrides: Overrides | None = None
 ) -> System | Surface | RoundedTops:
-    """Reads a case file with any kind of surface; ``overrides`` are values of keys, as ``--set`` of the command line."""
+    """Reads a case file with any kind of surface; ``overrides`` contains values of keys, as ``--set`` of the command line."""
     found = _fakir.read_case(fspath(path), settings(overrides), True)
     if isinstance(found, _fakir.Case):
         return System._of(found)

@@ -1,4 +1,4 @@
-"""Quantities as they are given: numbers in SI units, texts with a unit, pint quantities."""
+"""Input quantities: numbers in SI units, strings with a unit, pint quantities."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ UNITS: dict[Dimension, str] = {
 
 @runtime_checkable
 class WithUnit(Protocol):
-    """A quantity that knows its unit, as those of pint do."""
+    """A quantity with a unit, as in pint."""
 
     @property
     def magnitude(self) -> Any: ...
@@ -38,13 +38,13 @@ class WithUnit(Protocol):
 
 
 Quantity: TypeAlias = Union[float, str, np.floating[Any], np.integer[Any], WithUnit]
-"""A number in SI units, a text such as ``"2 MPa"``, or a pint quantity."""
+"""A number in SI units, a string such as ``"2 MPa"``, or a pint quantity."""
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 
 def si(value: Quantity, dimension: Dimension, name: str) -> float:
-    """The number in SI units; ``name`` is what errors call it."""
+    """The number in SI units; ``name`` is used in error messages."""
     if isinstance(value, str):
         try:
             return _fakir.parse_quantity(value, dimension)
@@ -60,7 +60,7 @@ def si(value: Quantity, dimension: Dimension, name: str) -> float:
 
 
 def finite(value: Quantity, dimension: Dimension, name: str) -> float:
-    """As ``si``, but never infinite and never NaN."""
+    """As ``si``, but neither infinite nor NaN."""
     number = si(value, dimension, name)
     if not math.isfinite(number):
         raise ValueError(f"{name} is {number}: it must be a finite number")
@@ -68,7 +68,7 @@ def finite(value: Quantity, dimension: Dimension, name: str) -> float:
 
 
 def array(values: object, dimension: Dimension, name: str) -> FloatArray:
-    """An array of float64 in SI units: of float64 without a copy, of float32, of whole numbers."""
+    """An array of float64 in SI units: from float64 without a copy, from float32, or from integers."""
     if isinstance(values, WithUnit):
         values = _without_unit(values, dimension, name)
     if isinstance(values, str):

@@ -1,8 +1,8 @@
-"""The record of all numbers of contacts, critical states and cycles, as classes.
+"""Classes for the record of all numbers of contacts, critical states and cycles.
 
 The extension module has a row for every number. Here each is an attribute, named by its path without the unit:
-``smallest_floor_gap_m`` is ``smallest_floor_gap``, and ``floor.force_N`` is ``floor.force``; what is between dots is a
-named tuple. The exceptions are `NAMES` and `OMITTED`.
+``smallest_floor_gap_m`` is ``smallest_floor_gap``, and ``floor.force_N`` is ``floor.force``; groups before a dot are named
+tuples. The exceptions are `NAMES` and `OMITTED`.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from ._result import Answer, Number, Numbered
 
 NAMES = {
     "relative_error_estimate": "error",
-    # Among relative errors, one that is not relative keeps its unit.
+    # Among relative errors, the one that is not relative keeps its unit.
     "relative_error_estimate.indentation_m": "indentation_m",
 }
-"""Attributes that are not named by their path without the unit. In critical states names are without ``critical_``."""
+"""Attributes whose name is not their path without the unit. In critical states names are without ``critical_``."""
 
 OMITTED = {"transition.bottom_contact_m", "surface_transition.bottom_contact_m", "rounded_press.tops"}
-"""What JSON alone has: an older name, and what the class says."""
+"""Entries of the JSON only: an older name, and information given by the class."""
 
 GROUPS = {
     "certificate": "Certificate",
@@ -42,10 +42,10 @@ GROUPS = {
 """Named tuples by kind and attribute, or by attribute; the others are named by both."""
 
 OBJECTS = {"press.floor": "FloorNumbers"}
-"""Groups that have more than numbers: their classes are written by hand, on these."""
+"""Groups with more than numbers: their classes are written by hand and derived from these."""
 
 FAMILIES = {"Contact": "press", "Critical": "transition"}
-"""Classes for what all kinds of answers have in common whose names end so."""
+"""Base classes for the common numbers of all kinds of results whose names have this suffix."""
 
 Numbers = Mapping[str, Any]
 
@@ -59,9 +59,9 @@ class Row(NamedTuple):
     meaning: str
     type: str
     optional: bool
-    """Whether it can be None in an object that is there."""
+    """Whether it can be None in an object that is present."""
     decides: bool
-    """Whether the object that it is in is None without it."""
+    """Whether the object that contains it is None without it."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Field:
 
     @property
     def annotation(self) -> str:
-        """Its type as it is written."""
+        """Its type annotation as text."""
         return f"{self.type} | None" if self.optional else self.type
 
 
@@ -83,14 +83,14 @@ Fields = dict[str, Field]
 
 
 class Record:
-    """All classes, as far as they are made of the record."""
+    """All classes that are created from the record."""
 
     groups: dict[str, Fields]
     """The fields of named tuples."""
     answers: dict[str, tuple[str, Fields]]
-    """The class that each class of answers is based on, and its own attributes."""
+    """The base class and the own attributes of each result class."""
     tuples: dict[str, Any]
-    """The named tuples, once they are made."""
+    """The named tuples, once created."""
 
     def __init__(self) -> None:
         self.answers, self.tuples = {}, {}
@@ -107,7 +107,7 @@ class Record:
         self.groups = {name: _union(found) for name, found in self._found.items()}
 
     def _fields(self, kind: str, group: str, rows: list[Row]) -> Fields:
-        """The attributes of an answer, or of a group in it."""
+        """The attributes of a result, or of a group in it."""
         names = dict.fromkeys(row.path.removeprefix(group).partition(".")[0] for row in rows)
         fields = {}
         for name in names:
@@ -137,7 +137,7 @@ class Record:
         return Field(name, bool(deciding), f"`{name}` with {', '.join(fields)}.", read)
 
     def _share(self) -> None:
-        """Moves what all kinds of a family have into the class of the family."""
+        """Moves the common attributes of a family to its base class."""
         for family, ending in FAMILIES.items():
             kinds = [name for name in self.answers if name.lower().endswith(f"{ending}numbers")]
             first, *others = (self.answers[name][1] for name in kinds)
@@ -168,7 +168,7 @@ class Record:
 
 
 def _field(row: Row) -> Field:
-    # Names of numbers in it are without units too.
+    # The meanings contain names of numbers, which are without units too.
     meaning = re.sub(r"`(\w+?)_(m|N|J)`", r"`\1`", row.meaning.replace("`null`", "None"))
     path, (what, *remarks) = row.path, meaning.split("; ")
     symbol, unit = row.symbol and f", {row.symbol}", row.unit and f" ({row.unit})"
@@ -187,7 +187,7 @@ def _attribute(kind: str, path: str, unit: str = "") -> str:
 
 
 def _union(found: list[Fields]) -> Fields:
-    """The fields of a named tuple of several kinds: what one of them may lack comes last, and can be None."""
+    """The fields of a named tuple of several kinds: fields that one of them may lack come last, and can be None."""
     fields = {}
     for name in dict.fromkeys(name for one in found for name in one):
         known = [one[name] for one in found if name in one]

@@ -1,4 +1,4 @@
-"""Results: the classes that all of them are based on."""
+"""Base classes of results."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ T = TypeVar("T", covariant=True)
 
 
 class Limit(NamedTuple):
-    """A condition of the model, and how near a contact comes to where it ends."""
+    """A validity limit of the model, evaluated for a contact."""
 
     name: str
     """As in `limits` of the results."""
     value: float
-    """Its value; where the name ends in a unit, in that."""
+    """Its value; if the name ends with a unit, in that unit."""
     threshold: float | None
-    """From where on the model is doubtful; None of what only would change the answer."""
+    """Threshold at which the model becomes doubtful; None if the value indicates only a change of the result."""
     strained: bool
-    """Whether it is doubtful here."""
+    """Whether the threshold is exceeded."""
 
 
 class Result(Shown):
-    """What a computation returns. Numbers are in SI units."""
+    """Result of a computation. Numbers are in SI units."""
 
     __slots__ = ("_summary",)
     _summary: dict[str, Any]
@@ -57,30 +57,30 @@ class Answer(Numbered):
 
     @property
     def termination(self) -> str:
-        """Why the solver stopped."""
+        """Reason for the end of the iteration."""
         return self._answer.termination
 
     @property
     def wall_time(self) -> float:
-        """Duration of the computation, s."""
+        """Computing time, s."""
         return float(self._summary["wall_time_s"])
 
     @property
     def warnings(self) -> list[str]:
-        """What to be careful about."""
+        """Warnings."""
         return self._answer.warnings
 
     @property
     def limits(self) -> list[Limit]:
-        """The conditions of the model, and how near the contact comes to where they end.
+        """The validity limits of the model, evaluated for the contact.
 
-        ``any(limit.strained for limit in state.limits)`` is true of an answer beyond its model. Rounded tops have none.
+        ``any(limit.strained for limit in state.limits)`` is true if a limit is exceeded. Rounded tops have none.
         """
         return [Limit(**limit) for limit in self._summary.get("limits", [])]
 
 
 class Number(Generic[T]):
-    """A number of an answer, or a group of them; its documentation is of the record."""
+    """A number of a result, or a group of them, with documentation from the record."""
 
     def __init__(self, read: Callable[[Mapping[str, Any]], T], doc: str) -> None:
         self._read, self.__doc__ = read, doc

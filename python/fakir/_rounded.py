@@ -1,4 +1,4 @@
-"""Pillars with rounded tops: their contact, and heights designed for a wanted curve."""
+"""Pillars with rounded tops: their contact, and heights designed for a target curve."""
 
 from __future__ import annotations
 
@@ -32,19 +32,20 @@ class RoundedTops:
     Parameters
     ----------
     x, y
-        Where the tops are, from the lens axis (m): one array each.
+        Positions of the tops relative to the lens axis (m): one array each.
     height
-        Height of each top over the floor (m): an array, or one for all.
+        Height of each top above the floor (m): an array, or one value for all.
     top_radius
         Radius of curvature of all tops (m).
     indenter
         A `Lens`, or a plate: `fakir.bem.Plate`.
     substrate
-        The elastic half-space under the tops, and what they are made of.
+        The elastic half-space that the tops belong to.
     diameter
-        Of each pillar (m): an array, or one for all. Without it the tops are asperities of the half-space, which end at the floor.
+        Diameter of each pillar (m): an array, or one value for all. Without it the tops are asperities of the half-space, which
+        end at the floor.
     reference_height
-        The height from which indentations are counted (m); without it that of the highest.
+        The height from which indentations are measured (m); by default that of the highest top.
     compliance
         ``"column"`` if pillars with a diameter shorten under load, ``"none"`` if not.
     accuracy
@@ -67,13 +68,13 @@ class RoundedTops:
     top_radius: float
     """Radius of curvature, m."""
     reference_height: float
-    """Height from which indentations are counted, m."""
+    """Height from which indentations are measured, m."""
     x: FloatArray
     y: FloatArray
     height: FloatArray
-    """Of every top over the floor, m."""
+    """Height of every top above the floor, m."""
     diameter: FloatArray
-    """Of every pillar, m; NaN of asperities."""
+    """Diameter of every pillar, m; NaN for asperities."""
 
     def __init__(
         self,
@@ -150,11 +151,11 @@ class RoundedTops:
         self.x, self.y, self.height, self.diameter = (np.ascontiguousarray(c) for c in columns)
 
     def to_toml(self, table: str = "pillars.csv") -> str:
-        """The case as a commented file, which reads the tops from a table of that name next to it: see `to_csv`."""
+        """The case as a commented file, which reads the tops from a table of that name in the same folder: see `to_csv`."""
         return self._rounded.to_toml(table)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
-        """Writes the table that ``pillars = "..."`` of a case file reads."""
+        """Writes the table for ``pillars = "..."`` in a case file."""
         _write(path, self._rounded.table().encode())
 
     def to_stl(self, path: str | PathLike[str]) -> None:
@@ -170,9 +171,9 @@ class RoundedTops:
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> RoundedContact:
-        """The contact at an indentation (m) or under a force (N): exactly one of them.
+        """Computes the contact at an indentation (m) or under a force (N): exactly one of them.
 
-        The indentation counts from where the indenter is level with the reference height. Adhesion is left out, and the floor.
+        The indentation is zero where the indenter is level with the reference height. Adhesion and the floor are neglected.
         """
         run = options(threads, progress, memory_limit)
         contact = _fakir.press_rounded(self._rounded, *load(indentation, force), run)
@@ -197,16 +198,16 @@ class RoundedContact(RoundedPressNumbers):
     _titles = ("fakir.RoundedContact", "Contact with rounded tops")
 
     tops: RoundedTops
-    """What was pressed."""
+    """The problem."""
     x: FloatArray
-    """Middle of every contact, m; of a top that is not touched, where it is nearest to be."""
+    """Centre of every contact, m; for a top that is not touched, its point closest to contact."""
     y: FloatArray
     radius: FloatArray
-    """Radius of every contact, m; 0 of a top that is not touched."""
+    """Radius of every contact, m; 0 for a top that is not touched."""
     forces: FloatArray
     """Force on every top, N."""
     gap: FloatArray
-    """Gap over every top that is not touched, m; 0 of the others."""
+    """Gap above every top that is not touched, m; 0 for the others."""
 
     def __init__(self, tops: RoundedTops, contact: _fakir.RoundedContact) -> None:
         super().__init__(contact)
@@ -237,22 +238,22 @@ class RoundedContact(RoundedPressNumbers):
 
 
 class HeightDesign(Result):
-    """Heights of rounded tops for a wanted curve. Arrays have one value for every point of the curve."""
+    """Heights of rounded tops for a target curve. Arrays have one value for every point of the curve."""
 
     _titles = ("fakir.HeightDesign", "Designed heights")
 
     tops: RoundedTops
-    """The tops with the heights that were found."""
+    """The tops with the resulting heights."""
     load: FloatArray
     """Forces (N) or indentations (m)."""
     wanted: FloatArray
-    """Areas (m^2) or forces (N) that were wanted."""
+    """Target areas (m^2) or forces (N)."""
     reached: FloatArray
-    """Those that the heights come to."""
+    """Attained areas or forces."""
     interactions_ignored: FloatArray
-    """Those of heights that are designed as if tops did not act on each other."""
+    """Areas or forces of heights designed without interaction between tops."""
     scatter: FloatArray | None
-    """Relative standard deviation with the error of the heights, if that was given."""
+    """Relative standard deviation due to the height error, if that was given."""
 
     def __init__(
         self, summary: dict[str, Any], tops: RoundedTops, columns: list[tuple[str, Any]]
@@ -265,17 +266,17 @@ class HeightDesign(Result):
 
     @property
     def found(self) -> bool:
-        """Whether the curve is met at every load, to 1e-5. If not, these are the heights that come nearest."""
+        """Whether the curve is met at every load, to 1e-5. If not, the heights are the closest ones."""
         return bool(self._summary["design"]["status"] == "found")
 
     @property
     def statement(self) -> str:
-        """What was reached in words."""
+        """Statement of the result."""
         return str(self._summary["design"]["statement"])
 
     @property
     def residual(self) -> FloatArray:
-        """Relative differences from what was wanted."""
+        """Relative differences from the target."""
         return self.reached / self.wanted - 1.0
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -309,25 +310,27 @@ def design_heights(
     progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> HeightDesign:
-    """Heights of rounded tops for a wanted curve: area of the force, force of the indentation, or area of the indentation.
+    """Finds heights of rounded tops for a target curve: area as a function of force, force of indentation, or area of
+    indentation.
 
     Parameters
     ----------
     tops
-        Where the tops are and how round they are; their own heights do not matter, but that from which indentations are counted does.
+        Positions and curvatures of the tops; their own heights are ignored, except the height from which indentations are
+        measured.
     force, indentation, area
-        The curve: arrays of one length for two of them (N, m, m^2), rising.
+        The curve: arrays of equal length for two of them (N, m, m^2), increasing.
     seed
-        Decides which height goes to which top.
+        Seed for the assignment of heights to tops.
     height_error
-        Standard deviation with which heights can be made (m): then the scatter of the curve is told.
+        Standard deviation of manufactured heights (m), for the scatter of the curve.
 
     Raises
     ------
     ValueError
-        If the curve falls, or a top would end below the floor.
+        If the curve decreases, or a top would be below the floor.
     DesignError
-        If no heights of these tops have such an area under such a force.
+        If no heights of these tops attain such an area under such a force.
 
     Examples
     --------

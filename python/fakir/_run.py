@@ -1,4 +1,4 @@
-"""How computations are run: threads, memory, progress; and what is done about their warnings."""
+"""Execution options: threads, memory, progress; and warnings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from . import _fakir
 from .errors import FakirWarning
 
 Progress: TypeAlias = Callable[[str, int, int, int], object]
-"""Called with the stage, the step in it, the pillars being solved and those touched so far."""
+"""Called with the stage, its step, the number of pillars being solved and the number touched so far."""
 
 
 def options(
@@ -18,7 +18,7 @@ def options(
     progress: Progress | None = None,
     memory_limit: int | None = None,
 ) -> _fakir.Options:
-    """Checked options for the extension module."""
+    """Validated options for the extension module."""
     warn_of_threads(threads, depth=3)
     if memory_limit is not None and memory_limit <= 0:
         raise ValueError(f"memory_limit is {memory_limit}: give a number of bytes")
@@ -32,7 +32,7 @@ def options(
 
 
 def warn_of_threads(threads: int, depth: int = 2) -> None:
-    """Refuses numbers that cannot be, and warns of more than there are processors."""
+    """Raises an error for invalid numbers of threads, and warns if there are more than processors."""
     if threads < 0:
         raise ValueError(f"threads is {threads}: give 1 or more, or 0 for all processors")
     warning = _fakir.threads_warning(threads)
@@ -41,6 +41,6 @@ def warn_of_threads(threads: int, depth: int = 2) -> None:
 
 
 def warn(texts: Iterable[str], depth: int = 2) -> None:
-    """Warns the caller of the package, who is this many calls up."""
+    """Warns the caller of the package, this many stack levels up."""
     for text in texts:
         warnings.warn(text, FakirWarning, stacklevel=depth + 2)

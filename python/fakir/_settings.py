@@ -1,4 +1,4 @@
-"""What is asked: overrides of keys, and a load."""
+"""Overrides of keys, and loads."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Overrides = Mapping[str, Quantity]
 def load(
     indentation: Quantity | None, force: Quantity | None
 ) -> tuple[float | None, float | None]:
-    """The one of both that is given, in SI units."""
+    """The given one of both, in SI units."""
     if (indentation is None) == (force is None):
         raise TypeError("give exactly one of indentation and force")
     if indentation is not None:
@@ -26,7 +26,7 @@ def load(
 def load_or_critical(
     indentation: Quantity | None, force: Quantity | None
 ) -> tuple[float | None, float | None]:
-    """As :func:`load`; none of both is the critical state."""
+    """As :func:`load`; the critical state if neither is given."""
     return (None, None) if indentation is None and force is None else load(indentation, force)
 
 

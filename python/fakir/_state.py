@@ -1,4 +1,4 @@
-"""What a computation gives: the contact under a load, and the critical state."""
+"""Results of a computation: the contact under a load, and the critical state."""
 
 from __future__ import annotations
 
@@ -57,20 +57,20 @@ class ContactState(PressNumbers):
 
     @property
     def system(self) -> System:
-        """The system that was solved, with the method that solved it."""
+        """The solved system, with the method that was used."""
         return self._system._of(self._state.case)
 
     @property
     def smallest_gap_position(self) -> tuple[float, float]:
-        """Where the floor gap is smallest, m from the lens axis."""
+        """Position of the smallest floor gap, m from the lens axis."""
         x, y = self._state.smallest_gap_position
         return x, y
 
     @property
     def floor(self) -> FloorContact | None:
-        """What the floor bears: None before the transition, and past it where the floor is ignored.
+        """The floor contact: None before the transition, and past it if floor contact is ignored.
 
-        It is ignored with ``floor_contact=False`` of the `System`, and by all methods but ``"spectral"``.
+        It is ignored with ``floor_contact=False`` of the `System`, and by all methods except ``"spectral"``.
         """
         if self._floor is None:
             cells = self._state.floor_cells()
@@ -80,15 +80,15 @@ class ContactState(PressNumbers):
 
     @property
     def _goes_through_floor(self) -> bool:
-        """Whether the lens is in the floor, which is ignored."""
+        """Whether the lens penetrates the floor, because floor contact is ignored."""
         return self.beyond_transition and self.floor is None
 
     @property
     def pillars(self) -> npt.NDArray[np.void]:
-        """The touched pillars, nearest to the lens axis first: a structured array.
+        """The touched pillars, sorted by distance from the lens axis: a structured array.
 
-        ``state.pillars["force_N"]`` is a column, ``pandas.DataFrame(state.pillars)`` a table. Empty
-        for methods that do not resolve pillars.
+        ``state.pillars["force_N"]`` is a column, ``pandas.DataFrame(state.pillars)`` a table. Empty for methods that do not
+        resolve pillars.
         """
         if self._pillars is None:
             columns = self._state.pillars()
@@ -104,27 +104,25 @@ class ContactState(PressNumbers):
     ) -> Any:
         """Contact pressure (Pa) at points (m from the lens axis), which are broadcast.
 
-        On the floor it is that of its cells: see `floor`. At the rim of a pillar that is fully in contact it is infinite: `on_grid` gives means over
-        cells, which are not. ``memory_limit`` is in bytes; 8 GB if
-        not given.
+        On the floor it is constant on each cell: see `floor`. At the rim of a fully touched pillar it is infinite; `on_grid`
+        returns finite means over cells. ``memory_limit`` is in bytes; 8 GB if not given.
         """
         return self._field(2, x, y, threads, memory_limit)
 
     def gap(
         self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
     ) -> Any:
-        """Gap (m) between the lens and what is below it: pillar top or floor.
+        """Gap (m) between the lens and the pillar top or floor below it.
 
-        Where the floor is in contact it is zero, as the mean over a cell: at a point it differs from that by
-        what the cells do not resolve. Where the floor is ignored it is negative past the transition.
+        Where the floor is in contact it is zero as the mean over a cell; its value at a point depends on details that the cells
+        do not resolve. If floor contact is ignored it is negative past the transition.
         """
         return self._field(1, x, y, threads, memory_limit)
 
     def displacement(
         self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
     ) -> Any:
-        """How far the pressure on pillar tops and floor has moved the two surfaces apart (m), pillars not
-        shortened."""
+        """Separation of the two surfaces by the pressure on pillar tops and floor (m), without the shortening of pillars."""
         return self._field(0, x, y, threads, memory_limit)
 
     def on_pillar(self, x: object, y: object) -> Any:
@@ -138,10 +136,10 @@ class ContactState(PressNumbers):
     ) -> xarray.Dataset:
         """All fields on the grid of coordinates ``x`` and ``y`` (m), with units.
 
-        The pressure, which is infinite at the rim of a covered pillar, is its mean over the cell
-        around each point: half-way to the next points. Its sum times the area of a cell is the force.
-        `pressure` gives the value at a point. Past the transition the pressure on the floor is in it, and what the
-        floor bears is in the attributes ``floor_force_N``, ``floor_share`` and ``floor_contact_area_m2``.
+        The pressure, which is infinite at the rim of a covered pillar, is its mean over the cell around each point: half-way to
+        the next points. Its sum times the area of a cell is the force. `pressure` returns the value at a point. Past the
+        transition the pressure on the floor is included; the attributes ``floor_force_N``, ``floor_share`` and
+        ``floor_contact_area_m2`` describe the floor contact.
 
         Needs xarray: ``pip install fakir[xarray]``.
         """
@@ -156,7 +154,7 @@ class ContactState(PressNumbers):
     def to_xarray(
         self, points: int = 201, *, threads: int = 1, memory_limit: int | None = None
     ) -> xarray.Dataset:
-        """All fields on a square grid around the contact, with so many points along a side."""
+        """All fields on a square grid around the contact, with this number of points along a side."""
         _fakir.check_points(points * points, memory_limit)
         reach = max(self.contact_radius, 0.5 * self.system.pitch) + self.system.pitch
         axis = np.linspace(-reach, reach, points)
@@ -177,7 +175,7 @@ class ContactState(PressNumbers):
     def _samples(
         self, x: FloatArray, y: FloatArray, threads: int, memory_limit: int | None
     ) -> list[FloatArray]:
-        # Points that were broadcast have no memory of their own yet.
+        # Arrays that were broadcast have no memory of their own yet.
         _fakir.check_points(x.size, memory_limit)
         flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
         found = self._state.sample(*flat, options(threads, memory_limit=memory_limit))
@@ -262,7 +260,7 @@ class CriticalState(TransitionNumbers):
 
     @property
     def system(self) -> System:
-        """The system that was solved, with the method that solved it."""
+        """The solved system, with the method that was used."""
         return self.state.system
 
     @property
@@ -292,7 +290,7 @@ class CriticalState(TransitionNumbers):
 
 
 def contact_state(state: _fakir.State, system: System) -> ContactState:
-    """The state for the user: with its warnings, and only if it is a solution."""
+    """The state with its warnings; raises an error if it is not a solution."""
     contact = ContactState(state, system)
     warn(contact.warnings)
     if contact._goes_through_floor:
@@ -310,7 +308,7 @@ def contact_state(state: _fakir.State, system: System) -> ContactState:
 
 
 def critical_state(critical: _fakir.Critical, system: System) -> CriticalState:
-    """The critical state for the user."""
+    """The critical state with its warnings."""
     result = CriticalState(critical, system)
     warn(result.warnings)
     if not result.converged:
@@ -329,12 +327,12 @@ def _axis(values: object, name: str) -> FloatArray:
 
 
 def radius_digits(error: float | None) -> int:
-    """Digits of a contact radius with this relative error that mean something, two to five."""
+    """Number of significant digits of a contact radius with this relative error, two to five."""
     if error is None or not error < 1.0:
         return 2
     return 5 if error <= 0.0 else min(max(int(np.ceil(-np.log10(error))), 2), 5)
 
 
 def radius(value: float, error: float | None) -> str:
-    """A contact radius in the digits that its relative error leaves."""
+    """A contact radius, rounded to its relative error."""
     return engineering(value, "m", radius_digits(error)) + remark(error or 0.0)

@@ -1,4 +1,4 @@
-"""Studies as files, texts and dictionaries."""
+"""Studies as files, strings and dictionaries."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ._system import System
 from .bem import Surface
 
 StudyLike: TypeAlias = str | PathLike[str] | Mapping[str, Any]
-"""A study file, the text of one, or a dictionary."""
+"""A study file, its text, or a dictionary."""
 
 
 def read_study(study: StudyLike, overrides: Overrides | None) -> _fakir.Study:
-    """The study, with every case of it looked at."""
+    """The study, with all cases validated."""
     given = settings(overrides)
     if isinstance(study, Mapping):
         return _fakir.Study.parse("study", _to_toml(study), given)
@@ -34,9 +34,7 @@ def read_study(study: StudyLike, overrides: Overrides | None) -> _fakir.Study:
 
 
 def _to_toml(tables: Mapping[str, Any]) -> str:
-    """A study file of a dictionary; a `System` or a `Surface` of a case file in it, as ``"system"``, is
-    the case.
-    """
+    """Converts a dictionary to a study file; the value of ``"system"``, a `System` or a `Surface` of a case file, is the case."""
     texts = []
     for name, table in tables.items():
         if isinstance(table, (System, Surface)):
@@ -49,7 +47,7 @@ def _to_toml(tables: Mapping[str, Any]) -> str:
             )
         lines = [f"{_key(key)} = {_value(value, key)}" for key, value in table.items()]
         texts.append("\n".join([f"[{name}]", *lines]))
-    # A case has tables of its own, so it comes last.
+    # A case contains tables and therefore comes last.
     texts.sort(key=lambda text: text.lstrip().startswith("#"))
     return "\n\n".join(texts) + "\n"
 

@@ -28,19 +28,19 @@ if TYPE_CHECKING:
     import xarray
 
 SweepProgress: TypeAlias = Callable[[int, int, int, int], object]
-"""Called with the cases done, those of them found in the journal, those failed, and all."""
+"""Called with the number of cases done, found in the journal, failed, and in total."""
 
 BATCH_SECONDS = 1.0
-"""How long a batch of cases should take, s: long against its way to a worker, short against the sweep."""
+"""Target duration of a batch of cases, s: long compared to its transfer to a worker, short compared to the sweep."""
 
 GROWTH = 4
-"""A batch has at most this many times as many cases as any before it, as costs are only guessed at first."""
+"""Largest growth factor of the number of cases from batch to batch, because costs are unknown at first."""
 
 ATTEMPTS = 3
-"""How often a batch is sent again when its worker was lost."""
+"""Number of times that a batch is sent again after its worker was lost."""
 
 LOST = {"KilledWorker", "CommClosedError", "TimeoutError"}
-"""Exceptions of Dask that say that the worker was lost, not that the batch is wrong."""
+"""Exceptions of Dask that mean that the worker was lost, not that the batch is invalid."""
 
 UNITS = {"_m": "m", "_N": "N", "_Pa": "Pa", "_rad": "rad"}
 
@@ -55,7 +55,7 @@ class Sweep:
 
     @property
     def found(self) -> int:
-        """Cases that were in the journal before."""
+        """Number of cases found in the journal at the start."""
         return self._found
 
     @property
@@ -65,20 +65,20 @@ class Sweep:
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """A dictionary for every case; what has no answer is ``None``."""
+        """A dictionary for every case; missing results are None."""
         columns = {name: _values(values) for name, values in self._columns.items()}
         return [dict(zip(columns, row)) for row in zip(*columns.values())]
 
     @property
     def failed(self) -> list[dict[str, Any]]:
-        """The rows without an answer to be relied on; their ``problem`` says why."""
+        """The rows without a reliable result; ``problem`` gives the reason."""
         return [row for row in self.rows if row["problem"]]
 
     def __len__(self) -> int:
         return self._study.cases
 
     def to_csv(self) -> str:
-        """The table as ``table.csv`` of the command line, byte for byte."""
+        """The table as in ``table.csv`` of the command line, byte for byte."""
         return self._csv
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -145,44 +145,41 @@ def sweep(
     progress: SweepProgress | None = None,
     memory_limit: int | None = None,
 ) -> Sweep:
-    """Answers every case of a study.
+    """Computes every case of a study.
 
     Parameters
     ----------
     study
-        A study file, its text, or a dictionary of its tables, in which a `System`, or a
-        `fakir.bem.Surface` of a case file, can be the case:
-        ``{"system": system, "axes": {"surface_fraction": [0.01, 0.1]}}``. Critical states are asked for unless
-        ``"study": {"question": "press"}``, ``"cycle"`` or ``"collapse"`` says otherwise.
+        A study file, its text, or a dictionary of its tables, in which a `System`, or a `fakir.bem.Surface` of a case file, can
+        be the case: ``{"system": system, "axes": {"surface_fraction": [0.01, 0.1]}}``. Critical states are computed unless
+        ``"study": {"question": "press"}``, ``"cycle"`` or ``"collapse"`` is given.
     executor
-        Where the cases are computed: any executor of ``concurrent.futures`` (threads, processes,
-        ``mpi4py.futures``) or of Dask (``client.get_executor()``). A function that makes one, such as
-        ``functools.partial(ProcessPoolExecutor, 4)``, is called again when its workers are lost.
-        Without it, all processors of this machine are used.
+        Executor of the cases: any executor of ``concurrent.futures`` (threads, processes, ``mpi4py.futures``) or of Dask
+        (``client.get_executor()``). A function that creates one, such as ``functools.partial(ProcessPoolExecutor, 4)``, is called
+        again when its workers are lost. Without it, all processors of this machine are used.
     output
-        A folder for table and journal, as of ``fakir sweep --output``.
+        A folder for table and journal, as for ``fakir sweep --output``.
     set
         Overrides of keys of the case.
     resume, overwrite
-        Go on with the sweep that is in ``output``, or begin anew there. A line of its journal that is
-        damaged is named in a `FakirWarning`, and its case is computed again.
+        Continue the sweep in ``output``, or start again there. A damaged line of its journal is reported in a `FakirWarning`, and
+        its case is computed again.
     threads
-        To use if there is no executor; 0 for all processors, which are the most that are used.
+        Number of threads without an executor; 0 for all processors, which is the maximum.
     progress
-        Called in this process with the cases done, found before, failed, and all. It stays here and
-        need not be picklable.
+        Called in this process with the number of cases done, found before, failed, and in total. It need not be picklable.
     memory_limit
-        Bytes that a case may take; 8 GB if not given.
+        Memory limit of a case in bytes; 8 GB if not given.
 
     Returns
     -------
     Sweep
-        The table, which does not depend on how it was computed.
+        The table, which does not depend on the executor.
 
     Raises
     ------
     WorkersLost
-        If workers are lost again and again. Every answer that was there is in the journal.
+        If workers are lost repeatedly. The journal contains every result obtained before.
     """
     if resume and overwrite:
         raise TypeError("resume and overwrite exclude each other")
@@ -214,7 +211,7 @@ def sweep(
 
 @dataclass
 class _Batch:
-    """Cases that are shipped together."""
+    """Cases that are sent together."""
 
     groups: list[list[int]]
     attempt: int = 0
@@ -228,7 +225,7 @@ _Result: TypeAlias = tuple[list[str], float]
 
 
 class _Shipping:
-    """Batches on their way to an executor and back into the ledger."""
+    """Batches sent to an executor, and their results for the ledger."""
 
     def __init__(
         self,
@@ -253,7 +250,7 @@ class _Shipping:
         self.told = 0.0
 
     def run(self) -> None:
-        """Ships everything, and waits for it."""
+        """Sends everything, and waits for the results."""
         try:
             while self.waiting or self.lost or self.pending:
                 self.ship()
@@ -289,7 +286,7 @@ class _Shipping:
             wanted = min(
                 math.ceil(BATCH_SECONDS / max(self.seconds_per_case, 1e-6)),
                 GROWTH * self.largest,
-                # The last batches should end together.
+                # The last batches should end at about the same time.
                 math.ceil(left / (2 * self.workers)),
             )
         groups = [self.waiting.popleft()]
@@ -298,7 +295,7 @@ class _Shipping:
         return _Batch(groups)
 
     def collect(self, done: set[Future[_Result]]) -> None:
-        """Puts answers into the ledger, and lost batches back into the queue."""
+        """Adds results to the ledger, and puts lost batches back into the queue."""
         broken: BrokenExecutor | None = None
         wrong: BaseException | None = None
         lines: list[str] = []
@@ -324,7 +321,7 @@ class _Shipping:
             else:
                 lines += answers
                 self.learn(len(answers), seconds)
-        # Answers that are there go into the ledger before anything is raised.
+        # Available results are added to the ledger before an exception is raised.
         if lines:
             self.ledger.append(lines)
         if wrong is not None:
@@ -333,15 +330,15 @@ class _Shipping:
             self.broke(broken)
 
     def learn(self, cases: int, seconds: float) -> None:
-        """Updates the estimate of what a case takes. The last batches count most."""
+        """Updates the estimate of the time per case. Recent batches have a larger weight."""
         cost = seconds / cases
         known = self.seconds_per_case
         self.seconds_per_case = cost if known is None else 0.5 * (known + cost)
         self.largest = max(self.largest, cases)
 
     def broke(self, error: BrokenExecutor) -> None:
-        """The executor cannot be used any more: begins again with a new one, if it can be made."""
-        # All batches that it had will fail, but some of them may have ended before.
+        """Replaces an executor that can no longer be used, if a new one can be created."""
+        # All of its batches will fail, but some of them may have completed before.
         rest = set(self.pending)
         wait(rest, timeout=5.0)
         finished = {future for future in rest if future.done()}
@@ -372,7 +369,7 @@ class _Shipping:
         self.executor = self.make()
 
     def kept_words(self) -> str:
-        """Says how many cases are done and kept."""
+        """Message with the number of cases that are done and kept."""
         done = self.ledger.done
         if self.kept:
             return f"{done} of {self.cases} cases are in the journal: go on with resume=True"
@@ -382,7 +379,7 @@ class _Shipping:
         )
 
     def tell(self, last: bool = False) -> None:
-        """Tells the progress, at most 20 times a second."""
+        """Reports the progress, at most 20 times a second."""
         now = time.monotonic()
         if self.progress is not None and (last or now - self.told > 0.05):
             self.told = now
@@ -391,7 +388,7 @@ class _Shipping:
 
 
 def _workers(executor: Executor) -> int:
-    """How many cases an executor computes at the same time, as far as it says."""
+    """Number of cases that an executor computes at the same time, if available."""
     client = getattr(executor, "_client", None)
     if client is not None:
         return max(1, int(sum(client.nthreads().values())))
@@ -414,7 +411,7 @@ def _values(values: Any) -> list[Any]:
 
 
 def _array(values: Any) -> Any:
-    """An array; whole numbers and flags with gaps become numbers with NaN."""
+    """An array; integers and flags with missing values become numbers with NaN."""
     if isinstance(values, np.ndarray):
         return values
     if any(value is None for value in values):

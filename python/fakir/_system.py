@@ -1,4 +1,4 @@
-"""A lens above a texture, and the questions one can ask of it."""
+"""A lens above a pillar pattern, and the computations for it."""
 
 from __future__ import annotations
 
@@ -44,18 +44,19 @@ Method = Literal["spectral", "love", "punch", "homogenised"]
 
 
 class System(Shown):
-    """A lens above a texture: the complete problem, checked.
+    """A lens above a pillar pattern: the complete, validated problem.
 
     Parameters
     ----------
     lens, substrate, texture
-        What is pressed onto what. A lens is a `Lens`, a sphere, or another one: `ParaboloidLens`, `CylinderLens`, `PlateLens`, `ProfileLens`.
+        The bodies and the pattern. A lens is a `Lens`, which is a sphere, or another shape: `ParaboloidLens`, `CylinderLens`,
+        `PlateLens`, `ProfileLens`.
     floor_contact
-        Whether the floor between the pillars bears its part past the transition. False is the fiction of the
-        paper, in which the lens goes through the floor.
+        Whether the floor between the pillars carries load past the transition. If False, floor contact is ignored, as in the
+        paper.
     adhesion
-        How the pillar tops stick: an `Adhesion`, or the work of adhesion alone (J/m^2, or a text such as
-        ``"50 mJ/m2"``). Nothing sticks if there is none. Only the method ``"spectral"`` has adhesion.
+        Adhesion of the pillar tops: an `Adhesion`, or the work of adhesion alone (J/m^2, or a string such as ``"50 mJ/m2"``).
+        Without it there is no adhesion. Only the method ``"spectral"`` supports adhesion.
 
     Examples
     --------
@@ -67,14 +68,14 @@ class System(Shown):
     >>> round(1e3 * system.transition().force, 3)
     4.448
 
-    Past the transition the floor bears a part of the force:
+    Past the transition the floor carries part of the load:
 
     >>> sparse = system.replace({"texture.surface_fraction": 0.03})
     >>> state = sparse.press(indentation="6 um")
     >>> round(state.floor.share, 2)
     0.15
 
-    Silicone sticks: `cycle` lowers the lens and pulls it off again.
+    With adhesion, `cycle` computes loading and unloading:
 
     >>> sticky = sparse.replace({"adhesion.work": "50 mJ/m2"})
     >>> round(1e6 * sticky.cycle().pull_off.force)
@@ -159,9 +160,8 @@ class System(Shown):
     ) -> System | Surface:
         """Reads a case file; ``set`` overrides keys, as ``--set`` of the command line.
 
-        The method of the file is the one that is used where none is asked for. A case with a general
-        ``[surface]`` gives a `fakir.bem.Surface`, which answers the same questions: `press`,
-        `transition`, `approach` and `verify`.
+        The method of the file is the default of all computations. For a case with a general ``[surface]`` a `fakir.bem.Surface`
+        is returned, which has the same functions `press`, `transition`, `approach` and `verify`.
         """
         return cls._described(_fakir.read_case(fspath(path), settings(set), False))
 
@@ -180,7 +180,7 @@ class System(Shown):
         return cls._of(found)
 
     def to_toml(self) -> str:
-        """The case as a commented file, which gives the same system to the bit."""
+        """The case as a commented file, which reproduces the system exactly."""
         return self._case.to_toml()
 
     def replace(self, set: Overrides) -> System:
@@ -215,7 +215,7 @@ class System(Shown):
 
     @property
     def texture(self) -> Texture:
-        """The texture, by its pitch."""
+        """The pillar pattern, given by its pitch."""
         values = self._case.values()
         rows = self._case.listed()
         height, diameter = values["texture.pillar.height"], values["texture.pillar.diameter"]
@@ -268,22 +268,22 @@ class System(Shown):
 
     @property
     def pitch(self) -> float:
-        """Distance of neighbouring pillars, m; of listed ones the mean distance of nearest neighbours."""
+        """Distance between neighbouring pillars, m; for listed pillars the mean distance to the nearest neighbour."""
         return float(self._case.values()["texture.pitch"])
 
     @property
     def surface_fraction(self) -> float:
-        """Fraction of the surface that is pillar top."""
+        """Fraction of the surface covered by pillar tops."""
         return float(self._case.values()["texture.surface_fraction"])
 
     @property
     def floor_contact(self) -> bool:
-        """Whether the floor bears its part past the transition; if not, the lens goes through it."""
+        """Whether the floor carries load past the transition; if not, floor contact is ignored."""
         return bool(self._case.values()["floor.contact"] == "true")
 
     @property
     def adhesion(self) -> Adhesion | None:
-        """How the pillar tops stick; none if nothing does."""
+        """Adhesion of the pillar tops; None without adhesion."""
         values = self._case.values()
         if "adhesion.work" not in values:
             return None
@@ -295,7 +295,7 @@ class System(Shown):
 
     @property
     def method(self) -> str:
-        """The method that is used where none is asked for."""
+        """The default method."""
         return str(self._case.values()["method.name"])
 
     def pillar_centre(self, i: int, j: int) -> tuple[float, float]:
@@ -316,33 +316,32 @@ class System(Shown):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> CriticalState:
-        """The critical state, in which the lens just reaches the floor between the pillars.
+        """Computes the critical state, in which the lens just reaches the floor between the pillars.
 
         Parameters
         ----------
         method
-            ``"spectral"`` (what there is unless a case file says otherwise), ``"love"``,
-            ``"punch"`` or ``"homogenised"``.
+            ``"spectral"`` (the default unless a case file gives another), ``"love"``, ``"punch"`` or ``"homogenised"``.
         accuracy
-            Of the spectral method: ``"default"`` or ``"accurate"``.
+            Accuracy of the spectral method: ``"default"`` or ``"accurate"``.
         form
-            Of the punch lattice: ``"corrected"`` or ``"plain"``.
+            Form of the punch lattice: ``"corrected"`` or ``"plain"``.
         cells_per_diameter, mesh, cells
-            Of Love elements, as in a case file.
+            Options of boundary elements, as in a case file.
         threads
-            To share the work between; 0 for all processors, which are the most that are used.
+            Number of threads; 0 for all processors, which is the maximum.
         progress
-            Called now and then with the stage, the step, and the numbers of pillars solved and
-            touched. An exception in it stops the computation.
+            Called at intervals with the stage, the step, and the numbers of pillars solved and touched. An exception in it stops
+            the computation.
         memory_limit
-            Bytes; 8 GB if not given.
+            Memory limit in bytes; 8 GB if not given.
 
         Raises
         ------
         SolveError
-            If there is no such contact, or it takes too much memory.
+            If there is no such contact, or it exceeds the memory limit.
         NotConverged
-            If the solution is none; what was reached is in its ``result``.
+            If the solution did not converge; ``result`` contains the last iterate.
         KeyboardInterrupt
             Within a fraction of a second of Ctrl-C.
         """
@@ -365,11 +364,11 @@ class System(Shown):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> ContactState:
-        """The contact at an indentation (m) or under a force (N): exactly one of them.
+        """Computes the contact at an indentation (m) or under a force (N): exactly one of them.
 
-        Past the transition the floor bears its part: `ContactState.floor`. Only the method ``"spectral"``
-        knows how much. By the other methods, and with ``floor_contact=False`` of the system, such a load is
-        answered as if the floor were not there, with a warning. Everything else is as in `transition`.
+        Past the transition the floor carries part of the load: `ContactState.floor`. Only the method ``"spectral"`` computes
+        this. With the other methods, and with ``floor_contact=False`` of the system, floor contact is ignored, with a warning.
+        All other arguments are as in `transition`.
         """
         system = self._with_method(method, accuracy, form, cells_per_diameter, mesh, cells)
         run = options(threads, progress, memory_limit)
@@ -385,15 +384,15 @@ class System(Shown):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> Gradient:
-        """The contact at an indentation (m) or under a force (N), or the critical state, with its exact derivatives.
+        """Computes the contact at an indentation (m) or under a force (N), or the critical state, with its exact derivatives.
 
-        They are with respect to the numbers of the system, and to the height of every pillar. Only the method
-        ``"spectral"`` has them, without adhesion, and as long as the floor bears nothing.
+        They are with respect to the numbers of the system, and to the height of every pillar. They are supported only by the
+        method ``"spectral"``, without adhesion, and as long as the floor carries no load.
 
         Raises
         ------
         SolveError
-            If there is no such contact, or it has no gradient; it says why.
+            If there is no such contact, or it has no gradient, with the reason.
         """
         system = self._with_method("spectral", accuracy)
         question = load_or_critical(indentation, force)
@@ -413,22 +412,22 @@ class System(Shown):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> Approach:
-        """Loading step by step from first touch, up to the critical state, or through it.
+        """Computes a loading in steps from first contact, up to the critical state or beyond.
 
-        The critical state is one of the states. Past it the floor bears its part, as in `press`.
+        The critical state is one of the states. Past it the floor carries part of the load, as in `press`.
 
         Parameters
         ----------
         step
-            Of the indentation (m).
+            Step of the indentation (m).
         until
-            The last indentation (m), unless the critical state comes earlier.
+            The last indentation (m), unless the critical state is reached earlier.
         to
             The last indentation (m), before the critical state or past it.
         to_force
-            The force (N) under which the loading ends, before the critical state or past it.
+            The force (N) at the end of the loading, before the critical state or past it.
         past_transition
-            Makes ``until`` mean the same as ``to``, which is to be given in its place.
+            Deprecated: makes ``until`` equivalent to ``to``.
         """
         path = checked_path(step, until, past_transition, to, to_force)
         system = self._with_method(method, accuracy)
@@ -447,22 +446,22 @@ class System(Shown):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> Cycle:
-        """Loading and unloading of pillar tops that stick, up to the critical state unless told otherwise.
+        """Computes loading and unloading with adhesive pillar tops, by default up to the critical state.
 
-        The floor does not stick: loading ends at the latest where the lens reaches it, unless it is ignored
+        If the floor is not adhesive, loading ends at the latest where the lens reaches it, unless floor contact is ignored
         (``floor_contact=False``).
 
         Parameters
         ----------
         to, to_force
-            The indentation (m) or the force (N) at which the lens turns back.
+            The indentation (m) or the force (N) at which unloading starts.
         drive
-            What is held while contacts snap in or out: ``"displacement"``, ``"force"``, or the crosshead of a
-            ``"machine"``.
+            Quantity held fixed while contacts attach or detach: ``"displacement"``, ``"force"``, or the crosshead position of a
+            testing ``"machine"``.
         machine_stiffness
-            Of that machine (N/m).
+            Stiffness of that machine (N/m).
         retract
-            Whether the lens is pulled off again.
+            Whether unloading is computed.
         """
         system = self._with_method(None, accuracy)
         run = options(threads, progress, memory_limit)
@@ -475,7 +474,7 @@ class System(Shown):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> Comparison:
-        """The critical state by every method, coarse to exact."""
+        """Computes the critical state by every method, approximate to exact."""
         return compare(self, options(threads, progress, memory_limit))
 
     def verify(
@@ -488,10 +487,10 @@ class System(Shown):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> Verification:
-        """A second opinion: the spectral method and Love elements on the same question.
+        """Compares the spectral method with boundary elements on the same problem.
 
-        The question is the critical state, or the contact under a load if one is given. Elements have no adhesion, so
-        that a system with adhesion is refused: ``system.replace({"adhesion.work": 0})`` is the one without.
+        The problem is the critical state, or the contact under a load if one is given. Boundary elements do not support adhesion;
+        a system with adhesion is refused: use ``system.replace({"adhesion.work": 0})``.
         """
         question = load_or_critical(indentation, force)
         run = options(threads, progress, memory_limit)
@@ -583,7 +582,7 @@ class System(Shown):
         rows = self._case.listed()
         if rows is None:
             return System.from_toml, (self.to_toml(),)
-        # Wherever it is made again, the file of the pillars need not be there.
+        # The copy must not depend on the file of the pillars.
         return _with_listed, (self.to_toml(), rows)
 
 

@@ -1,4 +1,4 @@
-"""A second opinion: two independent methods on the same question."""
+"""Verification: two independent methods on the same problem."""
 
 from __future__ import annotations
 
@@ -17,29 +17,28 @@ if TYPE_CHECKING:
 
 
 class Difference(NamedTuple):
-    """A relative difference, and what the error estimates allow."""
+    """A relative difference, and the value accepted by the error estimates."""
 
     relative: float
     allowed: float
 
 
 def _number(value: float | None) -> float:
-    """A number of a JSON object; what is not known there is NaN here."""
+    """A number of a JSON object; null becomes NaN."""
     return float("nan") if value is None else value
 
 
 class Opinion(Result):
-    """What two answers to one question say of each other."""
+    """Comparison of two results for one problem."""
 
     verdict: str
-    """``"agree"``, ``"disagree"``, or ``"cannot tell"`` where a method did not converge or knows no
-    digit."""
+    """``"agree"``, ``"disagree"``, or ``"cannot tell"`` if a method did not converge or its result has no significant digit."""
     doubt: str | None
-    """Why it cannot be told; None if it can."""
+    """Why the comparison is inconclusive; None if it is conclusive."""
     force: Difference
-    """Of the elements from the spectral method, or of the coarser cells from the finer ones."""
+    """Difference of the elements from the spectral method, or of the coarser cells from the finer ones."""
     indentation: Difference
-    """The same of the indentation."""
+    """The same for the indentation."""
 
     def __init__(self, summary: dict[str, Any]) -> None:
         self._summary = summary
@@ -73,14 +72,14 @@ class Opinion(Result):
 
 
 class Verification(Opinion):
-    """The answers of both methods, and what they differ by."""
+    """The results of both methods, and their differences."""
 
     _titles = ("fakir.Verification", "Verification by an independent method")
 
     spectral: ContactState
-    """By the accurate spectral method."""
+    """Result of the accurate spectral method."""
     elements: tuple[ContactState, ContactState]
-    """By Love elements, on half as many cells across a pillar and on all."""
+    """Results of boundary elements, on half as many cells across a pillar and on all."""
 
     def __init__(self, summary: dict[str, Any], states: list[ContactState]) -> None:
         super().__init__(summary)
@@ -95,7 +94,7 @@ class Verification(Opinion):
 
 
 def checked_cells(cells_per_diameter: int) -> None:
-    """Refuses numbers of cells of which half are too few, or that nobody can compute."""
+    """Raises an error for numbers of cells of which half are too few, or that are too large."""
     if not 16 <= cells_per_diameter <= 1024:
         raise ValueError(f"cells_per_diameter is {cells_per_diameter}: give 16 to 1024")
 
@@ -106,7 +105,7 @@ def verify(
     cells_per_diameter: int,
     options: _fakir.Options,
 ) -> Verification:
-    """Asks both methods."""
+    """Solves with both methods."""
     checked_cells(cells_per_diameter)
     summary, states = _fakir.verify(system._case, *load, cells_per_diameter, options)
     return Verification(json.loads(summary), [ContactState(state, system) for state in states])

@@ -1,4 +1,4 @@
-"""What the workers of a sweep run, wherever they are."""
+"""Code that the workers of a sweep run."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def _study(text: str) -> _fakir.Study:
 def solve_batch(
     study: str, cases: Sequence[int], memory_limit: int | None, attempt: int
 ) -> tuple[list[str], float]:
-    """Lines of a journal for some cases of a study, and the seconds they took.
+    """Journal lines for some cases of a study, and the computing time in seconds.
 
-    ``attempt`` tells a batch that is tried again from the one that was lost.
+    ``attempt`` distinguishes a repeated batch from the one that was lost.
     """
     parsed = _study(study)
     start = time.perf_counter()

@@ -1,7 +1,7 @@
-"""Contact on any surface, by elements of constant pressure (A. E. H. Love, 1929).
+"""Contact on arbitrary surfaces with boundary elements of constant pressure (A. E. H. Love, 1929).
 
-A lens or a plate on a height map: measured, computed, or a ``SurfaceTopography`` object. The floor
-is a part of the surface, so that the contact goes on past the transition.
+A lens or a plate on a height map: measured, computed, or a ``SurfaceTopography`` object. The floor is part of the surface, so
+that contacts past the transition are included.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ __all__ = [
 
 @dataclass(frozen=True, init=False)
 class Plate:
-    """A flat plate, larger than the surface and kept from tilting; rigid without a material."""
+    """A flat plate, larger than the surface and with a fixed orientation; rigid without a material."""
 
     young_modulus: float | None
     poisson_ratio: float | None
@@ -60,7 +60,7 @@ class Plate:
 def bodies(
     indenter: Lens | Plate, substrate: Substrate
 ) -> tuple[list[float] | None, list[float] | None, list[float]]:
-    """The numbers of a lens or a plate, one of which is none, and of a half-space."""
+    """The numbers of a lens or a plate (the other one is None), and of a half-space."""
     if not isinstance(indenter, (Lens, Plate)):
         raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
     of_substrate = [substrate.young_modulus, substrate.poisson_ratio]
@@ -76,7 +76,7 @@ def bodies_of(
     system: _fakir.Surface | _fakir.Rounded,
     layers: Sequence[LayerNumbers | None] = (None, None),
 ) -> tuple[Lens | Plate, Substrate]:
-    """The indenter and the substrate of such numbers."""
+    """The indenter and the substrate for these numbers."""
     lens, plate = system.lens, system.plate
     film, of_lens = (layer_options(layer) for layer in layers)
     indenter = Plate(*(plate or [])) if lens is None else Lens(*lens, **of_lens)
@@ -89,22 +89,20 @@ class Surface:
     Parameters
     ----------
     heights
-        Heights (m), a row for every y: ``heights[y, x]``, float64 or float32; or an object with
-        ``heights()`` and ``physical_sizes``, as of SurfaceTopography, whose arrays are
-        ``[x, y]`` and whose ``unit`` is taken into account.
+        Heights (m), a row for every y: ``heights[y, x]``, float64 or float32; or an object with ``heights()`` and
+        ``physical_sizes``, as in SurfaceTopography, whose arrays are ``[x, y]`` and whose ``unit`` is taken into account.
     indenter
         A `Lens` or a `Plate`.
     substrate
         The elastic body under the surface, a half-space or a film.
     cell_size, width
-        Side of a cell, or extent along x (m): exactly one of them, none for an object that knows.
+        Side of a cell, or extent along x (m): exactly one of them, none for an object that defines its size.
     floor
-        Cells at this height (m) or below are floor; needed for `transition` and for the shares of
-        tops and floor.
+        Cells at this height (m) or below are floor; needed for `transition` and for the load sharing between tops and floor.
     axis
-        Where the lens axis is, in m from the centre of the map.
+        Position of the lens axis, in m from the centre of the map.
     periodic
-        Whether the map repeats itself; as an object says, otherwise not.
+        Whether the map is periodic; by default as defined by the object, otherwise not.
     """
 
     indenter: Lens | Plate
@@ -166,9 +164,8 @@ class Surface:
         *,
         memory_limit: int | None = None,
     ) -> Surface:
-        """Reads a case file with a ``[surface]``; ``set`` overrides keys, as ``--set`` of the command
-        line. ``memory_limit`` is in bytes; 8 GB if not given.
-        """
+        """Reads a case file with a ``[surface]``; ``set`` overrides keys, as ``--set`` of the command line. ``memory_limit`` is
+        in bytes; 8 GB if not given."""
         return cls._of(_fakir.Surface.read(fspath(path), settings(set), memory_limit))
 
     @classmethod
@@ -179,9 +176,7 @@ class Surface:
         return cls._of(_fakir.Surface.parse("case.toml", text, settings(set), memory_limit))
 
     def to_toml(self) -> str:
-        """The case as a commented file, of a surface that a case file describes; a height map is named by
-        its absolute path.
-        """
+        """The case as a commented file, for a surface from a case file; a height map is given by its absolute path."""
         text = self._surface.to_toml()
         if text is None:
             raise ValueError(
@@ -207,10 +202,10 @@ class Surface:
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> SurfaceContact:
-        """The contact at an indentation (m) or under a force (N): exactly one of them.
+        """Computes the contact at an indentation (m) or under a force (N): exactly one of them.
 
-        The indentation counts from where the indenter is level with the highest point of the
-        surface; on a periodic surface from the mean displacement.
+        The indentation is zero where the indenter is level with the highest point of the surface; on a periodic surface it is
+        relative to the mean displacement.
         """
         run = options(threads, progress, memory_limit)
         contact = _fakir.press_surface(self._surface, *load(indentation, force), run)
@@ -223,7 +218,7 @@ class Surface:
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> SurfaceTransition:
-        """The state in which the floor is just reached."""
+        """Computes the state in which the indenter just reaches the floor."""
         run = options(threads, progress, memory_limit)
         found = _fakir.surface_transition(self._surface, run)
         return self._reached(found)
@@ -240,22 +235,22 @@ class Surface:
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> SurfaceApproach:
-        """Loading step by step from first touch, up to the critical state, or through it.
+        """Computes a loading in steps from first contact, up to the critical state or beyond.
 
         Parameters
         ----------
         step
-            Of the indentation (m).
+            Step of the indentation (m).
         until
-            The last indentation (m), unless the critical state comes earlier.
+            The last indentation (m), unless the critical state is reached earlier.
         to
-            The last indentation (m), before the critical state or past it, where the floor bears its part.
+            The last indentation (m), before the critical state or past it, where the floor carries part of the load.
         to_force
-            The force (N) under which the loading ends, before the critical state or past it.
+            The force (N) at the end of the loading, before the critical state or past it.
         past_transition
-            Makes ``until`` mean the same as ``to``, which is to be given in its place.
+            Deprecated: makes ``until`` equivalent to ``to``.
 
-        One of the ends is needed where it is not known what the floor is.
+        An end is required if the surface defines no floor.
         """
         path = checked_path(step, until, past_transition, to, to_force)
         run = options(threads, progress, memory_limit)
@@ -276,12 +271,11 @@ class Surface:
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> SurfaceVerification:
-        """The same question on two meshes: on ``cells_per_diameter`` cells across a pillar, and on half
-        as many.
+        """Solves the same problem on two meshes: with ``cells_per_diameter`` cells across a pillar, and with half as many.
 
-        The question is the critical state, or the contact under a load if one is given. The surface
-        must be of pillars on a lattice, as a case file describes them: heights are known on their own
-        cells only, and pillars at random stand elsewhere on other cells.
+        The problem is the critical state, or the contact under a load if one is given. The surface must consist of pillars on a
+        lattice given by a case file: height maps are defined on their own cells only, and random pillars have different positions
+        on other cells.
         """
         question = load_or_critical(indentation, force)
         checked_cells(cells_per_diameter)
@@ -305,13 +299,13 @@ class SurfaceContact(SurfacePressNumbers):
     _titles = ("fakir.bem.SurfaceContact", "Contact on a height map")
 
     surface: Surface
-    """What was solved."""
+    """The problem."""
     pressure_map: FloatArray
-    """Pressure of every cell, Pa, a row for every y."""
+    """Pressure on every cell, Pa, a row for every y."""
     gap_map: FloatArray
     """Gap above every cell, m; infinite beyond the equator of a lens."""
     displacement_map: FloatArray
-    """How far the pressure has moved the two surfaces apart, m."""
+    """Separation of the two surfaces by the pressure, m."""
 
     def __init__(self, surface: Surface, contact: _fakir.SurfaceContact) -> None:
         super().__init__(contact)
@@ -320,12 +314,12 @@ class SurfaceContact(SurfacePressNumbers):
 
     @property
     def periodic(self) -> bool:
-        """Whether the surface repeats itself."""
+        """Whether the surface is periodic."""
         return self.surface.periodic
 
     @property
     def mean_pressure(self) -> float:
-        """Force over the area of the map, Pa."""
+        """Force divided by the area of the map, Pa."""
         return self._contact.mean_pressure
 
     def to_xarray(self) -> xarray.Dataset:
@@ -393,12 +387,12 @@ class SurfaceTransition(SurfaceTransitionNumbers):
 
 
 class SurfaceApproach(Loading[SurfaceContact]):
-    """The states of a loading on a height map, by rising indentation; iterates over them."""
+    """The states of a loading on a height map, by increasing indentation; iterable."""
 
     _titles = ("fakir.bem.SurfaceApproach: indentation, force", "Approach on a height map: indentation, force")
 
     critical: SurfaceTransition | None
-    """The critical state, also if the loading ends before it; None where the floor is not known."""
+    """The critical state, even if the loading ends before it; None if the surface defines no floor."""
 
     def __init__(
         self,
@@ -420,12 +414,12 @@ class SurfaceApproach(Loading[SurfaceContact]):
 
 
 class SurfaceVerification(Opinion):
-    """The answers on both meshes, and what they differ by."""
+    """The results on both meshes, and their differences."""
 
     _titles = ("fakir.bem.SurfaceVerification", "Verification on two meshes")
 
     elements: tuple[SurfaceContact, SurfaceContact]
-    """On half as many cells across a pillar, and on all of them."""
+    """Results with half as many cells across a pillar, and with all of them."""
 
     def __init__(self, summary: dict[str, Any], contacts: list[SurfaceContact]) -> None:
         super().__init__(summary)
@@ -464,7 +458,7 @@ def _of_array(
 
 
 def _of_topography(topography: Any) -> tuple[FloatArray, list[float]]:
-    """Heights and cells of an object as of SurfaceTopography."""
+    """Heights and cells of an object of SurfaceTopography."""
     unit = getattr(topography, "unit", None)
     scale = 1.0 if unit is None else _fakir.parse_quantity(f"1 {unit}", "length")
     raw = topography.heights()

@@ -1,4 +1,4 @@
-"""What can go wrong, in the words of the command line."""
+"""Exceptions, with the messages of the command line."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ __all__ = [
 
 
 class FakirError(Exception):
-    """Any reason why there is no result."""
+    """Base class of all errors."""
 
 
 class CaseError(FakirError, ValueError):
-    """A case or a study that cannot be: it says where, why, and what would be accepted.
+    """An invalid case or study: contains the position, the reason and what is accepted.
 
     Attributes
     ----------
     file, line, column
-        The place in a file or override, as far as there is one.
+        The position in a file or override, if any.
     key
-        The key that is to blame, as in ``"texture.pillar.diameter"``.
+        The invalid key, as in ``"texture.pillar.diameter"``.
     """
 
     file: str | None
@@ -50,11 +50,11 @@ class CaseError(FakirError, ValueError):
 
 
 class SolveError(FakirError):
-    """There is no such contact, or it does not fit the memory allowed."""
+    """There is no such contact, or it exceeds the memory limit."""
 
 
 class NotConverged(FakirError):
-    """A solution that is not one. What was reached is in ``result``."""
+    """The solution did not converge. ``result`` contains the last iterate."""
 
     result: object
 
@@ -67,24 +67,23 @@ class NotConverged(FakirError):
 
 
 class DesignError(FakirError):
-    """A design or a spread that cannot be asked for, or found."""
+    """A design or a scatter that is invalid, or without a solution."""
 
 
 class FitError(FakirError, ValueError):
-    """Measurements that cannot be used, or a fit that cannot be asked for."""
+    """Invalid measurements, or an invalid fit."""
 
 
 class StudyError(FakirError):
-    """A sweep that cannot be begun, resumed or written."""
+    """A sweep that cannot be started, resumed or written."""
 
 
 class WorkersLost(FakirError):
-    """The workers of a sweep were lost more often than cases are tried again.
+    """The workers of a sweep were lost more often than cases are repeated.
 
-    What was answered before is in the journal, if the sweep has an ``output`` folder: go on with
-    ``resume=True``.
+    If the sweep has an ``output`` folder, its journal contains the results obtained before: continue with ``resume=True``.
     """
 
 
 class FakirWarning(UserWarning):
-    """A result to be read with care."""
+    """A result that needs attention."""

@@ -9,7 +9,7 @@ __all__ = bem.__all__
 
 
 def __getattr__(name: str) -> Any:
-    """What `fakir.bem` has under this name."""
+    """Looks up a name in `fakir.bem`."""
     found = getattr(bem, name)
     warnings.warn("fakir.love is now called fakir.bem", FutureWarning, stacklevel=2)
     return found

@@ -1,7 +1,7 @@
-"""Figures on matplotlib: axes in, axes out.
+"""Figures with matplotlib.
 
-Every function draws on ``ax`` (or on the axes of a new figure of its own) and returns it; two
-panels take and give a pair of axes, and so on. Needs matplotlib: ``pip install fakir[plot]``.
+Every function draws on ``ax`` (or on the axes of a new figure) and returns it; functions with several panels accept and return
+sequences of axes. Needs matplotlib: ``pip install fakir[plot]``.
 """
 
 from __future__ import annotations
@@ -42,24 +42,23 @@ __all__ = [
 
 State: TypeAlias = ContactState | CriticalState
 OnCells: TypeAlias = SurfaceContact | SurfaceTransition
-"""A contact with a general surface, known on its cells."""
+"""A contact with a general surface, resolved on cells."""
 
 MICRO = 1e6
 """Lengths are shown in µm."""
 
 CUT = 3.0
-"""Pressures are cut at this multiple of that at the centre of the central pillar: they are infinite
-at the edge of a pillar top that is fully in contact."""
+"""Pressures are truncated at this multiple of the pressure at the centre of the central pillar: they are infinite at the edge of
+a fully touched pillar top."""
 
 
 def critical_curves(
     curves: Mapping[str, Iterable[CriticalState]] | Iterable[CriticalState] | Sweep,
     ax: Sequence[Axes] | None = None,
 ) -> Sequence[Axes]:
-    """Reduced critical force, contact radius and indentation against the surface fraction.
+    """Plots reduced critical force, contact radius and indentation against the surface fraction.
 
-    ``curves`` are critical states by name, or those of one curve, or a sweep of critical states;
-    ``ax`` are three axes.
+    ``curves`` are critical states by name, or those of one curve, or a sweep of critical states; ``ax`` are three axes.
     """
     axes = _axes(ax, 3, 1, (3.4, 6.4), sharex=True)
     for name, (fraction, values) in _curves(curves).items():
@@ -81,10 +80,10 @@ def critical_curves(
 def profiles(
     states: State | OnCells | Sequence[State | OnCells], ax: Axes | Sequence[Axes] | None = None
 ) -> Sequence[Axes]:
-    """Section through lens and substrate along x, through the lens axis: axes for every state.
+    """Plots sections through lens and substrate along x, through the lens axis: one panel for every state.
 
-    Heights are over the undeformed floor. The displacement belongs to both bodies, to each in
-    proportion to its compliance; pillars also shorten under their force.
+    Heights are relative to the undeformed floor. The displacement is divided between the bodies in proportion to their
+    compliance; pillars also shorten under their force.
     """
     single = (ContactState, CriticalState, SurfaceContact, SurfaceTransition)
     several = [states] if isinstance(states, single) else list(states)
@@ -119,18 +118,18 @@ def _profile(axis: Axes, state: ContactState) -> None:
 
 
 def _bodies(axis: Axes, x: Any, under: Any, ground: Any, top: Any, floor: float) -> None:
-    """The outlines of both bodies; heights are shown from ``floor``."""
+    """Draws the outlines of both bodies; heights are shown from ``floor``."""
     axis.fill_between(MICRO * x, MICRO * under, MICRO * under.max(), color="#c6ddf0", lw=0)
     axis.fill_between(MICRO * x, MICRO * floor, MICRO * ground, color="#e2d6c4", lw=0)
     axis.plot(MICRO * x, MICRO * under, lw=0.9, color="#1f5f99")
-    # Tops and floor are drawn apart: their edges are not slopes.
+    # Tops and floor are drawn separately, without slopes at the edges.
     for part in [top, ~top]:
         axis.plot(MICRO * x, MICRO * np.where(part, ground, np.nan), lw=0.9, color="#7a5c2e")
     axis.set_ylabel("height (µm)")
 
 
 def _profile_of_cells(axis: Axes, contact: SurfaceContact) -> None:
-    """The row of cells that is nearest to the lens axis."""
+    """Draws the row of cells closest to the lens axis."""
     surface = contact.surface
     reach = _reach(contact)
     row = int(np.argmin(np.abs(surface.y)))
@@ -169,10 +168,10 @@ def _profile_of_cells(axis: Axes, contact: SurfaceContact) -> None:
 def approach(
     loading: Approach | SurfaceApproach, ax: Sequence[Axes] | None = None
 ) -> Sequence[Axes]:
-    """Force and contact radius over the indentation, the critical state marked if the loading gets there.
+    """Plots force and contact radius over the indentation, with the critical state marked if it is reached.
 
-    Two axes. The part of the force that the floor bears is shown where there is one, and states that ignore the
-    floor past the transition are dashed. Under a plate the area of the contact takes the place of its radius.
+    Two axes. The fraction of the load carried by the floor is shown if there is one, and states past the transition that ignore
+    floor contact are dashed. Under a plate the contact area replaces the radius.
     """
     axes = _axes(ax, 2, 1, (4.2, 5.2), sharex=True)
     rows = loading.to_dict()["states"]
@@ -204,9 +203,10 @@ def approach(
 
 
 def cycle(result: Cycle, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
-    """Force over indentation of a lens that is lowered and pulled off, the same near the pull-off, and the pillars in contact.
+    """Plots the force over the indentation of a loading and unloading cycle, the same close to pull-off, and the number of
+    pillars in contact.
 
-    Three axes. Where pillars come into contact and are released, the critical state and the pull-off are marked.
+    Three axes. Attachment and detachment of pillars, the critical state and pull-off are marked.
 
     >>> import fakir.plot
     >>> system = fakir.System.from_file("examples/adhesive.toml")
@@ -237,7 +237,7 @@ def cycle(result: Cycle, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
         place = MICRO * result.pull_off.indentation, MICRO * result.pull_off.force
         for axis in axes[:2]:
             axis.plot(*place, "s", color="#009e73", ms=4.5, label="pull-off")
-        # As far up as down, and as wide as the curve is there.
+        # A symmetric range of forces, and the corresponding range of the curve.
         size = -MICRO * result.pull_off.force
         near = MICRO * result.indentation[MICRO * result.force <= size]
         room = 0.05 * (near.max() - near.min())
@@ -253,10 +253,11 @@ def cycle(result: Cycle, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
 
 
 def pull_off_curves(sweep: Sweep, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
-    """Pull-off force and hysteresis of a sweep of cycles over its surface fractions, a curve for every combination of the other axes.
+    """Plots pull-off force and hysteresis of a sweep of cycles over its surface fractions, one curve for every combination of the
+    other axes.
 
-    Four axes: the pull-off force, that over the force of one flat pillar alone (Kendall), the hysteresis, and that over the work of adhesion of
-    the largest area of tops in contact.
+    Four axes: the pull-off force, its ratio to the force of a single flat pillar (Kendall), the hysteresis, and its ratio to the
+    work of adhesion of the largest contact area of tops.
     """
     from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
@@ -282,7 +283,7 @@ def pull_off_curves(sweep: Sweep, ax: Sequence[Axes] | None = None) -> Sequence[
         axis.set_ylabel(label)
     for axis in axes[2:]:
         axis.set_xlabel(r"surface fraction $\phi$")
-    # Above, as curves of cycles leave no room.
+    # Above the axes, because the curves of cycles leave no space.
     _legend(axes[0], loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
     return axes
 
@@ -292,9 +293,9 @@ def _words(name: str) -> str:
 
 
 def gap_map(state: OnCells, ax: Axes | None = None) -> Axes:
-    """Gap between the deformed bodies on the cells of a general surface; grey where they touch.
+    """Plots the gap between the deformed bodies on the cells of a general surface; grey in contact.
 
-    Gaps larger than on most of what is shown have the last colour.
+    Gaps larger than most of those shown have the last colour.
     """
     contact = _on_cells(state)
     axis = _axis(ax)
@@ -356,7 +357,7 @@ def _marks(axis: Axes, state: OnCells) -> None:
 
 
 def _frame(axis: Axes, contact: SurfaceContact) -> None:
-    """The contact of a lens on a free surface; all of the cells otherwise."""
+    """Limits the axes to the contact of a lens on a free surface; otherwise to all cells."""
     reach = _reach(contact)
     if np.isfinite(reach):
         _square(axis, reach)
@@ -367,7 +368,7 @@ def _frame(axis: Axes, contact: SurfaceContact) -> None:
 
 
 def _reach(contact: SurfaceContact) -> float:
-    """How far from the lens axis a figure goes; infinite to show all cells."""
+    """Distance from the lens axis shown in a figure; infinite for all cells."""
     surface = contact.surface
     if surface.periodic or not isinstance(surface.indenter, Lens):
         return float("inf")
@@ -376,9 +377,9 @@ def _reach(contact: SurfaceContact) -> float:
 
 
 def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
-    """Mean pressure on every pillar top; partially touched ones are outlined.
+    """Plots the mean pressure on every pillar top; partially touched ones are outlined.
 
-    On a general surface the pressure on every cell.
+    On a general surface, plots the pressure on every cell.
     """
     from matplotlib.collections import PatchCollection
     from matplotlib.patches import Circle
@@ -416,10 +417,10 @@ def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
 
 
 def pillar_pressure(state: State, ax: Axes | None = None, points: int = 401) -> Axes:
-    """Pressure across the central pillar and the one at the rim, along the line from the lens axis.
+    """Plots the pressure across the central pillar and the outermost one, along the line from the lens axis.
 
-    Cut at three times the pressure at the centre of the central pillar: at the edge of a pillar
-    top that is fully in contact it is infinite.
+    Truncated at three times the pressure at the centre of the central pillar: it is infinite at the edge of a fully touched
+    pillar top.
     """
     contact = _contact(state)
     axis = _axis(ax)
@@ -439,7 +440,7 @@ def pillar_pressure(state: State, ax: Axes | None = None, points: int = 401) -> 
         x, y = pillars["x_m"][number], pillars["y_m"][number]
         far = np.hypot(x, y)
         ux, uy = (x / far, y / far) if far > 1e-9 * radius else (1.0, 0.0)
-        # Just inside, so that rounding does not take the ends off the pillar.
+        # Slightly inside, so that rounding does not exclude the ends.
         inside = (1.0 - 1e-9) * along
         pressure = contact.pressure(x + inside * ux, y + inside * uy)
         axis.plot(along / radius, np.minimum(pressure, CUT * reference) / 1e3, label=name)
@@ -456,11 +457,10 @@ def phase_diagram(
     paths: Iterable[Approach] = (),
     ax: Axes | None = None,
 ) -> Axes:
-    """Reduced force against the radius of the contact on the pillar tops: where the lens rests on these only.
+    """Plots the phase diagram: reduced force against the radius of the contact on the pillar tops.
 
-    Below the transition curve of the paper the lens is on tops alone, above it also on the floor;
-    left of one pitch it depends on the place where the lens lands. Critical states stand at their
-    ``top_contact_radius``, where loading paths end.
+    Below the transition curve of the paper the lens rests on the tops alone, above it also on the floor; left of one pitch the
+    state depends on the landing position. Critical states are drawn at their ``top_contact_radius``, where loading paths end.
     """
     axis = _axis(ax)
     diameter, height = system._pillar
@@ -496,7 +496,7 @@ def phase_diagram(
 
 
 def floor_gap_map(state: State, ax: Axes | None = None, points: int = 221) -> Axes:
-    """Gap between lens and floor around the lens axis, with the pillars on it: dark if touched."""
+    """Plots the gap between lens and floor around the lens axis, with the pillars: dark if touched."""
     contact = _contact(state)
     axis = _axis(ax)
     pitch = contact.system.pitch
@@ -523,7 +523,7 @@ def floor_gap_map(state: State, ax: Axes | None = None, points: int = 221) -> Ax
 def lattice_sums(
     largest_radius: float = 32.0, ax: Sequence[Axes] | None = None
 ) -> Sequence[Axes]:
-    """The lattice sums G0, G and G1 against the contact radius, with the fits of the paper."""
+    """Plots the lattice sums G0, G and G1 against the contact radius, with the fits of the paper."""
     axes = _axes(ax, 1, 3, (9.0, 3.0))
     radii = np.geomspace(1.01, max(largest_radius, 1.1), 300)
     exact, fitted = theory.lattice_sums(radii), theory.fitted_lattice_sums(radii)
@@ -540,11 +540,11 @@ def lattice_sums(
 
 
 def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
-    """Measured points on the fitted curve, and what is left below: two axes for every quantity."""
+    """Plots measured points with the fitted curve, and the residuals below: two axes for every quantity."""
     data, curve = result.columns(), result.curve
     names = result.compared
     axes = _axes(ax, 2, len(names), (4.2 * len(names), 4.6), sharex=True, height_ratios=[2, 1])
-    # Without drifts, as the curve is at the first row.
+    # Without drifts, because the curve refers to the first row.
     none = np.zeros(len(data["used"]))
     drifts = {name: data.get(name.replace("_", "_drift_"), none) for name in ("displacement_m", "force_N")}
     at = data[result.load] - drifts.get(result.load, none)
@@ -589,10 +589,10 @@ def top_view(
     wavelength: float | None = None,
     points: int = 501,
 ) -> Axes:
-    """The contact from above: dark where lens and pillar touch, grey where lens and floor do.
+    """Plots the contact from above: dark where lens and pillar touch, grey where lens and floor touch.
 
-    With a ``wavelength`` (m; ``550e-9`` is green) the interference of light reflected at the lens and
-    at what is below it: dark in contact.
+    With a ``wavelength`` (m; ``550e-9`` is green), plots the interference of light reflected at the lens and at the surface below
+    it: dark in contact.
     """
     contact = _contact(state)
     axis = _axis(ax)
@@ -634,7 +634,7 @@ def _curves(
 def _curves_of_sweep(
     sweep: Sweep, question: str, names: Sequence[str]
 ) -> dict[str, tuple[Any, list[Any]]]:
-    """Some columns of the answers to a question: a curve for every combination of the other axes."""
+    """Columns of the results of a sweep: one curve for every combination of the other axes."""
     rows = [row for row in sweep.rows if not row["problem"]]
     if rows and names[0] not in rows[0]:
         answers = "critical states" if question == "transition" else "cycles"

@@ -1,9 +1,9 @@
-"""What is known in closed form: formulas for the critical state, lattice sums, the phase diagram.
+"""Closed forms: formulas for the critical state, lattice sums, the phase diagram.
 
-The formulas are those of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104,
-055007 (2021), as printed and as corrected. They are for a lens axis on a pillar, and without adhesion; those of
-pillar tops that stick are in `adhesion`, those of a floor that sticks too in `free_annulus`, `annulus_radius`,
-`largest_tension`, `collapse_threshold`, `net_work`, `stuck_floor_pull_off`, `patch` and `Grooves`. Numbers are in SI units, and radii in lattice sums in pitches.
+The formulas are those of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104, 055007 (2021), as printed and
+as corrected. They apply to a lens axis on a pillar, without adhesion. Those for adhesive pillar tops are in `adhesion`, those for
+an adhesive floor in `free_annulus`, `annulus_radius`, `largest_tension`, `collapse_threshold`, `net_work`,
+`stuck_floor_pull_off`, `patch` and `Grooves`. Numbers are in SI units, and radii in lattice sums in pitches.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class Constants(NamedTuple):
     column_compliance_ratio: float
     """4 h/(pi E_s d c)."""
     small_contact_limit: float
-    """Surface fraction below which the lens touches one pillar only, by the paper's criterion."""
+    """Surface fraction below which the lens touches only one pillar, by the paper's criterion."""
     homogenised_limit: float
     """Surface fraction below which the homogenised lattice applies."""
     central_force_amplification: float
@@ -106,137 +106,139 @@ CONSTANT_UNITS = {
     "internal_compliance": "_per_Pa",
     "external_compliance": "_per_Pa",
 }
-"""The units in the names of ``fakir theory --json``."""
+"""Units in the names of ``fakir theory --json``."""
 
 
 class PullOffEstimate(NamedTuple):
-    """A pull-off from a formula."""
+    """A pull-off force from a formula."""
 
     force: float
-    """N, negative."""
+    """Force, N, negative."""
     normalized_force: float
-    """That over the force of one flat pillar alone."""
+    """Ratio to the force of a single flat pillar."""
     indentation: float | None
-    """m; none where the formula has none."""
+    """Indentation, m; None if the formula does not provide it."""
     contact_radius: float | None
-    """m; none where the formula has none."""
+    """Contact radius, m; None if the formula does not provide it."""
     tilt: float | None
-    """Angle between lens and pillar top, rad, of the formula that has one."""
+    """Angle between lens and pillar top, rad, for the formula that includes it."""
 
 
 class AdhesionTheory(NamedTuple):
-    """What is known in closed form of pillar tops that stick."""
+    """Closed forms for adhesive pillar tops."""
 
     pull_off: dict[str, PullOffEstimate]
-    """By name of the formula."""
+    """Pull-off forces by name of the formula."""
     kendall_strain: float
-    """Stress of a flat pillar at pull-off over the modulus of the substrate; doubtful from 0.3 on."""
+    """Stress on a flat pillar at pull-off divided by the modulus of the substrate; doubtful above 0.3."""
     tabor_number: float | None
-    """Of a pillar top, if the range of the attraction is given: the range counts as small from 5 on."""
+    """Tabor number of a pillar top, if the range of the attraction is given: the short-range assumption holds above 5."""
 
 
 class AnnulusCoefficients(NamedTuple):
-    """A free annulus round a pillar of unit radius, in units of the reduced modulus: a step h opens it, a pressure p far away closes it."""
+    """A detached annulus around a pillar of unit radius, in units of the reduced modulus: a step h opens it, a remote pressure p
+    closes it."""
 
     force_per_step: Any
-    """F1: the pillar bears F1 h + V1 p."""
+    """F1: the force on the pillar is F1 h + V1 p."""
     volume_per_step: Any
-    """V1: the annulus has the volume V1 h - D p."""
+    """V1: the volume of the annulus is V1 h - D p."""
     volume_per_pressure: Any
     """D."""
     intensity_per_step: Any
-    """K1: the stress intensity at the outer edge is K1 h - K2 p."""
+    """K1: the stress intensity factor at the outer edge is K1 h - K2 p."""
     intensity_per_pressure: Any
     """K2."""
 
 
 class FreeAnnulus(NamedTuple):
-    """A free annulus round a pillar of a floor that is stuck to the lens."""
+    """A detached annulus around a pillar of a floor that adheres to the lens."""
 
     outer_radius: float
-    """m."""
+    """Outer radius, m."""
     step: float
-    """Height between floor and top with the column shortened, m."""
+    """Height difference between floor and top with the column shortened, m."""
     pillar_force: float
-    """N."""
+    """Force on the pillar, N."""
     opened_volume: float
-    """Between lens and floor, m^3."""
+    """Volume between lens and floor, m^3."""
     stress_intensity: float
-    """At the outer edge, Pa m^(1/2); below 0 the annulus closes."""
+    """Stress intensity factor at the outer edge, Pa m^(1/2); negative if the annulus closes."""
     energy_release_rate: float
-    """There, J/m^2."""
+    """Energy release rate at the outer edge, J/m^2."""
     energy: float
-    """J."""
+    """Energy, J."""
 
 
 class LargestTension(NamedTuple):
-    """The tension under which the floor round a pillar comes off on and on."""
+    """The tension above which the annulus around a pillar grows without bound."""
 
     tension: float
-    """Pa, positive."""
+    """Tension, Pa, positive."""
     annulus_radius: float
-    """Radius of the annulus just before, m."""
+    """Radius of the annulus at that tension, m."""
 
 
 class CollapseThreshold(NamedTuple):
-    """When a flat lattice that bears no load collapses."""
+    """Collapse of a flat lattice at zero load."""
 
     work: float
     """Work of adhesion, J/m^2."""
     annulus_radius: float
-    """Outer radius of the free annuli there, m."""
+    """Outer radius of the detached annuli at that work, m."""
 
 
 class CollapsedCycle(NamedTuple):
-    """A loading and an unloading of a floor that is stuck inside a circle, as far as it sticks.
+    """Loading and unloading of a floor that adheres inside a circle, while it adheres.
 
-    In range the force is good to 2 to 8 % of what the tops alone would bear, the area to 10 to 15 %, a pull-off to 10 %.
+    In range, the error of the force is 2 to 8 % of the force on the tops alone, that of the area 10 to 15 %, and that of a
+    pull-off force 10 %.
     """
 
     unloading: Any
-    """Whether a point is on the way back."""
+    """Whether a load step belongs to the unloading."""
     indentation: Any
-    """m."""
+    """Indentation, m."""
     front_radius: Any
     """Radius of the circle, m."""
     force: Any
-    """N."""
+    """Force, N."""
     energy: Any
-    """J."""
+    """Energy, J."""
     floor_area: Any
-    """Area of the stuck floor, m^2."""
+    """Adhering area of the floor, m^2."""
     pillars_in_contact: Any
-    """Those inside the circle, and tops outside that stick."""
+    """Number of pillars inside the circle plus adhesive tops in contact outside."""
     widest_annulus: Any
-    """Outer radius of the widest free annulus, m."""
+    """Outer radius of the widest detached annulus, m."""
     in_range: Any
-    """Whether annuli are below 0.3 pitches and the front beyond 2: elsewhere the model is not good."""
+    """Whether annuli are below 0.3 pitches and the front is beyond 2 pitches; otherwise the model is out of range."""
     floor_lost: float | None
-    """First indentation on the way back at which the floor no longer sticks, m; none if it still does."""
+    """First indentation of the unloading at which the floor no longer adheres, m; None if it still does."""
 
 
 class StickySphere(NamedTuple):
-    """A circular contact of a sphere that sticks."""
+    """A circular contact of an adhesive sphere."""
 
     radius: float
-    """m."""
+    """Contact radius, m."""
     force: float
-    """N."""
+    """Force, N."""
     indentation: float
-    """m."""
+    """Indentation, m."""
 
 
 class GrooveThreshold(NamedTuple):
-    """When grooves collapse."""
+    """Collapse of grooves."""
 
     work: float
     """Work of adhesion, J/m^2."""
     strip_width: float
-    """Width of the strip that sticks in every groove, m."""
+    """Width of the adhering strip in every groove, m."""
 
 
 class LatticeSums(NamedTuple):
-    """The sums over all pillars but the central one, or their fitted coefficients."""
+    """The sums over all pillars except the central one, or their fitted coefficients."""
 
     displacement: Any
     """G0."""
@@ -252,23 +254,23 @@ class Phase(NamedTuple):
     region: str
     """``"top"``: on pillar tops only; ``"mixed"``: on the floor too."""
     deterministic: bool
-    """Whether force and radius decide it; within a pitch the place of the lens does."""
+    """Whether force and radius determine the region; within a pitch it depends on the position of the lens."""
 
 
 def closed_forms(system: System) -> dict[str, TransitionEstimate]:
-    """The critical state by every formula that gives numbers for the system."""
+    """The critical state by every formula that can be evaluated for the system."""
     forms = _fakir.closed_forms(system._case)
     return {name: TransitionEstimate(*estimate) for name, estimate in forms}
 
 
 def adhesion(system: System, attraction_range: Quantity | None = None) -> AdhesionTheory:
-    """The pull-off of lone contacts of a system that sticks, in closed form.
+    """Pull-off forces of single contacts of an adhesive system, in closed form.
 
-    ``"kendall"``: one pillar with a flat top (K. Kendall, J. Phys. D 4, 1186 (1971)); ``"pillar_under_lens"``: the same under
-    the round lens; ``"tilted_pillar_first_yield"``: where the rim of a tilted one begins to peel; ``"jkr_by_force"`` and
+    ``"kendall"``: one pillar with a flat top (K. Kendall, J. Phys. D 4, 1186 (1971)); ``"pillar_under_lens"``: the same under the
+    round lens; ``"tilted_pillar_first_yield"``: first detachment at the rim of a tilted top; ``"jkr_by_force"`` and
     ``"jkr_by_displacement"``: the lens on the bare substrate (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301
-    (1971)); with a range of attraction ``"maugis_dugdale"``: the same with that range (D. Maugis, J. Colloid Interface Sci. 150, 243
-    (1992)).
+    (1971)); with a range of attraction ``"maugis_dugdale"``: the same with that range (D. Maugis, J. Colloid Interface Sci. 150,
+    243 (1992)).
 
     Parameters
     ----------
@@ -278,7 +280,7 @@ def adhesion(system: System, attraction_range: Quantity | None = None) -> Adhesi
     Raises
     ------
     ValueError
-        If nothing sticks.
+        If the system has no adhesion.
     """
     found = json.loads(_fakir.adhesion(system._case, _range(attraction_range)))
     if found is None:
@@ -295,7 +297,7 @@ def _range(value: Quantity | None) -> float | None:
 
 
 def to_dict(system: System, attraction_range: Quantity | None = None) -> dict[str, Any]:
-    """The object that ``fakir theory --json`` prints: all that is known of a system in closed form."""
+    """The object that ``fakir theory --json`` prints: all closed forms of a system."""
     return json.loads(_fakir.theory(system._case, _range(attraction_range)))  # type: ignore[no-any-return]
 
 
@@ -305,7 +307,7 @@ def small_contact(system: System) -> TransitionEstimate:
 
 
 def one_pillar(system: System) -> TransitionEstimate:
-    """One pillar in contact, with the distance of the floor contact found exactly."""
+    """One pillar in contact, with the exact distance of the floor contact."""
     return _form(system, "one_pillar")
 
 
@@ -319,7 +321,7 @@ def large_contact(system: System, form: str = "corrected") -> TransitionEstimate
 def transition_from_exact_sums(
     system: System, contact_radius: Quantity | None = None
 ) -> TransitionEstimate:
-    """From lattice sums over a contact radius (m), that of the large-contact formula if not given."""
+    """Lattice sums over a contact radius (m), by default that of the large-contact formula."""
     if contact_radius is None:
         return _form(system, "exact_lattice_sums")
     radius = si(contact_radius, "length", "contact_radius")
@@ -345,23 +347,23 @@ def hertz_contact_radius(system: System, force: object) -> Any:
 
 
 def phase(system: System, force: Quantity, contact_radius: Quantity) -> Phase:
-    """The region of the phase diagram."""
+    """Region of the phase diagram."""
     radius = si(contact_radius, "length", "contact_radius")
     return Phase(*_fakir.phase(system._case, si(force, "force", "force"), radius))
 
 
 def lattice_sums(contact_radius: object) -> LatticeSums:
-    """The sums themselves over contact radii in pitches."""
+    """The exact sums over contact radii in pitches."""
     return _sums(_fakir.exact_lattice_sums, contact_radius)
 
 
 def fitted_lattice_sums(contact_radius: object) -> LatticeSums:
-    """The paper's fits to them."""
+    """The paper's fits to these sums."""
     return _sums(_fakir.fitted_lattice_sums, contact_radius)
 
 
 def sum_coefficients(origin: str = "paper") -> LatticeSums:
-    """C01, C1 and C11: the paper's, or the exact ``"limit"`` of a wide contact."""
+    """C01, C1 and C11: those of the paper, or the exact ``"limit"`` of a wide contact."""
     if origin not in {"paper", "limit"}:
         raise ValueError(f'origin is {origin!r}: give "paper" or "limit"')
     found = _fakir.sum_coefficients(origin, (1.0, 32.0), 2)
@@ -402,14 +404,15 @@ def hollow_potential() -> float:
 
 
 def annulus_coefficients(radius_ratio: object) -> AnnulusCoefficients:
-    """Of free annuli, by their outer radius over that of the pillar (above 1.0001)."""
+    """Coefficients of detached annuli, by the ratio of their outer radius to that of the pillar (above 1.0001)."""
     ratios = array(radius_ratio, "number", "radius_ratio")
     rows = np.array([_fakir.annulus_coefficients(float(ratio)) for ratio in ratios.flat])
     return AnnulusCoefficients(*np.moveaxis(rows.reshape(*ratios.shape, 5), -1, 0))
 
 
 def free_annulus(system: System, outer_radius: Quantity, pressure: Quantity = 0.0) -> FreeAnnulus:
-    """The annulus of an outer radius round a pillar in a floor that is stuck all round, under a pressure far away (below 0 where the floor is pulled)."""
+    """The annulus of an outer radius around a pillar in a floor that adheres all around, under a remote pressure (negative in
+    tension)."""
     radius = si(outer_radius, "length", "outer_radius")
     return FreeAnnulus(
         *_fakir.free_annulus(system._case, radius, si(pressure, "pressure", "pressure"))
@@ -417,32 +420,33 @@ def free_annulus(system: System, outer_radius: Quantity, pressure: Quantity = 0.
 
 
 def annulus_radius(system: System, pressure: Quantity = 0.0, work: Quantity | None = None) -> float:
-    """The outer radius (m) at which the edge of a free annulus stands under a pressure far away (Pa).
+    """Outer radius (m) at which the edge of a detached annulus is in equilibrium under a remote pressure (Pa).
 
-    It is the radius of the pillar where the pillar is pressed down to the floor, and infinite under a tension beyond `largest_tension`. ``work`` is the
-    work of adhesion, that of the system where contact is broken if not given.
+    It equals the radius of the pillar if the pillar is pressed down to the floor, and is infinite under a tension above
+    `largest_tension`. ``work`` is the work of adhesion, by default that of the system on detachment.
     """
     found = si(pressure, "pressure", "pressure")
     return _fakir.annulus_radius(system._case, _work(system, work), found)
 
 
 def largest_tension(system: System, work: Quantity | None = None) -> LargestTension:
-    """The tension far away from a lone pillar under which its annulus comes off on and on."""
+    """Remote tension above which the annulus around a single pillar grows without bound."""
     return LargestTension(*_fakir.largest_tension(system._case, _work(system, work)))
 
 
 def collapse_threshold(system: System) -> CollapseThreshold:
-    """The work of adhesion above which the floor of the flat lattice sticks by itself."""
+    """Work of adhesion above which the floor of the flat lattice adheres by itself."""
     return CollapseThreshold(*_fakir.collapse_threshold(system._case))
 
 
 def net_work(system: System, work: Quantity | None = None) -> float | None:
-    """What a stuck floor wins per area, less what bends round the pillars, J/m^2; none where annuli fill the cells."""
+    """Energy gain per area of an adhering floor, including the elastic energy around the pillars, J/m^2; None if annuli fill the
+    cells."""
     return _fakir.net_work(system._case, _work(system, work))
 
 
 def stuck_floor_pull_off(system: System, work: Quantity | None = None) -> float | None:
-    """The pull-off force (N) of the lens from a stuck floor seen as smooth; none where the net work is not positive."""
+    """Pull-off force (N) of the lens from an adhering floor approximated as smooth; None if the net work is not positive."""
     return _fakir.stuck_floor_pull_off(system._case, _work(system, work))
 
 
@@ -452,16 +456,16 @@ def patch(
     indentation: Quantity = 0.0,
     work: Quantity | None = None,
 ) -> StickySphere | None:
-    """The patch of floor that sticks after the lens has jumped onto it, small against the hole.
+    """The adhering patch of the floor after jump-in, small compared to the hole.
 
     Parameters
     ----------
     radius
-        Radius of curvature of the gap where it is first closed, m.
+        Radius of curvature of the gap at first contact, m.
     indentation
-        Below first touch, m.
+        Indentation relative to first contact, m.
     work
-        Work of adhesion, that of the system where contact is broken if not given.
+        Work of adhesion, by default that of the system on detachment.
     """
     lengths = si(radius, "length", "radius"), si(indentation, "length", "indentation")
     found = _fakir.sticky_sphere(system._case, _work(system, work), *lengths)
@@ -469,22 +473,22 @@ def patch(
 
 
 def collapsed_cycle(system: System, loading: object, unloading: object = ()) -> CollapsedCycle:
-    """The lens on a floor that sticks inside a circle, with free annuli round the pillars and tops that stick outside.
+    """Computes a lens on a floor that adheres inside a circle, with detached annuli around the pillars and adhesive tops outside.
 
-    A fast model for large works of adhesion. The loading begins with a small stuck disc: how the lens first reaches the floor it does not say. Only the work of
-    adhesion where contact is made counts.
+    A fast model for large works of adhesion. The loading starts with a small adhering disc: the model does not describe first
+    contact with the floor. Only the work of adhesion on attachment is used.
 
     Parameters
     ----------
     loading
-        Rising indentations, from where the floor is reached, m.
+        Increasing indentations, from first contact with the floor, m.
     unloading
-        Falling ones after that, m.
+        Decreasing indentations after that, m.
 
     Raises
     ------
     ValueError
-        If nothing sticks, if the pillars are not alike on the endless hexagonal lattice, or the lens is no sphere.
+        If the system has no adhesion, unless equal pillars form the infinite hexagonal lattice, or if the lens is not a sphere.
     """
     down = array(loading, "length", "loading").ravel().tolist()
     back = array(unloading, "length", "unloading").ravel().tolist()
@@ -496,18 +500,18 @@ def collapsed_cycle(system: System, loading: object, unloading: object = ()) -> 
 
 
 class Grooves:
-    """Parallel ridges with grooves between them in plane strain, whose floor is stuck along a strip in the middle of every groove.
+    """Parallel ridges with grooves between them in plane strain, whose floor adheres along a strip in the middle of every groove.
 
     Parameters
     ----------
     reduced_modulus
-        Of both bodies, Pa.
+        Reduced modulus of both bodies, Pa.
     period
-        Of the ridges, m.
+        Period of the ridges, m.
     ridge_width
-        m.
+        Width of a ridge, m.
     depth
-        Of the grooves, m.
+        Depth of the grooves, m.
     """
 
     def __init__(
@@ -522,11 +526,11 @@ class Grooves:
         _fakir.groove_threshold(*self._numbers)  # refuses what cannot be
 
     def energy(self, strip_width: Quantity) -> float:
-        """Energy per period and length with strips of a width (m) stuck, J/m."""
+        """Energy per period and length with adhering strips of a width (m), J/m."""
         return _fakir.groove_energy(*self._numbers, si(strip_width, "length", "strip_width"))
 
     def threshold(self) -> GrooveThreshold:
-        """The work of adhesion above which the grooves collapse by themselves."""
+        """Work of adhesion above which the grooves collapse by themselves."""
         return GrooveThreshold(*_fakir.groove_threshold(*self._numbers))
 
 

@@ -94,14 +94,14 @@ keys! {
             word("shape of the lens; under a cylinder or a plate there are finitely many pillars, under a punch none", |p| &mut p.shape.form)
                 .optional();
         LensAngle = "lens.angle" is
-            angle("direction of a cylinder from x: of the line along which it is lowest", |p| &mut p.shape.angle)
+            angle("direction of the lowest line of a cylinder, relative to x", |p| &mut p.shape.angle)
                 .optional().with(Key::LensShape, &["cylinder"]).of(Quantity::LensAngle);
         LensTilt = "lens.tilt" is
-            angle("of a plate: between it and the floor", |p| &mut p.shape.tilt)
+            angle("angle between a plate and the floor", |p| &mut p.shape.tilt)
                 .range(Range::Between(Included(0.0), Included(LARGEST_TILT))).optional().with(Key::LensShape, &["plate"])
                 .of(Quantity::LensTilt);
         LensTiltDirection = "lens.tilt_direction" is
-            angle("of a plate: direction from x in which it rises", |p| &mut p.shape.tilt_direction)
+            angle("direction in which a plate rises, relative to x", |p| &mut p.shape.tilt_direction)
                 .optional().with(Key::LensShape, &["plate"]).of(Quantity::LensTiltDirection);
         LensProfile = "lens.profile" is
             text("table of the heights of a lens: columns radius_m, height_m", |p| &mut p.shape.profile)
@@ -109,20 +109,20 @@ keys! {
     }
     Bodies {
         LensThickness = "lens.thickness" is
-            length("thickness, of a flat layer; then indentations are the approach of the backs", |p| &mut p.lens_layer.thickness)
+            length("thickness of a flat layer; indentations are then the approach of the backs", |p| &mut p.lens_layer.thickness)
                 .label("thickness of the lens").symbol("t").usual(1e-5, 1e-2)
                 .positive().otherwise("it is a half-space").of(Quantity::LensThickness);
         LensBase = "lens.base" is
-            word("what its back is bonded to: rigid or elastic; or frictionless: it lies on something rigid", |p| &mut p.lens_layer.base)
+            word("base: bonded to a rigid or elastic base, or frictionless on a rigid base", |p| &mut p.lens_layer.base)
                 .label("base of the lens").optional();
         LensBaseYoungModulus = "lens.base_young_modulus" is
-            pressure("of an elastic base: Young's modulus", |p| &mut p.lens_layer.material.young_modulus)
+            pressure("Young's modulus of an elastic base", |p| &mut p.lens_layer.material.young_modulus)
                 .label("Young's modulus of the base").positive().with(Key::LensBase, &["elastic"]).of(Quantity::LensBaseYoungModulus);
         LensBasePoissonRatio = "lens.base_poisson_ratio" is
-            number("of an elastic base: Poisson's ratio, 0 to 0.5", |p| &mut p.lens_layer.material.poisson_ratio)
+            number("Poisson's ratio of an elastic base, 0 to 0.5", |p| &mut p.lens_layer.material.poisson_ratio)
                 .label("Poisson's ratio of the base").range(POISSON).with(Key::LensBase, &["elastic"]).of(Quantity::LensBasePoissonRatio);
         SubstrateYoungModulus = "substrate.young_modulus" is
-            pressure("Young's modulus, of the pillars too", |p| &mut p.substrate.young_modulus)
+            pressure("Young's modulus, also of the pillars", |p| &mut p.substrate.young_modulus)
                 .label("Young's modulus").symbol("E_s").usual(1e3, 1e11)
                 .positive().of(Quantity::SubstrateYoungModulus).of_pattern(Q::YoungModulus);
         SubstratePoissonRatio = "substrate.poisson_ratio" is
@@ -130,17 +130,17 @@ keys! {
                 .label("Poisson's ratio").symbol("ν_s")
                 .range(POISSON).of(Quantity::SubstratePoissonRatio);
         SubstrateThickness = "substrate.thickness" is
-            length("thickness, of a film; then indentations are the approach of the backs", |p| &mut p.substrate_layer.thickness)
+            length("thickness of a film; indentations are then the approach of the backs", |p| &mut p.substrate_layer.thickness)
                 .label("thickness of the substrate").symbol("t").usual(1e-5, 1e-2)
                 .positive().otherwise("it is a half-space").of(Quantity::SubstrateThickness);
         SubstrateBase = "substrate.base" is
-            word("what its back is bonded to: rigid or elastic; or frictionless: it lies on something rigid", |p| &mut p.substrate_layer.base)
+            word("base: bonded to a rigid or elastic base, or frictionless on a rigid base", |p| &mut p.substrate_layer.base)
                 .label("base of the substrate").optional();
         SubstrateBaseYoungModulus = "substrate.base_young_modulus" is
-            pressure("of an elastic base: Young's modulus", |p| &mut p.substrate_layer.material.young_modulus)
+            pressure("Young's modulus of an elastic base", |p| &mut p.substrate_layer.material.young_modulus)
                 .label("Young's modulus of the base").positive().with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBaseYoungModulus);
         SubstrateBasePoissonRatio = "substrate.base_poisson_ratio" is
-            number("of an elastic base: Poisson's ratio, 0 to 0.5", |p| &mut p.substrate_layer.material.poisson_ratio)
+            number("Poisson's ratio of an elastic base, 0 to 0.5", |p| &mut p.substrate_layer.material.poisson_ratio)
                 .label("Poisson's ratio of the base").range(POISSON).with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBasePoissonRatio);
     }
     Texture {
@@ -148,28 +148,28 @@ keys! {
             word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.name)
                 .optional();
         Pillars = "texture.pillars" is
-            text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m", |p| &mut p.texture.pillars)
+            text("table of pillars: columns x_m, y_m, and if they vary height_m, diameter_m", |p| &mut p.texture.pillars)
                 .with(Key::Lattice, &["listed"]);
         AxisX = "texture.axis_x" is
-            length("where the lens axis stands among listed pillars, along x", |p| &mut p.texture.axis[0])
+            length("position of the lens axis among listed pillars, along x", |p| &mut p.texture.axis[0])
                 .optional().with(Key::Lattice, &["listed"]);
         AxisY = "texture.axis_y" is
-            length("where the lens axis stands among listed pillars, along y", |p| &mut p.texture.axis[1])
+            length("position of the lens axis among listed pillars, along y", |p| &mut p.texture.axis[1])
                 .optional().with(Key::Lattice, &["listed"]);
         SurfaceFraction = "texture.surface_fraction" is
-            fraction("part of the surface that is pillar top; or give pitch instead", |p| &mut p.texture.arrangement.surface_fraction)
+            fraction("fraction of the surface covered by pillar tops; or give pitch instead", |p| &mut p.texture.arrangement.surface_fraction)
                 .symbol("φ").usual(3e-4, 0.3)
                 .range(Range::SurfaceFraction).or(Key::Pitch).with(Key::Lattice, EVEN_LATTICES).of(Quantity::SurfaceFraction);
         Pitch = "texture.pitch" is
-            length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.texture.arrangement.lattice.pitch)
+            length("distance between neighbouring pillars; or give surface_fraction instead", |p| &mut p.texture.arrangement.lattice.pitch)
                 .symbol("e").usual(1e-6, 1e-3)
                 .range(Range::AtLeast(Key::PillarDiameter)).or(Key::SurfaceFraction).with(Key::Lattice, PLANE_LATTICES).of(Quantity::Pitch);
         PitchY = "texture.pitch_y" is
-            length("distance along the second rows: along y of a rectangular lattice", |p| &mut p.texture.arrangement.pitch_y)
+            length("pitch along the second rows: along y of a rectangular lattice", |p| &mut p.texture.arrangement.pitch_y)
                 .usual(1e-6, 1e-3)
                 .range(Range::AtLeast(Key::PillarDiameter)).with(Key::Lattice, &["rectangular", "oblique"]).of(Quantity::PitchY);
         LatticeAngle = "texture.lattice_angle" is
-            angle("between the rows of an oblique lattice", |p| &mut p.texture.arrangement.lattice_angle)
+            angle("angle between the rows of an oblique lattice", |p| &mut p.texture.arrangement.lattice_angle)
                 .usual(FRAC_PI_6, 5.0 * FRAC_PI_6)
                 .range(Range::Words("above 0 and below 180 deg")).with(Key::Lattice, &["oblique"]).of(Quantity::LatticeAngle);
         Offset = "texture.offset" is
@@ -181,14 +181,14 @@ keys! {
                 .usual(0.0, FRAC_PI_2)
                 .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::OffsetAngle);
         Rotation = "texture.rotation" is
-            angle("by which the lattice is turned about the lens axis, anticlockwise", |p| &mut p.texture.arrangement.rotation)
+            angle("rotation of the lattice about the lens axis, anticlockwise", |p| &mut p.texture.arrangement.rotation)
                 .usual(0.0, FRAC_PI_2)
                 .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Rotation);
         Columns = "texture.columns" is
-            number("pillars along each side of a finite lattice", |p| &mut p.texture.arrangement.columns)
-                .range(Range::Whole(1, 10_000)).otherwise("the lattice has no end").with(Key::Lattice, PLANE_LATTICES);
+            number("number of pillars along each side of a finite lattice", |p| &mut p.texture.arrangement.columns)
+                .range(Range::Whole(1, 10_000)).otherwise("the lattice is infinite").with(Key::Lattice, PLANE_LATTICES);
         HeightStandardDeviation = "texture.height_standard_deviation" is
-            fraction("standard deviation of the heights of pillars, which are normally distributed, over the height", |p| &mut p.texture.arrangement.disorder.heights.parameter)
+            fraction("standard deviation of the normally distributed pillar heights, relative to the height", |p| &mut p.texture.arrangement.disorder.heights.parameter)
                 .formerly("texture.height_spread").label("standard deviation of heights").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::HeightSpread);
         TextureMissing = "texture.missing" is
@@ -196,11 +196,11 @@ keys! {
                 .label("vacancy fraction").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::Missing);
         TextureSeed = "texture.seed" is
-            number("whole number that decides which heights and which pillars", |p| &mut p.texture.arrangement.seed)
+            number("seed of random heights and missing pillars (whole number)", |p| &mut p.texture.arrangement.seed)
                 .usual(0.0, 100.0)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES);
         TopRadius = "texture.top_radius" is
-            length("radius of curvature of rounded pillar tops, which then need no diameter; fakir press and fakir design --free heights know them", |p| &mut p.texture.top_radius)
+            length("radius of curvature of rounded pillar tops; the diameter is then optional", |p| &mut p.texture.top_radius)
                 .label("top radius").positive().otherwise("tops are flat");
         PillarDiameter = "texture.pillar.diameter" is
             length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)
@@ -211,10 +211,10 @@ keys! {
                 .symbol("h").usual(1e-8, 1e-4)
                 .range(Range::Below(Key::LensRadius)).of(Quantity::PillarHeight);
         PillarCompliance = "texture.pillar.compliance" is
-            word("column: pillars shorten under load; elastic: they are elastic bodies; or none", |p| &mut p.texture.pillar.compliance)
+            word("column: pillars shorten under load; elastic: elastic bodies; none: rigid", |p| &mut p.texture.pillar.compliance)
                 .optional();
         FloorContact = "floor.contact" is
-            word("false: the lens goes through the floor, as in the paper; only the method spectral has floor contact", |p| &mut p.texture.floor)
+            word("false: floor contact is ignored, as in the paper; computed only by the method spectral", |p| &mut p.texture.floor)
                 .label("floor contact").optional();
     }
     Adhesion {
@@ -223,14 +223,14 @@ keys! {
                 .label("work of adhesion").symbol("w").usual(1e-3, 0.5)
                 .range(Range::Between(Included(0.0), Unbounded)).optional().of(Quantity::WorkOfAdhesion);
         RecedingWorkOfAdhesion = "adhesion.work_receding" is
-            energy_per_area("where contact is broken, if that takes more", |p| &mut p.texture.adhesion.work_receding)
+            energy_per_area("work of adhesion on detachment, if larger", |p| &mut p.texture.adhesion.work_receding)
                 .label("work of adhesion on unloading")
                 .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
                 .of(Quantity::RecedingWorkOfAdhesion);
     }
     Texture {
         FloorSticks = "adhesion.floor" is
-            word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.texture.adhesion.floor)
+            word("true: the floor is adhesive too; jump-in at first contact with it", |p| &mut p.texture.adhesion.floor)
                 .label("adhesive floor").optional();
     }
     Flat {
@@ -240,16 +240,16 @@ keys! {
     }
     HeightMap {
         HeightMap = "surface.height_map" is
-            text("file of heights: .npy, .npz or numbers; or give arrangement instead", |p| &mut p.surface.height_map)
+            text("file of heights: .npy, .npz or text; or give arrangement instead", |p| &mut p.surface.height_map)
                 .presence(Presence::EitherSurface(Key::Arrangement));
         Array = "surface.array" is
-            text("name of the array to read, of an .npz file with several", |p| &mut p.surface.array)
+            text("name of the array in an .npz file with several", |p| &mut p.surface.array)
                 .otherwise("the file has one array");
         HeightUnit = "surface.height_unit" is
-            length("what a height of 1 in the file stands for", |p| &mut p.surface.height_unit)
+            length("unit of the heights in the file", |p| &mut p.surface.height_unit)
                 .usual(1e-9, 1.0).range(Range::NotZero).optional();
         CellSize = "surface.cell_size" is
-            length("distance of neighbouring points of the map; or give width instead, or neither where the file states its size", |p| &mut p.surface.cell_size)
+            length("distance between neighbouring points of the map; or give width instead, or neither if the file contains its size", |p| &mut p.surface.cell_size)
                 .positive().or(Key::MapWidth);
         MapWidth = "surface.width" is
             length("extent of the map along x; or give cell_size instead", |p| &mut p.surface.width)
@@ -257,18 +257,18 @@ keys! {
     }
     Pattern {
         Arrangement = "surface.arrangement" is
-            word("of pillars: hexagonal, square or random; or give height_map instead", |p| &mut p.surface.name)
+            word("arrangement of pillars: hexagonal, square or random; or give height_map instead", |p| &mut p.surface.name)
                 .presence(Presence::EitherSurface(Key::HeightMap));
         PatternFraction = "surface.surface_fraction" is
-            fraction("part of the surface that is pillar; or give pitch instead", |p| &mut p.surface.arrangement.surface_fraction)
+            fraction("fraction of the surface covered by pillars; or give pitch instead", |p| &mut p.surface.arrangement.surface_fraction)
                 .range(Range::Between(Excluded(0.0), Excluded(1.0))).or(Key::PatternPitch).of_pattern(Q::SurfaceFraction);
         PatternPitch = "surface.pitch" is
-            length("distance of neighbouring pillars; or give surface_fraction instead", |p| &mut p.surface.arrangement.lattice.pitch)
+            length("distance between neighbouring pillars; or give surface_fraction instead", |p| &mut p.surface.arrangement.lattice.pitch)
                 .positive().or(Key::PatternFraction).with(Key::Arrangement, LATTICES).of_pattern(Q::Pitch);
         MinimumDistance = "surface.minimum_distance" is
-            length("between the centres of random pillars", |p| &mut p.surface.arrangement.minimum_distance)
+            length("minimum distance between the centres of random pillars", |p| &mut p.surface.arrangement.minimum_distance)
                 .range(Range::Words("at least the outer diameter of a pillar"))
-                .otherwise("the outer diameter of a pillar counts").with(Key::Arrangement, &["random"]).of_pattern(Q::MinimumDistance);
+                .otherwise("the outer diameter of a pillar").with(Key::Arrangement, &["random"]).of_pattern(Q::MinimumDistance);
         PatternOffset = "surface.offset" is
             number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.surface.arrangement.lattice.offset)
                 .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::Offset);
@@ -276,22 +276,22 @@ keys! {
             angle("direction of the offset from x", |p| &mut p.surface.arrangement.lattice.offset_angle)
                 .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::OffsetAngle);
         Missing = "surface.missing" is
-            fraction("part of the pillars that are missing", |p| &mut p.surface.arrangement.disorder.missing)
+            fraction("fraction of missing pillars", |p| &mut p.surface.arrangement.disorder.missing)
                 .range(FRACTION).optional().of_pattern(Q::Missing);
         HeightHalfWidth = "surface.height_half_width" is
-            fraction("half-width of the heights of pillars, which are uniformly distributed, over the height", |p| &mut p.surface.arrangement.disorder.heights.parameter)
+            fraction("half-width of the uniformly distributed pillar heights, relative to the height", |p| &mut p.surface.arrangement.disorder.heights.parameter)
                 .formerly("surface.height_spread").range(FRACTION).optional().of_pattern(Q::HeightHalfWidth);
         // Integers that a number in a case file represents exactly.
         Seed = "surface.seed" is
-            number("whole number that decides what is random", |p| &mut p.surface.arrangement.seed)
+            number("seed of random numbers (whole number)", |p| &mut p.surface.arrangement.seed)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional();
     }
     Surface {
         Floor = "surface.floor" is
-            length("floor is what is at or below this height; else all that is no pillar", |p| &mut p.surface.floor)
-                .otherwise("all that is no pillar; of a height map nothing");
+            length("points at or below this height are floor; default: all points outside pillars", |p| &mut p.surface.floor)
+                .otherwise("all points outside pillars; none of a height map");
         Boundary = "surface.boundary" is
-            word("free: nothing is touched beyond the grid; or periodic", |p| &mut p.surface.boundary)
+            word("free: no contact beyond the grid; or periodic", |p| &mut p.surface.boundary)
                 .optional();
         Indenter = "surface.indenter" is
             word("lens or plate", |p| &mut p.surface.indenter)
@@ -302,22 +302,22 @@ keys! {
             word("circle, square, polygon or ellipse", |p| &mut p.outline.form)
                 .optional();
         OutlineDiameter = "surface.pillar.diameter" is
-            length("of a circle, or of that through the corners of a polygon", |p| &mut p.outline.diameter)
+            length("diameter of a circle, or of the circumcircle of a polygon", |p| &mut p.outline.diameter)
                 .positive().with(Key::CrossSection, &["circle", "polygon"]).of_pattern(Q::Diameter);
         OutlineSide = "surface.pillar.side" is
-            length("of a square", |p| &mut p.outline.side)
+            length("side of a square", |p| &mut p.outline.side)
                 .positive().with(Key::CrossSection, &["square"]).of_pattern(Q::Side);
         OutlineSides = "surface.pillar.sides" is
-            number("of a polygon: how many", |p| &mut p.outline.sides)
+            number("number of sides of a polygon", |p| &mut p.outline.sides)
                 .range(Range::Whole(3, 1000)).with(Key::CrossSection, &["polygon"]);
         OutlineLength = "surface.pillar.length" is
-            length("of an ellipse, along x", |p| &mut p.outline.length)
+            length("length of an ellipse, along x", |p| &mut p.outline.length)
                 .positive().with(Key::CrossSection, &["ellipse"]).of_pattern(Q::Length);
         OutlineWidth = "surface.pillar.width" is
-            length("of an ellipse, along y", |p| &mut p.outline.width)
+            length("width of an ellipse, along y", |p| &mut p.outline.width)
                 .positive().with(Key::CrossSection, &["ellipse"]).of_pattern(Q::Width);
         Orientation = "surface.pillar.orientation" is
-            angle("by which pillars are turned, anticlockwise", |p| &mut p.outline.orientation)
+            angle("rotation of pillars, anticlockwise", |p| &mut p.outline.orientation)
                 .optional().of_pattern(Q::Orientation);
         PatternHeight = "surface.pillar.height" is
             length("height of a pillar", |p| &mut p.outline.height)
@@ -326,14 +326,14 @@ keys! {
             word("flat, cone, chamfer or rounded", |p| &mut p.outline.top)
                 .optional();
         Drop = "surface.pillar.drop" is
-            length("of a cone or chamfer: how much lower the edge is than the centre", |p| &mut p.outline.drop)
+            length("height difference between centre and edge of a cone or chamfer", |p| &mut p.outline.drop)
                 .range(Range::UpTo(Key::PatternHeight)).with(Key::Top, &["cone", "chamfer"]).of_pattern(Q::Drop);
         ChamferWidth = "surface.pillar.chamfer_width" is
-            length("distance from the edge at which a chamfer begins", |p| &mut p.outline.chamfer_width)
+            length("width of a chamfer from the edge", |p| &mut p.outline.chamfer_width)
                 .range(Range::Words("above 0 and at most half the inner diameter"))
                 .with(Key::Top, &["chamfer"]).of_pattern(Q::ChamferWidth);
         EdgeRadius = "surface.pillar.edge_radius" is
-            length("of a rounded top", |p| &mut p.outline.edge_radius)
+            length("edge radius of a rounded top", |p| &mut p.outline.edge_radius)
                 .range(Range::Words("above 0, at most half the inner diameter and at most the height"))
                 .with(Key::Top, &["rounded"]).of_pattern(Q::EdgeRadius);
         PatternCompliance = "surface.pillar.compliance" is
@@ -343,29 +343,29 @@ keys! {
             number("cells across the narrowest diameter of a pillar, 4 or more", |p| &mut p.surface.grid_cells)
                 .range(Range::Whole(4, 1024)).optional();
         GridWidth = "surface.grid.width" is
-            length("extent of the grid, around the axis of a lens; of a periodic lattice whole periods", |p| &mut p.surface.grid_width)
+            length("width of the grid, centred on the lens axis; whole periods of a periodic lattice", |p| &mut p.surface.grid_width)
                 .positive();
     }
     Texture {
         MethodName = "method.name" is
-            word("spectral (exact), love (elements), punch or homogenised", |p| &mut p.method.name)
+            word("spectral (exact), love (boundary elements), punch or homogenised", |p| &mut p.method.name)
                 .label("method")
                 .optional();
         Accuracy = "method.accuracy" is
-            word("of the spectral method: default or accurate", |p| &mut p.method.accuracy)
+            word("accuracy of the spectral method: default or accurate", |p| &mut p.method.accuracy)
                 .optional().with(Key::MethodName, &["spectral"]);
         Form = "method.form" is
-            word("of the punch method: corrected or plain", |p| &mut p.method.form)
+            word("form of the punch method: corrected or plain", |p| &mut p.method.form)
                 .optional().with(Key::MethodName, &["punch"]);
         CellsPerDiameter = "method.cells_per_diameter" is
-            number("of the method love: squares across a pillar, 8 or more", |p| &mut p.method.cells_per_diameter)
+            number("cells across a pillar with the method love, 8 or more", |p| &mut p.method.cells_per_diameter)
                 .usual(8.0, 32.0)
                 .range(Range::Whole(8, 1024)).optional().with(Key::MethodName, &["love"]);
         Mesh = "method.mesh" is
-            word("of the method love: a grid on all pillars, or one over the pattern", |p| &mut p.method.mesh)
+            word("mesh of the method love: a grid on every pillar, or one over the pattern", |p| &mut p.method.mesh)
                 .optional().with(Key::MethodName, &["love"]);
         Cells = "method.cells" is
-            word("of the method love: matched to a flat punch, or plain", |p| &mut p.method.cells)
+            word("cells of the method love: matched to a flat punch, or plain", |p| &mut p.method.cells)
                 .optional().with(Key::MethodName, &["love"]);
     }
 }

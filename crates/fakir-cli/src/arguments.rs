@@ -1,4 +1,4 @@
-//! The command line as clap sees it, with its help texts.
+//! Command-line arguments (clap) with their help texts.
 
 use crate::failure::Failure;
 use crate::session::{RunArguments, memory};
@@ -27,8 +27,9 @@ const EXIT_STATUS: &str = "\
 Exit status:
   0    done
   1    a solution did not converge, an estimated relative error is above 0.5, cases of a sweep
-       failed, verify found a disagreement or cannot tell, or with --strict a limit of the model is
-       strained or a fit does not describe the data; the result is still printed and saved
+       failed, verify found a disagreement or is inconclusive, or with --strict a validity limit of
+       the model is exceeded or a fit does not describe the data; the result is still printed and
+       saved
   2    bad input: arguments, case file, a combination that is not supported, or a file that cannot be
        read or written
   3    no answer: the contact is too large for the lens, for the surface or for memory, the pattern
@@ -45,7 +46,7 @@ pub(crate) struct Arguments {
     pub(crate) command: Command,
 }
 
-/// The arguments with `cycle` for `approach --retract`, its older name, and whether that was there.
+/// Replaces the deprecated `approach --retract` by `cycle` in the arguments. Returns whether it was used.
 pub(crate) fn renamed(mut arguments: Vec<OsString>) -> (Vec<OsString>, bool) {
     let options = arguments.iter().take_while(|word| *word != "--");
     let place = options.into_iter().position(|word| word == "--retract");
@@ -64,114 +65,110 @@ pub(crate) enum Command {
     /// Write a commented case file to start from
     #[command(after_help = "Example: fakir init soft.toml")]
     Init(Init),
-    /// The names, units and meanings of the numbers in results
+    /// List the names, units and meanings of the numbers in results
     #[command(after_help = "Examples:
   fakir results
   fakir results --schema > fakir.schema.json")]
     Results(Results),
-    /// The critical state, in which the lens just reaches the floor
+    /// Compute the critical state, in which the lens just reaches the floor
     #[command(
         after_help = "Example: fakir transition case.toml --set texture.surface_fraction=0.2"
     )]
     Transition(Transition),
-    /// The contact at an indentation or under a force
+    /// Compute the contact at an indentation or under a force
     ///
-    /// Past the transition the floor between the pillars bears its part; the method spectral alone knows how much.
-    /// By the other methods, and with --without-floor, the lens goes through the floor, as in the
-    /// paper: the smallest floor gap is then negative, and a warning names the critical load.
+    /// Past the transition the floor between the pillars carries part of the load, which only the method spectral computes. With the other
+    /// methods, and with --without-floor, floor contact is ignored, as in the paper: the smallest floor gap is then negative, and a warning
+    /// gives the critical load.
     #[command(after_help = "Example: fakir press case.toml --force 20uN")]
     Press(Press),
-    /// Loading step by step, as in the experiment: up to the critical state, or through it with --to
+    /// Compute loading step by step, as in the experiment: up to the critical state, or beyond with --to
     ///
-    /// Past the critical state the floor bears its part: on a texture by the method spectral, and on a
-    /// general surface (a case with a [surface]). A height map without surface.floor has no critical state:
-    /// there the loading ends at --to. With --output the states are saved as a table, and force, contact radius
-    /// and the part of the floor over the indentation as a figure.
+    /// Past the critical state the floor carries part of the load; this is available on a pillar pattern with the method spectral, and on a
+    /// general surface (a case with a [surface]). A height map without surface.floor has no critical state: its loading ends at --to. With
+    /// --output the states are saved as a table, and force, contact radius and the fraction of the load carried by the floor are plotted
+    /// over the indentation.
     ///
-    /// With pillar tops that stick (a case with [adhesion]) the loading ends at the critical state: what the floor
-    /// bears then is not solved. `fakir cycle` pulls the lens off again.
+    /// With adhesive pillar tops (a case with [adhesion]) the loading ends at the critical state: the floor force past it is not computed.
+    /// `fakir cycle` also computes unloading.
     #[command(
         after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition"
     )]
     Approach(Approach),
-    /// Loading and unloading, for pillar tops that stick (a case with [adhesion])
+    /// Compute loading and unloading with adhesive pillar tops (a case with [adhesion])
     ///
-    /// Loading ends at --to or --to-force, or at the critical state, and at the latest where the lens reaches the
-    /// floor, unless that sticks too (adhesion.floor = true): what it bears otherwise with tops that stick is not
-    /// solved (but see --without-floor). Every change of contact is found, so the result does not depend on a step. With
-    /// --output the curve, the events and the pillars that hold at pull-off are saved as tables and figures.
+    /// Loading ends at --to or --to-force, or at the critical state, and at the latest where the lens reaches the floor, unless the floor
+    /// is adhesive too (adhesion.floor = true) or ignored (--without-floor): the force on a non-adhesive floor is not computed with
+    /// adhesive tops. Every change of contact is located exactly, so that the result does not depend on a step size. With --output the
+    /// curve, the events and the pillars attached at pull-off are saved as tables and figures.
     ///
     /// `fakir approach --retract` is the older name of this command.
     #[command(after_help = "Example: fakir cycle case.toml --set adhesion.work=50mJ/m2")]
     Cycle(Cycle),
-    /// A second opinion: the spectral method and Love elements on the same question
+    /// Compare the spectral method with boundary elements on the same problem
     ///
-    /// Elements of constant pressure on two meshes against the accurate spectral method; both
-    /// methods estimate their errors. The question is the critical state, or the contact under a load if one is given. Past the transition elements cover pillar tops and floor, and what
-    /// the floor bears is compared too. Exit status 1 says that they differ by more, or that it cannot
-    /// be told, as one of them did not converge or knows no digit. Of the case's [method] only the
-    /// mesh of elements counts. On a general surface (a case with a [surface]) there are elements only:
-    /// pillars on a lattice are solved on both meshes; a height map, which has one, and pillars at random
-    /// are refused. Elements have no adhesion: a case with [adhesion] is refused, and can be verified without
-    /// it.
+    /// Boundary elements (BEM) on two meshes are compared with the accurate spectral method; both methods estimate their errors. The
+    /// problem is the critical state, or the contact under a load if one is given. Past the transition the elements cover pillar tops and
+    /// floor, and the floor forces are compared too. Exit status 1: the results differ by more than the error estimates, or the comparison
+    /// is inconclusive because a method did not converge or its result has no significant digit. Of the case's [method] only the mesh of
+    /// the elements is used. On a general surface (a case with a [surface]) only elements are available: pillars on a lattice are solved on
+    /// both meshes; height maps, which have a single mesh, and random pillars are refused. Elements do not support adhesion: a case with
+    /// [adhesion] is refused, and can be verified without it.
     #[command(after_help = "Example: fakir verify case.toml --cells 32")]
     Verify(Verify),
-    /// The formulas: lattice sums, critical state and transition curve in closed form
+    /// Evaluate closed forms: lattice sums, critical state and transition curve
     ///
-    /// Formulas that contradict themselves in print are given as printed and as corrected. The
-    /// closed forms are for a lens axis on a pillar. With pillar tops that stick (a case with [adhesion]) there
-    /// are also those of the pull-off of one pillar and of the bare substrate; the formulas for the critical state
-    /// know no adhesion.
+    /// Formulas that are inconsistent in print are given as printed and as corrected. The closed forms apply to a lens axis on a pillar.
+    /// With adhesive pillar tops (a case with [adhesion]) the pull-off forces of one pillar and of the bare substrate are included; the
+    /// formulas for the critical state neglect adhesion.
     #[command(
         after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001
          fakir theory case.toml --set adhesion.work=50mJ/m2 --attraction-range 5nm"
     )]
     Theory(Theory),
-    /// The critical state by every method, coarse to exact, side by side
+    /// Compute the critical state by every method, approximate to exact
     ///
-    /// Differences are from the most accurate method. Love elements take most of the time: seconds
-    /// for a few hundred pillars, minutes for a few thousand. With pillar tops that stick the method spectral
-    /// alone has an answer; closed forms stand beside it without adhesion.
+    /// Differences are relative to the most accurate method. Boundary elements take most of the time: seconds for a few hundred pillars,
+    /// minutes for a few thousand. With adhesive pillar tops only the method spectral applies; closed forms are given without adhesion.
     #[command(after_help = "Example: fakir compare case.toml")]
     Compare(Compare),
-    /// The explorer in the browser: every quantity of a case as a slider, the contact at once
+    /// Explore a case interactively in the browser: a slider for every quantity
     ///
-    /// A server for this machine alone, whose address holds a random token; the page needs no
-    /// network. It starts with the case, or with the one that `fakir init` writes. With adhesion the
-    /// load goes down to the critical state and up again to the last release. Ctrl-C ends it.
+    /// Starts a server for this machine only, with a random token in its address; the page needs no network. It starts with the given case,
+    /// or with the one that `fakir init` writes. With adhesion the load is increased to the critical state and decreased to the last
+    /// detachment. Ctrl-C stops the server.
     #[cfg(feature = "explore")]
     #[command(after_help = "Examples:
   fakir explore
   fakir explore case.toml --set texture.surface_fraction=0.2 --port 8080 --no-browser
   fakir explore case.toml --set adhesion.work=50mJ/m2")]
     Explore(Explore),
-    /// What to cite for a result, a case, a study or a method
+    /// Print the references to cite for a result, a case, a study or a method
     #[command(after_help = "Example: fakir cite results --bibtex")]
     Cite(Cite),
-    /// Every result of the paper anew, or the study of adhesion that it announced: tables, figures and a report
+    /// Reproduce every result of the paper, or the study of adhesion that it announced: tables, figures and a report
     ///
-    /// paper: 6 places to land, 60 surface fractions and 3 substrates, in half a minute; with report.html,
-    /// one page of claims, figures and numbers that needs nothing else.
+    /// paper: 6 landing positions, 60 surface fractions and 3 substrates, in half a minute; with report.html, a self-contained page of
+    /// claims, figures and numbers.
     ///
-    /// adhesion: surface fractions, works of adhesion, substrates and offsets with tops and floor that stick: the jump
-    /// onto the floor, its loss, pull-off and hysteresis, with laws, figures and a report. The floor is computed by the
-    /// fast model of a collapsed floor in its range, and by cells of the floor below it. Ctrl-C ends it; --resume goes on.
+    /// adhesion: surface fractions, works of adhesion, substrates and offsets with adhesive tops and floor: jump-in to the floor, its
+    /// detachment, pull-off and hysteresis, with scaling laws, figures and a report. The floor is computed by the fast model of a collapsed
+    /// floor in its range, and by floor cells below it. Ctrl-C interrupts; --resume continues.
     #[command(after_help = "Examples:
   fakir reproduce paper --output paper
   fakir reproduce adhesion --output adhesion --quick")]
     Reproduce(Reproduce),
-    /// The inverse question: the pitch, size or modulus that gives a wanted critical state, pull-off force or floor
-    /// share; heights of rounded tops for a wanted curve; and how far real samples scatter about it
+    /// Find the pitch, size or modulus for a target critical state, pull-off force or floor share; heights of rounded tops for a target
+    /// curve; and the scatter of real samples
     ///
-    /// All else is as in the case file. With a pitch in the case file the pitch stays as it is, with
-    /// a surface fraction that. Exit status 3 says that no value gives what is wanted; the nearest
-    /// is then printed. Samples of tops that stick are pulled off again from the critical state, to tell how far the
-    /// pull-off force and the hysteresis scatter.
+    /// All other quantities are taken from the case file. If the case file gives the pitch, the pitch is kept constant, otherwise the
+    /// surface fraction. Exit status 3: the target is unattainable; the closest attainable value is printed. For samples with adhesion,
+    /// unloading from the critical state is computed too, for the scatter of the pull-off force and the hysteresis.
     ///
-    /// With --free heights a case with texture.top_radius says where pillars stand and how round their tops are, and
-    /// --target what is wanted: a CSV file with the columns force and area, indentation and force, or indentation
-    /// and area, as in force_mN,area_um2. With --output the heights are saved as pillars.csv with a case that
-    /// reads it, as a solid (surface.stl) and as maps of heights (heights.png of 16 bits, heights.npy).
+    /// With --free heights a case with texture.top_radius gives the positions of the pillars and the curvature of their tops, and --target
+    /// the target curve: a CSV file with the columns force and area, indentation and force, or indentation and area, as in
+    /// force_mN,area_um2. With --output the heights are saved as pillars.csv with a case that reads it, as a solid (surface.stl) and as
+    /// height maps (heights.png of 16 bits, heights.npy).
     #[command(after_help = "Examples:
   fakir design case.toml --free pitch --critical-force 1mN
   fakir design case.toml --free pitch --critical-force 1mN \\
@@ -181,49 +178,44 @@ pub(crate) enum Command {
   fakir design case.toml --samples 1000
   fakir design asperities.toml --free heights --target curve.csv --height-error 0.2um --output designed")]
     Design(Design),
-    /// Moduli, work of adhesion and instrument parameters from a measured curve, by least squares
+    /// Fit moduli, work of adhesion and instrument parameters to a measured curve, by least squares
     ///
-    /// DATA has a heading with units and a row for every state, with two or more of the columns
-    /// displacement_m (reading of the instrument, larger is deeper) or indentation_m, force_N and
-    /// contact_radius_m. Standard errors are in columns of the same names with _error before the
-    /// unit, as in force_error_N; a force or contact radius without errors has its scatter
-    /// estimated from the residuals. Cells may be empty; lines that begin with # are passed over.
+    /// DATA has a heading with units and a row for every state, with two or more of the columns displacement_m (reading of the instrument,
+    /// increasing with depth) or indentation_m, force_N and contact_radius_m. Standard errors are in columns of the same names with _error
+    /// before the unit, as in force_error_N; if a force or contact radius has no errors, its scatter is estimated from the residuals. Cells
+    /// may be empty; lines that begin with # are ignored.
     ///
-    /// With a displacement or indentation that is the load, otherwise the force. The indentation is
-    /// displacement - contact_point - machine_compliance * force. States past the transition are used by
-    /// the method spectral, which knows what the floor bears, and left out by the others and with
-    /// floor.contact=false. A parameter that the data do not determine gets no confidence interval.
+    /// If a displacement or indentation is given, it is the load, otherwise the force. The indentation is displacement - contact_point -
+    /// machine_compliance * force. States past the transition are used with the method spectral, which computes the floor force, and left
+    /// out with the others and with floor.contact=false. A parameter that the data do not determine has no confidence interval.
     ///
-    /// With pillar tops that stick (a case with [adhesion], or adhesion.work free) the data are one cycle of loading
-    /// and unloading. A column branch has loading or unloading in every row; without it unloading begins after the
-    /// largest load. Pull-off is the least force, negative as it was measured, and the work of adhesion
-    /// is sought from there.
+    /// With adhesive pillar tops (a case with [adhesion], or adhesion.work free) the data are one cycle of loading and unloading. A column
+    /// branch contains loading or unloading in every row; without it unloading begins after the largest load. Pull-off is the smallest
+    /// force, negative as measured; it determines the initial value of the work of adhesion.
     #[command(after_help = "Examples:
   fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
   fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
       --machine-compliance 2e-3 --force-error 0.5uN --output fitted
   fakir fit retraction.csv --case sticky.toml --free adhesion.work,contact_point,force_offset")]
     Fit(Fit),
-    /// Many cases: a study file with axes along which a case is varied
+    /// Compute many cases: a study file with axes along which a case is varied
     ///
-    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Asked is the critical state, with
-    /// question = "press" the contact under a load, with "cycle" the pull-off from tops that stick, with "collapse" how a
-    /// floor that sticks is drawn down and lost. Every case is one
-    /// row of a table, also if it fails: then with the reason. With --output a
-    /// journal is kept there, so that a sweep that was interrupted, even killed, goes on with
-    /// --resume; the tables are the same as without the interruption, byte for byte. Without
-    /// --output the table is printed as CSV.
+    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Computed is the critical state; with question =
+    /// "press" the contact under a load, with "cycle" the pull-off from adhesive tops, with "collapse" the jump-in and detachment of an
+    /// adhesive floor. Every case is one row of a table; a row of a case that failed contains the reason. With --output a journal is kept
+    /// in the folder, so that an interrupted or killed sweep continues with --resume; the tables are identical, byte for byte, to those of
+    /// an uninterrupted sweep. Without --output the table is printed as CSV.
     #[command(after_help = "Example: fakir sweep study.toml --output results")]
     Sweep(Sweep),
-    /// The shards of a sweep put together, as if it had never been divided
+    /// Merge the shards of a sweep, with the same result as an undivided sweep
     #[command(after_help = "Example: fakir merge results shard-1 shard-2 shard-3")]
     Merge(Merge),
-    /// A script that completes commands and options in a shell
+    /// Print a script that completes commands and options in a shell
     #[command(after_help = "Examples:
   fakir completions bash > ~/.local/share/bash-completion/completions/fakir
   fakir completions fish > ~/.config/fish/completions/fakir.fish")]
     Completions(Completions),
-    /// A page of the manual, for man
+    /// Print a page of the manual, for man
     #[command(after_help = "Examples:
   fakir man > fakir.1
   fakir man transition > fakir-transition.1")]
@@ -231,7 +223,7 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    /// Whether an answer fails that strains its model.
+    /// Whether a result fails if a validity limit of the model is exceeded.
     pub(crate) fn is_strict(&self) -> bool {
         match self {
             Self::Transition(options) => options.limits.strict,
@@ -271,20 +263,20 @@ pub(crate) struct Results {
     /// Print a JSON Schema of --json and summary.json instead
     #[arg(long)]
     pub(crate) schema: bool,
-    /// Print which questions have an answer for which kind of surface instead, with the reason where there is none
+    /// Print which commands support which kind of surface instead, and why others do not
     #[arg(long, conflicts_with = "schema")]
     pub(crate) surfaces: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Init {
-    /// Where to write it; `-` for standard output
+    /// File to write; `-` for standard output
     #[arg(default_value = "case.toml")]
     pub(crate) file: PathBuf,
-    /// Replace a file that is there already
+    /// Replace an existing file
     #[arg(long)]
     pub(crate) force: bool,
-    /// Write no case, but print a reference of all keys that case files have, as Markdown
+    /// Write no case; print a reference of all keys of case files as Markdown
     #[arg(long, conflicts_with_all = ["file", "force"])]
     pub(crate) keys: bool,
 }
@@ -392,20 +384,19 @@ impl Press {
 pub(crate) struct Approach {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// Indentation from one state to the next (m, mm, um, nm; a bare number in m); as in the
-    /// experiments unless given
+    /// Indentation step between states (m, mm, um, nm; a bare number in m); default as in the experiments
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = length, allow_hyphen_values = true)]
     step: f64,
-    /// Go on to this indentation, past the critical state if that comes earlier (m, mm, um, nm)
+    /// Continue to this indentation, past the critical state if that is reached earlier (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with_all = ["to_force", "until"])]
     to: Option<f64>,
-    /// Go on to this force, past the critical state if that comes earlier (N, mN, uN, nN)
+    /// Continue to this force, past the critical state if that is reached earlier (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, conflicts_with = "until")]
     to_force: Option<f64>,
-    /// Stop at this indentation, or at the critical state if that comes earlier
+    /// Stop at this indentation, or at the critical state if that is reached earlier
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     until: Option<f64>,
-    /// Makes --until go on as --to does
+    /// Continue --until past the critical state, as --to does
     #[arg(long, requires = "until", hide = true)]
     past_transition: bool,
     #[command(flatten)]
@@ -450,11 +441,11 @@ pub(crate) struct Cycle {
     /// Load to this force (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     to_force: Option<f64>,
-    /// What is held while contacts snap in or out
+    /// Quantity held fixed while contacts attach or detach
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = HeldLoad::Displacement)]
     drive: HeldLoad,
-    /// Move the lens by a machine of this stiffness, whose crosshead is held while contacts snap
-    /// (N/m, mN/m, kN/m; a bare number in N/m)
+    /// Move the lens by a testing machine of this stiffness, whose crosshead position is fixed while contacts attach or detach (N/m, mN/m,
+    /// kN/m; a bare number in N/m)
     #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, conflicts_with = "drive")]
     machine_stiffness: Option<f64>,
     #[command(flatten)]
@@ -496,7 +487,7 @@ impl Cycle {
     }
 }
 
-/// What is held while contacts snap.
+/// Quantity held fixed while contacts attach or detach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum HeldLoad {
     /// The indentation
@@ -512,7 +503,7 @@ pub(crate) struct Verify {
     pub(crate) case: CaseArguments,
     #[command(flatten)]
     pub(crate) load: LoadArguments,
-    /// Squares across a pillar on the finer mesh; the other has half as many
+    /// Square cells across a pillar on the finer mesh; the other has half as many
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = cells)]
     pub(crate) cells: usize,
     #[command(flatten)]
@@ -540,25 +531,24 @@ pub(crate) struct Compare {
 #[cfg(feature = "explore")]
 #[derive(Debug, Args)]
 pub(crate) struct Explore {
-    /// Case file (TOML) to begin with; `-` for standard input
+    /// Case file (TOML) to start with; `-` for standard input
     pub(crate) case: Option<PathBuf>,
     /// Override a key of the case, as in texture.pitch=20um; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Port to listen on; any free one unless given
+    /// Port to listen on; default: any free port
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) port: Option<u16>,
-    /// Only print the address, and leave the browser alone
+    /// Print the address without opening the browser
     #[arg(long)]
     pub(crate) no_browser: bool,
-    /// Threads to share the work between; 0 for as many as there are processors, which are the
-    /// most that are used
+    /// Threads; 0 for the number of processors, which is the maximum
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
-    /// Memory a computation may take (kB, MB, GB)
+    /// Memory limit of a computation (kB, MB, GB)
     #[arg(long, value_name = "SIZE", default_value = "2GB", value_parser = memory)]
     pub(crate) memory_limit: usize,
-    /// No lines on requests that were refused
+    /// Do not print refused requests
     #[arg(long, short)]
     pub(crate) quiet: bool,
 }
@@ -577,7 +567,7 @@ pub(crate) struct Man {
 
 #[derive(Debug, Args)]
 pub(crate) struct Cite {
-    /// Folder of results, case file or study file; without it, what any use of fakir rests on
+    /// Folder of results, case file or study file; without it, the references for any use of fakir
     pub(crate) what: Option<PathBuf>,
     /// Cite for this method instead
     #[arg(long, conflicts_with = "what")]
@@ -590,14 +580,14 @@ pub(crate) struct Cite {
     pub(crate) json: bool,
 }
 
-/// The methods by their names in case files, and the formulas.
+/// The methods by their names in case files, and the closed forms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CitedMethod {
     Spectral,
     Love,
     Punch,
     Homogenised,
-    /// The formulas of `fakir theory`
+    /// The closed forms of `fakir theory`
     Theory,
 }
 
@@ -609,51 +599,50 @@ pub(crate) enum CitedMethod {
 pub(crate) struct Design {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// The parameter to be determined: pitch, pitch_y, surface_fraction, texture.pillar.height, texture.pillar.diameter,
-    /// lens.radius, lens.young_modulus, substrate.young_modulus, lens.thickness, substrate.thickness,
-    /// lens.base_young_modulus or substrate.base_young_modulus; or heights: the heights of all pillars with rounded tops
+    /// Parameter to determine: pitch, pitch_y, surface_fraction, texture.pillar.height, texture.pillar.diameter, lens.radius,
+    /// lens.young_modulus, substrate.young_modulus, lens.thickness, substrate.thickness, lens.base_young_modulus or
+    /// substrate.base_young_modulus; or heights: the heights of all pillars with rounded tops
     #[arg(long, value_name = "KEY", value_parser = free, requires = "wanted")]
     free: Option<Free>,
-    /// The critical force that is wanted (N, mN, uN, nN)
+    /// Target critical force (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     critical_force: Option<f64>,
-    /// The critical contact radius that is wanted (m, mm, um, nm)
+    /// Target critical contact radius (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     critical_contact_radius: Option<f64>,
-    /// The pull-off force that is wanted after the critical state, of a case with adhesion, as a positive number
-    /// (N, mN, uN, nN)
+    /// Target pull-off force after the critical state, for a case with adhesion, as a positive number (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     pull_off: Option<f64>,
-    /// The share of the force that the floor is to bear, past the transition: 0.2 or 20%
+    /// Target fraction of the load carried by the floor, past the transition: 0.2 or 20%
     #[arg(long, value_name = "SHARE", value_parser = fraction, allow_hyphen_values = true, requires = "at")]
     floor_share: Option<f64>,
-    /// The force at which that share is wanted (N, mN, uN, nN)
+    /// Force at which the floor share is specified (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     at_force: Option<f64>,
-    /// The indentation at which that share is wanted (m, mm, um, nm)
+    /// Indentation at which the floor share is specified (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     at_indentation: Option<f64>,
-    /// The curve that is wanted, with --free heights: a CSV file with a heading such as force_mN,area_um2
+    /// Target curve, with --free heights: a CSV file with a heading such as force_mN,area_um2
     #[arg(long, value_name = "CSV", conflicts_with_all = ["tolerance", "samples", "keep_offset"])]
     target: Option<PathBuf>,
-    /// Standard deviation with which heights can be made (m, mm, um, nm): tells how far that scatters the curve
+    /// Standard deviation of manufactured heights (m, mm, um, nm), for the scatter of the curve
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, requires = "target")]
     height_error: Option<f64>,
-    /// A quantity that varies, normally distributed, with its standard deviation as a quantity or
-    /// in per cent: texture.pillar.height=0.05um, substrate.young_modulus=10%; may be repeated
+    /// Quantity that varies, normally distributed, with its standard deviation as a quantity or in per cent: texture.pillar.height=0.05um,
+    /// substrate.young_modulus=10%; may be repeated
     #[arg(long, value_name = "KEY=DEVIATION", value_parser = tolerance)]
     tolerance: Vec<Tolerance>,
     #[arg(long, value_name = "N", help = format!(
-        "Samples drawn with these tolerances; {} if there are any", Sampling::SAMPLES
+        "Number of samples drawn with these tolerances; {} if there are any", Sampling::SAMPLES
     ))]
     samples: Option<usize>,
-    /// Decides which samples are drawn, and which height goes to which pillar
+    /// Seed for the samples, and for the assignment of heights to pillars
     #[arg(long, value_name = "N", default_value_t = Sampling::SEED)]
     seed: u64,
-    /// Let the lens land where the case file says, instead of anywhere on the lattice
+    /// Keep the landing position of the case file, instead of random positions on the lattice
     #[arg(long)]
     keep_offset: bool,
-    /// An indentation at which the force on every sample is told too (m, mm, um, nm); with commas, or repeated
+    /// Indentation at which the force of every sample is reported too (m, mm, um, nm); with commas, or repeated
     #[arg(long, value_name = "LENGTH", value_parser = length, value_delimiter = ',', allow_hyphen_values = true)]
     force_at: Vec<f64>,
     #[command(flatten)]
@@ -661,7 +650,7 @@ pub(crate) struct Design {
 }
 
 impl Design {
-    /// What is sought, and what for.
+    /// The free parameter and the target.
     pub(crate) fn question(&self) -> Result<Option<(Key, Wanted)>, Failure> {
         let wanted = self
             .critical_force
@@ -691,7 +680,7 @@ impl Design {
         Ok(free.zip(wanted))
     }
 
-    /// The curve that heights are sought for, if they are.
+    /// The problem of finding heights for a curve, if requested.
     pub(crate) fn heights(&self) -> Result<Option<HeightsQuestion<'_>>, Failure> {
         let Some(target) = &self.target else {
             return Ok(None);
@@ -715,7 +704,7 @@ impl Design {
         }))
     }
 
-    /// What is drawn, if a spread is asked for.
+    /// The sampling, if a scatter is requested.
     pub(crate) fn sampling(&self) -> Option<Sampling> {
         let is_asked =
             !self.tolerance.is_empty() || self.samples.is_some() || !self.force_at.is_empty();
@@ -733,7 +722,7 @@ impl Design {
     }
 }
 
-/// What a design seeks.
+/// Free parameter of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Free {
     /// The value of a key.
@@ -742,7 +731,7 @@ enum Free {
     Heights,
 }
 
-/// A key that can be sought, or all heights.
+/// A key that can be free, or all heights.
 fn free(text: &str) -> Result<Free, String> {
     if text == "heights" {
         return Ok(Free::Heights);
@@ -751,40 +740,39 @@ fn free(text: &str) -> Result<Free, String> {
     Ok(Free::Key(key))
 }
 
-/// A wanted curve that heights are sought for.
+/// A target curve for heights.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HeightsQuestion<'a> {
-    /// Its file.
+    /// File of the curve.
     pub(crate) target: &'a std::path::Path,
-    /// Standard deviation with which heights can be made, m.
+    /// Standard deviation of manufactured heights, m.
     pub(crate) height_error: Option<f64>,
-    /// Decides which height goes to which pillar.
+    /// Seed for the assignment of heights to pillars.
     pub(crate) seed: u64,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
-    /// Measured curve of loading, or of loading and unloading: a table as instruments write it, with commas, semicolons or tabs,
-    /// and a unit in the heading of every column, as in force_uN or Load [mN]
+    /// Measured curve of loading, or of loading and unloading: a table as written by instruments, with commas, semicolons or tabs, and a
+    /// unit in the heading of every column, as in force_uN or Load [mN]
     data: PathBuf,
-    /// A column by hand, as in force="Channel 2 [mN]" or force="#2 [mN]"; a minus sign before the heading turns the sign of its values;
-    /// may be repeated
+    /// Assign a column explicitly, as in force="Channel 2 [mN]" or force="#2 [mN]"; a minus sign before the heading reverses the sign of
+    /// its values; may be repeated
     #[arg(long = "column", value_name = "QUANTITY=HEADING", value_parser = NamedColumn::parse)]
     columns: Vec<NamedColumn>,
-    /// Case file (TOML) with everything that is known, and where to begin; `-` for standard input
+    /// Case file (TOML) with all known quantities and the initial values; `-` for standard input
     #[arg(long)]
     case: PathBuf,
-    /// What is fitted: substrate.young_modulus, lens.young_modulus, lens.radius,
-    /// substrate.thickness, lens.thickness, texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
-    /// texture.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
-    /// force_offset, displacement_drift, force_drift; with commas, or repeated
+    /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius, substrate.thickness, lens.thickness,
+    /// texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset, texture.offset_angle, adhesion.work,
+    /// adhesion.work_receding, contact_point, machine_compliance, force_offset, displacement_drift, force_drift; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
-    /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or where to
-    /// begin; 0, or found in the data, unless given
+    /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or its initial value; default: 0, or estimated from the
+    /// data
     #[arg(long, value_name = "LENGTH", value_parser = reading, allow_hyphen_values = true)]
     contact_point: Option<f64>,
-    /// How far the instrument gives way, in m/N, or where to begin
+    /// Compliance of the instrument, in m/N, or its initial value
     #[arg(
         long,
         value_name = "M/N",
@@ -792,26 +780,26 @@ pub(crate) struct Fit {
         allow_hyphen_values = true
     )]
     machine_compliance: f64,
-    /// What the instrument reads without any force (N, mN, uN, nN), or where to begin; it is in all measured forces
+    /// Reading of the instrument at zero force (N, mN, uN, nN), or its initial value; contained in all measured forces
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
     force_offset: f64,
-    /// By how much the displacement drifts from the first row to the last (m, mm, um, nm), or where to begin: linear in time if there is
-    /// a column of times, or else in the number of the row
+    /// Drift of the displacement from the first row to the last (m, mm, um, nm), or its initial value: linear in time if there is a column
+    /// of times, otherwise in the row number
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, default_value = "0")]
     displacement_drift: f64,
-    /// The same of the force (N, mN, uN, nN)
+    /// The same for the force (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
     force_drift: f64,
-    /// Begin from so many places, the first of which is the case, and take the best fit: against local minima
+    /// Start from this many points, the first of which is the case, and take the best fit: avoids local minima
     #[arg(long, value_name = "COUNT", default_value_t = 1)]
     starts: usize,
-    /// Standard error of forces that have none in the file (N, mN, uN, nN)
+    /// Standard error of forces without one in the file (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     force_error: Option<f64>,
-    /// Standard error of contact radii that have none in the file (m, mm, um, nm)
+    /// Standard error of contact radii without one in the file (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     contact_radius_error: Option<f64>,
-    /// Standard error of displacements or indentations that have none in the file (m, mm, um, nm)
+    /// Standard error of displacements or indentations without one in the file (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     position_error: Option<f64>,
     /// Override a key of the case file, as in texture.pitch=20um; may be repeated
@@ -820,19 +808,17 @@ pub(crate) struct Fit {
     /// Print JSON instead of tables, in SI units
     #[arg(long)]
     json: bool,
-    /// Save the result there, in a folder that is empty or to be made: summary.json, fitted.csv with
-    /// the model beside the data, the figure fit.svg and fit.png, the case with the fitted values, and
-    /// where it is from
+    /// Save the result in this folder, which must be empty or not exist: summary.json, fitted.csv with data and model, the figure fit.svg
+    /// and fit.png, the case with the fitted values, and its provenance
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Replace results that are in the folder, all of them; a folder with anything else in it is
-    /// left alone
+    /// Replace all results in the folder; a folder with other files is not changed
     #[arg(long, requires = "output")]
     overwrite: bool,
-    /// No progress and no warnings but that the fit does not describe the data
+    /// No progress and no warnings, except if the fit does not describe the data
     #[arg(long, short)]
     quiet: bool,
-    /// Exit with status 1 if a limit of the model is strained under the largest load, or if the fit does not describe the data;
+    /// Exit with status 1 if a validity limit of the model is exceeded under the largest load, or if the fit does not describe the data;
     /// the result is still printed and saved
     #[arg(long)]
     pub(crate) strict: bool,
@@ -852,7 +838,7 @@ impl Fit {
         }
     }
 
-    /// The data, with the errors of the arguments where they have none.
+    /// The data, with the errors given as arguments where the file has none.
     pub(crate) fn measurements(&self) -> Result<Measurements, Failure> {
         let mut data = Measurements::read(&self.data, &self.columns)?;
         for (name, error) in [
@@ -888,7 +874,7 @@ impl Fit {
     }
 }
 
-/// A parameter that can be fitted.
+/// Parses a parameter that can be fitted.
 fn fitted(text: &str) -> Result<Parameter, String> {
     let named = Parameter::all_named(text.trim());
     match named[..] {
@@ -898,12 +884,12 @@ fn fitted(text: &str) -> Result<Parameter, String> {
     }
 }
 
-/// Advice to give one of some names.
+/// Advice that lists the accepted names.
 fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
     format!("give one of {}", names.collect::<Vec<_>>().join(", "))
 }
 
-/// `KEY=DEVIATION`, the deviation as a quantity or in per cent.
+/// Parses `KEY=DEVIATION`, with the deviation as a quantity or in per cent.
 fn tolerance(text: &str) -> Result<Tolerance, String> {
     let (path, deviation) = text
         .split_once('=')
@@ -923,31 +909,28 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct Sweep {
-    /// Study file (TOML): a case file, or the name of one, with the tables [study] and [axes]; `-`
-    /// for standard input
+    /// Study file (TOML): a case file, or the name of one, with the tables [study] and [axes]; `-` for standard input
     pub(crate) study: PathBuf,
-    /// Override a key of the case that is no axis, as in lens.radius=2mm; may be repeated
+    /// Override a key of the case that is not an axis, as in lens.radius=2mm; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Keep the journal there, and save table.csv, study.toml and provenance.json; programs built with the feature
-    /// parquet also save table.parquet
+    /// Keep the journal in this folder, and save table.csv, study.toml and provenance.json; builds with the feature parquet also save
+    /// table.parquet
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
-    /// Go on with the sweep in the folder, if one has begun there
+    /// Continue the sweep in the folder, if there is one
     #[arg(long, requires = "output", conflicts_with = "overwrite")]
     resume: bool,
-    /// Begin anew, and replace results that are in the folder, all of them; a folder with anything
-    /// else in it is left alone
+    /// Start again, and replace all results in the folder; a folder with other files is not changed
     #[arg(long, requires = "output")]
     overwrite: bool,
-    /// Compute only this part of the cases, for `fakir merge`: 1/4 to 4/4 of a sweep in four shards
+    /// Compute only this part of the cases, for `fakir merge`: 1/4 to 4/4 for a sweep in four shards
     #[arg(long, value_name = "N/OF", default_value = "1/1", requires = "output")]
     pub(crate) shard: Shard,
-    /// Threads to share the cases between; 0 for as many as there are processors, which are the
-    /// most that are used
+    /// Threads that share the cases; 0 for the number of processors, which is the maximum
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
-    /// Memory a single case may take (kB, MB, GB)
+    /// Memory limit of a single case (kB, MB, GB)
     #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
     pub(crate) memory_limit: usize,
     /// Print JSON, in SI units; without --output with all rows
@@ -964,25 +947,25 @@ impl Sweep {
     }
 }
 
-/// What can be reproduced.
+/// Publications that can be reproduced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Publication {
     /// Phys. Rev. E 104, 055007 (2021)
     Paper,
-    /// The study of adhesion that it announced, with a floor that sticks
+    /// The study of adhesion that it announced, with an adhesive floor
     Adhesion,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Reproduce {
-    /// What to reproduce
+    /// Publication to reproduce
     #[arg(value_enum)]
     pub(crate) publication: Publication,
-    /// Where to; a folder that is empty or to be made
+    /// Folder for the results, which must be empty or not exist
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: PathBuf,
-    /// Go on to a surface fraction of 0.29, beyond where the experiments reached the transition; it
-    /// takes several times as long
+    /// Continue to a surface fraction of 0.29, beyond the range in which the experiments reached the transition; takes several times as
+    /// long
     #[arg(long)]
     pub(crate) dense: bool,
     /// Surface fractions of the paper from 0.0003 to 0.21; 60 if not given
@@ -991,23 +974,21 @@ pub(crate) struct Reproduce {
     /// The study of adhesion with fewer cases, in two minutes instead of half an hour
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Measured points to draw on the curves: a CSV file with a column surface_fraction, any of
-    /// critical_force_N, critical_contact_radius_m and critical_indentation_m, the same with _error
-    /// before the unit, and substrate (rigid, intermediate or soft)
+    /// Measured points to plot with the curves: a CSV file with a column surface_fraction, any of critical_force_N,
+    /// critical_contact_radius_m and critical_indentation_m, the same with _error before the unit, and substrate (rigid, intermediate or
+    /// soft)
     #[arg(long, value_name = "CSV")]
     pub(crate) measured: Option<PathBuf>,
-    /// Go on with one that was interrupted
+    /// Continue an interrupted run
     #[arg(long, conflicts_with = "overwrite")]
     resume: bool,
-    /// Begin anew, and replace results that are in the folder, all of them; a folder with anything
-    /// else in it is left alone
+    /// Start again, and replace all results in the folder; a folder with other files is not changed
     #[arg(long)]
     overwrite: bool,
-    /// Threads to share the work between; 0 for as many as there are processors, which are the
-    /// most that are used
+    /// Threads; 0 for the number of processors, which is the maximum
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) threads: usize,
-    /// Memory a single case may take (kB, MB, GB)
+    /// Memory limit of a single case (kB, MB, GB)
     #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
     pub(crate) memory_limit: usize,
     /// No progress and no warnings
@@ -1016,7 +997,7 @@ pub(crate) struct Reproduce {
 }
 
 impl Reproduce {
-    /// Refuses what is not for what is reproduced.
+    /// Refuses options of the other publication.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         let (other, options) = match self.publication {
             Publication::Paper => ("adhesion", vec![("--quick", self.quick)]),
@@ -1050,7 +1031,7 @@ fn existing(resume: bool, overwrite: bool) -> Existing {
     }
 }
 
-/// Surface fractions that make a curve.
+/// Parses the number of surface fractions of a curve.
 fn points(text: &str) -> Result<usize, String> {
     text.parse()
         .ok()
@@ -1060,13 +1041,12 @@ fn points(text: &str) -> Result<usize, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct Merge {
-    /// Folder to make for the whole sweep
+    /// Folder to create for the whole sweep
     pub(crate) folder: PathBuf,
     /// Folders of all shards, in any order
     #[arg(required = true)]
     pub(crate) shards: Vec<PathBuf>,
-    /// Replace results that are in the folder, all of them; a folder with anything else in it is
-    /// left alone
+    /// Replace all results in the folder; a folder with other files is not changed
     #[arg(long)]
     overwrite: bool,
     /// Print JSON, in SI units
@@ -1080,26 +1060,25 @@ impl Merge {
     }
 }
 
-/// What every command that reads a case takes.
+/// Arguments of every command that reads a case.
 #[derive(Debug, Args)]
 pub(crate) struct CaseArguments {
     /// Case file (TOML); `-` for standard input
     pub(crate) case: PathBuf,
     /// Override a key of the case file, as in texture.pitch=20um; may be repeated
     ///
-    /// The value is TOML, or a bare word or quantity. The last name of a key is enough where no other has it, as in pitch=20um. A pitch replaces the surface fraction of the
-    /// file and the other way round; method.name replaces the whole table.
+    /// The value is TOML, or a bare word or quantity. The last name of a key is sufficient if it is unique, as in pitch=20um. A pitch
+    /// replaces the surface fraction of the file and vice versa; method.name replaces the whole table.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
     /// Print JSON instead of tables, in SI units
     #[arg(long)]
     pub(crate) json: bool,
-    /// Save the result there, in a folder that is empty or to be made: summary.json, tables as CSV,
-    /// fields, figures, the case as it was solved, and where it is from
+    /// Save the result in this folder, which must be empty or not exist: summary.json, tables as CSV, fields, figures, the case as it was
+    /// solved, and its provenance
     #[arg(long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
-    /// Replace results that are in the folder, all of them; a folder with anything else in it is
-    /// left alone
+    /// Replace all results in the folder; a folder with other files is not changed
     #[arg(long, requires = "output")]
     pub(crate) overwrite: bool,
     /// No progress and no warnings
@@ -1108,7 +1087,7 @@ pub(crate) struct CaseArguments {
 }
 
 impl CaseArguments {
-    /// What to do about results that are there already.
+    /// Whether existing results are replaced.
     pub(crate) fn replace(&self) -> Replace {
         if self.overwrite {
             Replace::Allowed
@@ -1133,8 +1112,8 @@ impl CaseArguments {
 /// A load, by an indentation or by a force.
 #[derive(Debug, Args)]
 pub(crate) struct LoadArguments {
-    /// How far the lens has come down since its lowest point was level with the pillar tops:
-    /// with a unit of length (m, mm, um, nm), or in m
+    /// Depth of the lens below the position in which its lowest point is level with the pillar tops: with a unit of length (m, mm, um, nm),
+    /// or in m
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     indentation: Option<f64>,
     /// Normal force on the lens: with a unit (N, mN, uN, nN), or in N
@@ -1143,22 +1122,22 @@ pub(crate) struct LoadArguments {
 }
 
 impl LoadArguments {
-    /// The load that is given; the critical state if none is.
+    /// The given load; the critical state if none is given.
     pub(crate) fn load(&self) -> Load {
         Load::given(self.indentation, self.force).unwrap_or(Load::FloorContact)
     }
 }
 
-/// What becomes of the floor.
+/// Treatment of the floor.
 #[derive(Debug, Args)]
 pub(crate) struct FloorArguments {
-    /// Let the lens go through the floor past the transition, as in the paper: floor.contact=false
+    /// Ignore floor contact past the transition, as in the paper: floor.contact=false
     #[arg(long)]
     without_floor: bool,
 }
 
 impl FloorArguments {
-    /// Overrides the key of the case that says so.
+    /// Overrides the corresponding key of the case.
     pub(crate) fn apply(&self, file: &mut CaseFile) -> Result<(), CaseError> {
         if self.without_floor {
             file.set(&format!("{}=false", Key::FloorContact))?;
@@ -1167,35 +1146,35 @@ impl FloorArguments {
     }
 }
 
-/// Whether derivatives are asked for.
+/// Whether derivatives are requested.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct GradientArguments {
-    /// Give the exact derivatives of force and indentation too, with respect to the numbers of the case and to the height of every
-    /// pillar: by the method spectral, without adhesion, as long as the floor bears nothing
+    /// Compute the exact derivatives of force and indentation too, with respect to the numbers of the case and to the height of every
+    /// pillar: with the method spectral, without adhesion, and as long as the floor carries no load
     #[arg(long)]
     gradient: bool,
 }
 
 impl GradientArguments {
-    /// Whether they are.
+    /// The question, if requested.
     pub(crate) fn question(self) -> Option<Question> {
         self.gradient.then_some(Question::Gradient)
     }
 }
 
-/// What becomes of an answer that strains its model.
+/// Treatment of results that exceed a validity limit of the model.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct LimitArguments {
-    /// Take it as a failure if a limit of the model is strained: exit status 1, and the result is still printed and saved
+    /// Exit with status 1 if a validity limit of the model is exceeded; the result is still printed and saved
     #[arg(long)]
     pub(crate) strict: bool,
 }
 
-/// What is known of the attraction between lens and pillar tops besides its work.
+/// Properties of the attraction between lens and pillar tops besides its work.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct RangeArguments {
-    /// Range of the attraction between lens and pillar tops that stick (m, mm, um, nm), which tells whether it
-    /// counts as small, as the model has it
+    /// Range of the attraction between lens and adhesive pillar tops (m, mm, um, nm), which determines whether the short-range assumption
+    /// of the model holds
     #[arg(long, value_name = "LENGTH", value_parser = attraction, allow_hyphen_values = true)]
     attraction_range: Option<f64>,
 }
@@ -1221,7 +1200,7 @@ impl RangeArguments {
         Ok(Some(range))
     }
 
-    /// Whether it is given.
+    /// The question, if a range is given.
     pub(crate) fn question(self) -> Option<Question> {
         self.attraction_range.map(|_| Question::AttractionRange)
     }
@@ -1230,11 +1209,9 @@ impl RangeArguments {
 /// How the fields of a contact are saved.
 #[derive(Debug, Args)]
 struct FieldArguments {
-    /// Points across the maps of pressure, gap and displacement, fields.nc and fields.vti; with
-    /// --output
+    /// Points across the maps of pressure, gap and displacement, fields.nc and fields.vti; with --output
     ///
-    /// The maps hold the contact and a pitch more on each side. Unless given, 12 points across a
-    /// pillar, but no more than 511 in all.
+    /// The maps contain the contact and one more pitch on each side. Default: 12 points across a pillar, but at most 511 in total.
     #[arg(long, value_name = "N", requires = "output", value_parser = field_points)]
     field_points: Option<usize>,
 }
@@ -1248,7 +1225,7 @@ impl FieldArguments {
     }
 }
 
-/// A quantity of that dimension; a number without a unit must be plausible.
+/// Parses a quantity of a dimension; a number without a unit must be plausible.
 fn quantity(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     parse_plausible(text, dimension, dimension.usual())
 }
@@ -1257,13 +1234,13 @@ fn length(text: &str) -> Result<f64, QuantityError> {
     quantity(text, Dimension::Length)
 }
 
-/// A reading of an instrument, which counts from anywhere within its travel.
+/// Parses a reading of an instrument, with an arbitrary zero within its travel.
 fn reading(text: &str) -> Result<f64, QuantityError> {
     const USUAL: [f64; 2] = [1e-8, 0.1];
     parse_plausible(text, Dimension::Length, Some(USUAL))
 }
 
-/// The range of an attraction, from the size of an atom on.
+/// Parses the range of an attraction, at least the size of an atom.
 fn attraction(text: &str) -> Result<f64, QuantityError> {
     const USUAL: [f64; 2] = [1e-10, 1e-7];
     parse_plausible(text, Dimension::Length, Some(USUAL))
@@ -1281,7 +1258,7 @@ fn fraction(text: &str) -> Result<f64, QuantityError> {
     quantity(text, Dimension::Fraction)
 }
 
-/// Points across a map: at least the two ends.
+/// Parses the number of points across a map: at least the two ends.
 fn field_points(text: &str) -> Result<usize, String> {
     text.parse()
         .ok()
@@ -1289,7 +1266,7 @@ fn field_points(text: &str) -> Result<usize, String> {
         .ok_or_else(|| format!("give a whole number from 2 to {MOST_POINTS}"))
 }
 
-/// Squares across a pillar, of which half as many are enough for an error estimate.
+/// Parses the number of cells across a pillar; half as many must be sufficient for an error estimate.
 fn cells(text: &str) -> Result<usize, String> {
     text.parse()
         .ok()
@@ -1307,7 +1284,7 @@ mod tests {
         Arguments::command().debug_assert();
     }
 
-    /// With the same options; any other use of `approach` is left alone.
+    /// `cycle` takes the same options; any other use of `approach` is unchanged.
     #[test]
     fn approach_with_retract_is_cycle() {
         let renamed = |line: &str| {

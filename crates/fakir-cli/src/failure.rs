@@ -1,4 +1,4 @@
-//! Why there is no result, what the user is told, and with which exit status.
+//! Errors of the command line: their messages and exit statuses.
 
 use fakir::problem::{InvalidQuantity, Quantity, Question, Solver};
 use fakir::state::SolveError;
@@ -19,7 +19,7 @@ use fakir_study::surfaces::SurfaceVerifyError;
 use std::io::Write;
 use std::path::Path;
 
-/// Anything that keeps a command from giving a result.
+/// Any error that prevents a result.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     #[error(transparent)]
@@ -36,7 +36,7 @@ pub(crate) enum Failure {
     Fit(#[from] FitError),
     #[error(transparent)]
     Heights(#[from] PillarHeightsError),
-    /// A wanted curve that no heights have.
+    /// A target curve that no heights can produce.
     #[error(transparent)]
     OutOfReach(DataError),
     #[error(transparent)]
@@ -56,12 +56,12 @@ pub(crate) enum Failure {
     },
     #[error("no threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// Nobody reads the output any more, as with `fakir ... | head`.
+    /// The output was closed by its reader, as with `fakir ... | head`.
     #[error("the output was closed")]
     OutputClosed,
 }
 
-/// That a question has no answer for a surface of this kind; it is refused where the case is read.
+/// The question is not supported for a surface of this kind; refused when the case is read.
 pub(crate) fn not_answered(question: Question) -> Failure {
     let unsupported = question.check(Solver::Asperities, &[]).err();
     let why = unsupported.map_or(String::new(), |unsupported| unsupported.to_string());
@@ -143,11 +143,11 @@ impl Failure {
         )
     }
 
-    /// Explains itself on standard error.
+    /// Prints the error on standard error.
     pub(crate) fn explain(&self) {
         match self {
             Self::OutputClosed => {}
-            // The default report of miette: the line, in colour if the terminal has any.
+            // The default report of miette, with the line of the file, in colour if the terminal supports it.
             Self::Case(error) => tell(&format!("{:?}", miette::Report::new(error.clone()))),
             Self::Study(error @ StudyError::Interrupted { .. }) => tell(&error.to_string()),
             interrupted if interrupted.is_interruption() => {
@@ -204,7 +204,7 @@ impl Failure {
     }
 }
 
-/// Why a load is refused, with its unit. How small a load can be does not matter to one below zero.
+/// Why a load is refused, with its unit. A negative load does not mention the smallest accepted one.
 fn load_words(invalid: &InvalidQuantity) -> String {
     let dimension = match invalid.quantity {
         Quantity::Force => Dimension::Force,
@@ -221,22 +221,22 @@ fn load_words(invalid: &InvalidQuantity) -> String {
     format!("invalid {quantity} {value}: must be {requirement}")
 }
 
-/// How the command ends, as shells see it.
+/// Exit status of the command.
 pub(crate) type Status = u8;
 
-/// All was done.
+/// Success.
 pub(crate) const DONE: Status = 0;
 
-/// The answer strains a limit of the model that it was not to strain.
+/// A validity limit of the model was exceeded.
 pub(crate) const STRAINED: Status = 1;
 
-/// There is no such contact, or no such texture.
+/// There is no such contact, or no such pattern.
 pub(crate) const NO_ANSWER: Status = 3;
 
-/// 128 + SIGINT, as shells count it.
+/// 128 + SIGINT, the convention of shells.
 pub(crate) const INTERRUPTED: Status = 130;
 
-/// A line on standard error, if anybody listens.
+/// Prints a line on standard error; errors of writing are ignored.
 pub(crate) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
 }

@@ -3,7 +3,7 @@
 //! Arguments (`arguments`) are resolved into a case and a question. [`fakir_study::answer`] or a
 //! command (`commands`) makes a report of the answer, which is printed as a table or as JSON and saved. Standard output holds the result and nothing else.
 //!
-//! The program and the command that the Python package brings are this library's [`main`].
+//! Both the program and the command of the Python package call this library's [`main`].
 
 mod arguments;
 mod commands;
@@ -24,9 +24,9 @@ use session::Session;
 use std::ffi::OsString;
 use std::path::Path;
 
-/// Runs the command with its arguments, the first of which is its name, and gives its exit status.
+/// Runs the command with its arguments, the first of which is its name, and returns its exit status.
 ///
-/// Ends the process itself where arguments are wrong, or help is asked for.
+/// Exits the process itself if arguments are invalid, or if help is requested.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let (arguments, is_older_name) = arguments::renamed(arguments.into_iter().collect());
     let arguments = Arguments::parse_from(arguments);
@@ -97,7 +97,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
     }
 }
 
-/// Designs; the case that is saved is the one that was found.
+/// Runs a design; the saved case is the one that was found.
 fn design(command: &Command, options: &arguments::Design) -> Result<Status, Failure> {
     let session = Session::start(&options.run, options.case.quiet)?;
     let file = read_case(&options.case)?;
@@ -121,7 +121,7 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
     })
 }
 
-/// Fits; the case that is saved is the one with the fitted values.
+/// Runs a fit; the saved case is the one with the fitted values.
 fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let case = options.case();
     let session = Session::start(&options.run, case.quiet)?;
@@ -132,7 +132,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     }
     let fitted = commands::fit::run(&file, &data, options, &session)?;
     drop(session);
-    // Also with --quiet: numbers without this would be about something else.
+    // Printed even with --quiet: without it the numbers would be misleading.
     if let Some(misfit) = &fitted.misfit {
         failure::tell(&format!("warning: {misfit}"));
     }
@@ -174,7 +174,7 @@ fn answer_of_pillars(
     deliver(command, options, file.warnings(), || ask(&case))
 }
 
-/// The case of pillars with flat tops, if a question has an answer for it.
+/// The case of pillars with flat tops, if it supports a question.
 fn texture(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
     match file.any_case(&[question])? {
         AnyCase::Pillars(case) => Ok(case),
@@ -200,7 +200,7 @@ fn deliver(
         let files = report.files(command.name());
         fakir_study::results::save_results(folder, &files, options.replace())?;
     }
-    // Why there is no answer is never kept quiet.
+    // The reason for a missing result is printed even with --quiet.
     if !options.quiet || !report.converged {
         for warning in &report.warnings {
             failure::tell(&format!("warning: {warning}"));
@@ -235,7 +235,7 @@ fn case_file(path: &Path, set: &[String]) -> Result<CaseFile, Failure> {
     Ok(file)
 }
 
-/// The case to begin with: that of a file, or the one that `fakir init` writes.
+/// The initial case: that of a file, or the one that `fakir init` writes.
 #[cfg(feature = "explore")]
 fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
     let file = match &options.case {

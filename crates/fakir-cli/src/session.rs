@@ -1,4 +1,4 @@
-//! How a computation is run from a terminal: threads, memory, progress and Ctrl-C.
+//! Execution of a computation from a terminal: threads, memory, progress and Ctrl-C.
 
 use crate::failure::{Failure, INTERRUPTED, tell};
 use clap::Args;
@@ -9,17 +9,16 @@ use std::io::IsTerminal;
 use std::sync::Once;
 use std::time::{Duration, Instant};
 
-/// Computations that are shorter than this show no progress.
+/// Duration below which no progress is shown.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(1);
 
-/// How a computation is run.
+/// Execution options of a computation.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
-    /// Threads to share the work between; 0 for as many as there are processors, which are the
-    /// most that are used
+    /// Threads; 0 for the number of processors, which is the maximum
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) threads: usize,
-    /// Memory a computation may take (kB, MB, GB)
+    /// Memory limit of a computation (kB, MB, GB)
     #[arg(long, value_name = "SIZE", default_value = "8GB", value_parser = memory)]
     pub(crate) memory_limit: usize,
 }
@@ -56,7 +55,7 @@ impl Session {
         })
     }
 
-    /// The options with which the library is called.
+    /// Options for calls of the library.
     pub(crate) fn run(&self) -> Run<'_> {
         Run {
             cancel: self.cancel.clone(),
@@ -67,12 +66,12 @@ impl Session {
         }
     }
 
-    /// Shows which part of a longer computation comes next.
+    /// Shows the next part of a longer computation.
     pub(crate) fn part(&self, name: &str) {
         self.bar.set_prefix(format!("{name}: "));
     }
 
-    /// A progress bar for a computation of `total` steps. It is shown if standard error is a terminal.
+    /// A progress bar for a computation of `total` steps, shown if standard error is a terminal.
     pub(crate) fn count(&self, name: &'static str, total: usize) -> ProgressBar {
         let bar = ProgressBar::hidden();
         if self.watched {
@@ -88,7 +87,7 @@ impl Session {
     }
 }
 
-/// How many threads are used where so many were asked for; warns if that is less.
+/// Number of threads used for a requested number; warns if it is smaller.
 pub(crate) fn threads(asked: usize, quiet: bool) -> usize {
     let threads = Threads::asked(asked);
     if let Some(warning) = threads.warning().filter(|_| !quiet) {
@@ -121,9 +120,9 @@ fn listener(bar: ProgressBar, watched: bool) -> impl Fn(Progress) + Sync {
     }
 }
 
-/// The first Ctrl-C asks the computation to stop, a second one does not wait for it.
+/// The first Ctrl-C cancels the computation, a second one exits immediately.
 pub(crate) fn stop_on_interrupt(cancel: CancelToken) {
-    // Without a handler Ctrl-C still ends the process, only less politely.
+    // Without a handler Ctrl-C still ends the process, but without cleaning up.
     let _ = ctrlc::set_handler(move || {
         if cancel.is_cancelled() {
             std::process::exit(i32::from(INTERRUPTED));
@@ -132,7 +131,7 @@ pub(crate) fn stop_on_interrupt(cancel: CancelToken) {
     });
 }
 
-/// A number of bytes, at least one.
+/// Parses a number of bytes, at least one.
 pub(crate) fn memory(text: &str) -> Result<usize, String> {
     let wrong = || "give a number with a unit of kB, MB or GB, such as 8GB".to_owned();
     let text = text.trim();

@@ -17,10 +17,10 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     })
 }
 
-/// What errors call standard input.
+/// Name of standard input in error messages.
 pub(crate) const INPUT: &str = "standard input";
 
-/// All of standard input, of at most so many bytes.
+/// Reads all of standard input, up to a number of bytes.
 pub(crate) fn read(most: u64) -> Result<Vec<u8>, Failure> {
     input::read_all(std::io::stdin(), most)
         .map_err(|error| Failure::file("cannot read", INPUT.as_ref(), error))

@@ -1,11 +1,11 @@
-//! Answers of all kinds: their numbers, as the record has them.
+//! Results of all kinds: their numbers, as defined by the record.
 
 use fakir::state::{Contact, Termination};
 use fakir_study::record::{Entry, Kind, Record, Recorded, Type, Value};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What Python has of every contact, critical state and cycle.
+/// Common base of contacts, critical states and cycles in Python.
 #[pyclass(frozen, subclass, module = "fakir._fakir")]
 pub(crate) struct Answer {
     record: Record,
@@ -21,7 +21,7 @@ impl Answer {
         &self.summary
     }
 
-    /// The numbers by the paths of the record.
+    /// The numbers by their paths in the record.
     fn numbers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let numbers = PyDict::new(py);
         for (Entry { path, .. }, value) in self.record.values() {
@@ -38,7 +38,7 @@ impl Answer {
         Ok(numbers)
     }
 
-    /// Why the solver stopped.
+    /// Reason for the end of the iteration.
     #[getter]
     fn termination(&self) -> &'static str {
         self.termination
@@ -67,14 +67,15 @@ impl Answer {
     }
 }
 
-/// Warnings of a contact, without that it did not converge: Python raises that.
+/// Warnings of a contact, except that it did not converge, which Python raises as an exception.
 pub(crate) fn warnings(contact: &impl Contact) -> Vec<String> {
     let words = contact.warnings().iter().map(ToString::to_string);
     let unresolved = contact.unresolved().map(|it| it.to_string());
     words.chain(unresolved).collect()
 }
 
-/// A row of the record: path, unit, symbol, meaning, type in Python, whether it can be none in an object that is there, and whether the object is none without it.
+/// A row of the record: path, unit, symbol, meaning, Python type, whether the value can be null in an object that is present, and whether
+/// the object is null without it.
 type Row = (
     &'static str,
     &'static str,
@@ -85,7 +86,7 @@ type Row = (
     bool,
 );
 
-/// The rows of the record of all kinds of answers, in the order of the JSON objects.
+/// The rows of the record for all kinds of results, in the order of the JSON objects.
 #[pyfunction]
 pub(crate) fn record() -> Vec<(&'static str, Vec<Row>)> {
     let row = |entry: &Entry| {

@@ -22,7 +22,7 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Pillars with rounded tops and what is pressed onto them.
+/// Pillars with rounded tops, and the indenter.
 #[pyclass(frozen, skip_from_py_object, module = "fakir._fakir")]
 #[derive(Clone)]
 pub(crate) struct Asperities {
@@ -31,8 +31,8 @@ pub(crate) struct Asperities {
 
 #[pymethods]
 impl Asperities {
-    /// `pillars` have x, y and height over the floor, and a diameter that is no number where they have none (m); `lens` is radius, modulus and Poisson's ratio,
-    /// `plate` modulus and Poisson's ratio.
+    /// `pillars` contains x, y, height above the floor, and diameter (m), which is NaN if not defined; `lens` is radius, modulus and
+    /// Poisson's ratio, `plate` modulus and Poisson's ratio.
     #[new]
     fn new(
         pillars: Vec<[f64; 4]>,
@@ -80,7 +80,7 @@ impl Asperities {
         Self::of(file, &overrides)
     }
 
-    /// Reads the text of a case file; `name` is what errors call it.
+    /// Reads the text of a case file; `name` is used in error messages.
     #[staticmethod]
     fn parse(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Self> {
         let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
@@ -92,7 +92,7 @@ impl Asperities {
         self.case.to_toml_with_table(table)
     }
 
-    /// The table that such a file reads.
+    /// The table read by such a file.
     fn table(&self) -> String {
         self.case.pillar_table()
     }
@@ -102,7 +102,7 @@ impl Asperities {
         Relief::new(&self.case.field, self.case.height).stl()
     }
 
-    /// x and y from the lens axis, height over the floor, and diameter of every pillar, m; no number where it has none.
+    /// x and y from the lens axis, height above the floor, and diameter of every pillar, m; the diameter is NaN if not defined.
     fn pillars(&self) -> Vec<[f64; 4]> {
         let asperities = self.case.field.asperities().iter().zip(self.case.heights());
         let row = |(asperity, height): (&Asperity, f64)| {
@@ -140,7 +140,7 @@ impl Asperities {
         }
     }
 
-    /// Modulus and Poisson's ratio of a plate that is not rigid.
+    /// Modulus and Poisson's ratio of an elastic plate.
     #[getter]
     fn plate(&self) -> Option<[f64; 2]> {
         match self.case.field.indenter() {
@@ -215,10 +215,11 @@ pub(crate) fn press_rounded(
     Py::new(py, (contact, answer))
 }
 
-/// The object that `fakir design --free heights --json` prints, the pillars that were found, and the columns of `curve.csv`.
+/// The object that `fakir design --free heights --json` prints, the resulting pillars, and the columns of `curve.csv`.
 type DesignedHeights<'py> = (String, Asperities, PyColumns<'py>);
 
-/// Heights of rounded tops for a wanted curve: `"area of the force"`, `"force of the indentation"` or `"area of the indentation"`, in SI units.
+/// Heights of rounded tops for a target curve: `"area of the force"`, `"force of the indentation"` or `"area of the indentation"`, in SI
+/// units.
 #[pyfunction]
 pub(crate) fn design_heights<'py>(
     py: Python<'py>,

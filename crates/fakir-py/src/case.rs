@@ -1,4 +1,4 @@
-//! A system and a method: what a case file describes.
+//! A system and a method, as described by a case file.
 
 use crate::asperities::Asperities;
 use crate::error::{PYTHON, case_error, value_error, warn_of_deprecations};
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-/// A case, checked.
+/// A validated case.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Case {
     pub(crate) case: fakir_case::Case,
@@ -18,7 +18,8 @@ pub(crate) struct Case {
 
 #[pymethods]
 impl Case {
-    /// A case of numbers in SI units, and words, by their keys, and of listed pillars, if it has such: x, y, height and diameter of each, m.
+    /// Creates a case from numbers in SI units and words, by their keys, and from listed pillars, if any: x, y, height and diameter of
+    /// each, m.
     #[staticmethod]
     #[pyo3(signature = (numbers, words, pillars=None))]
     fn build(
@@ -37,20 +38,20 @@ impl Case {
         Self::of(with_pillars(file, pillars)?, &[])
     }
 
-    /// The case of a text, with listed pillars that are in no file.
+    /// Creates a case from a text, with listed pillars that are not in a file.
     #[staticmethod]
     fn with_listed(text: &str, pillars: Vec<[f64; 4]>) -> PyResult<Self> {
         let file = CaseFile::parse(PYTHON, text).map_err(|error| case_error(&error))?;
         let at = |key| file.given(key).map_err(|error| case_error(&error));
         let axis = [at(Key::AxisX)?, at(Key::AxisY)?].map(|x| x.unwrap_or(0.0));
-        // In the coordinates of the list again.
+        // Convert back to the coordinates of the list.
         let moved =
             |[x, y, height, diameter]: [f64; 4]| [x + axis[0], y + axis[1], height, diameter];
         let pillars = pillars.into_iter().map(moved).collect();
         Self::of(with_pillars(file, Some(pillars))?, &[])
     }
 
-    /// Listed pillars: x and y from the lens axis, height and diameter of each, m; none of a lattice.
+    /// Listed pillars: x and y from the lens axis, height and diameter of each, m; `None` for a lattice.
     fn listed(&self) -> Option<Vec<[f64; 4]>> {
         let Arrangement::Listed(list) = self.case.system.arrangement() else {
             return None;
@@ -72,7 +73,7 @@ impl Case {
         self.case.to_toml()
     }
 
-    /// Numbers in SI units and words, by their keys. Pitch and surface fraction are both there.
+    /// Numbers in SI units and words, by their keys. Includes both pitch and surface fraction.
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let values = PyDict::new(py);
         for key in Key::ALL {
@@ -82,7 +83,7 @@ impl Case {
                 None => {}
             }
         }
-        // One of both was given, and the other follows from it.
+        // One of the two was given; the other is derived.
         let system = &self.case.system;
         values.set_item(Key::Pitch.path(), system.pitch())?;
         let fraction = system.texture().surface_fraction();
@@ -90,7 +91,7 @@ impl Case {
         Ok(values)
     }
 
-    /// Height of the undeformed lens over its lowest point, at a point from its axis, m.
+    /// Height of the undeformed lens above its lowest point, at a point relative to its axis, m.
     fn sag(&self, x: f64, y: f64) -> f64 {
         self.case.system.lens().sag([x, y])
     }
@@ -112,7 +113,7 @@ impl Case {
         Ok(Self { case })
     }
 
-    /// The case as a file that has been read.
+    /// The case as a parsed file.
     pub(crate) fn file(&self) -> PyResult<CaseFile> {
         self.case
             .to_file(PYTHON)
@@ -141,7 +142,7 @@ impl From<fakir_case::Case> for Case {
     }
 }
 
-/// What a case file describes.
+/// Content of a case file.
 #[derive(IntoPyObject)]
 pub(crate) enum Described {
     Texture(Case),
@@ -163,7 +164,7 @@ impl Described {
     }
 }
 
-/// Reads a case file; one of rounded tops is refused unless it is allowed.
+/// Reads a case file; rounded tops are refused unless permitted.
 #[pyfunction]
 pub(crate) fn read_case(
     path: PathBuf,
@@ -174,7 +175,7 @@ pub(crate) fn read_case(
     Described::of(file, &overrides, rounded)
 }
 
-/// Reads the text of a case file with flat tops or a height map; `name` is what errors call it.
+/// Reads the text of a case file with flat tops or a height map; `name` is used in error messages.
 #[pyfunction]
 pub(crate) fn parse_case(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Described> {
     let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
@@ -186,7 +187,7 @@ pub(crate) fn key(path: &str) -> PyResult<Key> {
     Key::at(path).ok_or_else(|| value_error(format!("a case has no key \"{path}\"")))
 }
 
-/// What the numbers of a key measure: `"length"` and the like.
+/// Dimension of the numbers of a key: `"length"` and similar.
 #[pyfunction]
 pub(crate) fn dimension(path: &str) -> PyResult<&'static str> {
     Ok(key(path)?.dimension().noun())

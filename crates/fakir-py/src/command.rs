@@ -1,9 +1,9 @@
-//! The command `fakir`, which the package brings.
+//! The command `fakir` of the package.
 
 use pyo3::prelude::*;
 use std::ffi::OsString;
 
-/// Runs the command with its arguments, its name first; gives its exit status.
+/// Runs the command with its arguments, starting with its name; returns its exit status.
 #[pyfunction]
 pub(crate) fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| fakir_cli::main(arguments))

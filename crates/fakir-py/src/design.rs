@@ -1,4 +1,4 @@
-//! Design, spread and citations.
+//! Design, scatter and citations.
 
 use crate::case::{Case, key};
 use crate::error::{design_error, spread_error, value_error};
@@ -14,12 +14,12 @@ use fakir_study::result::json;
 use pyo3::prelude::*;
 use std::time::Instant;
 
-/// The object that `fakir design --json` prints, and value, case and contact of what was found
-/// or comes nearest: a critical state, a contact under a load, or a cycle.
+/// The object that `fakir design --json` prints, and value, case and contact of the result, or of the closest attainable one: a critical
+/// state, a contact under a load, or a cycle.
 type Designed = (String, Vec<(f64, Case, Py<PyAny>)>);
 
-/// What is wanted: a critical force (N), a critical contact radius (m), a floor share with a force (N)
-/// or an indentation (m), or a pull-off force (N).
+/// Target: a critical force (N), a critical contact radius (m), a floor share with a force (N) or an indentation (m), or a pull-off force
+/// (N).
 type WantedNumbers = (
     Option<f64>,
     Option<f64>,
@@ -27,7 +27,7 @@ type WantedNumbers = (
     Option<f64>,
 );
 
-/// The value of a key that gives what is wanted.
+/// The value of a key that attains the target.
 #[pyfunction]
 pub(crate) fn design(
     py: Python<'_>,
@@ -82,13 +82,13 @@ pub(crate) fn design(
 /// The object that `fakir design --json` prints, and the columns of `samples.csv`.
 type Scattered<'py> = (String, PyColumns<'py>);
 
-/// Samples that are drawn, and the seed, unless asked otherwise.
+/// Default number of samples, and default seed.
 #[pyfunction]
 pub(crate) fn sampling_defaults() -> (usize, u64) {
     (Sampling::SAMPLES, Sampling::SEED)
 }
 
-/// A standard deviation of a key as text: `"0.05 um"`, or `"3 %"` of its value, which is relative and so marked.
+/// Parses the standard deviation of a key: `"0.05 um"`, or `"3 %"` of its value. The flag marks a relative value.
 #[pyfunction]
 pub(crate) fn parse_deviation(path: &str, text: &str) -> PyResult<(f64, bool)> {
     match Deviation::parse(key(path)?, text) {
@@ -98,8 +98,7 @@ pub(crate) fn parse_deviation(path: &str, text: &str) -> PyResult<(f64, bool)> {
     }
 }
 
-/// Critical states of samples drawn about a case. `tolerances` are keys with a standard deviation, which
-/// is relative if so marked.
+/// Critical states of random samples about a case. `tolerances` are keys with a standard deviation, and whether it is relative.
 #[pyfunction]
 pub(crate) fn spread<'py>(
     py: Python<'py>,
@@ -145,8 +144,8 @@ pub(crate) fn spread<'py>(
     Ok((json(&summary), columns(py, &spread.table(&sampling))?))
 }
 
-/// What to cite: text, BibTeX entry and reason of each work. `surface` says whether it is periodic, `rounded` whether heights of rounded tops were designed;
-/// without them there are none.
+/// References to cite: text, BibTeX entry and reason of each. `surface` gives whether the surface is periodic, `rounded` whether heights of
+/// rounded tops were designed; `None` if there are none.
 #[pyfunction]
 pub(crate) fn cite(
     cases: Vec<PyRef<'_, Case>>,

@@ -1,4 +1,4 @@
-//! Errors of the libraries as exceptions of `fakir.errors`, with the same words.
+//! Errors of the libraries as exceptions of `fakir.errors`, with the same messages.
 
 use fakir::state::SolveError;
 use fakir_case::{CaseFile, with_keys};
@@ -22,10 +22,10 @@ mod exceptions {
     pyo3::import_exception!(fakir.errors, StudyError);
 }
 
-/// What a case that was made in Python is called.
+/// Name of a case created in Python.
 pub(crate) const PYTHON: &str = "fakir.System";
 
-/// A problem with a case; those with what was given in Python have no file to point into.
+/// An error in a case; errors in values given in Python have no file position.
 pub(crate) fn case_error(error: &fakir_case::CaseError) -> PyErr {
     let in_python = [PYTHON, "a number that was set", "--set"].contains(&error.file());
     let text = match error.what_is_accepted() {
@@ -43,7 +43,7 @@ pub(crate) fn case_error(error: &fakir_case::CaseError) -> PyErr {
     ))
 }
 
-/// Warns the caller of the package, who is two calls up, of deprecated names in a file or in overrides.
+/// Warns the caller of the package, two stack levels up, of deprecated names in a file or in overrides.
 pub(crate) fn warn_of_deprecations(file: &CaseFile) -> PyResult<()> {
     for text in file.deprecations() {
         let text = CString::new(text).map_err(value_error)?;
@@ -55,12 +55,12 @@ pub(crate) fn warn_of_deprecations(file: &CaseFile) -> PyResult<()> {
     Ok(())
 }
 
-/// Something given in Python that cannot be.
+/// An invalid value given in Python.
 pub(crate) fn value_error(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-// An interruption is one by Ctrl-C, or by an exception that is raised in its place.
+// An interruption is caused by Ctrl-C, or by an exception that is raised in its place.
 
 pub(crate) fn solve_error(error: &SolveError) -> PyErr {
     match error {

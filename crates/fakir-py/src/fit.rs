@@ -23,7 +23,7 @@ pub(crate) struct Data {
 
 #[pymethods]
 impl Data {
-    /// Reads a file, with columns named by hand: quantity and heading.
+    /// Reads a file, with explicitly assigned columns: quantity and heading.
     #[staticmethod]
     fn read(path: PathBuf, named: Vec<(String, String)>) -> PyResult<Self> {
         let measurements = Measurements::read(&path, &by_hand(&named)?);
@@ -32,7 +32,7 @@ impl Data {
         })
     }
 
-    /// Columns by their headings, NaN for what was not measured; none for columns that are not of numbers.
+    /// Columns by their headings, NaN for missing measurements; `None` for columns that are not numeric.
     #[staticmethod]
     fn of(
         columns: Vec<(String, Option<PyReadonlyArray1<'_, f64>>)>,
@@ -49,13 +49,12 @@ impl Data {
         })
     }
 
-    /// What became of every column, a line for each.
+    /// How every column was interpreted, one line each.
     fn understood(&self) -> Vec<String> {
         self.measurements.layout().lines()
     }
 
-    /// The same with standard errors of position (m), force (N) and contact radius (m) where none
-    /// were given.
+    /// Adds standard errors of position (m), force (N) and contact radius (m) where none were given.
     fn with_errors(
         &self,
         position: Option<f64>,
@@ -76,7 +75,7 @@ impl Data {
     }
 }
 
-/// Columns that are named by hand.
+/// Explicitly assigned columns.
 fn by_hand(named: &[(String, String)]) -> PyResult<Vec<NamedColumn>> {
     let one = |(quantity, heading): &(String, String)| {
         NamedColumn::new(quantity, heading).map_err(value_error)
@@ -84,7 +83,7 @@ fn by_hand(named: &[(String, String)]) -> PyResult<Vec<NamedColumn>> {
     named.iter().map(one).collect()
 }
 
-/// What came of a fit.
+/// Result of a fit.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Fitted {
     fit: Fit,
@@ -96,7 +95,7 @@ pub(crate) struct Fitted {
 
 #[pymethods]
 impl Fitted {
-    /// As `fakir fit --json` prints it.
+    /// The object that `fakir fit --json` prints.
     fn json(&self) -> &str {
         &self.summary
     }
@@ -107,13 +106,13 @@ impl Fitted {
         self.case.clone().into()
     }
 
-    /// The column that is the load: `"displacement_m"`, `"indentation_m"` or `"force_N"`.
+    /// The column used as load: `"displacement_m"`, `"indentation_m"` or `"force_N"`.
     #[getter]
     fn load(&self) -> &'static str {
         self.load
     }
 
-    /// The quantities that were compared, as columns.
+    /// Compared quantities, as column names.
     #[getter]
     fn compared(&self) -> Vec<&'static str> {
         let quantities = self.fit.scatter.iter();
@@ -130,12 +129,12 @@ impl Fitted {
         self.fit.warnings()
     }
 
-    /// The data beside the model.
+    /// Data and model, as columns.
     fn table<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
         columns(py, &self.table)
     }
 
-    /// Whether points of the curve are of the unloading of tops that stick.
+    /// Whether points of the curve belong to the unloading, with adhesive tops.
     fn unloading<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         let curve = self.fit.curve.iter();
         PyArray1::from_iter(py, curve.map(|p| p.branch == Some(Branch::Unloading)))

@@ -1,10 +1,9 @@
-//! The extension module `fakir._fakir`: what the Python package `fakir` calls.
+//! The extension module `fakir._fakir`, which the Python package `fakir` calls.
 //!
-//! Numbers come in SI units and names are those of case files; units, documentation and the classes
-//! that users see are in Python. Computations run without the interpreter, on a thread that can
-//! be stopped (`watched`).
+//! Numbers are in SI units and names are those of case files; units, documentation and public classes are implemented in Python.
+//! Computations run without the interpreter lock, on a thread that can be cancelled (`watched`).
 
-// Python hands values over, and calls by name.
+// Python passes arguments by value and by name.
 #![allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]
 
 mod answer;

@@ -1,22 +1,22 @@
-//! What is prescribed, as Python gives it.
+//! Conversion of prescribed loads from Python.
 
 use crate::error::{approach_error, value_error};
 use fakir::problem::Load;
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use pyo3::prelude::*;
 
-/// The load of an indentation (m) or of a force (N), one of which has to be given.
+/// The load for an indentation (m) or a force (N), one of which is required.
 pub(crate) fn load(indentation: Option<f64>, force: Option<f64>) -> PyResult<Load> {
     let load = Load::given(indentation, force);
     load.ok_or_else(|| value_error("give an indentation or a force"))
 }
 
-/// The load of an indentation (m) or of a force (N); the critical state if neither is given.
+/// The load for an indentation (m) or a force (N); the critical state if neither is given.
 pub(crate) fn load_or_critical(indentation: Option<f64>, force: Option<f64>) -> Load {
     Load::given(indentation, force).unwrap_or(Load::FloorContact)
 }
 
-/// A loading by steps of the indentation (m) up to the one end that is given, or to the critical state.
+/// A loading in steps of the indentation (m) up to the given end, or to the critical state.
 pub(crate) fn path(
     step: f64,
     until: Option<f64>,

@@ -1,4 +1,4 @@
-//! Contact states, and the computations that give them.
+//! Contact states, and the functions that compute them.
 
 use crate::answer::{Answer, warnings};
 use crate::case::Case;
@@ -27,8 +27,7 @@ type Field<'py> = Bound<'py, PyArray1<f64>>;
 
 #[pymethods]
 impl State {
-    /// Centres along x and y of the floor's cells in contact (m), and the pressure on each (Pa); none if the floor
-    /// bears nothing.
+    /// Centres of the floor cells in contact along x and y (m), and the pressure on each (Pa); `None` if the floor carries no load.
     fn floor_cells<'py>(&self, py: Python<'py>) -> Option<[Field<'py>; 3]> {
         let floor = self.state.floor.as_ref()?;
         let along = |axis: usize| floor.centres().map(move |centre| centre[axis]);
@@ -49,12 +48,12 @@ impl State {
         self.state.smallest_gap_position
     }
 
-    /// The touched pillars: the names of `pillars.csv`, each with a column.
+    /// The touched pillars: the columns of `pillars.csv` by name.
     fn pillars<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         columns(py, &pillars(&self.state))?.into_py_dict(py)
     }
 
-    /// Displacement, gap and pressure at points; none from methods that do not resolve pillars.
+    /// Displacement, gap and pressure at points; `None` for methods that do not resolve pillars.
     fn sample<'py>(
         &self,
         py: Python<'py>,
@@ -74,8 +73,8 @@ impl State {
             .map_err(|error| solve_error(&error))
     }
 
-    /// Displacement and gap at the points of a grid, `x` fastest, and mean pressures over its cells;
-    /// none from methods that do not resolve pillars.
+    /// Displacement and gap at the points of a grid, `x` fastest, and mean pressures over its cells; `None` for methods that do not resolve
+    /// pillars.
     fn grid<'py>(
         &self,
         py: Python<'py>,
@@ -90,7 +89,7 @@ impl State {
             .map_err(|error| solve_error(&error))
     }
 
-    /// Which points are on a pillar top.
+    /// Whether points are on a pillar top.
     fn on_pillar<'py>(
         &self,
         py: Python<'py>,
@@ -113,8 +112,7 @@ fn arrays(py: Python<'_>, samples: FieldSamples) -> [Field<'_>; 3] {
     [displacement, gap, pressure].map(|field| PyArray1::from_vec(py, field))
 }
 
-/// Whether fields at so many points fit the memory allowed, with the arrays of Python: coordinates
-/// twice, and the fields.
+/// Returns an error if fields at so many points exceed the memory limit, including the Python arrays: coordinates twice, and the fields.
 #[pyfunction]
 pub(crate) fn check_points(points: usize, memory_limit: Option<usize>) -> PyResult<()> {
     const BYTES_IN_PYTHON: usize = 56;
@@ -155,7 +153,7 @@ impl Critical {
     }
 }
 
-/// The critical state.
+/// Computes the critical state.
 #[pyfunction]
 pub(crate) fn transition(py: Python<'_>, case: &Case, options: Options) -> PyResult<Py<Critical>> {
     let (system, method) = (case.case.system.clone(), case.case.method);
@@ -165,7 +163,7 @@ pub(crate) fn transition(py: Python<'_>, case: &Case, options: Options) -> PyRes
     Critical::new(py, critical, start.elapsed().as_secs_f64())
 }
 
-/// The contact at an indentation (m) or under a force (N).
+/// Computes the contact at an indentation (m) or under a force (N).
 #[pyfunction]
 pub(crate) fn press(
     py: Python<'_>,
@@ -182,8 +180,8 @@ pub(crate) fn press(
     State::new(py, state, start.elapsed().as_secs_f64())
 }
 
-/// The contact at an indentation (m) or under a force (N), or the critical state if neither is given; and the object that `--gradient` adds to
-/// what the program prints.
+/// Computes the contact at an indentation (m) or under a force (N), or the critical state if neither is given; also returns the object that
+/// `--gradient` adds to the JSON output.
 #[pyfunction]
 pub(crate) fn gradient(
     py: Python<'_>,
@@ -207,7 +205,7 @@ pub(crate) fn gradient(
 /// The object that `fakir approach --json` prints, the critical state, and the other states.
 type Loading = (String, Option<Py<Critical>>, Vec<Py<State>>);
 
-/// The states of a loading by steps of the indentation (m).
+/// Computes the states of a loading in steps of the indentation (m).
 #[pyfunction]
 pub(crate) fn approach(
     py: Python<'_>,
@@ -245,7 +243,7 @@ pub(crate) fn approach(
 pub(crate) struct Cycle {
     #[pyo3(get)]
     critical: Option<Py<Critical>>,
-    /// The columns of the pillars that hold at pull-off.
+    /// The columns of the pillars attached at pull-off.
     #[pyo3(get)]
     pull_off_pillars: Option<Py<PyDict>>,
 }
@@ -271,7 +269,7 @@ impl Cycle {
     }
 }
 
-/// Loading up to an indentation (m), a force (N) or the critical state, and unloading if it is to be; a stiffness (N/m) is that of the
+/// Loading up to an indentation (m), a force (N) or the critical state, and optional unloading; a stiffness (N/m) is that of the testing
 /// machine that drives the lens.
 #[pyfunction]
 pub(crate) fn cycle(
@@ -304,7 +302,7 @@ pub(crate) fn cycle(
 /// The object that `fakir compare --json` prints, and the critical states by method.
 type Compared = (String, Vec<(&'static str, Py<Critical>)>);
 
-/// The critical state by every method.
+/// Computes the critical state with every method.
 #[pyfunction]
 pub(crate) fn compare(py: Python<'_>, case: &Case, options: Options) -> PyResult<Compared> {
     let system = case.case.system.clone();
@@ -326,7 +324,7 @@ pub(crate) fn compare(py: Python<'_>, case: &Case, options: Options) -> PyResult
 /// The object that `fakir verify --json` prints, and the states, the spectral one first.
 type Verified = (String, Vec<Py<State>>);
 
-/// A second opinion on the critical state, or on a contact under a load.
+/// Verifies the critical state, or a contact under a load, with a second method.
 #[pyfunction]
 pub(crate) fn verify(
     py: Python<'_>,

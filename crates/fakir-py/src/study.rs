@@ -1,4 +1,4 @@
-//! Sweeps: studies, and the ledger their answers are kept in.
+//! Sweeps: studies, and the ledger that stores their results.
 
 use crate::error::{study_error, value_error, warn_of_deprecations};
 use crate::watched::{check_signals, stoppable};
@@ -30,7 +30,7 @@ impl Study {
         Self::of(file, &overrides)
     }
 
-    /// Reads the text of a study file; `name` is what errors call it.
+    /// Reads the text of a study file; `name` is used in error messages.
     #[staticmethod]
     fn parse(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Self> {
         let file = StudyFile::parse(name, text).map_err(|error| study_error(&error.into()))?;
@@ -47,7 +47,7 @@ impl Study {
         self.study.cases()
     }
 
-    /// Keys that change no answer of any case, in words.
+    /// Descriptions of keys that change no result of any case.
     #[getter]
     fn without_effect(&self) -> Vec<String> {
         self.study.without_effect().to_vec()
@@ -59,7 +59,7 @@ impl Study {
         self.study.asked().name()
     }
 
-    /// Whether every value of an axis goes with every value of the others.
+    /// Whether every value of an axis is combined with every value of the others.
     #[getter]
     fn is_product(&self) -> bool {
         self.study.combine() == Combine::Product
@@ -97,7 +97,7 @@ impl Study {
     }
 }
 
-/// Answers some cases of a study: lines of a journal, in the order of the cases.
+/// Solves some cases of a study: lines of a journal, in the order of the cases.
 #[pyfunction]
 pub(crate) fn solve_cases(
     py: Python<'_>,
@@ -115,7 +115,7 @@ pub(crate) fn solve_cases(
     Ok(rows.iter().map(fakir_study::Row::to_json).collect())
 }
 
-/// The answers of a sweep, in a folder or in memory.
+/// The results of a sweep, in a folder or in memory.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Ledger {
     study: Arc<fakir_case::Study>,
@@ -131,8 +131,7 @@ type Finished<'py> = (PyColumns<'py>, String);
 
 #[pymethods]
 impl Ledger {
-    /// `existing` says what to do about a folder that is not empty: `"refuse"`, `"resume"` or
-    /// `"overwrite"`.
+    /// `existing` selects the treatment of a folder that is not empty: `"refuse"`, `"resume"` or `"overwrite"`.
     #[new]
     fn new(
         study: &Study,
@@ -161,25 +160,25 @@ impl Ledger {
         })
     }
 
-    /// Cases without an answer, those first that probably take longest, in groups that should be
-    /// computed together and in order.
+    /// Cases without a result, in groups that should be computed together and in order; the groups with the longest expected time come
+    /// first.
     fn remaining(&self) -> PyResult<Vec<Vec<usize>>> {
         Ok(self.open()?.get()?.remaining())
     }
 
-    /// How many cases have an answer.
+    /// Number of cases with a result.
     #[getter]
     fn done(&self) -> PyResult<usize> {
         Ok(self.open()?.get()?.rows().len())
     }
 
-    /// How many of the answers were found in the journal.
+    /// Number of results found in the journal.
     #[getter]
     fn found(&self) -> PyResult<usize> {
         Ok(self.open()?.get()?.found())
     }
 
-    /// Lines of the journal that are left out, in words.
+    /// Descriptions of journal lines that are skipped.
     #[getter]
     fn damaged(&self) -> PyResult<Vec<String>> {
         let mut open = self.open()?;
@@ -191,13 +190,13 @@ impl Ledger {
             .collect())
     }
 
-    /// How many of the cases have no answer to be relied on.
+    /// Number of cases without a reliable result.
     #[getter]
     fn failed(&self) -> PyResult<usize> {
         Ok(self.open()?.get()?.failed())
     }
 
-    /// Adds answers, as lines of a journal. Cases that have one already keep it.
+    /// Adds results, as lines of a journal. Cases that have one already keep it.
     fn append(&self, py: Python<'_>, lines: Vec<String>) -> PyResult<()> {
         py.detach(|| {
             self.open()?
@@ -207,8 +206,7 @@ impl Ledger {
         })
     }
 
-    /// Computes what remains on this machine. Progress is told as cases done, found, failed and
-    /// all.
+    /// Computes the remaining cases on this machine. Progress is reported as the numbers of cases done, found, failed and in total.
     fn run(&self, py: Python<'_>, threads: usize, progress: Option<Py<PyAny>>) -> PyResult<()> {
         let latest: Mutex<Option<Progress>> = Mutex::new(None);
         let cancel = CancelToken::default();
@@ -245,7 +243,7 @@ impl Ledger {
         py.detach(|| stoppable(&cancel, work, look))?
     }
 
-    /// Writes the tables, if it is in a folder, and gives them.
+    /// Writes the tables, if the ledger is in a folder, and returns them.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Finished<'py>> {
         let ledger = self.open()?.take()?;
         let summary = py.detach(|| ledger.finish());
@@ -271,7 +269,7 @@ impl Ledger {
     }
 }
 
-/// A ledger that nobody else is using.
+/// Exclusive access to a ledger.
 struct Open<'a>(MutexGuard<'a, Option<fakir_study::Ledger>>);
 
 impl Open<'_> {
@@ -288,7 +286,7 @@ fn closed() -> PyErr {
     value_error("this sweep is closed")
 }
 
-/// The columns of a table: numbers as arrays with NaN for gaps, all else as lists.
+/// The columns of a table: numbers as arrays with NaN for missing values, all others as lists.
 pub(crate) fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<PyColumns<'py>> {
     let columns = table.columns.iter().map(|column| {
         let values = match &column.values {

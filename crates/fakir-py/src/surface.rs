@@ -20,21 +20,20 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// A surface and the lens or plate that is pressed onto it.
+/// A surface and the lens or plate pressed onto it.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Surface {
     system: SurfaceSystem,
-    /// The case file it is from, if it is.
+    /// The case file it was read from, if any.
     file: Option<CaseFile>,
-    /// That case as it was understood.
+    /// The canonical text of that case.
     text: Option<String>,
 }
 
 #[pymethods]
 impl Surface {
-    /// `heights` (m) has a row for every y; `lens` is radius, modulus and Poisson's ratio, `plate`
-    /// modulus and Poisson's ratio, or neither for a rigid plate. `origin` (m) is the lower left
-    /// corner of the map, from the lens axis.
+    /// `heights` (m) has a row for every y; `lens` is radius, modulus and Poisson's ratio, `plate` modulus and Poisson's ratio, or neither
+    /// for a rigid plate. `origin` (m) is the lower left corner of the map relative to the lens axis.
     #[new]
     fn new(
         heights: PyReadonlyArray2<'_, f64>,
@@ -84,7 +83,7 @@ impl Surface {
         Self::of(file, &overrides, memory_limit)
     }
 
-    /// Reads the text of a case file; `name` is what errors call it.
+    /// Reads the text of a case file; `name` is used in error messages.
     #[staticmethod]
     fn parse(
         name: &str,
@@ -96,13 +95,12 @@ impl Surface {
         Self::of(file, &overrides, memory_limit)
     }
 
-    /// The case as a case file, if it is from one.
+    /// The case as a case file, if it was read from one.
     fn to_toml(&self) -> Option<&str> {
         self.text.as_deref()
     }
 
-    /// The pillar of every cell, a row for every y and -1 for the floor, and by how much each of them
-    /// shortens, m/N; none where there are no pillars.
+    /// The pillar of every cell, a row for every y and -1 for the floor, and the compliance of each pillar, m/N; `None` without pillars.
     fn pillars<'py>(&self, py: Python<'py>) -> PyResult<Option<Pillars<'py>>> {
         let grid = self.system.surface().grid();
         let Some(pillars) = self.system.surface().pillars() else {
@@ -178,14 +176,14 @@ impl Surface {
         [material.young_modulus, material.poisson_ratio]
     }
 
-    /// The substrate and the lens as layers, where they are no half-spaces.
+    /// The substrate and the lens as layers; `None` for half-spaces.
     #[getter]
     fn layers(&self) -> [Option<LayerNumbers>; 2] {
         self.system.layers().map(|layer| layer.map(numbers_of))
     }
 }
 
-/// Thickness (m), what the back rests on, and modulus and Poisson's ratio of an elastic base.
+/// Thickness (m), condition at the back, and modulus and Poisson's ratio of an elastic base.
 type LayerNumbers = (f64, String, Option<[f64; 2]>);
 
 fn layer_of((thickness, base, material): LayerNumbers) -> Layer {
@@ -237,7 +235,7 @@ impl SurfaceContact {
     }
 }
 
-/// The state in which the floor of a height map is just reached.
+/// The state in which the lens just reaches the floor of a height map.
 #[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
 pub(crate) struct SurfaceTransition {
     #[pyo3(get)]
@@ -260,7 +258,7 @@ pub(crate) fn press_surface(
     surface.contact(py, contact, start.elapsed().as_secs_f64())
 }
 
-/// The state in which the floor is just reached.
+/// Computes the state in which the lens just reaches the floor.
 #[pyfunction]
 pub(crate) fn surface_transition(
     py: Python<'_>,
@@ -278,15 +276,14 @@ pub(crate) fn surface_transition(
     surface.reached(py, found, start.elapsed().as_secs_f64())
 }
 
-/// The object that `fakir approach --json` prints for a surface, the critical state if there is one, and
-/// the other states.
+/// The object that `fakir approach --json` prints for a surface, the critical state, if any, and the other states.
 type Loading = (
     String,
     Option<Py<SurfaceTransition>>,
     Vec<Py<SurfaceContact>>,
 );
 
-/// The states of a loading by steps of the indentation (m).
+/// Computes the states of a loading in steps of the indentation (m).
 #[pyfunction]
 pub(crate) fn approach_surface(
     py: Python<'_>,
@@ -320,11 +317,10 @@ pub(crate) fn approach_surface(
     ))
 }
 
-/// The object that `fakir verify --json` prints for a surface, and the surfaces of both meshes with their
-/// contacts.
+/// The object that `fakir verify --json` prints for a surface, and the surfaces of both meshes with their contacts.
 type Verified = (String, Vec<(Surface, Py<SurfaceContact>)>);
 
-/// The same question on two meshes.
+/// Solves the same problem on two meshes.
 #[pyfunction]
 pub(crate) fn verify_surface(
     py: Python<'_>,

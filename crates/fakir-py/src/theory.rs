@@ -32,7 +32,7 @@ fn estimate(estimate: &TransitionEstimate) -> Estimate {
     )
 }
 
-/// Every formula for the critical state that gives numbers, by name.
+/// The critical state by every applicable formula, by name.
 #[pyfunction]
 pub(crate) fn closed_forms(case: &Case) -> PyResult<Vec<(&'static str, Estimate)>> {
     let forms = fakir_study::closed_forms::closed_forms(&case.case.system);
@@ -43,7 +43,7 @@ pub(crate) fn closed_forms(case: &Case) -> PyResult<Vec<(&'static str, Estimate)
         .collect())
 }
 
-/// The system of a case, if the formulas are made for its arrangement.
+/// The system of a case, if the formulas support its arrangement.
 fn of_theory(case: &Case) -> PyResult<&System> {
     let system = &case.case.system;
     check_arrangement(system).map_err(|error| value_error(error.to_string()))?;
@@ -59,7 +59,7 @@ fn of_sphere(case: &Case) -> PyResult<&System> {
     }
 }
 
-/// One formula for the critical state, whether it applies or not.
+/// The critical state by one formula, regardless of its range.
 #[pyfunction]
 pub(crate) fn closed_form(case: &Case, name: &str) -> PyResult<Estimate> {
     let formula = Formula::named(name)
@@ -74,7 +74,7 @@ pub(crate) fn transition_from_exact_sums(case: &Case, contact_radius: f64) -> Py
     Ok(estimate(&state))
 }
 
-/// The object that `fakir theory --json` prints. `range` is that of the attraction (m), if it is known.
+/// The object that `fakir theory --json` prints. `range` is that of the attraction (m), if known.
 #[pyfunction]
 pub(crate) fn theory(case: &Case, range: Option<f64>) -> PyResult<String> {
     let summary = TheorySummary::new(&case.case.system, range);
@@ -82,7 +82,7 @@ pub(crate) fn theory(case: &Case, range: Option<f64>) -> PyResult<String> {
     Ok(json(&summary))
 }
 
-/// What of it is of tops that stick; `null` where nothing does.
+/// The adhesion part of that object; `null` without adhesion.
 #[pyfunction]
 pub(crate) fn adhesion(case: &Case, range: Option<f64>) -> PyResult<String> {
     let found = AdhesionObject::new(&case.case.system, range);
@@ -90,7 +90,7 @@ pub(crate) fn adhesion(case: &Case, range: Option<f64>) -> PyResult<String> {
     Ok(json(&found))
 }
 
-/// The constants of the object that [`theory`] gives.
+/// The constants of the object returned by [`theory`].
 #[pyfunction]
 pub(crate) fn constants(case: &Case) -> PyResult<String> {
     Ok(json(&fakir_study::result::constants(of_theory(case)?)))
@@ -119,7 +119,7 @@ pub(crate) fn hertz_contact_radius(case: &Case, force: f64) -> PyResult<f64> {
     Ok(forms::hertz_contact_radius(of_sphere(case)?, force))
 }
 
-/// Region of the phase diagram, and whether the two numbers decide it.
+/// Region of the phase diagram, and whether the two numbers determine it.
 #[pyfunction]
 pub(crate) fn phase(
     case: &Case,
@@ -194,7 +194,7 @@ fn invalid(error: InvalidQuantity) -> PyErr {
     value_error(error.to_string())
 }
 
-/// `F1`, `V1`, `D`, `K1` and `K2` of a free annulus, by its radius over that of the pillar.
+/// `F1`, `V1`, `D`, `K1` and `K2` of a detached annulus, by the ratio of its radius to that of the pillar.
 #[pyfunction]
 pub(crate) fn annulus_coefficients(radius_ratio: f64) -> PyResult<(f64, f64, f64, f64, f64)> {
     let found = AnnulusCoefficients::new(radius_ratio).map_err(invalid)?;
@@ -207,10 +207,10 @@ pub(crate) fn annulus_coefficients(radius_ratio: f64) -> PyResult<(f64, f64, f64
     ))
 }
 
-/// A free annulus: radius, step, force on the pillar, volume, stress intensity, energy release rate, energy.
+/// A detached annulus: radius, step, force on the pillar, volume, stress intensity factor, energy release rate, energy.
 type Annulus = (f64, f64, f64, f64, f64, f64, f64);
 
-/// The free annulus of a radius (m) under a pressure far away (Pa).
+/// The detached annulus of a radius (m) under a remote pressure (Pa).
 #[pyfunction]
 pub(crate) fn free_annulus(case: &Case, outer_radius: f64, pressure: f64) -> PyResult<Annulus> {
     let pillar = StuckPillar::of(&case.case.system);
@@ -226,7 +226,8 @@ pub(crate) fn free_annulus(case: &Case, outer_radius: f64, pressure: f64) -> PyR
     ))
 }
 
-/// Outer radius (m) of the free annulus that a work of adhesion (J/m^2) holds: that of the pillar where it is closed, infinite where it runs.
+/// Outer radius (m) of the detached annulus in equilibrium for a work of adhesion (J/m^2): that of the pillar if it is closed, infinite if
+/// it is unstable.
 #[pyfunction]
 pub(crate) fn annulus_radius(case: &Case, work: f64, pressure: f64) -> PyResult<f64> {
     let pillar = StuckPillar::of(&case.case.system);
@@ -237,7 +238,7 @@ pub(crate) fn annulus_radius(case: &Case, work: f64, pressure: f64) -> PyResult<
     })
 }
 
-/// Largest tension (Pa) under which an annulus stands still, and its radius (m) there.
+/// Largest tension (Pa) under which an annulus is stable, and its radius (m) there.
 #[pyfunction]
 pub(crate) fn largest_tension(case: &Case, work: f64) -> PyResult<(f64, f64)> {
     StuckPillar::of(&case.case.system)
@@ -245,7 +246,7 @@ pub(crate) fn largest_tension(case: &Case, work: f64) -> PyResult<(f64, f64)> {
         .map_err(invalid)
 }
 
-/// The stuck floor of a case.
+/// The adhesive floor of a case.
 fn floor_of(case: &Case) -> PyResult<StuckFloor> {
     StuckFloor::of(&case.case.system).map_err(|error| value_error(error.to_string()))
 }
@@ -257,20 +258,20 @@ pub(crate) fn collapse_threshold(case: &Case) -> PyResult<(f64, f64)> {
     Ok((found.work, found.annulus_radius))
 }
 
-/// What a stuck floor wins per area (J/m^2); none where annuli fill the cells.
+/// Energy gain per area of an adhering floor (J/m^2); `None` if annuli fill the cells.
 #[pyfunction]
 pub(crate) fn net_work(case: &Case, work: f64) -> PyResult<Option<f64>> {
     floor_of(case)?.net_work(work).map_err(invalid)
 }
 
-/// Pull-off force (N) of the stuck floor seen as smooth; none where it holds nothing by itself.
+/// Pull-off force (N) of the adhering floor, approximated as smooth; `None` if it does not adhere by itself.
 #[pyfunction]
 pub(crate) fn stuck_floor_pull_off(case: &Case, work: f64) -> PyResult<Option<f64>> {
     let lens = of_sphere(case)?.lens().sphere_radius();
     floor_of(case)?.pull_off(lens, work).map_err(invalid)
 }
 
-/// Radius (m), force (N) and indentation (m) of a sphere of a radius (m) that sticks, at an indentation; none where it has come off.
+/// Radius (m), force (N) and indentation (m) of an adhesive sphere of a radius (m), at an indentation; `None` after detachment.
 #[pyfunction]
 pub(crate) fn sticky_sphere(
     case: &Case,
@@ -284,11 +285,11 @@ pub(crate) fn sticky_sphere(
     Ok(found.map(|it| (it.radius, it.force, it.indentation)))
 }
 
-/// A point of a cycle of the collapsed floor: whether it is on the way back, indentation, radius of the front, force, energy, area of the floor, pillars, widest
-/// annulus, whether the model is in its range.
+/// A load step of a cycle of the collapsed floor: whether it belongs to the unloading, indentation, radius of the front, force, energy,
+/// area of the floor, pillars, widest annulus, whether the state is in the range of the model.
 type CollapsedRow = (bool, f64, f64, f64, f64, f64, usize, f64, bool);
 
-/// Loading and unloading of a floor that is stuck inside a circle, and the indentation (m) at which it is lost.
+/// Loading and unloading of a floor that adheres inside a circle, and the indentation (m) at which the floor detaches.
 #[pyfunction]
 pub(crate) fn collapsed_cycle(
     py: Python<'_>,
@@ -320,7 +321,7 @@ pub(crate) fn collapsed_cycle(
     Ok((rows.collect(), found.floor_lost))
 }
 
-/// Energy per period and length (J/m) of grooves with a strip of their floor stuck.
+/// Energy per period and length (J/m) of grooves with an adhering strip of the floor.
 #[pyfunction]
 pub(crate) fn groove_energy(
     modulus: f64,
@@ -333,7 +334,7 @@ pub(crate) fn groove_energy(
     grooves.energy(strip_width).map_err(invalid)
 }
 
-/// Work (J/m^2) above which grooves collapse, and width (m) of the strip that sticks then.
+/// Work (J/m^2) above which grooves collapse, and width (m) of the adhering strip.
 #[pyfunction]
 pub(crate) fn groove_threshold(
     modulus: f64,

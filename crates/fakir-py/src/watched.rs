@@ -1,8 +1,7 @@
-//! Computations that run without the interpreter and can be stopped.
+//! Computations that run without the interpreter lock and can be cancelled.
 //!
-//! The work is done on a thread of its own, while the thread that was called looks up every
-//! [`TICK`]: for signals, of which Ctrl-C raises `KeyboardInterrupt`, and for progress to be told. An
-//! exception in either stops the work and is raised as soon as it has stopped.
+//! The work is done on a separate thread, while the calling thread checks every [`TICK`] for signals, of which Ctrl-C raises
+//! `KeyboardInterrupt`, and reports progress. An exception in either cancels the work and is raised as soon as the work has stopped.
 
 use fakir::state::{CancelToken, Progress, Run, Threads};
 use pyo3::prelude::*;
@@ -11,16 +10,16 @@ use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// How often the calling thread looks for signals and progress.
+/// Interval in which the calling thread checks signals and progress.
 const TICK: Duration = Duration::from_millis(50);
 
-/// How a computation is run.
+/// Execution options of a computation.
 #[derive(FromPyObject)]
 pub(crate) struct Options {
-    /// The number of threads; 0 for as many as there are processors, which are the most that are used.
+    /// Number of threads; 0 for the number of processors, which is the maximum.
     #[pyo3(item)]
     threads: usize,
-    /// The most memory that a computation may take, bytes.
+    /// Memory limit of the computation, bytes.
     #[pyo3(item)]
     memory_limit: Option<usize>,
     /// Called with stage, step, pillars and touched pillars.
@@ -41,7 +40,7 @@ impl Options {
     }
 }
 
-/// What to say about more threads than there are processors.
+/// Warning if more threads are requested than there are processors.
 #[pyfunction]
 pub(crate) fn threads_warning(threads: usize) -> Option<String> {
     Threads::asked(threads).warning()
@@ -78,7 +77,7 @@ pub(crate) fn watched<T: Send>(
     py.detach(|| stoppable(&cancel, || work(&run), look))
 }
 
-/// Raises what a signal asks for, on the main thread.
+/// Raises the exception of a pending signal, on the main thread.
 pub(crate) fn check_signals() -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;
@@ -86,8 +85,7 @@ pub(crate) fn check_signals() -> PyResult<()> {
     })
 }
 
-/// Does the work on another thread, and looks up now and then and at its end; if a look fails, the
-/// work is to stop.
+/// Does the work on another thread, and calls `look` at intervals and at the end; if `look` fails, cancels the work.
 pub(crate) fn stoppable<T: Send, E>(
     cancel: &CancelToken,
     work: impl FnOnce() -> T + Send,
@@ -109,7 +107,7 @@ pub(crate) fn stoppable<T: Send, E>(
     })
 }
 
-/// Waits for the answer; `None` if the computation ended without one.
+/// Waits for the result; `None` if the computation ended without one.
 fn wait<T, E>(
     receiver: &Receiver<T>,
     look: &mut impl FnMut() -> Result<(), E>,

@@ -14,33 +14,33 @@ use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{AsperityCase, Case, FlatCase};
 use std::time::Instant;
 
-/// The most states of a loading. More are asked for only by a step in the wrong unit.
+/// Largest number of states of a loading. Only a step in a wrong unit exceeds it.
 const MOST_STATES: f64 = 1e4;
 
-/// The indentations of a loading.
+/// Indentations of a loading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadingPath {
-    /// The indentation between two states, m; greater than 0.
+    /// Indentation step between two states, m; greater than 0.
     pub step: f64,
     /// The last state.
     pub end: LoadingEnd,
 }
 
-/// Where a loading ends.
+/// End of a loading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LoadingEnd {
-    /// At a load, before the critical state, at it or past it.
+    /// A load before, at or past the critical state.
     At(Load),
-    /// At this indentation, m, or at the critical state if that is reached earlier.
+    /// This indentation, m, or the critical state if that is reached earlier.
     CriticalOr(f64),
 }
 
 impl LoadingEnd {
-    /// The end that is meant by what may be given of it: an indentation up to which the loading goes unless it reaches the
-    /// critical state, or past that; an indentation (m); a force (N).
+    /// Selects the end from the given arguments: an indentation up to which the loading continues unless it reaches the critical state, or
+    /// past that; an indentation (m); a force (N).
     ///
     /// # Errors
-    /// [`ApproachError::Ends`] if there are several, [`ApproachError::NotPositive`] for what is not greater than 0.
+    /// [`ApproachError::Ends`] if several are given, [`ApproachError::NotPositive`] for a value that is not greater than 0.
     pub fn of(
         until: Option<f64>,
         past_transition: bool,
@@ -65,7 +65,7 @@ impl LoadingEnd {
 }
 
 impl LoadingPath {
-    /// The loading in words: `loading in steps of 1 um, up to the critical state`.
+    /// Description of the loading: `loading in steps of 1 um, up to the critical state`.
     #[must_use]
     pub fn words(&self) -> String {
         let length = |value| format_quantity(value, Dimension::Length);
@@ -86,40 +86,40 @@ impl LoadingPath {
     }
 }
 
-/// Why there is no loading.
+/// Errors of a loading.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ApproachError {
     /// A contact that cannot be computed.
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
-    /// A loading up to a critical state that there is not.
+    /// The loading ends at a critical state that does not exist.
     #[error("the end of the loading is not known: {why}; or give the last indentation (to)")]
     NoEnd {
         /// Why there is no critical state.
         why: &'static str,
     },
-    /// Several ends.
+    /// Several ends are given.
     #[error("a loading has one end: give one of until, to and to_force")]
     Ends,
-    /// A length or force that must be greater than 0.
+    /// A length or force must be greater than 0.
     #[error("{name} must be greater than 0")]
     NotPositive {
-        /// What it is called.
+        /// Name of the quantity.
         name: &'static str,
     },
-    /// A loading that ends before anything is touched.
+    /// The loading ends before first contact.
     #[error(
         "the lens first touches a pillar at an indentation of {}: up to {} there is no contact; give more",
         rounded_length(*first_touch), rounded_length(*end)
     )]
     BelowFirstTouch {
-        /// The indentation at which it is to end, m.
+        /// Indentation at its end, m.
         end: f64,
-        /// That of the first touch, m.
+        /// Indentation of first contact, m.
         first_touch: f64,
     },
-    /// A step so short that the loading would have too many states.
+    /// The step is so short that the loading would have too many states.
     #[error(
         "a step of {} makes {states:.0} states up to an indentation of {}: at most {MOST_STATES} are \
          computed", rounded_length(*step), rounded_length(*end)
@@ -129,12 +129,12 @@ pub enum ApproachError {
         step: f64,
         /// The last indentation, m.
         end: f64,
-        /// The number of states that it makes.
+        /// Number of states.
         states: f64,
     },
 }
 
-/// A length in the digits that are shown of numbers.
+/// A length with the default number of digits.
 fn rounded_length(value: f64) -> String {
     with_unit(value, Dimension::Length, DIGITS)
 }
@@ -151,10 +151,10 @@ pub(crate) fn unsupported(question: Question, solver: Solver) -> SolveError {
 
 /// What a loading can be computed of.
 pub trait Loadable {
-    /// Its contacts.
+    /// Type of its contacts.
     type Contact: Contact;
 
-    /// The contact under what is prescribed.
+    /// Computes the contact at a prescribed load.
     ///
     /// # Errors
     /// As [`fakir::press`].
@@ -166,21 +166,21 @@ pub trait Loadable {
     /// As [`fakir::transition`]; [`SolveError::Unsupported`] where it is not known what the floor is.
     fn transition(&self, run: &Run<'_>) -> Result<Critical<Self::Contact>, SolveError>;
 
-    /// Why there is no critical state at which a loading could end; none if there is one.
+    /// Why there is no critical state at which a loading could end; `None` if there is one.
     fn no_end(&self) -> Option<&'static str>;
 
-    /// An indentation before which nothing is touched, m.
+    /// An indentation below which nothing is touched, m.
     fn first_touch(&self) -> f64;
 
     /// The numbers of a state.
     fn state(&self, state: LoadingState<&Self::Contact>) -> Record;
 
-    /// What to be careful about in a state.
+    /// Warnings about a state.
     fn warnings(&self, contact: &Self::Contact) -> Vec<String> {
         warnings(contact)
     }
 
-    /// Method, and what is pressed onto what, for a summary.
+    /// Method, indenter and surface, for a summary.
     fn head(&self) -> Object;
 
     /// The critical state for a summary.
@@ -343,22 +343,22 @@ impl Loadable for FlatCase {
 /// A loading.
 #[derive(Debug, Clone)]
 pub struct Approach<P: Loadable> {
-    /// The states, by rising indentation.
+    /// The states, by increasing indentation.
     pub rows: Vec<Record>,
-    /// The critical state, also if the loading ends before it; none where it is not known what the floor is.
+    /// The critical state, even if the loading ends before it; `None` if the surface defines no floor.
     pub critical: Option<Critical<P::Contact>>,
-    /// How long that took, s.
+    /// Computing time of the critical state, s.
     pub critical_time: f64,
     /// Whether all states are [answers](Solution::is_answer), the critical one too.
     pub converged: bool,
-    /// How long all took, s.
+    /// Total computing time, s.
     pub wall_time: f64,
-    /// What to be careful about, with the indentations.
+    /// Warnings, with the indentations.
     pub warnings: Vec<String>,
 }
 
-/// Computes all states of a loading. Where it is not known what the floor is, the path must say where it ends. `next`
-/// is told what comes next, `keep` gets the states but for the critical one, each with the time it took, s.
+/// Computes all states of a loading. If the surface defines no floor, the path must give the end. `next` is called with a description of
+/// the next part, `keep` with the states except the critical one, each with its computing time, s.
 ///
 /// # Errors
 /// See [`ApproachError`].
@@ -404,7 +404,7 @@ pub fn approach<P: Loadable>(
     };
     let mut converged = reached.is_none_or(Solution::is_answer);
     let mut warned = reached.map_or(Vec::new(), |contact| problem.warnings(contact));
-    // The last state of a loading up to a force tells which indentations there are.
+    // The last state of a loading up to a force determines the indentations.
     let begun = Instant::now();
     let mut last = None;
     if let LoadingEnd::At(load @ Load::Force(_)) = path.end {
@@ -462,7 +462,7 @@ pub fn approach<P: Loadable>(
     })
 }
 
-/// A warning about a state of the loading.
+/// Text of a warning about a state of the loading.
 fn at(indentation: f64, text: &str) -> String {
     format!(
         "at an indentation of {}: {text}",
@@ -470,30 +470,30 @@ fn at(indentation: f64, text: &str) -> String {
     )
 }
 
-/// A state of the loading that is to be computed.
+/// A state of the loading to compute.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Step {
     At(f64),
     Critical,
 }
 
-/// Multiples of the step, with the critical state in its place among them and the end of the path
-/// last.
+/// Multiples of the step, with the critical state inserted in order and the end of the path last.
 ///
-/// They begin at 0, or at the first multiple in contact if what is touched first is higher than the level that indentations count from.
+/// They start at 0, or at the first multiple in contact if the first touched point is higher than the level from which indentations are
+/// measured.
 fn steps(
     step: f64,
     [first_touch, end]: [f64; 2],
     critical: Option<f64>,
 ) -> Result<Vec<Step>, ApproachError> {
-    // Where there is no critical state none of the indentations is taken for one.
+    // Without a critical state no indentation is treated as critical.
     let critical = critical.unwrap_or(f64::INFINITY);
     let first = (first_touch.min(0.0) / step).ceil();
     let states = end / step - first;
     if states > MOST_STATES {
         return Err(ApproachError::TooManyStates { step, end, states });
     }
-    // What differs by rounding only is the same state.
+    // Indentations that differ only by rounding are the same state.
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * step;
     let multiples = (0..)
         .map(|k| (first + f64::from(k)) * step)

@@ -1,7 +1,7 @@
-//! What to cite for what was computed: the sources that the code paths name, from `citations.toml`.
+//! References to cite for a computation, from `citations.toml`.
 //!
-//! A [`Topic`] is something that was made use of; [`citations`] gives the sources of several, each
-//! with a few words on why. The formulas themselves are cited where the crate `fakir` has them.
+//! A [`Topic`] is a feature that was used; [`citations`] returns the references of several topics, each with a short reason. The formulas
+//! themselves are cited in the crate `fakir`.
 
 use fakir::problem::{Arrangement, Boundary, MeshLayout, Method, PunchForm};
 use fakir_case::study::Asked;
@@ -11,21 +11,20 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::LazyLock;
 
-/// DOI of the paper whose problem this is: R. Ledesma-Alonso, E. Raphaël, F. Restagno,
-/// C. Poulard, Phys. Rev. E 104, 055007 (2021).
+/// DOI of the paper that defines the problem: R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104, 055007 (2021).
 pub const REFERENCE_DOI: &str = "10.1103/PhysRevE.104.055007";
 
-/// Something whose sources are to be cited.
+/// A feature with references to cite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Topic {
     /// A method for lattices of pillars.
     Method(Method),
-    /// Pillar tops that stick.
+    /// Adhesive pillar tops.
     Adhesion,
-    /// The range of the attraction of tops that stick.
+    /// The range of the attraction of adhesive tops.
     AttractionRange,
-    /// The closed forms of a floor that sticks.
+    /// The closed forms of an adhesive floor.
     StuckFloor,
     /// The closed forms of the paper, with their lattice sums.
     ClosedForms,
@@ -37,11 +36,11 @@ pub enum Topic {
     Flat,
     /// Rounded pillar tops.
     Asperities,
-    /// Heights of rounded tops for a wanted curve.
+    /// Heights of rounded tops for a target curve.
     DesignedHeights,
-    /// Elements of constant pressure on a height map.
+    /// Boundary elements on a height map.
     Surface {
-        /// Whether the surface repeats itself; it stands free otherwise.
+        /// Whether the surface is periodic; otherwise it is free.
         periodic: bool,
         /// Whether its pillars are placed at random.
         random: bool,
@@ -49,13 +48,13 @@ pub enum Topic {
 }
 
 impl Topic {
-    /// What a case makes use of.
+    /// Topics of a case.
     #[must_use]
     pub fn of_case(case: &Case) -> Vec<Self> {
         Self::of_case_with_range(case, None)
     }
 
-    /// What a case makes use of where the range of the attraction (m) is known, or is not.
+    /// Topics of a case with an optional range of the attraction (m).
     #[must_use]
     pub fn of_case_with_range(case: &Case, range: Option<f64>) -> Vec<Self> {
         let sticks = !case.system.adhesion().is_none();
@@ -121,7 +120,7 @@ impl Topic {
     }
 }
 
-/// What kind of work is cited.
+/// Kind of reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -133,10 +132,10 @@ pub enum Kind {
     Software,
 }
 
-/// A work to be cited, and why.
+/// A reference to cite, and the reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Citation {
-    /// A name for it, as in BibTeX.
+    /// Its BibTeX key.
     pub key: String,
     /// Whether it is an article, a book or a program.
     pub kind: Kind,
@@ -154,9 +153,9 @@ pub struct Citation {
     pub year: Option<u16>,
     /// Version of a program.
     pub version: Option<String>,
-    /// Digital object identifier, where known for certain.
+    /// Digital object identifier, if known with certainty.
     pub doi: Option<String>,
-    /// What it was used for.
+    /// The reason for citing it.
     pub why: String,
 }
 
@@ -188,7 +187,7 @@ impl Citation {
         text
     }
 
-    /// An entry for BibTeX.
+    /// A BibTeX entry.
     #[must_use]
     pub fn bibtex(&self) -> String {
         let (entry, container) = match self.kind {
@@ -199,7 +198,7 @@ impl Citation {
         let pages = self.pages.as_ref().map(|pages| pages.replace('-', "--"));
         let fields = [
             ("author", Some(self.bibtex_authors())),
-            // Braces keep capitals, as of names.
+            // Braces preserve capitals, for instance of names.
             ("title", Some(format!("{{{}}}", self.title))),
             (container, self.published_in.clone()),
             ("volume", self.volume.clone()),
@@ -217,7 +216,7 @@ impl Citation {
         text + "}\n"
     }
 
-    /// Authors joined by `and`; those of a program are one name.
+    /// Authors joined by `and`; those of a program as one name.
     fn bibtex_authors(&self) -> String {
         match self.kind {
             Kind::Software => format!("{{{}}}", self.authors.join(", ")),
@@ -226,7 +225,7 @@ impl Citation {
     }
 }
 
-/// The text with letters beyond ASCII written as commands that every TeX knows.
+/// Replaces letters beyond ASCII by commands that every TeX supports.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -245,8 +244,8 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// What to cite for these topics: the paper and fakir itself, then the sources of each, those of
-/// several topics once, with all reasons.
+/// References for these topics: the paper and fakir itself, then those of each topic; a reference of several topics appears once, with all
+/// reasons.
 #[must_use]
 pub fn citations(topics: &[Topic]) -> Vec<Citation> {
     let mut citations: Vec<Citation> = sources("reference").collect();
@@ -265,7 +264,7 @@ pub fn citations(topics: &[Topic]) -> Vec<Citation> {
     citations
 }
 
-/// The program that was run.
+/// Reference to the program.
 fn fakir() -> Citation {
     Citation {
         key: "fakir".to_owned(),
@@ -283,7 +282,7 @@ fn fakir() -> Citation {
 }
 
 impl Topic {
-    /// The topics of the data that are behind it.
+    /// The corresponding topics in the data.
     fn names(&self) -> Vec<&'static str> {
         match self {
             Self::Method(Method::Spectral(_)) => vec!["spectral"],
@@ -294,7 +293,7 @@ impl Topic {
             }
             Self::Method(Method::Love(_)) => vec!["love", "elements"],
             Self::Method(Method::Homogenised) => vec!["homogenised"],
-            Self::Method(_) => Vec::new(), // a method that is added must name its sources here
+            Self::Method(_) => Vec::new(), // a new method must name its sources here
             Self::Adhesion => vec!["adhesion"],
             Self::AttractionRange => vec!["attraction_range"],
             Self::StuckFloor => vec!["stuck_floor"],
@@ -324,7 +323,7 @@ struct Data {
     topics: BTreeMap<String, Vec<Source>>,
 }
 
-/// A work as it is written down there.
+/// A reference in `citations.toml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Work {
@@ -339,7 +338,7 @@ struct Work {
     doi: Option<String>,
 }
 
-/// What a work is cited for.
+/// A reason to cite a reference.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Source {
@@ -421,8 +420,8 @@ mod tests {
         assert_eq!(citations(&[]).len(), 2);
     }
 
-    /// Every topic of the data names works that are there, every work is cited for something, and the
-    /// paper is the one whose DOI is stamped on results.
+    /// Every topic of the data refers to existing references, every reference is cited, and the paper is the one whose DOI is in the
+    /// provenance of results.
     #[test]
     fn the_data_are_complete() {
         let mut cited: Vec<String> = DATA
@@ -455,7 +454,7 @@ mod tests {
         assert_eq!(sticky, [method, Topic::Adhesion]);
         let cited = citations(&sticky);
         assert!(cited.iter().any(|work| work.key == "Kendall1971"));
-        // A study cites it if any of its cases sticks.
+        // A study cites it if any of its cases has adhesion.
         let study = |works: &str| {
             let example = Case::example().to_toml();
             let text = format!("[axes]\n\"adhesion.work\" = [{works}]\n{example}");

@@ -1,4 +1,4 @@
-//! The formulas for the critical state, by name, with where they apply.
+//! The formulas for the critical state, by name, with their ranges.
 
 use fakir::problem::{Feature, Question, Solver, System};
 use fakir::solve::homogenised;
@@ -6,10 +6,10 @@ use fakir::state::SolveError;
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
 
-/// Contact radius over pitch beyond which lattice sums are not added up term by term.
+/// Ratio of contact radius to pitch above which lattice sums are not evaluated term by term.
 pub const LARGEST_SUM: f64 = 2000.0;
 
-/// Surface fraction from which the dense limit is within 7 % in force: 0.2, but for rounding.
+/// Surface fraction above which the force in the dense limit is within 7 %: 0.2, with a margin for rounding.
 const DENSE: f64 = 0.2 * (1.0 - 1e-9);
 
 /// A formula for the critical state.
@@ -17,15 +17,15 @@ const DENSE: f64 = 0.2 * (1.0 - 1e-9);
 pub enum Formula {
     /// One pillar in contact, as in the paper.
     SmallContact,
-    /// One pillar in contact, with the distance of the floor contact found exactly.
+    /// One pillar in contact, with the exact distance of the floor contact.
     OnePillar,
     /// Many pillars in contact, as printed in the paper.
     LargeContactAsPrinted,
     /// Many pillars in contact, corrected.
     LargeContactCorrected,
-    /// Many pillars in contact, by lattice sums that are not fitted.
+    /// Many pillars in contact, by exact lattice sums instead of fitted ones.
     ExactLatticeSums,
-    /// The homogenised lattice in the limit of a dense texture.
+    /// The homogenised lattice in the limit of a dense pattern.
     HomogenisedDenseLimit,
 }
 
@@ -59,7 +59,7 @@ impl Formula {
         Self::ALL.into_iter().find(|formula| formula.key() == key)
     }
 
-    /// Its name for a person.
+    /// Its descriptive name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -72,8 +72,8 @@ impl Formula {
         }
     }
 
-    /// The critical state by the formula, whether it applies or not. Lattice sums are over the contact
-    /// radius of the corrected formula for large contacts.
+    /// The critical state by the formula, regardless of its range. Lattice sums are over the contact radius of the corrected formula for
+    /// large contacts.
     #[must_use]
     pub fn estimate(self, system: &System) -> TransitionEstimate {
         match self {
@@ -109,23 +109,23 @@ impl Formula {
 pub struct ClosedForm {
     /// The formula.
     pub formula: Formula,
-    /// The critical state that it gives.
+    /// The critical state.
     pub estimate: TransitionEstimate,
-    /// Whether the system is in its range.
+    /// Whether the system is in the range of the formula.
     pub applies: bool,
 }
 
-/// Refuses what the formulas are not made for.
+/// Returns an error for systems that the formulas do not cover.
 ///
 /// # Errors
-/// [`Unsupported`](fakir::problem::Unsupported) of a body of finite thickness, of any but equal pillars on the endless hexagonal lattice, and of a lens that is
-/// no sphere.
+/// [`Unsupported`](fakir::problem::Unsupported) for a body of finite thickness, unless equal pillars form the infinite hexagonal lattice,
+/// and for a lens that is not a sphere.
 pub fn check_arrangement(system: &System) -> Result<(), SolveError> {
     Question::Theory.check(Solver::Spectral, &Feature::of(system))?;
     Ok(())
 }
 
-/// Every formula that gives numbers for this system.
+/// Every formula that can be evaluated for this system.
 ///
 /// # Errors
 /// As [`check_arrangement`].
@@ -144,7 +144,7 @@ pub fn closed_forms(system: &System) -> Result<Vec<ClosedForm>, SolveError> {
     Ok(forms.collect())
 }
 
-/// Whether the lens touches one pillar only at the transition, by the paper's criterion.
+/// Whether the lens touches only one pillar at the transition, by the paper's criterion.
 #[must_use]
 pub fn touches_one_pillar(system: &System) -> bool {
     system.texture().surface_fraction() < closed_forms::small_contact_limit(system)

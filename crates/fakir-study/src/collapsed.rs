@@ -1,4 +1,4 @@
-//! How a floor that sticks collapses and lets go, by the fast model of a collapsed floor and by closed forms.
+//! Collapse and detachment of an adhesive floor, by the fast model of a collapsed floor and by closed forms.
 
 use crate::exact;
 use fakir::problem::{Method, System};
@@ -10,7 +10,7 @@ pub use fakir::collapse::{
     Fate, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP, Validity, collapse_path,
 };
 
-/// How [`Fate`] is written.
+/// Serialised form of [`Fate`].
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Fate", rename_all = "snake_case")]
 enum WrittenFate {
@@ -20,7 +20,7 @@ enum WrittenFate {
     HeldThroughZero,
 }
 
-/// How [`Validity`] is written.
+/// Serialised form of [`Validity`].
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "Validity", rename_all = "snake_case")]
 enum WrittenValidity {
@@ -31,42 +31,42 @@ enum WrittenValidity {
     NoFront,
 }
 
-/// The state just after the floor was first touched.
+/// The state just after jump-in to the floor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FloorJump {
     /// Force, N.
     #[serde(rename = "force_N", with = "exact")]
     pub force: f64,
-    /// Area of the floor that sticks, m^2.
+    /// Adhering area of the floor, m^2.
     #[serde(rename = "floor_area_m2", with = "exact")]
     pub floor_area: f64,
     /// Radius of the front, m.
     #[serde(rename = "front_radius_m", with = "exact")]
     pub front_radius: f64,
-    /// Middles between three pillars inside the front.
+    /// Number of centres between three pillars inside the front.
     pub holes: usize,
 }
 
-/// Where the floor lets go of the lens.
+/// Detachment of the floor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FloorLoss {
     /// Indentation, m, within half a step.
     #[serde(rename = "indentation_m", with = "exact")]
     pub indentation: f64,
-    /// Force just before, N.
+    /// Force just before detachment, N.
     #[serde(rename = "force_N", with = "exact")]
     pub force: f64,
 }
 
-/// The critical state of the tops, what a floor that sticks does from there, and the closed forms.
+/// The critical state of the tops, the behaviour of an adhesive floor from there, and the closed forms.
 ///
-/// The lens goes down to [`LARGEST_INDENTATION`] times the critical indentation and up again. What the tops do is computed without adhesion
-/// up to the critical state, which changes its force by less than 1 %.
+/// The lens is loaded to [`LARGEST_INDENTATION`] times the critical indentation and unloaded. The tops are computed without adhesion up to
+/// the critical state, which changes its force by less than 1 %.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Collapsed {
     /// Name of the method.
     pub method: String,
-    /// Fraction of the surface that is pillar top.
+    /// Fraction of the surface covered by pillar tops.
     #[serde(with = "exact")]
     pub surface_fraction: f64,
     /// Distance of neighbouring pillars, m.
@@ -75,30 +75,30 @@ pub struct Collapsed {
     /// Work of adhesion, J/m^2.
     #[serde(rename = "work_of_adhesion_J_per_m2", with = "exact")]
     pub work: f64,
-    /// That over the reduced modulus and the radius of a pillar.
+    /// Work of adhesion divided by the reduced modulus and the radius of a pillar.
     #[serde(with = "exact")]
     pub work_over_stiffness: f64,
-    /// Work of adhesion above which the flat lattice collapses without load, J/m^2.
+    /// Work of adhesion above which the flat lattice collapses at zero load, J/m^2.
     #[serde(rename = "collapse_work_J_per_m2", with = "exact")]
     pub collapse_work: f64,
-    /// The work of adhesion over that.
+    /// Ratio of the work of adhesion to that of collapse.
     #[serde(with = "exact")]
     pub work_over_collapse_work: f64,
-    /// Outer radius of the free annulus round a pillar without pressure, m; none where no edge stands.
+    /// Outer radius of the detached annulus around a pillar at zero pressure, m; `None` if no edge is stable.
     #[serde(rename = "annulus_radius_m")]
     pub annulus_radius: Option<f64>,
-    /// Height of a pillar over the width of that annulus: beyond about 1 linear elasticity is doubtful.
+    /// Ratio of the pillar height to the width of that annulus: above about 1 linear elasticity is doubtful.
     pub annulus_slope: Option<f64>,
-    /// What the stuck floor of a flat lattice has won, J/m^2; none where annuli fill the cells.
+    /// Energy gain per area of the adhering floor of a flat lattice, J/m^2; `None` if annuli fill the cells.
     #[serde(rename = "net_work_J_per_m2")]
     pub net_work: Option<f64>,
-    /// Pull-off force from a stuck floor seen as smooth, N, negative; none where it lets go before.
+    /// Pull-off force from an adhering floor approximated as smooth, N, negative; `None` if it detaches before.
     #[serde(rename = "smooth_floor_pull_off_force_N")]
     pub smooth_pull_off: Option<f64>,
-    /// `R h/d^2`: the lens in the units of the pillars.
+    /// `R h/d^2`: the lens radius in units of the pillars.
     #[serde(with = "exact")]
     pub lens_number: f64,
-    /// `kappa`: how much a pillar gives way as a column, over how much as a punch.
+    /// `kappa`: ratio of the compliance of a pillar as a column to that as a punch.
     #[serde(with = "exact")]
     pub column_number: f64,
     /// Critical force, N.
@@ -113,35 +113,35 @@ pub struct Collapsed {
     /// Estimated relative error of the critical force.
     #[serde(with = "exact")]
     pub relative_error_estimate_critical_force: f64,
-    /// The state after the jump; none if the model has none.
+    /// The state after jump-in; `None` if the model has none.
     pub jump: Option<FloorJump>,
-    /// Where the lens turned back, m; none if the model has no loading.
+    /// Largest indentation, m; `None` if the model has no loading.
     #[serde(rename = "turn_indentation_m")]
     pub turn_indentation: Option<f64>,
-    /// What becomes of the floor.
+    /// Fate of the floor.
     #[serde(with = "WrittenFate")]
     pub fate: Fate,
-    /// Where the floor is lost; none if it does not stick, or still does at the end.
+    /// Detachment of the floor; `None` if it does not adhere, or still adheres at the end.
     pub lost: Option<FloorLoss>,
-    /// The largest pull while the floor sticks, N, negative; none if it lets go under load.
+    /// The largest tensile force while the floor adheres, N, negative; `None` if the floor detaches under compression.
     #[serde(rename = "floor_pull_off_force_N")]
     pub pull_off: Option<f64>,
-    /// Area between loading and unloading as far as the floor sticks, J. What tops lose that stick is not in it.
+    /// Area between loading and unloading while the floor adheres, J. Does not include the losses of adhesive tops.
     #[serde(rename = "floor_hysteresis_J")]
     pub hysteresis: Option<f64>,
-    /// Whether the model is good for the jump.
+    /// Validity of the model for the jump-in.
     #[serde(with = "WrittenValidity")]
     pub jump_validity: Validity,
-    /// Whether it is where the lens turns back, from which the loss of the floor and what follows comes.
+    /// Validity at the largest indentation, which applies to the detachment of the floor and all later results.
     #[serde(with = "WrittenValidity")]
     pub unloading_validity: Validity,
-    /// Error of the force after the jump by the model over that force; none out of its range.
+    /// Model error of the force after jump-in, relative to that force; `None` out of range.
     pub force_error: Option<f64>,
-    /// Relative error of the area after the jump by the model; none out of its range.
+    /// Relative model error of the area after jump-in; `None` out of range.
     pub area_error: Option<f64>,
 }
 
-/// The critical state of a system, and what a floor that sticks does from there. The method is that of the critical state.
+/// Computes the critical state of a system, and the behaviour of an adhesive floor from there. The method applies to the critical state.
 ///
 /// # Errors
 /// Those of [`fakir::collapse::collapse`].

@@ -1,4 +1,4 @@
-//! The critical state by every method, coarse to exact.
+//! The critical state by every method, approximate to exact.
 
 use crate::VERSION;
 use crate::closed_forms::closed_forms;
@@ -7,7 +7,7 @@ use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm, System};
 use fakir::state::{CriticalState, Run, SolveError};
 use std::time::Instant;
 
-/// The methods that solve something, coarse to exact: each with its name in tables and for a person.
+/// The methods with a numerical solution, approximate to exact: each with its name in tables and its descriptive name.
 #[must_use]
 pub fn methods() -> [(Method, &'static str, &'static str); 6] {
     [
@@ -40,21 +40,20 @@ pub fn methods() -> [(Method, &'static str, &'static str); 6] {
     ]
 }
 
-/// The answers of all methods.
+/// Results of all methods.
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// The comparison as a JSON object and as a table.
     pub summary: CompareSummary,
-    /// What to be careful about, with the names of the methods.
+    /// Warnings, with the names of the methods.
     pub warnings: Vec<String>,
 }
 
-/// Asks every method for the critical state. What does not apply says why. `next` is told which method
-/// comes next, `keep` gets the states, each with the name of
-/// the method and the time it took, s.
+/// Computes the critical state by every method. A method that does not apply has a row with the reason. `next` is called with the name of
+/// the next method, `keep` with the states, each with the name of the method and the computing time, s.
 ///
 /// # Errors
-/// [`SolveError::Interrupted`]; a method without an answer is none.
+/// [`SolveError::Interrupted`]; a method without a result is not an error.
 pub fn compare(
     system: &System,
     run: &Run<'_>,
@@ -104,7 +103,7 @@ pub fn compare(
     })
 }
 
-/// Fills in the differences from the most accurate method that gave an answer, and names it.
+/// Fills in the differences from the most accurate method with a result, and returns its name.
 fn set_differences(rows: &mut [MethodRow]) -> Option<&'static str> {
     let best = rows
         .iter()
@@ -145,7 +144,7 @@ impl Clock {
     }
 }
 
-/// Processor time of the process so far, s; `None` where the system does not tell.
+/// Processor time of the process so far, s; `None` if the system does not provide it.
 #[cfg(unix)]
 fn processor_time() -> Option<f64> {
     use rustix::time::{ClockId, clock_gettime};

@@ -1,4 +1,4 @@
-//! Why a sweep or a merge gives no tables.
+//! Errors of a sweep or a merge.
 
 use crate::output::OutputError;
 use crate::plan::Shard;
@@ -6,38 +6,38 @@ use fakir_case::CaseError;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a sweep or a merge gives no tables.
+/// Errors of a sweep or a merge.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// A study in a journal that cannot be.
+    /// A journal contains an invalid study.
     #[error(transparent)]
     Case(#[from] CaseError),
     /// The sweep was cancelled.
     #[error("interrupted after {done} of {cases} cases")]
     Interrupted {
-        /// Cases that have a row.
+        /// Number of cases with a row.
         done: usize,
-        /// Cases in all.
+        /// Total number of cases.
         cases: usize,
     },
-    /// A file or folder that cannot be read or written.
+    /// A file or folder cannot be read or written.
     #[error("{action} {}: {error}", .path.display())]
     File {
         /// What was attempted: `"cannot write"`.
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// Files that cannot be saved.
+    /// Files cannot be saved.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// Tables that cannot be saved at the end of a sweep.
+    /// Tables cannot be saved at the end of a sweep.
     #[error("{0}; all cases are safe in the journal, and --resume writes the tables")]
     Tables(OutputError),
-    /// A journal that cannot be written any more.
+    /// A journal can no longer be written.
     #[error(
         "cannot write {}: {error}; the cases before are safe in it, and --resume goes on from there",
         .path.display()
@@ -45,22 +45,22 @@ pub enum StudyError {
     Journal {
         /// The journal.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// A folder that something is in already.
+    /// The folder is not empty.
     #[error(
         "the folder {} is not empty: choose another, or --resume a sweep that was interrupted, or \
          --overwrite what is there", .0.display()
     )]
     NotEmpty(PathBuf),
-    /// A folder in which there is no sweep.
+    /// There is no sweep in the folder.
     #[error("there is no sweep in {}: it has no journal.jsonl", .0.display())]
     NoSweep(PathBuf),
-    /// A folder that another sweep is writing to.
+    /// Another sweep is writing to the folder.
     #[error("another sweep is running in {}", .0.display())]
     InUse(PathBuf),
-    /// A journal that cannot be gone on with, as its first line or all of it is damaged.
+    /// The journal cannot be continued, because its first line or all of it is damaged.
     #[error(
         "{}:{line}: the journal is damaged: {problem}; --overwrite begins anew", .journal.display()
     )]
@@ -72,7 +72,7 @@ pub enum StudyError {
         /// What is wrong with it.
         problem: String,
     },
-    /// A journal of the time before lines had checksums.
+    /// A journal of a format without checksums.
     #[error(
         "{} was begun by an earlier fakir that wrote no checksums, so that damage to it cannot be \
          noticed: finish it with that version, or --overwrite", .0.display()
@@ -113,10 +113,10 @@ pub enum StudyError {
         journal: PathBuf,
         /// The shard of the journal.
         there: Shard,
-        /// The shard that was asked for.
+        /// The requested shard.
         here: Shard,
     },
-    /// A journal of a sweep with another limit on memory, by which cases may have failed.
+    /// A journal of a sweep with another memory limit, which may have caused cases to fail.
     #[error(
         "{} is of a sweep with {} of memory for a case, and this has {}: give the same limit, or \
          --overwrite", .journal.display(), memory(*.there), memory(*.here)
@@ -129,23 +129,23 @@ pub enum StudyError {
         /// The limit now, bytes.
         here: usize,
     },
-    /// An answer from elsewhere that is none to a case of the study.
+    /// A result from elsewhere that does not belong to a case of the study.
     #[error("not an answer to a case of this study: {0}")]
     Answer(String),
-    /// A sweep that is to be finished before all cases have an answer.
+    /// The sweep is incomplete.
     #[error("{missing} of {cases} cases have no answer yet")]
     Incomplete {
-        /// Cases without a row.
+        /// Number of cases without a row.
         missing: usize,
-        /// Cases in all.
+        /// Total number of cases.
         cases: usize,
     },
-    /// Shards that are not one sweep.
+    /// Shards do not form one sweep.
     #[error("{0}")]
     Shards(String),
 }
 
-/// So many bytes, exactly: `8 GB`.
+/// A number of bytes, exactly: `8 GB`.
 pub(crate) fn memory(bytes: usize) -> String {
     let units = [(1_000_000_000, "GB"), (1_000_000, "MB"), (1000, "kB")];
     match units.iter().find(|(size, _)| bytes.is_multiple_of(*size)) {

@@ -1,4 +1,4 @@
-//! Numbers in JSON, which has no infinity and no NaN: those are texts.
+//! Numbers in JSON; infinity and NaN, which JSON does not support, are strings.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -9,7 +9,7 @@ enum Number {
     Text(String),
 }
 
-// serde hands over references.
+// serde passes references.
 #[allow(clippy::trivially_copy_pass_by_ref)]
 pub(crate) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if value.is_finite() {

@@ -23,15 +23,15 @@ pub fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
     ]
 }
 
-/// The most curves of a figure: as many lines and marks can be told apart.
+/// Largest number of curves in a figure: the number of distinguishable lines and marks.
 const MOST_CURVES: usize = 6;
 
-/// Cycles of one curve, each with its place along the bottom in SI units.
+/// Cycles of one curve, each with its abscissa in SI units.
 type Cycles<'a> = Vec<(f64, &'a Record)>;
 
-/// Pull-off and hysteresis of the cycles of a study: over the surface fraction if that is an axis, otherwise over the longest axis of numbers; a
-/// curve for every combination of the others, and some of them if there are too many. None of another question, of an axis with a single value, and
-/// of a part of a study.
+/// Pull-off and hysteresis of the cycles of a study: over the surface fraction if that is an axis, otherwise over the longest numeric axis;
+/// one curve for every combination of the others, or a selection if there are too many. `None` for another question, an axis with a single
+/// value, or a part of a study.
 #[must_use]
 pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
     if study.asked() != Asked::Cycle || rows.len() < study.cases() {
@@ -81,7 +81,7 @@ pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
     drawn.then(|| pull_off_curves(&axis, &curves))
 }
 
-/// The axis along the bottom, by number.
+/// Index of the axis used as abscissa.
 fn across(study: &Study, axes: &[&Axis]) -> Option<usize> {
     let numbers = || (0..axes.len()).filter(|k| axes[*k].is_numeric() && axes[*k].len() > 1);
     if study.combine() == Combine::Zip {
@@ -89,7 +89,7 @@ fn across(study: &Study, axes: &[&Axis]) -> Option<usize> {
     }
     let fraction = Variable::Key(Key::SurfaceFraction);
     let of_fraction = numbers().find(|k| axes[*k].variable() == fraction);
-    // The first of those that are equally long.
+    // The first of several of equal length.
     of_fraction.or_else(|| numbers().rev().max_by_key(|k| axes[*k].len()))
 }
 
@@ -114,7 +114,7 @@ fn curve(label: &Text, points: &[(f64, &Record)], size: f64) -> PullOffCurve {
     }
 }
 
-/// The axis of a variable, and the size of its unit in SI. Values that differ by more than a factor of five are on a logarithmic one.
+/// The axis of a variable, and the size of its unit in SI. Values that differ by more than a factor of five have a logarithmic axis.
 fn figure_axis(variable: Variable, values: &[f64]) -> (FigureAxis, f64) {
     let dimension = variable.dimension().unwrap_or(Dimension::Number);
     let unit = column_unit(values.iter().copied(), dimension);
@@ -157,7 +157,7 @@ fn setting(variable: Variable, value: &Coordinate) -> String {
         .to_owned()
 }
 
-/// A symbol of the paper in italics, with what is lowered upright.
+/// A symbol of the paper in italics, with upright subscripts.
 fn markup(symbol: &str) -> String {
     match symbol.split_once('_') {
         Some((symbol, lowered)) => format!("*{symbol}*_{{{lowered}}}"),
@@ -165,7 +165,7 @@ fn markup(symbol: &str) -> String {
     }
 }
 
-/// A unit as it is printed in a figure: `mJ/m^{2}`, `µm`.
+/// A unit as printed in a figure: `mJ/m^{2}`, `µm`.
 #[must_use]
 pub fn printed(unit: &str) -> String {
     unit.replace("m2", "m^{2}").replace('u', "µ")
@@ -184,7 +184,7 @@ mod tests {
         file.study().unwrap()
     }
 
-    /// The surface fraction is along the bottom wherever it stands, and every work of adhesion has a curve.
+    /// The surface fraction is the abscissa regardless of the order of the axes, and every work of adhesion has a curve.
     #[test]
     fn cycles_are_drawn_over_the_surface_fraction() {
         let study = study(
@@ -199,7 +199,7 @@ mod tests {
         for words in ["surface fraction", "5.00 mJ/m", "50.0 mJ/m", "hysteresis"] {
             assert!(text.contains(words), "{words}");
         }
-        // Of a part of the study there is none.
+        // A part of the study has no figure.
         assert!(of_cycles(&study, &rows[1..]).is_none());
     }
 

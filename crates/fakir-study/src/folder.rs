@@ -1,12 +1,12 @@
-//! Sweeps that are kept in a folder, and the folders of shards put together.
+//! Sweeps that are stored in a folder, and merging of the folders of shards.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
-//! | `journal.jsonl` | every case as it ended, with the time it took; an interrupted sweep goes on from it |
-//! | `study.toml` | the study as it was understood |
+//! | `journal.jsonl` | the result of every case, with its computing time; an interrupted sweep continues from it |
+//! | `study.toml` | the study in its canonical form |
 //! | `table.csv` | one row per case |
 //! | `table.parquet` | the same, in builds with the feature `parquet` |
-//! | `pull-off.svg`, `pull-off.png` | of a whole sweep of cycles: pull-off force and hysteresis |
+//! | `pull-off.svg`, `pull-off.png` | for a complete sweep of cycles: pull-off force and hysteresis |
 //! | `provenance.json` | version, study, methods, reference |
 
 use crate::error::{StudyError, memory};
@@ -28,47 +28,45 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// What to do about a folder in which there is something already.
+/// Treatment of a folder that is not empty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Existing {
-    /// Leave it alone: that is an error.
+    /// Return an error.
     #[default]
     Refuse,
-    /// Go on with the sweep that is there, if one is.
+    /// Continue the sweep in the folder, if there is one.
     Resume,
-    /// Begin anew, in place of results that are there. A folder with anything in it that fakir did
-    /// not write is left alone: that is an error.
+    /// Start again, and replace existing results. A folder with files that fakir did not write is not changed: that is an error.
     Overwrite,
 }
 
-/// What a sweep or a merge gave.
+/// Result of a sweep or a merge.
 #[derive(Debug, Clone)]
 pub struct Summary {
-    /// What was swept.
+    /// The study.
     pub study: Study,
     /// The rows of all cases, in the order of the study.
     pub rows: Vec<Row>,
-    /// How many of them were in the journal before.
+    /// Number of rows found in the journal at the start.
     pub found: usize,
-    /// Lines of journals that were left out.
+    /// Lines of journals that were skipped.
     pub damaged: Vec<DamagedLine>,
 }
 
 impl Summary {
-    /// Rows without an answer to be relied on.
+    /// Rows without a reliable result.
     pub fn failed(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.problem.is_some())
     }
 }
 
-/// Answers every case of a study, or of a shard of it, in a folder, and writes the tables there.
+/// Computes every case of a study, or of a shard of it, in a folder, and writes the tables there.
 ///
-/// Every case is in the journal as soon as it has ended; after an interruption the sweep goes on
-/// from there with [`Existing::Resume`].
+/// Every case is added to the journal as soon as it has ended; after an interruption the sweep continues from there with
+/// [`Existing::Resume`].
 ///
 /// # Errors
-/// [`StudyError`]: for a folder that is not empty, a journal that does not fit, what cannot be
-/// written, and interruption.
+/// [`StudyError`]: a folder that is not empty, a journal that does not belong to the study, files that cannot be written, and interruption.
 pub fn sweep_into(
     study: &Study,
     folder: &Path,
@@ -80,9 +78,9 @@ pub fn sweep_into(
     ledger.finish()
 }
 
-/// The answers of a sweep as they come, wherever they are computed, in a folder or in memory.
+/// Collects the results of a sweep in any order, wherever they are computed, in a folder or in memory.
 ///
-/// Rows that are [appended](Self::append) are in the journal when that returns.
+/// Rows that are [appended](Self::append) are in the journal when that function returns.
 ///
 /// ```
 /// # use fakir_case::{Case, StudyFile};
@@ -108,7 +106,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Begins a sweep that is kept in memory only.
+    /// Starts a sweep that is kept in memory only.
     #[must_use]
     pub fn in_memory(study: &Study) -> Self {
         Self {
@@ -121,11 +119,10 @@ impl Ledger {
         }
     }
 
-    /// Begins or resumes a sweep in a folder, which belongs to it until it is dropped.
+    /// Starts or resumes a sweep in a folder, which is locked until it is dropped.
     ///
     /// # Errors
-    /// [`StudyError`]: for a folder that is not empty, in use or not to be written in, and a
-    /// journal that does not fit.
+    /// [`StudyError`]: a folder that is not empty, in use or not writable, and a journal that does not belong to the study.
     pub fn open(
         study: &Study,
         folder: &Path,
@@ -163,25 +160,25 @@ impl Ledger {
         })
     }
 
-    /// The rows so far, by the number of their case.
+    /// The rows so far, by case index.
     #[must_use]
     pub fn rows(&self) -> &BTreeMap<usize, Row> {
         &self.rows
     }
 
-    /// How many of them were in the journal before.
+    /// Number of rows found in the journal at the start.
     #[must_use]
     pub fn found(&self) -> usize {
         self.found
     }
 
-    /// Lines of the journal that were left out; a case that is in no other line is open again.
+    /// Lines of the journal that were skipped; a case without another line is computed again.
     #[must_use]
     pub fn damaged(&self) -> &[DamagedLine] {
         &self.damaged
     }
 
-    /// How many of them have no answer to be relied on.
+    /// Number of rows without a reliable result.
     #[must_use]
     pub fn failed(&self) -> usize {
         self.rows
@@ -190,8 +187,7 @@ impl Ledger {
             .count()
     }
 
-    /// The cases without a row, in groups to be computed together and in order, those first that
-    /// probably take longest.
+    /// The cases without a row, in groups to be computed together and in order; the groups with the longest expected time come first.
     #[must_use]
     pub fn remaining(&self) -> Vec<Vec<usize>> {
         let plan = Plan::new(&self.study, self.shard);
@@ -207,12 +203,11 @@ impl Ledger {
             .collect()
     }
 
-    /// Adds rows that were computed elsewhere, as [`Row::to_json`] wrote them. A case that has a row
-    /// keeps it: the same case may have been computed twice.
+    /// Adds rows that were computed elsewhere, as written by [`Row::to_json`]. A case that has a row keeps it: the same case may have been
+    /// computed twice.
     ///
     /// # Errors
-    /// [`StudyError::Answer`] for a line that is no answer to a case, of which nothing is added; and
-    /// a journal that cannot be written.
+    /// [`StudyError::Answer`] if a line is not a result of a case, in which case nothing is added; and a journal that cannot be written.
     pub fn append(&mut self, lines: &[String]) -> Result<(), StudyError> {
         let rows: Result<BTreeMap<usize, Row>, StudyError> = lines
             .iter()
@@ -228,7 +223,7 @@ impl Ledger {
         Ok(())
     }
 
-    /// Computes the cases that remain.
+    /// Computes the remaining cases.
     ///
     /// # Errors
     /// [`StudyError::Interrupted`], and a journal that cannot be written.
@@ -240,11 +235,10 @@ impl Ledger {
         })
     }
 
-    /// Writes the tables, and gives the rows.
+    /// Writes the tables, and returns the rows.
     ///
     /// # Errors
-    /// [`StudyError::Incomplete`] if there is a case without a row, and files that cannot be
-    /// written.
+    /// [`StudyError::Incomplete`] if a case has no row, and files that cannot be written.
     pub fn finish(self) -> Result<Summary, StudyError> {
         let missing: usize = self.remaining().iter().map(Vec::len).sum();
         if missing > 0 {
@@ -266,7 +260,7 @@ impl Ledger {
     }
 }
 
-/// The rows in a journal and the lines that are left out; `None` if it has not begun.
+/// The rows in a journal and its skipped lines; `None` if the journal is empty.
 fn go_on(
     journal: &mut Journal,
     header: &Header,
@@ -282,12 +276,11 @@ fn go_on(
     Ok(Some(rows))
 }
 
-/// Puts the shards of a sweep together: the tables, and the journal, as if it had never been
-/// divided.
+/// Merges the shards of a sweep: the tables and the journal are the same as for an undivided sweep.
 ///
 /// # Errors
-/// [`StudyError`]: for shards that are not one sweep or not complete, as after damage, for a folder that is not
-/// empty unless it may be overwritten, and what cannot be read or written.
+/// [`StudyError`]: shards that do not form one sweep or are incomplete, for instance after damage, a folder that is not empty unless it may
+/// be overwritten, and files that cannot be read or written.
 pub fn merge(folder: &Path, shards: &[PathBuf], existing: Existing) -> Result<Summary, StudyError> {
     check_contents(folder, existing)?;
     refuse_own_shard(folder, shards)?;
@@ -347,7 +340,7 @@ fn read_shard(folder: &Path) -> Result<(PathBuf, Contents), StudyError> {
     Ok((folder.to_owned(), contents))
 }
 
-/// Whether these are all shards of one sweep.
+/// Checks that these are all shards of one sweep.
 fn check_shards(journals: &[(PathBuf, Contents)]) -> Result<(), StudyError> {
     let (first_folder, first) = &journals[0];
     let first = &first.header;
@@ -425,7 +418,7 @@ fn check_complete(
     )))
 }
 
-/// The first few of a list.
+/// The first elements of a list, as text.
 fn shortened(items: &[String]) -> String {
     const SHOWN: usize = 8;
     let shown = items[..items.len().min(SHOWN)].join(", ");
@@ -438,7 +431,7 @@ fn shortened(items: &[String]) -> String {
 
 fn refuse_own_shard(folder: &Path, shards: &[PathBuf]) -> Result<(), StudyError> {
     let Ok(place) = folder.canonicalize() else {
-        return Ok(()); // the folder will be made
+        return Ok(()); // the folder will be created
     };
     let is_in_there = |shard: &PathBuf| {
         let shard = shard.canonicalize();
@@ -453,7 +446,7 @@ fn refuse_own_shard(folder: &Path, shards: &[PathBuf]) -> Result<(), StudyError>
     Ok(())
 }
 
-/// Whether what is in a folder, if it is there, is as it should be; and what is to be removed.
+/// Checks the content of a folder, if it exists; returns what must be removed.
 fn check_contents(folder: &Path, existing: Existing) -> Result<Vec<PathBuf>, StudyError> {
     let empty = is_empty(folder)?;
     match existing {

@@ -1,10 +1,8 @@
 //! The journal of a sweep: a line of JSON for every case, written as it ends.
 //!
-//! The first line says what is swept; it must fit when the sweep goes on. Every line ends with a
-//! checksum (CRC-32) of all that stands before it in the line, so that no change of a few characters
-//! passes for an answer. A last line that was not written in full, as when the process is killed, is
-//! dropped. Any other line that is damaged is left out and told of, and its case is open again; a
-//! first line that is damaged is an error.
+//! The first line describes the sweep; it must match when the sweep continues. Every line ends with a checksum (CRC-32) of everything
+//! before it in the line, so that a change of a few characters is detected. An incomplete last line, for instance after the process was
+//! killed, is dropped. Any other damaged line is skipped and reported, and its case is computed again; a damaged first line is an error.
 
 use crate::VERSION;
 use crate::error::StudyError;
@@ -24,22 +22,22 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// The version of what is written here.
+/// Version of the format written here.
 const FORMAT: u32 = 3;
 
-/// The version of journals before lines had checksums.
+/// Version of the format without checksums.
 const WITHOUT_CHECKSUMS: u32 = 1;
 
-/// The most bytes that a line can have. The first line holds a study, which is smaller.
+/// Largest number of bytes of a line. The first line contains a study, which is smaller.
 const LONGEST_LINE: u64 = 64_000_000;
 
-/// What is swept.
+/// Description of a sweep.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Header {
     pub(crate) format: u32,
     pub(crate) fakir_version: String,
     pub(crate) shard: Shard,
-    /// The most memory that a case may take, bytes.
+    /// Memory limit of a case, bytes.
     pub(crate) memory_limit: usize,
     /// The study in its canonical form.
     pub(crate) study: String,
@@ -85,7 +83,7 @@ impl Header {
         }
     }
 
-    /// Whether a journal begun with this, there, can be gone on with as `here`.
+    /// Checks whether a journal that starts with this header can be continued as `here`.
     pub(crate) fn check(&self, journal: &Path, here: &Self) -> Result<(), StudyError> {
         let journal = || journal.to_owned();
         self.check_version(&journal())?;
@@ -114,7 +112,7 @@ impl Header {
         Ok(())
     }
 
-    /// Whether a journal is by this version.
+    /// Checks whether a journal was written by this version.
     pub(crate) fn check_version(&self, journal: &Path) -> Result<(), StudyError> {
         if self.fakir_version == VERSION {
             return Ok(());
@@ -127,7 +125,7 @@ impl Header {
     }
 }
 
-/// The first line in which two texts differ, from 1, and what it is in both.
+/// The first line in which two texts differ, from 1, and its content in both.
 pub(crate) fn first_difference(a: &str, b: &str) -> Option<(usize, String, String)> {
     let (mut a, mut b) = (a.lines(), b.lines());
     let mut number = 0;
@@ -148,7 +146,7 @@ pub(crate) fn first_difference(a: &str, b: &str) -> Option<(usize, String, Strin
     }
 }
 
-/// A case in the journal.
+/// The line of a case.
 #[derive(Serialize, Deserialize)]
 struct Line {
     case: usize,
@@ -157,7 +155,7 @@ struct Line {
     answer: Option<RowAnswer>,
 }
 
-/// Whether a file is a journal, or was to become one: it begins like one.
+/// Whether a file is a journal, or the beginning of one, judged by its first bytes.
 pub(crate) fn is_journal(path: &Path) -> bool {
     const START: &[u8] = b"{\"format\":";
     let start = File::open(path).and_then(|file| {
@@ -177,14 +175,14 @@ pub(crate) fn is_running(path: &Path) -> bool {
     File::options().write(true).open(path).is_ok_and(locked)
 }
 
-/// A journal, locked, that is being written.
+/// A locked journal, open for writing.
 pub(crate) struct Journal {
     file: File,
     path: PathBuf,
 }
 
 impl Journal {
-    /// Opens the journal of a folder, or makes it, and keeps other sweeps out until it is dropped.
+    /// Opens or creates the journal of a folder, and locks it until it is dropped.
     pub(crate) fn open(folder: &Path) -> Result<Self, StudyError> {
         let path = folder.join(JOURNAL);
         let mut options = File::options();
@@ -211,20 +209,20 @@ impl Journal {
         Ok(metadata.len() == 0)
     }
 
-    /// Reads what is there; `None` if not even its first line is.
+    /// Reads the content; `None` if not even the first line is complete.
     pub(crate) fn read(&mut self) -> Result<Option<Contents>, StudyError> {
         let mut file = &self.file;
         file.rewind().map_err(|error| self.unreadable(error))?;
         Contents::read(&self.path, file)
     }
 
-    /// Begins it anew.
+    /// Starts an empty journal.
     pub(crate) fn begin(&mut self, header: &Header) -> Result<(), StudyError> {
         self.keep_only(0)?;
         self.append_text(&(sealed(header) + "\n"))
     }
 
-    /// Cuts the file off after so many bytes, so that new lines are written from there on.
+    /// Truncates the file to a number of bytes; new lines are appended there.
     pub(crate) fn keep_only(&mut self, bytes: u64) -> Result<(), StudyError> {
         self.file
             .set_len(bytes)
@@ -232,7 +230,7 @@ impl Journal {
             .map_err(|error| self.unwritable(error))
     }
 
-    /// Adds rows; they are on the disk when it returns.
+    /// Adds rows; they are on the disk when the function returns.
     pub(crate) fn append(&mut self, rows: &[Row]) -> Result<(), StudyError> {
         self.append_text(&lines(rows))
     }
@@ -266,8 +264,8 @@ fn lines(rows: &[Row]) -> String {
 }
 
 impl Row {
-    /// As a line of a journal, without its end: the answer to the bit, and a checksum. The values
-    /// of the axes are not in it, they follow from the number of the case.
+    /// A line of a journal, without its end: the result, bit for bit, and a checksum. The values of the axes are not included; they follow
+    /// from the case index.
     #[must_use]
     pub fn to_json(&self) -> String {
         sealed(&Line {
@@ -278,10 +276,10 @@ impl Row {
         })
     }
 
-    /// Reads what [`to_json`](Self::to_json) wrote of a case of this study.
+    /// Reads a case of this study as written by [`to_json`](Self::to_json).
     ///
     /// # Errors
-    /// [`StudyError::Answer`] for what is no such line.
+    /// [`StudyError::Answer`] if the line is invalid.
     pub fn from_json(study: &Study, text: &str) -> Result<Self, StudyError> {
         read_sealed(text.as_bytes())
             .and_then(|line| Plan::new(study, Shard::WHOLE).row(study, line))
@@ -289,7 +287,7 @@ impl Row {
     }
 }
 
-/// As a JSON object that ends with a checksum of all that is before it.
+/// A JSON object that ends with a checksum of everything before it.
 fn sealed(value: &impl Serialize) -> String {
     let mut json = serde_json::to_string(value).expect("structs with named fields are JSON");
     let brace = json.pop();
@@ -298,12 +296,12 @@ fn sealed(value: &impl Serialize) -> String {
     json + &seal
 }
 
-/// The end of a line that begins with `text`.
+/// The end of a line that starts with `text`.
 fn seal(text: &[u8]) -> String {
     format!(",\"checksum\":\"{:08x}\"}}", crc32fast::hash(text))
 }
 
-/// Reads what [`sealed`] wrote; or what is wrong with it.
+/// Reads a line written by [`sealed`]; otherwise describes the problem.
 fn read_sealed<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
     let end = line.len().saturating_sub(seal(b"").len());
     let (text, end) = line.split_at(end);
@@ -313,14 +311,14 @@ fn read_sealed<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
     serde_json::from_slice(line).map_err(|error| without_place(&error))
 }
 
-/// What is wrong with JSON; the line it counts is the only one it has seen.
+/// Describes an error in JSON without the line number, which refers to a single line.
 fn without_place(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let (problem, _) = text.split_once(" at line ").unwrap_or((&text, ""));
     format!("{problem}, column {}", error.column())
 }
 
-/// A line of a journal that is left out.
+/// A skipped line of a journal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DamagedLine {
     /// The journal.
@@ -346,16 +344,16 @@ impl fmt::Display for DamagedLine {
     }
 }
 
-/// The rows in a journal, and the lines that are left out.
+/// The rows in a journal, and the skipped lines.
 pub(crate) type Found = (BTreeMap<usize, Row>, Vec<DamagedLine>);
 
-/// What a journal holds.
+/// Content of a journal.
 pub(crate) struct Contents {
     path: PathBuf,
     pub(crate) header: Header,
-    /// Lines or what is wrong with them, with their numbers in the file, from 1.
+    /// Lines or descriptions of their problems, with their line numbers in the file, from 1.
     lines: Vec<(usize, Result<Line, String>)>,
-    /// Up to the end of the last line that is there in full.
+    /// Length up to the end of the last complete line.
     pub(crate) bytes: u64,
 }
 
@@ -378,7 +376,7 @@ impl Contents {
                 });
             }
             if text.pop() != Some(b'\n') {
-                break; // the end, or a line torn off
+                break; // the end, or an incomplete line
             }
             bytes += length as u64;
             match &mut contents {
@@ -399,7 +397,7 @@ impl Contents {
         Ok(contents)
     }
 
-    /// Its rows of the study, and the lines that give none.
+    /// The rows of the study, and the lines that contain none.
     pub(crate) fn rows(self, study: &Study) -> Found {
         let plan = Plan::new(study, self.header.shard);
         let (mut rows, mut damaged) = (BTreeMap::new(), Vec::new());
@@ -425,7 +423,7 @@ impl Contents {
 }
 
 impl Plan {
-    /// The row of a line; or what is wrong with it.
+    /// The row of a line, or a description of its problem.
     fn row(&self, study: &Study, line: Line) -> Result<Row, String> {
         let index = line.case;
         if !self.has(index) {
@@ -444,7 +442,7 @@ impl Plan {
     }
 }
 
-/// Whether a line has an answer to what the study asks, or a reason why not.
+/// Whether a line contains the requested result, or the reason for its absence.
 fn is_complete(study: &Study, line: &Line) -> bool {
     match &line.answer {
         None => line.problem.is_some(),
@@ -475,7 +473,7 @@ mod tests {
         (study, rows, text)
     }
 
-    /// What a journal of these bytes holds.
+    /// Reads a journal from bytes.
     fn read(study: &Study, bytes: &[u8]) -> Result<(Vec<Row>, Vec<usize>), StudyError> {
         let contents = Contents::read(JOURNAL.as_ref(), bytes)?;
         let Some(contents) = contents else {
@@ -486,8 +484,7 @@ mod tests {
         Ok((rows.into_values().collect(), lines))
     }
 
-    /// Every character of a journal changed, taken out and doubled: the line is named, and no row is
-    /// other than it was.
+    /// Every character of a journal is changed, removed and doubled: the line is reported, and no row changes.
     #[test]
     fn no_change_of_a_character_passes_for_an_answer() {
         let (study, rows, text) = journal();
@@ -500,7 +497,7 @@ mod tests {
             let line = 1 + text[..position].matches('\n').count();
             let original = text.as_bytes()[position];
             let mut replacements = vec![vec![], vec![original; 2]];
-            // A bit, the case of a letter, and other characters that could stand there.
+            // A bit, the case of a letter, and other possible characters.
             let others = [
                 original ^ 1,
                 original ^ 0x20,
@@ -530,7 +527,7 @@ mod tests {
                         assert!(kept.iter().all(|row| rows.contains(row)), "{}", told());
                         let is_doubled_end = original == b'\n' && replacement == b"\n\n";
                         if position + 1 == text.len() && !is_doubled_end {
-                            // Without its end the last line is not there in full: its case is open.
+                            // Without its end the last line is incomplete: its case is open.
                             assert_eq!((kept.len(), damaged), (rows.len() - 1, vec![]));
                         } else {
                             let lost = !is_doubled_end;
@@ -560,8 +557,8 @@ mod tests {
         assert!(error.to_string().contains("--overwrite"));
     }
 
-    /// The checksum is the one that other programs know: `crc32` of "123456789", the check value of
-    /// CRC-32 in the catalogue of parametrised CRC algorithms (G. Cook).
+    /// The checksum agrees with other programs: `crc32` of "123456789", the check value of CRC-32 in the catalogue of parametrised CRC
+    /// algorithms (G. Cook).
     #[test]
     fn the_checksum_is_a_usual_one() {
         assert_eq!(seal(b"123456789"), ",\"checksum\":\"cbf43926\"}");

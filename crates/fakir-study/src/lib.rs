@@ -1,5 +1,4 @@
-//! Many cases: sweeps along the axes of a study, with a journal that survives being killed, and
-//! their tables.
+//! Many cases: sweeps along the axes of a study, with a journal that survives a killed process, and tables of their results.
 //!
 //! ```
 //! use fakir_case::{Case, StudyFile};
@@ -18,14 +17,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! * [`sweep`] answers every case of a [`Study`](fakir_case::Study) in memory; [`sweep_into`] does so
-//!   in a folder, with a journal from which an interrupted sweep goes on; [`merge`] puts the shards
-//!   of a sweep together.
-//! * [`Ledger`] keeps the answers of cases that are computed elsewhere, as by [`solve`] in other
-//!   processes.
-//! * What a case answers depends on the study alone: not on threads, shards or interruptions. So
-//!   the table of a sweep that was killed and resumed is the same, byte for byte.
-//! * A case without an answer keeps its row in the [`Table`], with the reason.
+//! * [`sweep`] computes every case of a [`Study`](fakir_case::Study) in memory; [`sweep_into`] does so in a folder, with a journal from
+//!   which an interrupted sweep continues; [`merge`] combines the shards of a sweep.
+//! * [`Ledger`] collects the results of cases that are computed elsewhere, for instance by [`solve`] in other processes.
+//! * The result of a case depends on the study alone: not on threads, shards or interruptions. The table of a sweep that was killed and
+//!   resumed is therefore identical, byte for byte.
+//! * A case without a result has a row in the [`Table`], with the reason.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 //! * [`answer`](mod@answer) answers a question about a case of any kind: its numbers, and the [`report`] that a command prints and saves.
 //! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
@@ -39,8 +36,8 @@
 //!
 //! # From a study to a table
 //!
-//! A [`Study`](fakir_case::Study) becomes a plan, a list of cases; each case goes to [`solve`] and comes back as a [`Row`]; rows are written to
-//! the journal as they come, and the [`Table`] is made of them at the end, in the order of the plan.
+//! A [`Study`](fakir_case::Study) becomes a plan, a list of cases; each case is passed to [`solve`], which returns a [`Row`]; rows are
+//! written to the journal as they arrive, and the [`Table`] is created from them at the end, in the order of the plan.
 
 pub mod answer;
 pub mod approach;
@@ -84,5 +81,5 @@ pub use row::{Row, RowAnswer};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
 
-/// The version of fakir, stamped on every result.
+/// The version of fakir, written into every result.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -9,7 +9,7 @@ pub(crate) const STUDY: &str = "study.toml";
 /// The table in the folder of a sweep.
 pub(crate) const CSV: &str = "table.csv";
 
-/// The table in the folder of a sweep by a build with the feature `parquet`.
+/// The table in the folder of a sweep, written by builds with the feature `parquet`.
 pub(crate) const PARQUET: &str = "table.parquet";
 
 /// The tables that a complete sweep saves in its folder.

@@ -1,14 +1,14 @@
-//! Numbers for people: engineering units, and as many digits as are known.
+//! Formatting of numbers: engineering units, and significant digits.
 
 use fakir_case::unit::{Dimension, Unit};
 
-/// Digits shown of a value that is exact, or nearly.
+/// Digits of a value that is exact, or nearly so.
 pub const DIGITS: usize = 6;
 
-/// Digits shown of lengths that are known well enough: places and gaps of the floor, periods.
+/// Digits of lengths with negligible errors: positions and gaps of the floor, periods.
 pub const LENGTH_DIGITS: usize = 4;
 
-/// Digits of a value with this relative error that mean something, two to six.
+/// Number of significant digits of a value with this relative error, two to six.
 #[must_use]
 pub fn digits(relative_error: f64) -> usize {
     let digits = (-relative_error.log10()).ceil();
@@ -19,7 +19,7 @@ pub fn digits(relative_error: f64) -> usize {
     }
 }
 
-/// A number in so many significant digits; in scientific form where zeros would hide it.
+/// A number with a number of significant digits; in scientific notation if zeros would obscure them.
 #[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
@@ -32,7 +32,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     let exponent = scientific.rsplit_once('e').map(|(_, e)| e.parse::<i32>());
     match exponent {
         Some(Ok(exponent)) if (-3..digits.max(DIGITS) as i32).contains(&exponent) => {
-            // Digits before the point that are not known become zeros, as in 1200.
+            // Insignificant digits before the point become zeros, as in 1200.
             let rounded: f64 = scientific.parse().unwrap_or(value);
             let decimals = (digits as i32 - 1 - exponent).max(0);
             format!("{rounded:.*}", decimals as usize)
@@ -41,7 +41,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// A value in the unit that suits it: the number, and the symbol of the unit.
+/// A value in a suitable unit: the number, and the symbol of the unit.
 #[must_use]
 pub fn scaled(value: f64, dimension: Dimension, digits: usize) -> (String, &'static str) {
     match dimension.unit_for(value) {
@@ -57,7 +57,7 @@ pub fn with_unit(value: f64, dimension: Dimension, digits: usize) -> String {
     format!("{number} {unit}").trim_end().to_owned()
 }
 
-/// The unit of a column of values: that which suits the largest of them.
+/// The unit of a column of values: the one that suits the largest.
 #[must_use]
 pub fn column_unit(values: impl Iterator<Item = f64>, dimension: Dimension) -> Option<Unit> {
     let largest = values

@@ -1,7 +1,7 @@
-//! Files that are there whole or not at all.
+//! Atomic writing of files.
 //!
-//! Every file is first written in full under a temporary name next to its place, and only then
-//! renamed; what is interrupted leaves nothing behind.
+//! Every file is first written completely under a temporary name in the same folder, and then renamed; an interruption leaves nothing
+//! behind.
 
 use serde::Serialize;
 use std::borrow::Cow;
@@ -12,14 +12,14 @@ use tempfile::NamedTempFile;
 /// A file to be saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
-    /// Its name in the folder it is saved in; with a `/`, in a folder in there.
+    /// Its path in the folder where it is saved; a `/` separates subfolders.
     pub name: Cow<'static, str>,
     /// All its bytes.
     pub contents: Vec<u8>,
 }
 
 impl File {
-    /// A file of a text or of bytes.
+    /// Creates a file from a text or from bytes.
     pub fn new(name: impl Into<Cow<'static, str>>, contents: impl Into<Vec<u8>>) -> Self {
         Self {
             name: name.into(),
@@ -28,21 +28,21 @@ impl File {
     }
 }
 
-/// Why files could not be saved.
+/// Errors of saving files.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The system refused.
+    /// Error of the operating system.
     #[error("{action} {}: {error}", path.display())]
     System {
-        /// What was tried: `"cannot write"`.
+        /// The attempted action: `"cannot write"`.
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
-        /// Why it was refused.
+        /// The error.
         error: std::io::Error,
     },
-    /// There is something in the folder already.
+    /// The folder is not empty.
     #[error(
         "the folder {} is not empty: choose another, or --overwrite results that are there",
         folder.display()
@@ -51,7 +51,7 @@ pub enum OutputError {
         /// The folder.
         folder: PathBuf,
     },
-    /// A folder to be overwritten that has no results of fakir.
+    /// The folder to be overwritten contains no results of fakir.
     #[error(
         "{} is not overwritten: it is no folder of results, as it has no provenance.json that fakir \
          wrote", folder.display()
@@ -60,22 +60,22 @@ pub enum OutputError {
         /// The folder.
         folder: PathBuf,
     },
-    /// A folder to be overwritten that has more than results of fakir.
+    /// The folder to be overwritten contains more than results of fakir.
     #[error(
         "nothing is overwritten: {} is not among the files that fakir lists in provenance.json; move \
          it away, or choose another folder", path.display()
     )]
     Foreign {
-        /// What is not from fakir, or from a version that kept no list.
+        /// A file that is not from fakir, or from a version without a list of files.
         path: PathBuf,
     },
-    /// A folder to be overwritten in which a sweep is running.
+    /// A sweep is running in the folder to be overwritten.
     #[error("{} is not overwritten: a sweep is running there", folder.display())]
     InUse {
         /// The folder.
         folder: PathBuf,
     },
-    /// A folder to be overwritten that is the current one, or holds it.
+    /// The folder to be overwritten is the current one, or contains it.
     #[error(
         "{} is not overwritten: it is the current folder, or holds it; choose another",
         folder.display()
@@ -84,21 +84,21 @@ pub enum OutputError {
         /// The folder.
         folder: PathBuf,
     },
-    /// The old results were moved aside, but then the system let neither the new nor the old ones take their place.
+    /// The old results were moved aside, but neither the new nor the old ones could be moved to their place.
     #[error("{} could not be replaced; what was there is in {}", folder.display(), old.display())]
     Aside {
         /// The folder.
         folder: PathBuf,
-        /// Where the old results are.
+        /// Location of the old results.
         old: PathBuf,
     },
-    /// A file where a folder is needed.
+    /// A file exists where a folder is required.
     #[error("{} is a file, not a folder: name a folder that is empty or to be made", path.display())]
     NoFolder {
         /// The file.
         path: PathBuf,
     },
-    /// A file in a folder that does not exist.
+    /// The folder of the file does not exist.
     #[error("cannot write {}: there is no folder {}; make it first, or name a file in another folder", path.display(), folder.display())]
     MissingFolder {
         /// The file.
@@ -106,7 +106,7 @@ pub enum OutputError {
         /// The folder.
         folder: PathBuf,
     },
-    /// There is a file already, which may not be replaced.
+    /// The file exists and must not be replaced.
     #[error("{} is there already", path.display())]
     Exists {
         /// The file.
@@ -124,16 +124,16 @@ impl OutputError {
     }
 }
 
-/// Whether a file, or a folder of results, that is there already may be replaced.
+/// Whether an existing file, or folder of results, may be replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Replace {
     /// It may be replaced.
     Allowed,
-    /// It stays, and saving fails.
+    /// It is kept, and saving fails.
     Refused,
 }
 
-/// Whether there is nothing in a folder, or no such folder.
+/// Whether a folder is empty or does not exist.
 pub(crate) fn is_empty(folder: &Path) -> Result<bool, OutputError> {
     match folder.read_dir() {
         Ok(mut entries) => Ok(entries.next().is_none()),
@@ -143,7 +143,7 @@ pub(crate) fn is_empty(folder: &Path) -> Result<bool, OutputError> {
     }
 }
 
-/// Refuses a folder that is a file, or below one.
+/// Refuses a folder that is a file, or is below one.
 fn file_in_place_of(folder: &Path) -> Option<OutputError> {
     let file = folder.ancestors().find(|ancestor| ancestor.is_file())?;
     Some(OutputError::NoFolder {
@@ -163,8 +163,8 @@ pub fn csv_file<T: Serialize>(name: &'static str, rows: impl Iterator<Item = T>)
     File::new(name, writer.into_inner().expect("memory takes every byte"))
 }
 
-/// Saves all files in `folder`, which is made if need be, replacing what has their names. All are
-/// written in full before the first gets its name.
+/// Saves all files in `folder`, which is created if necessary, replacing files of the same names. All are written completely before the
+/// first is renamed.
 ///
 /// # Errors
 /// [`OutputError::System`] if a file cannot be written or renamed.
@@ -190,15 +190,15 @@ pub fn save(folder: &Path, files: &[File]) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Saves one file, in a folder that is there.
+/// Saves one file in an existing folder.
 ///
 /// # Errors
-/// [`OutputError`] if it cannot be written, or is there already and may not be replaced.
+/// [`OutputError`] if it cannot be written, or exists and must not be replaced.
 pub fn save_file(path: &Path, contents: &[u8], replace: Replace) -> Result<(), OutputError> {
     rename(write_beside(path, contents)?, path, replace)
 }
 
-/// A temporary file in the folder of `path`, removed again unless it is renamed.
+/// Creates a temporary file in the folder of `path`, which is deleted unless it is renamed.
 fn write_beside(path: &Path, contents: &[u8]) -> Result<NamedTempFile, OutputError> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -221,10 +221,10 @@ fn write_beside(path: &Path, contents: &[u8]) -> Result<NamedTempFile, OutputErr
     })
 }
 
-/// How names of temporary files and folders begin.
+/// Prefix of the names of temporary files and folders.
 pub(crate) const TEMPORARY: &str = ".fakir-";
 
-/// Makes temporary files and folders.
+/// Builder of temporary files and folders.
 pub(crate) fn temporary() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY);
@@ -238,7 +238,7 @@ fn readable_by_all<'b>(
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666)); // less the umask
+        builder.permissions(std::fs::Permissions::from_mode(0o666)); // minus the umask
     }
     builder
 }

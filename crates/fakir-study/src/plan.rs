@@ -1,7 +1,6 @@
-//! How the cases of a study are grouped: into chains, and these into shards.
+//! Grouping of the cases of a study into chains, and of chains into shards.
 //!
-//! A chain is a block of consecutive cases along the last axis: what a shard or a thread takes at
-//! once.
+//! A chain is a block of consecutive cases along the last axis: the unit of work of a shard or a thread.
 
 use fakir::problem::{Method, System};
 use fakir_case::study::{Axis, Combine};
@@ -11,10 +10,10 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Cases of a chain, at most. With another length shards would have other cases.
+/// Largest number of cases of a chain. Changing it would change the cases of shards.
 const CHAIN: usize = 8;
 
-/// A part of a sweep, to be computed apart from the others.
+/// A part of a sweep that is computed separately.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Shard {
@@ -22,19 +21,19 @@ pub struct Shard {
     of: usize,
 }
 
-/// What is wrong with a shard.
+/// Error of an invalid shard.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no shard: give its number and how many there are, as in 3/16 or 16/16")]
 pub struct InvalidShard(String);
 
 impl Shard {
-    /// All of a sweep, as one shard.
+    /// A complete sweep, as one shard.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
-    /// Shard `number`, from 1, of so many.
+    /// Shard `number`, from 1, of `of` shards.
     ///
     /// # Errors
-    /// [`InvalidShard`] for a number that is not from 1 to `of`.
+    /// [`InvalidShard`] if the number is not from 1 to `of`.
     pub fn new(number: usize, of: usize) -> Result<Self, InvalidShard> {
         if (1..=of).contains(&number) {
             Ok(Self { number, of })
@@ -49,7 +48,7 @@ impl Shard {
         self.number
     }
 
-    /// How many shards there are.
+    /// Total number of shards.
     #[must_use]
     pub fn of(self) -> usize {
         self.of
@@ -102,7 +101,7 @@ impl fmt::Display for Shard {
 pub(crate) struct Plan {
     shard: Shard,
     cases: usize,
-    /// How many consecutive cases are neighbours along the last axis. A chain ends where they do.
+    /// Number of consecutive cases that are neighbours along the last axis. Chains do not extend beyond.
     run: usize,
 }
 
@@ -119,7 +118,7 @@ impl Plan {
         self.run.div_ceil(CHAIN)
     }
 
-    /// Whether the shard has that case.
+    /// Whether the shard contains that case.
     pub(crate) fn has(&self, case: usize) -> bool {
         let chain = case / self.run * self.chains_of_run() + case % self.run / CHAIN;
         case < self.cases && self.shard.has(chain)
@@ -137,7 +136,7 @@ impl Plan {
     }
 }
 
-/// Consecutive cases that have neighbours in what varies; cases along words have none.
+/// Number of consecutive cases with neighbouring values; cases along words have no neighbours.
 fn run_length(study: &Study) -> usize {
     match study.combine() {
         Combine::Zip if study.axes().all(Axis::is_numeric) => study.cases(),
@@ -149,16 +148,14 @@ fn run_length(study: &Study) -> usize {
     }
 }
 
-/// A chain, and what a case of it probably takes, in some unit: with a general surface it is the number
-/// of cells.
+/// A chain with the estimated cost of one of its cases, in arbitrary units: with a general surface, the number of cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Costed {
     pub(crate) cases: Range<usize>,
     pub(crate) cost: f64,
 }
 
-/// The chains with those first that probably take longest, so that none of them is left over at
-/// the end. What they answer does not depend on it.
+/// Sorts the chains by estimated cost, largest first, so that no long one is left for the end. The results do not depend on the order.
 pub(crate) fn longest_first(
     study: &Study,
     chains: impl IntoIterator<Item = Range<usize>>,
@@ -175,21 +172,20 @@ pub(crate) fn longest_first(
     };
     let mut chains: Vec<Costed> = chains.into_iter().map(costed).collect();
     let total = |chain: &Costed| chain.cost * chain.cases.len() as f64;
-    chains.sort_by(|a, b| total(b).total_cmp(&total(a))); // equal ones stay in order
+    chains.sort_by(|a, b| total(b).total_cmp(&total(a))); // stable sort
     chains
 }
 
-/// What the critical state of a case takes, very roughly: the number of pillars touched and what
-/// any case takes, in pillars. The contact radius is the paper's for large contacts,
-/// `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but half the lens radius at most. Where tops stick every pillar is followed
-/// through its own events.
+/// Rough cost of the critical state of a case: the number of touched pillars plus a constant overhead, in pillars. The contact radius is
+/// the paper's for large contacts, `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but at most half the lens radius. With adhesive tops
+/// every pillar is followed through its own events.
 fn cost(system: &System, method: Method) -> f64 {
     const OVERHEAD: f64 = 20.0;
     const SOME_PILLARS: f64 = 500.0;
     let pillar = system.pillar();
     let lens = system.lens().widest();
     if lens.is_infinite() {
-        // A plate, which touches all pillars there are.
+        // A plate touches all pillars.
         return OVERHEAD + SOME_PILLARS;
     }
     let growth = 4.0 * lens * pillar.height / pillar.diameter.powi(2);

@@ -1,7 +1,6 @@
-//! Where a result is from: stamped on every file that is saved.
+//! Provenance of a result, written into every saved file.
 //!
-//! It depends on the question alone: no dates, no machine, so that the same question gives the same
-//! files.
+//! It depends on the problem alone, without dates or machine, so that the same problem produces the same files.
 
 use crate::VERSION;
 use crate::citations::{Citation, REFERENCE_DOI, Topic, citations};
@@ -14,35 +13,35 @@ use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
 
-/// The file that holds the provenance of a folder of results.
+/// Name of the file with the provenance of a folder of results.
 pub const FILE_NAME: &str = "provenance.json";
 
-/// The most bytes that the file can have. It holds a study, which is longer as a text in JSON.
+/// Largest size of the file, bytes. It contains a study, which is longer as a JSON string.
 const LARGEST_PROVENANCE: u64 = 3 * LARGEST_STUDY;
 
-/// Where a result is from.
+/// Provenance of a result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of fakir that computed it.
     pub fakir_version: String,
-    /// What was asked, in words: `"critical state"`.
+    /// Description of the question: `"critical state"`.
     pub question: String,
-    /// How it was answered, in words: `"spectral method, default accuracy"`.
+    /// Description of the method: `"spectral method, default accuracy"`.
     pub method: String,
-    /// DOI of the paper whose problem it is.
+    /// DOI of the paper that defines the problem.
     pub reference_doi: String,
-    /// What to cite.
+    /// References to cite.
     pub citations: Vec<Citation>,
-    /// The case or study as it was solved, as a file to be run again (TOML).
+    /// The case or study as it was solved, as a file that can be run again (TOML).
     pub case: String,
-    /// Files that were saved with it, by their paths from its folder.
+    /// Files that were saved with it, by their paths relative to its folder.
     #[serde(default)]
     pub files: Vec<String>,
 }
 
 impl Provenance {
-    /// The stamp on what this version computes: the question and the method in words, what to
-    /// cite, and the case or study in its canonical text.
+    /// The provenance of results of this version: descriptions of the question and the method, references, and the case or study in its
+    /// canonical text.
     #[must_use]
     pub fn new(
         question: impl Into<String>,
@@ -61,7 +60,7 @@ impl Provenance {
         }
     }
 
-    /// The stamp on a study.
+    /// The provenance of a study.
     #[must_use]
     pub fn of_study(study: &Study) -> Self {
         let asked = match study.asked() {
@@ -78,13 +77,13 @@ impl Provenance {
         )
     }
 
-    /// As one JSON object.
+    /// As a JSON object.
     #[must_use]
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).expect("texts are JSON") + "\n"
     }
 
-    /// Reads what [`to_json`](Self::to_json) wrote.
+    /// Reads the output of [`to_json`](Self::to_json).
     ///
     /// # Errors
     /// If it is not JSON, or a key is missing.
@@ -92,10 +91,10 @@ impl Provenance {
         serde_json::from_str(text)
     }
 
-    /// Reads the file that is next to results.
+    /// Reads the file in a folder of results.
     ///
     /// # Errors
-    /// If it cannot be read, or is not as [`to_json`](Self::to_json) writes it.
+    /// If it cannot be read, or does not have the format of [`to_json`](Self::to_json).
     pub fn read(path: &Path) -> io::Result<Self> {
         let bytes = input::read(path, LARGEST_PROVENANCE)?;
         serde_json::from_slice(&bytes).map_err(|error| {
@@ -104,7 +103,7 @@ impl Provenance {
         })
     }
 
-    /// The file to be saved next to results in files of these names, which it lists.
+    /// The file to be saved with results in files of these names, which it lists.
     #[must_use]
     pub fn file<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> File {
         let listed = Self {
@@ -114,7 +113,7 @@ impl Provenance {
         File::new(FILE_NAME, listed.to_json())
     }
 
-    /// The provenance without the citations in a few lines of text, to be written into figures.
+    /// The provenance without the citations in a few lines of text, for figures.
     #[must_use]
     pub fn stamp(&self) -> String {
         let Self {
@@ -130,7 +129,7 @@ impl Provenance {
         )
     }
 
-    /// Names and texts to be written into files that hold attributes, such as netCDF.
+    /// Names and texts for files with attributes, such as netCDF.
     #[must_use]
     pub fn attributes(&self) -> [(&'static str, String); 5] {
         let references: Vec<String> = self.citations.iter().map(Citation::text).collect();
@@ -160,7 +159,7 @@ pub fn study_words(study: &Study) -> String {
     words.join("; ")
 }
 
-/// A method in a few words: `spectral method, default accuracy`.
+/// Short description of a method: `spectral method, default accuracy`.
 #[must_use]
 pub fn method_words(method: Method) -> String {
     match method {

@@ -1,7 +1,7 @@
-//! Folders of results, which results have for themselves, and which give way to new ones: only what fakir wrote is ever removed.
+//! Folders of results, which contain nothing else and can be replaced: only files written by fakir are removed.
 //!
-//! A folder of results has a `provenance.json` with the list of the files beside it; a sweep that is
-//! not complete has its journal instead. A folder with anything else in it is left alone.
+//! A folder of results has a `provenance.json` with the list of its files; an incomplete sweep has its journal instead. A folder with any
+//! other file is not changed.
 
 use crate::journal::{is_journal, is_running};
 use crate::names::{CSV, JOURNAL, PARQUET, STUDY};
@@ -12,15 +12,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// What a sweep keeps and writes in its folder, by a build with any features.
+/// Files of a sweep in its folder, for builds with any features.
 const SWEEP: [&str; 5] = [JOURNAL, STUDY, CSV, PARQUET, FILE_NAME];
 
-/// Whether results can be saved in `folder`, or in a folder to be made there: better known before
-/// a long computation than after it.
+/// Checks that results can be saved in `folder`, or in a folder to be created there, before a long computation.
 ///
 /// # Errors
-/// [`OutputError`] if not; unless it may be replaced, also for a folder that is not empty, and if it
-/// may, for one that is no folder of results, or has more than those in it.
+/// [`OutputError`] if not; this includes a folder that is not empty unless it may be replaced, and, if it may, a folder that is not a
+/// folder of results or contains other files.
 pub fn check_folder(folder: &Path, replace: Replace) -> Result<(), OutputError> {
     if !is_empty(folder)? {
         match replace {
@@ -39,8 +38,8 @@ pub fn check_folder(folder: &Path, replace: Replace) -> Result<(), OutputError> 
         .map_err(|error| OutputError::system("cannot write in", existing, error))
 }
 
-/// Saves results, with their provenance among the files, in a folder that they have for
-/// themselves: an empty one, one that is made, or one of earlier results that is replaced whole.
+/// Saves results, including their provenance, in a separate folder: an empty or new one, or one of earlier results that is replaced as a
+/// whole.
 ///
 /// # Errors
 /// As [`check_folder`], and if a file cannot be written.
@@ -53,11 +52,10 @@ pub fn save_results(folder: &Path, files: &[File], replace: Replace) -> Result<(
     }
 }
 
-/// Removes results from a folder. `parts` are folders in it that may have results of their own.
+/// Removes results from a folder. `parts` are subfolders that may contain separate results.
 ///
 /// # Errors
-/// [`OutputError`] if anything is there that fakir did not write, or if a sweep is running there;
-/// then nothing is removed.
+/// [`OutputError`] if the folder contains files that fakir did not write, or if a sweep is running there; then nothing is removed.
 pub fn remove_results(folder: &Path, parts: &[&str]) -> Result<(), OutputError> {
     if is_empty(folder)? {
         return Ok(());
@@ -66,12 +64,11 @@ pub fn remove_results(folder: &Path, parts: &[&str]) -> Result<(), OutputError> 
     remove(folder, &found, None)
 }
 
-/// All that is in a folder of results, by paths in it, folders after what is in them. `parts` are
-/// folders in it that may be folders of results of their own.
+/// All files of a folder of results, by relative path, folders after their content. `parts` are subfolders that may be separate folders of
+/// results.
 ///
 /// # Errors
-/// [`OutputError`] if it is no folder of results, has anything in it that fakir did not write, or
-/// if a sweep is running there.
+/// [`OutputError`] if it is not a folder of results, contains files that fakir did not write, or if a sweep is running there.
 pub(crate) fn contents(folder: &Path, parts: &[&str]) -> Result<Vec<PathBuf>, OutputError> {
     let mut written = BTreeSet::new();
     for part in std::iter::once(&"").chain(parts) {
@@ -89,7 +86,7 @@ pub(crate) fn contents(folder: &Path, parts: &[&str]) -> Result<Vec<PathBuf>, Ou
     Ok(found)
 }
 
-/// Files that fakir wrote in a folder, or may have; none if it is no folder of results.
+/// Files that fakir wrote in a folder, or may have written; empty if it is not a folder of results.
 fn files_of_results(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
     let mut files = Vec::new();
     if let Ok(provenance) = Provenance::read(&folder.join(FILE_NAME)) {
@@ -108,7 +105,7 @@ fn files_of_results(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
     Ok(files)
 }
 
-/// Adds what is in `inner` of a folder to `found`, if fakir wrote all of it.
+/// Adds the content of `inner` in a folder to `found`, if fakir wrote all of it.
 fn collect(
     folder: &Path,
     inner: &Path,
@@ -134,7 +131,7 @@ fn collect(
     Ok(())
 }
 
-/// Removes what [`contents`] found, but for one file.
+/// Removes the files found by [`contents`], except one.
 pub(crate) fn remove(
     folder: &Path,
     found: &[PathBuf],
@@ -155,12 +152,12 @@ pub(crate) fn remove(
     Ok(())
 }
 
-/// Whether [`replace_folder`] can do its work.
+/// Checks whether [`replace_folder`] is possible.
 fn check(folder: &Path) -> Result<(), OutputError> {
     contents(folder, &[])?;
     let unusable = |error| OutputError::system("cannot replace the folder", folder, error);
     let place = folder.canonicalize().map_err(unusable)?;
-    // Whoever is in there would be left in a folder that has no name any more.
+    // A process working in the folder would be left in a deleted one.
     let here = std::env::current_dir().and_then(|here| here.canonicalize());
     if here.is_ok_and(|here| here.starts_with(&place)) {
         return Err(OutputError::Inside {
@@ -171,13 +168,12 @@ fn check(folder: &Path) -> Result<(), OutputError> {
     beside.map(drop).map_err(unusable)
 }
 
-/// The folder that a folder is in.
+/// The parent of a folder.
 fn beside(place: &Path) -> &Path {
     place.parent().unwrap_or(place)
 }
 
-/// Puts a new folder with these files in the place of a folder of results, of which nothing
-/// remains. The new one is whole before the old one is touched.
+/// Replaces a folder of results completely by a new folder with these files. The new one is complete before the old one is changed.
 fn replace_folder(folder: &Path, files: &[File]) -> Result<(), OutputError> {
     let unusable = |error| OutputError::system("cannot replace the folder", folder, error);
     let place = folder.canonicalize().map_err(unusable)?;
@@ -197,12 +193,12 @@ fn replace_folder(folder: &Path, files: &[File]) -> Result<(), OutputError> {
         })?;
         return Err(unusable(error));
     }
-    let _ = fresh.keep(); // it has its place
+    let _ = fresh.keep(); // it has been moved to its place
     let emptied = remove(&old, &found, None).and_then(|()| {
         fs::remove_dir(&old).map_err(|error| OutputError::system("cannot remove", &old, error))
     });
     if emptied.is_err() {
-        let _ = aside.keep(); // what came in meanwhile is not lost
+        let _ = aside.keep(); // files added in the meantime are not lost
     }
     emptied
 }
@@ -261,7 +257,7 @@ mod tests {
         fs::create_dir(&home).unwrap();
         fs::write(home.join("letter.txt"), "mine").unwrap();
         assert!(matches!(refused(&home), OutputError::NoResults { .. }));
-        // Neither one's own file beside results, nor a folder, nor a link, nor results in there.
+        // Neither the user's own files among results, nor a folder, a link, or results in it.
         for name in ["notes.txt", "folder", "link", "inner"] {
             let folder = root.path().join(format!("with-{name}"));
             save_results(&folder, &results(&["old.csv"]), Replace::Refused).unwrap();
@@ -276,7 +272,7 @@ mod tests {
             let error = refused(&folder);
             assert!(error.to_string().contains(name), "{error}");
         }
-        // Results of before there were lists.
+        // Results of versions without lists of files.
         let folder = root.path().join("earlier");
         save_results(&folder, &results(&["old.csv"]), Replace::Refused).unwrap();
         fs::write(

@@ -8,20 +8,19 @@ use fakir::{Difference, InconclusiveReason, Verdict};
 use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceCase, SurfaceOrigin};
 
-/// An answer, and the case that was solved to find it.
+/// A result, and the case that was solved.
 #[derive(Debug, Clone)]
 pub struct Answered<T> {
     /// The case, on the grid that was wide enough.
     pub case: SurfaceCase,
     /// The answer.
     pub answer: T,
-    /// A sentence that says so, if the grid is wider than that of the file.
+    /// Message if the grid is wider than that of the file.
     pub widened: Option<String>,
 }
 
-/// Asks something of the case of a file. A grid that turns out too narrow for the contact is made wider
-/// where that shows more of the surface. `needed` is the width (m) that would do, of an error that asks
-/// for a wider grid.
+/// Solves a problem for the case of a file. A grid that is too narrow for the contact is widened if that includes more of the surface.
+/// `needed` returns the sufficient width (m) from an error that requires a wider grid.
 ///
 /// # Errors
 /// Those of the case, and those of `ask`.
@@ -61,19 +60,19 @@ pub fn on_wide_enough_a_grid<T, E: From<CaseError>>(
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceVerifyError {
-    /// A case that cannot be.
+    /// An invalid case.
     #[error(transparent)]
     Case(#[from] CaseError),
     /// A contact that cannot be computed.
     #[error("{}", fakir_case::with_keys(.0))]
     Surface(#[from] SolveError),
-    /// A height map, which is known on its own cells only.
+    /// A height map is defined on its own cells only.
     #[error(
         "a height map cannot be verified: it is known on its own cells only, so that there is no second \
          mesh; press and transition estimate the error from cells twice and four times as large"
     )]
     OneMesh,
-    /// Pillars at random, which another grid places elsewhere.
+    /// Random pillars have different positions on another grid.
     #[error(
         "pillars at random cannot be verified: they stand elsewhere on a second mesh; press and \
          transition estimate the error from cells twice and four times as large"
@@ -81,21 +80,21 @@ pub enum SurfaceVerifyError {
     AtRandom,
 }
 
-/// The same question to a pattern of pillars on two meshes.
+/// The same problem for a pattern of pillars on two meshes.
 #[derive(Debug, Clone)]
 pub struct SurfaceVerification {
     /// On half as many cells across a pillar, and on all of them.
     pub answers: [Answered<SurfaceContact>; 2],
     /// Cells across a pillar of each.
     pub cells_per_diameter: [usize; 2],
-    /// Force on half as many cells over that on all, minus 1, and what the estimates allow.
+    /// Relative difference of the force on half as many cells from that on all, and the value accepted by the estimates.
     pub force: Difference,
-    /// The same of the indentation.
+    /// The same for the indentation.
     pub indentation: Difference,
 }
 
 impl SurfaceVerification {
-    /// What the two meshes say of each other, and why it cannot be told, if it cannot.
+    /// The verdict, and why it is inconclusive, if it is.
     #[must_use]
     pub fn verdict(&self) -> (&'static str, Option<String>) {
         let failed = self.answers.iter().zip(self.cells_per_diameter).find_map(
@@ -130,8 +129,8 @@ impl SurfaceVerification {
     }
 }
 
-/// Answers a question to pillars of any form on half as many cells across a pillar and on
-/// `cells_per_diameter`. `next` is told which mesh comes next.
+/// Solves a problem with pillars of any form on half as many cells across a pillar and on `cells_per_diameter`. `next` is called with the
+/// next mesh.
 ///
 /// # Errors
 /// See [`SurfaceVerifyError`].

@@ -1,4 +1,4 @@
-//! Answering the cases of a study, on several threads.
+//! Solves the cases of a study on several threads.
 
 use crate::answer::{AnswerError, Details, Request, Running, answer};
 use crate::collapsed::collapse;
@@ -16,42 +16,41 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
-/// How often the calling thread looks whether the sweep is cancelled, and tells the progress.
+/// Interval in which the calling thread checks for cancellation and reports progress.
 const TICK: Duration = Duration::from_millis(50);
 
-/// How a sweep is run; what it answers does not depend on it.
+/// Execution options of a sweep; the results do not depend on them.
 #[derive(Default)]
 pub struct Options<'a> {
-    /// Threads that share the cases; 0 for as many as there are processors, and never more. Every
-    /// case is computed by one thread.
+    /// Number of threads; 0 for the number of processors, which is the maximum. Every case is computed by one thread.
     pub threads: usize,
     /// Stops the sweep when cancelled.
     pub cancel: CancelToken,
-    /// Most memory that a single case may take, bytes; 8 GB if not set.
+    /// Memory limit of a single case, bytes; 8 GB if not set.
     pub memory_limit: Option<usize>,
     /// The part of the sweep to compute.
     pub shard: Shard,
-    /// A function that is told many times a second how far the sweep is, on the calling thread.
+    /// Called several times per second with the progress, on the calling thread.
     pub on_progress: Option<&'a mut dyn FnMut(Progress)>,
 }
 
-/// How far a sweep is.
+/// Progress of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Cases that have a row, with those found in the journal.
+    /// Cases with a row, including those found in the journal.
     pub done: usize,
-    /// Of them those found in the journal.
+    /// Cases found in the journal.
     pub found: usize,
-    /// Of those done the ones without an answer to be relied on.
+    /// Cases done without a reliable result.
     pub failed: usize,
-    /// Cases in all, of this shard.
+    /// Total number of cases of this shard.
     pub cases: usize,
-    /// Part of the work that is done, from 0 to 1, of what was not in the journal. Cases differ a
-    /// lot in what they take, and those that take most come first; this is a rough estimate.
+    /// Completed fraction of the work that was not in the journal, from 0 to 1. A rough estimate: the cost of cases varies widely, and the
+    /// most expensive ones come first.
     pub work: f64,
 }
 
-/// Answers every case of a study, or of a shard of it, in memory: rows in the order of the study.
+/// Computes every case of a study, or of a shard of it, in memory: rows in the order of the study.
 ///
 /// A case that fails has a row too.
 ///
@@ -63,8 +62,7 @@ pub fn sweep(study: &Study, options: &mut Options<'_>) -> Result<Vec<Row>, Study
     Ok(rows.into_values().collect())
 }
 
-/// Answers some cases of a study one after the other on the calling thread, in their order,
-/// each within so many bytes (8 GB if not set).
+/// Computes some cases of a study sequentially on the calling thread, each within a memory limit in bytes (8 GB if not set).
 ///
 /// # Errors
 /// [`StudyError::Interrupted`] if it is cancelled.
@@ -93,8 +91,8 @@ pub fn solve(
     Ok(rows)
 }
 
-/// Answers the cases of a shard that are not among the `rows`, and adds them. New rows are
-/// given to `keep` first, in the order in which they come.
+/// Computes the cases of a shard that are not among the `rows`, and adds them. New rows are first passed to `keep`, in the order in which
+/// they are computed.
 pub(crate) fn complete(
     study: &Study,
     rows: &mut BTreeMap<usize, Row>,
@@ -115,13 +113,13 @@ pub(crate) fn complete(
     let mut outcome = Ok(());
     std::thread::scope(|scope| {
         let threads = Threads::asked(options.threads).number();
-        // Threads wait where the journal does not follow.
+        // The bounded channel blocks threads while the journal is slower.
         let (sender, receiver) = sync_channel(threads);
         for _ in 0..threads.min(shared.chains.len()) {
             let (shared, sender) = (&shared, sender.clone());
             scope.spawn(move || shared.run(&sender));
         }
-        drop(sender); // every thread has a sender of its own; the channel is closed when all threads are done
+        drop(sender); // every thread has its own sender; the channel closes when all threads are done
         loop {
             let (new, costs): (Vec<Row>, Vec<f64>) = match receiver.recv_timeout(TICK) {
                 Ok(row) => std::iter::once(row).chain(receiver.try_iter()).unzip(),
@@ -158,13 +156,13 @@ fn failed<'a>(rows: impl IntoIterator<Item = &'a Row>) -> usize {
     rows.filter(|row| row.problem.is_some()).count()
 }
 
-/// What all threads of a sweep share.
+/// Shared state of the threads of a sweep.
 struct SharedSweep<'a> {
     study: &'a Study,
     chains: Vec<Costed>,
-    /// Cases that have a row already.
+    /// Cases that already have a row.
     known: BTreeSet<usize>,
-    /// The first chain that no thread has taken.
+    /// The next chain to be computed.
     next: AtomicUsize,
     stop: CancelToken,
     memory_limit: Option<usize>,
@@ -189,7 +187,7 @@ impl<'a> SharedSweep<'a> {
         }
     }
 
-    /// What all chains take together, in the unit of their costs.
+    /// Total cost of all chains, in arbitrary units.
     fn cost(&self) -> f64 {
         let cost = |chain: &Costed| {
             let cases = chain.cases.clone();
@@ -199,7 +197,7 @@ impl<'a> SharedSweep<'a> {
         self.chains.iter().map(cost).sum()
     }
 
-    /// Computes chain after chain, until there is none left or the sweep is stopped.
+    /// Computes one chain after the other, until none is left or the sweep is stopped.
     fn run(&self, sender: &SyncSender<(Row, f64)>) {
         while let Some(chain) = self.chains.get(self.next.fetch_add(1, Ordering::Relaxed)) {
             for index in chain.cases.clone() {
@@ -223,7 +221,7 @@ impl<'a> SharedSweep<'a> {
         }
         let start = Instant::now();
         let case = self.study.case(index);
-        // A defect that shows in one case of thousands is to be no reason to lose the others.
+        // A panic in one case must not discard the others.
         let outcome = catch_unwind(AssertUnwindSafe(|| self.solve(&case)));
         let (answer, problem) = match outcome {
             Ok(Ok(answered)) => answered,

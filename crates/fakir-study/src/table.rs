@@ -8,7 +8,7 @@ use fakir_case::Study;
 use fakir_case::study::Coordinate;
 use serde_json::{Map, Value, json};
 
-/// A table of results, without times: the same study gives the same table.
+/// A table of results, without computing times: the same study gives the same table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// The columns, all of the same length.
@@ -18,13 +18,13 @@ pub struct Table {
 /// A column of a [`Table`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Its name, which ends in the unit, as in `critical_force_N`.
+    /// Its name, which ends with the unit, as in `critical_force_N`.
     pub name: String,
     /// A value for every row.
     pub values: Values,
 }
 
-/// The values of a column; cases without an answer have none.
+/// The values of a column; `None` for cases without a result.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// Numbers in SI units.
@@ -83,7 +83,7 @@ impl Table {
         Some(&column.values)
     }
 
-    /// As CSV: a heading, then the rows. Numbers are in the fewest digits that give them back.
+    /// The table as CSV: a heading, then the rows. Numbers have the smallest number of digits that reproduces them.
     #[must_use]
     pub fn to_csv(&self) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
@@ -104,7 +104,7 @@ impl Table {
         (self.rows() > 0).then(|| File::new(name, self.to_csv()))
     }
 
-    /// As a list of JSON objects, one for every row.
+    /// The table as a list of JSON objects, one for every row.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let object = |row| {
@@ -141,14 +141,14 @@ fn coordinate_values<'a>(
     }
 }
 
-/// Adds columns of what the answers of one kind hold.
+/// Adds columns for the results of one kind.
 struct Answers<'a, T> {
     answers: Vec<Option<&'a T>>,
     columns: &'a mut Vec<Column>,
 }
 
 impl<'a, T> Answers<'a, T> {
-    /// Those that are of one kind.
+    /// Selects the results of one kind.
     fn of(
         rows: &'a [Row],
         columns: &'a mut Vec<Column>,
@@ -193,7 +193,7 @@ impl<'a, T> Answers<'a, T> {
     }
 }
 
-/// The columns of answers of one kind.
+/// The columns of the results of one kind.
 fn number_columns(rows: &[Row], kind: Kind, columns: &mut Vec<Column>) {
     let answers = rows.iter().map(|row| row.answer.as_ref());
     let records: Vec<Option<&Record>> = answers
@@ -215,7 +215,7 @@ fn number_columns(rows: &[Row], kind: Kind, columns: &mut Vec<Column>) {
     }
 }
 
-/// The jump onto a floor that sticks.
+/// Columns of the jump-in to an adhesive floor.
 fn jump_columns<T>(of: &mut Answers<'_, T>, jump: impl Fn(&T) -> Option<FloorJump>) {
     of.number_if_any("jump_force_N", |it| Some(jump(it)?.force));
     of.number_if_any("jump_floor_area_m2", |it| Some(jump(it)?.floor_area));
@@ -223,7 +223,7 @@ fn jump_columns<T>(of: &mut Answers<'_, T>, jump: impl Fn(&T) -> Option<FloorJum
     of.count_if_any("jump_holes", |it| Some(jump(it)?.holes));
 }
 
-/// Where it is lost.
+/// Columns of its detachment.
 fn loss_columns<T>(of: &mut Answers<'_, T>, lost: impl Fn(&T) -> Option<FloorLoss>) {
     of.number_if_any("floor_lost_indentation_m", |it| Some(lost(it)?.indentation));
     of.number_if_any("floor_lost_force_N", |it| Some(lost(it)?.force));

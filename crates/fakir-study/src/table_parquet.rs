@@ -80,7 +80,7 @@ impl Values {
     }
 }
 
-/// The values there are, and for every row whether it has one, as Parquet wants it.
+/// The present values, and for every row whether it has one (definition levels of Parquet).
 fn present<V: Clone>(values: &[Option<V>]) -> (Vec<V>, Vec<i16>) {
     let levels = values.iter().map(|value| i16::from(value.is_some()));
     (values.iter().flatten().cloned().collect(), levels.collect())

@@ -1,30 +1,30 @@
-//! Surfaces with rounded pillar tops as a workshop takes them: a solid in STL, and a map of heights.
+//! Surfaces with rounded pillar tops for manufacturing: a solid in STL, and a height map.
 //!
-//! A pillar is what is above the floor of the paraboloid that its top is, inside its diameter if it has one.
+//! A pillar is the part above the floor of the paraboloid of its top, inside its diameter, if defined.
 
 use fakir::problem::{Asperity, AsperityArray, Grid, Point};
 use fakir_case::height_map::to_npy;
 use fakir_figure::grey_map;
 use std::f64::consts::TAU;
 
-/// Rings and sectors of a pillar in STL.
+/// Numbers of rings and sectors of a pillar in STL.
 const RINGS: usize = 24;
 const SECTORS: usize = 72;
 
-/// Pixels of a map along its longer side, at the most, and across a pillar.
+/// Largest number of pixels of a map along its longer side, and number of pixels across a pillar.
 const MOST_PIXELS: usize = 1024;
 const PIXELS_PER_PILLAR: f64 = 32.0;
 
-/// Largest number of a pixel.
+/// Largest pixel value.
 const WHITE: f64 = u16::MAX as f64;
 
-/// A pillar as it is to be made, m.
+/// A pillar to be manufactured, m.
 #[derive(Debug, Clone, Copy)]
 struct Pillar {
     centre: Point,
     height: f64,
     top_radius: f64,
-    /// Where it ends at the floor, or at its wall.
+    /// Radius at which it meets the floor, or that of its wall.
     reach: f64,
 }
 
@@ -40,7 +40,7 @@ impl Pillar {
         }
     }
 
-    /// Height over the floor at a distance from the middle.
+    /// Height above the floor at a distance from the centre.
     fn at(&self, distance: f64) -> f64 {
         (self.height - 0.5 * distance * distance / self.top_radius).max(0.0)
     }
@@ -54,14 +54,14 @@ pub struct Relief {
     corners: [Point; 2],
 }
 
-/// A map of heights.
+/// A height map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightPicture {
-    /// Its pixels as a grid, the lens axis at the origin.
+    /// Its pixels as a grid, with the lens axis at the origin.
     pub grid: Grid,
-    /// Heights over the floor, row by row from the lowest y, m.
+    /// Heights above the floor, row by row from the lowest y, m.
     pub heights: Vec<f64>,
-    /// The height that white stands for, m; black is the floor.
+    /// The height that corresponds to white, m; black is the floor.
     pub white: f64,
 }
 
@@ -86,15 +86,15 @@ impl Relief {
         Self { pillars, corners }
     }
 
-    /// The surface as a binary STL file in mm: a base as thick as the highest pillar is high, its upper side at zero, and every pillar as a closed shell
-    /// that stands on it. Points of the shells are on the surface.
+    /// The surface as a binary STL file in mm: a base as thick as the highest pillar, with its upper side at zero, and every pillar as a
+    /// closed shell on it. Points of the shells are on the surface.
     #[must_use]
     pub fn stl(&self) -> Vec<u8> {
         let mut triangles: Vec<[[f64; 3]; 3]> = Vec::new();
         let thickness = self.highest();
         self.push_base(thickness, &mut triangles);
         for pillar in &self.pillars {
-            // A little into the base, so that the two are one solid.
+            // Slightly into the base, so that the two are one solid.
             pillar.push_shell(0.05 * thickness, &mut triangles);
         }
         let mut bytes = vec![0; 80];
@@ -175,7 +175,8 @@ impl Relief {
 }
 
 impl HeightPicture {
-    /// As a grey picture of 16 bits (PNG), y upwards: black is the floor, white the [highest](Self::white) pillar. It knows the size of its pixels.
+    /// As a grey image of 16 bits (PNG), y upwards: black is the floor, white the [highest](Self::white) pillar. The file contains the size
+    /// of the pixels.
     #[must_use]
     pub fn png(&self) -> Vec<u8> {
         let columns = self.grid.columns();
@@ -186,7 +187,7 @@ impl HeightPicture {
         grey_map([columns, self.grid.rows()], &greys, self.grid.cell()[0])
     }
 
-    /// As a `.npy` file, which a case reads as `surface.height_map`.
+    /// As a `.npy` file, which a case can read as `surface.height_map`.
     #[must_use]
     pub fn npy(&self) -> Vec<u8> {
         to_npy(&self.grid, &self.heights)
@@ -194,7 +195,7 @@ impl HeightPicture {
 }
 
 impl Pillar {
-    /// Its top, wall and bottom, `depth` below the floor.
+    /// Adds its top, wall and bottom, `depth` below the floor.
     fn push_shell(&self, depth: f64, triangles: &mut Vec<[[f64; 3]; 3]>) {
         let point = |distance: f64, sector: usize, z: f64| {
             let (sin, cos) = (TAU * (sector % SECTORS) as f64 / SECTORS as f64).sin_cos();
@@ -234,7 +235,7 @@ impl Pillar {
     }
 }
 
-/// The unit normal of a triangle; nothing of one without an area.
+/// The unit normal of a triangle; zero for one without area.
 fn normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     let side = |end: &[f64; 3]| [0, 1, 2].map(|k| end[k] - a[k]);
     let (u, v) = (side(b), side(c));
@@ -286,7 +287,7 @@ mod tests {
         (0..count).map(solid).sum()
     }
 
-    /// Paraboloids hold half of the cylinder around them; sectors take `1 - sin(x)/x` of the round, of 72 of them 0.13 %.
+    /// Paraboloids fill half of the surrounding cylinder; sectors reduce the circle by `1 - sin(x)/x`, for 72 of them by 0.13 %.
     #[test]
     fn the_solid_has_the_volume_of_base_and_pillars() {
         let height = 1e-2; // mm
@@ -314,7 +315,7 @@ mod tests {
         let [columns, rows] = [picture.grid.columns(), picture.grid.rows()];
         assert_eq!(picture.heights.len(), columns * rows);
         let highest = picture.heights.iter().copied().fold(0.0, f64::max);
-        // Half a pixel from the middle at the most.
+        // At most half a pixel from the centre.
         let cell = picture.grid.cell()[0];
         assert!(highest <= 1e-5 && highest > 1e-5 - 0.25 * cell * cell / 1e-4);
         let volume: f64 = picture.heights.iter().sum::<f64>() * cell * cell;

@@ -10,7 +10,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::{Value, json};
 
-/// Among good cases one that is too large for the lens.
+/// A case that is too large for the lens among valid ones.
 fn study() -> Study {
     let tables = "[study]\nquestion = \"press\"\n[axes]\nindentation = [\"1 um\", \"1 mm\", \"2 um\"]\n\
          \"method.name\" = [\"homogenised\", \"punch\"]";
@@ -68,7 +68,7 @@ fn the_parquet_table_holds_what_the_csv_table_holds() {
         .collect();
     let csv = table.to_csv();
     assert_eq!(names.join(","), csv.lines().next().unwrap());
-    // The numbers of the CSV file are those of the Parquet file to the last bit.
+    // The numbers of the CSV file equal those of the Parquet file to the last bit.
     let mut lines = csv::Reader::from_reader(csv.as_bytes());
     for (line, record) in lines.records().zip(records(&reader).as_array().unwrap()) {
         for (cell, name) in line.unwrap().iter().zip(&names) {

@@ -1,4 +1,4 @@
-//! Loading and unloading of pillar tops that stick: what the command answers, saves and refuses.
+//! Loading and unloading with adhesive pillar tops: results, saved files and refusals of the command.
 
 use crate::common::{Bench, assert_close, example, keys, without_times};
 use serde_json::Value;
@@ -9,7 +9,7 @@ fn adhesive() -> String {
 }
 
 /// Row `phi = 0.03`, `w = 50 mJ/m^2` of `crates/fakir/tests/reference/adhesion.csv`, from an independent program; the tolerances are the
-/// error bars that it states (`err_*`), and of force and indentation at the transition 1e-4 more.
+/// errors given there (`err_*`), plus 1e-4 for force and indentation at the transition.
 #[test]
 fn a_cycle_agrees_with_an_independent_program() {
     let bench = Bench::new();
@@ -29,16 +29,16 @@ fn a_cycle_agrees_with_an_independent_program() {
     of("hysteresis_J", 1.3315e-10, 6.3e-2);
     assert_eq!(by_displacement["critical_pillars_in_contact"], 55);
     assert_eq!(by_displacement["pull_off_pillars_in_contact"], 19);
-    // The loop is what all events dissipate, summed up apart.
+    // The loop area equals the dissipation of all events, summed separately.
     assert!(by_displacement["certificate"].as_f64().unwrap() < 1e-4);
     assert_eq!(by_displacement["converged"], true);
     assert_eq!(by_displacement["drive"], "displacement");
-    // The model has an error of its own, which is not among the numerical ones.
+    // The model error is separate from the numerical errors.
     let error = &by_displacement["relative_error_estimate"]["pull_off_force"];
     assert_eq!(error["model_fronts"], 0.05);
-    // Pull-off scatters by 3 % with the number of levels (`LEVEL_ERROR` of the library, as measured); all else is far below.
+    // Pull-off varies by 3 % with the number of levels (`LEVEL_ERROR` of the library, as measured); all other errors are far smaller.
     assert_close(&error["numerical"], 0.03, 0.1);
-    // What drives the lens does not change the largest pull.
+    // The loading mode does not change the pull-off force.
     let pull_off = by_displacement["pull_off_force_N"].as_f64().unwrap();
     let by_force = cycle(&["--drive", "force"]);
     let by_machine = cycle(&["--machine-stiffness", "20N/m"]);
@@ -116,7 +116,7 @@ fn number(text: &str) -> f64 {
     text.parse().unwrap()
 }
 
-/// The tables hold what the summary has, and the largest pull is a row of the curve.
+/// The tables are consistent with the summary, and the pull-off force is a row of the curve.
 #[test]
 fn a_cycle_is_saved_with_its_tables_and_figures() {
     let bench = Bench::new();
@@ -150,7 +150,7 @@ fn a_cycle_is_saved_with_its_tables_and_figures() {
         .map(|row| number(&row[1]));
     let least = pulls.fold(f64::INFINITY, f64::min);
     assert_close(&result["pull_off_force_N"], least, 1e-12);
-    // The pull of all pillars that hold is the whole.
+    // The forces of all attached pillars add up to the pull-off force.
     let pillars = records(&bench.read("results/pull-off-pillars.csv"), ["force_N"]);
     let whole = pillars.iter().map(|row| number(&row[0])).sum();
     assert_close(&result["pull_off_force_N"], whole, 1e-6);
@@ -173,13 +173,13 @@ fn a_cycle_turns_where_it_is_told_to() {
     assert_eq!(by_indentation["stopped_by_floor"], false);
     let by_force = cycle(["--to-force", "0.1mN"]);
     assert_close(&by_force["turn_force_N"], 1e-4, 1e-6);
-    // Further than the floor allows, which is said.
+    // Farther than the floor permits, which is reported.
     let too_far = cycle(["--to", "6um"]);
     assert_eq!(too_far["stopped_by_floor"], true);
     assert_close(&too_far["turn_indentation_m"], 4.07602e-6, 1e-4);
 }
 
-/// With the floor left out the lens goes on past the critical state, which is told.
+/// With the floor ignored the loading continues past the critical state, which is reported.
 #[test]
 fn without_floor_the_cycle_goes_past_the_critical_state() {
     let bench = Bench::new();
@@ -303,7 +303,7 @@ fn the_loading_ends_at_the_critical_state() {
     );
 }
 
-/// What is verified is without adhesion, and is said to be: the case as it stands is refused where the adhesion is given.
+/// Only cases without adhesion are verified, and this is reported: a case with adhesion is refused at the key of the adhesion.
 #[test]
 fn elements_verify_the_contact_without_adhesion_only() {
     let bench = Bench::new();
@@ -331,7 +331,7 @@ fn elements_verify_the_contact_without_adhesion_only() {
     assert_eq!(found["verdict"], "agree");
 }
 
-/// No number of a comparison stands for adhesion that has none.
+/// No number of a comparison is presented as including adhesion if it does not.
 #[test]
 fn a_comparison_says_what_is_without_adhesion() {
     let bench = Bench::new();
@@ -366,8 +366,8 @@ fn a_comparison_says_what_is_without_adhesion() {
     );
 }
 
-/// Kendall's force of a top of 3 um radius, and three halves of pi w R (Johnson, Kendall and Roberts), by hand; and the Tabor number of a top,
-/// `sqrt(8 w a/(pi E*))/h0`.
+/// Kendall's force on a top of 3 um radius, and three halves of pi w R (Johnson, Kendall and Roberts), by hand; and the Tabor number of a
+/// top, `sqrt(8 w a/(pi E*))/h0`.
 #[test]
 fn theory_has_the_closed_forms_of_adhesion() {
     let bench = Bench::new();
@@ -393,7 +393,7 @@ fn theory_has_the_closed_forms_of_adhesion() {
     assert_close(&force("maugis_dugdale"), -1.5 * pi * work * 2.2e-3, 1e-3);
     let tabor = (8.0 * work * radius / (pi * modulus)).sqrt() / 5e-9;
     assert_close(&adhesion["tabor_number"], tabor, 1e-12);
-    // All else is without adhesion, and is said to be.
+    // All other results are without adhesion, and say so.
     let plain = bench.json(&["theory", &adhesive(), "--set", "adhesion.work=0"]);
     assert_eq!(plain["adhesion"], Value::Null);
     assert_eq!(plain["critical_states"], found["critical_states"]);
@@ -410,7 +410,7 @@ fn theory_has_the_closed_forms_of_adhesion() {
     );
 }
 
-/// Where the range of the attraction does not count as small, results say so.
+/// If the range of the attraction is too large for the short-range assumption, results report it.
 #[test]
 fn a_range_of_attraction_tells_whether_it_counts_as_small() {
     let bench = Bench::new();
@@ -452,7 +452,7 @@ fn a_range_of_attraction_tells_whether_it_counts_as_small() {
     }
 }
 
-/// The work of adhesion scatters as any quantity: pull-off is told for every sample, and no negative work is drawn.
+/// The work of adhesion scatters like any quantity: pull-off is reported for every sample, and no negative work is drawn.
 #[test]
 fn samples_that_stick_tell_how_pull_off_scatters() {
     let bench = Bench::new();
@@ -483,7 +483,7 @@ fn samples_that_stick_tell_how_pull_off_scatters() {
         .collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     assert!(pairs[0].0 > 0.0);
-    // The more it sticks the larger the pull.
+    // Pull-off forces increase with the work of adhesion.
     assert!(
         pairs.windows(2).all(|pair| pair[1].1 < pair[0].1),
         "{pairs:?}"
@@ -513,7 +513,7 @@ fn samples_that_stick_tell_how_pull_off_scatters() {
     ]);
     assert_close(&alone["pull_off_force_N"], number(&rows[0][1]), 1e-12);
     assert_close(&alone["hysteresis_J"], number(&rows[0][2]), 1e-12);
-    // Where nothing sticks there is nothing to be told.
+    // Without adhesion nothing is reported.
     let plain = bench.json(&[
         "design",
         &case,
@@ -529,7 +529,7 @@ fn samples_that_stick_tell_how_pull_off_scatters() {
     assert!(plain["spread"].get("pull_off_force_N").is_none());
 }
 
-/// Whole cycles along the work of adhesion, from the command line: refused before anything is computed where a case cannot be.
+/// Cycles along the work of adhesion, from the command line: invalid cases are refused before the computation.
 #[test]
 fn cycles_are_swept_and_refused_with_line_and_key() {
     let bench = Bench::new();

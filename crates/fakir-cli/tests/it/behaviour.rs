@@ -1,4 +1,4 @@
-//! How the program behaves: exit status, files, signals, pipes.
+//! Behaviour of the program: exit status, files, signals, pipes.
 
 use crate::common::{Bench, Outcome, example};
 use fakir_study::TABLES;
@@ -154,7 +154,7 @@ fn what_the_physics_refuses_is_status_3() {
     assert!(bench.files(".").is_empty());
 }
 
-/// 2048 points squared take 537 MB, 128 bytes each; it is known before anything is computed.
+/// 2048 points squared take 537 MB, 128 bytes each; checked before the computation.
 #[test]
 #[ignore = "slow: fields of many points"]
 fn fields_count_against_the_memory_limit() {
@@ -211,7 +211,7 @@ fn more_threads_than_processors_are_warned_of() {
     ]);
 }
 
-/// A device without end in the place of every file that is read.
+/// An endless device in place of every file that is read.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_has_no_end_is_not_read_for_ever() {
@@ -258,7 +258,7 @@ fn what_has_no_end_is_not_read_for_ever() {
     );
 }
 
-/// A verdict needs two solutions with digits: where the cells are too few for one, it cannot be told.
+/// A verdict needs two solutions with significant digits: if the cells are too coarse for one, the comparison is inconclusive.
 #[test]
 #[ignore = "slow: fine meshes"]
 fn verify_can_say_that_it_cannot_tell() {
@@ -289,8 +289,7 @@ fn verify_can_say_that_it_cannot_tell() {
     assert!(sure["doubt"].is_null());
 }
 
-/// Loads far too small for a contact are refused with the smallest that is not; what is answered has
-/// no gaps in it, and no zero with a sign.
+/// Loads far too small for a contact are refused with the smallest accepted one; results contain no gaps and no negative zero.
 #[test]
 fn loads_too_small_for_a_contact_are_refused() {
     let bench = Bench::new();
@@ -316,7 +315,7 @@ fn loads_too_small_for_a_contact_are_refused() {
             let arguments = ["press", &case, load, "--set", offset, "--json", "--quiet"];
             let outcome = bench.run(&arguments);
             assert!(!outcome.stdout.is_empty(), "{}", outcome.stderr);
-            // The floor, which is not touched, some thresholds, and a number that is not resolved are all that there is not.
+            // Only the untouched floor, some thresholds and an unresolved number are null.
             let nothing = ["floor", "threshold", "unresolved"];
             let numbers = nothing.iter().fold(outcome.stdout, |numbers, name| {
                 numbers.replace(&format!("\"{name}\": null"), "")
@@ -328,8 +327,8 @@ fn loads_too_small_for_a_contact_are_refused() {
     }
 }
 
-/// A forgotten unit: a number that is not plausible in SI units is refused with its reading and what was probably meant, by every option
-/// with a unit, and with the unit it is accepted.
+/// A missing unit: a number that is implausible in SI units is refused with its reading and the likely intention, by every option with a
+/// unit, and accepted with the unit.
 #[test]
 fn loads_without_a_unit_are_plausible_or_refused() {
     let bench = Bench::new();
@@ -393,8 +392,7 @@ fn what_cannot_be_cited_is_status_2() {
     }
 }
 
-/// Two cases after each other in the same folder: refused, and with --overwrite nothing of the first
-/// remains beside the second.
+/// Two cases in the same folder: refused, and with --overwrite nothing of the first remains.
 #[test]
 fn results_are_replaced_whole_or_not_at_all() {
     let bench = Bench::new();
@@ -438,7 +436,7 @@ fn results_are_replaced_whole_or_not_at_all() {
     );
     assert!(after.contains(&"lattice_sums.csv".to_owned()), "{after:?}");
     assert_eq!(bench.files("."), ["results"]);
-    // A sweep takes the place of other results too, and the other way round.
+    // A sweep replaces other results too, and vice versa.
     let study = format!(
         "[study]\ncase = \"{}\"\n[axes]\npitch = [40e-6]\n",
         intermediate()
@@ -450,7 +448,7 @@ fn results_are_replaced_whole_or_not_at_all() {
     assert_eq!(bench.files("results"), swept);
     assert_eq!(save("transition", &["--overwrite"]).status, Some(0));
     assert!(!bench.path("results/journal.jsonl").exists());
-    // One's own notes are not lost, nor is a folder that has nothing to do with it.
+    // Files of the user are not lost, nor is an unrelated folder.
     bench.write("results/notes.txt", "mine");
     let before = bench.files("results");
     for outcome in [save("theory", &["--overwrite"]), bench.run(&sweep)] {
@@ -500,7 +498,7 @@ fn a_closed_pipe_is_no_error() {
         .stdin(Stdio::piped())
         .spawn()
         .unwrap();
-    // Nobody reads any more before there is anything to print.
+    // The reader closes the pipe before anything is printed.
     drop(child.stdout.take());
     let case = std::fs::read(intermediate()).unwrap();
     child.stdin.take().unwrap().write_all(&case).unwrap();
@@ -513,7 +511,7 @@ fn a_closed_pipe_is_no_error() {
 #[test]
 fn ctrl_c_ends_with_130_and_saves_nothing() {
     let bench = Bench::new();
-    // Longer than a test may take by far.
+    // Far longer than a test may take.
     let arguments = [
         "transition",
         "-",
@@ -529,8 +527,7 @@ fn ctrl_c_ends_with_130_and_saves_nothing() {
         .stdin(Stdio::piped())
         .spawn()
         .unwrap();
-    // A case that does not fit into a pipe: once it is written, the program is up and reading,
-    // with its handler in place.
+    // A case that does not fit into a pipe: once it is written, the program is running and reading, with its handler in place.
     let mut case = std::fs::read(intermediate()).unwrap();
     case.extend("# padding\n".repeat(100_000).bytes());
     child.stdin.take().unwrap().write_all(&case).unwrap();
@@ -633,7 +630,7 @@ fn the_explorer_says_what_keeps_it_from_starting() {
     );
 }
 
-/// A substrate a thousand times softer than the lens: its columns are 4 % too soft, and strained by more than their modulus is good for.
+/// A substrate a thousand times softer than the lens: the columns are 4 % too soft, and strained beyond the range of their modulus.
 #[test]
 fn strained_models_fail_where_that_is_asked_for() {
     let bench = Bench::new();
@@ -657,7 +654,7 @@ fn strained_models_fail_where_that_is_asked_for() {
             .contains("where the model is doubtful from 0.01 on")
     );
     assert!(strict.stdout.starts_with("Critical state"));
-    // Where nothing is strained it makes no difference, and elastic pillars tell what they are known to.
+    // If no limit is exceeded strict mode makes no difference, and elastic pillars report their model error.
     let elastic = ["--set", "texture.pillar.compliance=elastic", "--force=5uN"];
     let light = [&["press", &case, "--strict"], &elastic[..]].concat();
     let light = bench.run(&light);
@@ -708,7 +705,7 @@ fn elastic_pillars_are_refused_at_their_key() {
     );
 }
 
-/// A key that changes nothing is named on standard error, and in the JSON object whether that is quiet or not.
+/// A key without effect is reported on standard error and, with or without --quiet, in the JSON object.
 #[test]
 fn keys_without_effect_are_named() {
     let bench = Bench::new();
@@ -734,7 +731,7 @@ fn keys_without_effect_are_named() {
     assert_eq!(without["force_N"], json["force_N"]);
 }
 
-/// The deprecated name of a key is accepted, and the new one is named.
+/// The deprecated name of a key is accepted with a warning that gives the new one.
 #[test]
 fn deprecated_names_of_keys_are_accepted() {
     let bench = Bench::new();
@@ -760,7 +757,7 @@ fn deprecated_names_of_keys_are_accepted() {
     assert_eq!(ask("height_standard_deviation"), (String::new(), force));
 }
 
-/// A contact inside one wide pillar top ends at half the lens radius, as all others do.
+/// A contact inside one wide pillar top is limited to half the lens radius, as all others are.
 #[test]
 fn contacts_beyond_half_the_lens_radius_are_refused_on_one_pillar_too() {
     let bench = Bench::new();

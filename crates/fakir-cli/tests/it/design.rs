@@ -1,4 +1,4 @@
-//! `fakir design` and `fakir reproduce` as a user meets them.
+//! `fakir design` and `fakir reproduce` from the command line.
 
 use crate::common::{Bench, example};
 
@@ -29,8 +29,7 @@ fn what_is_designed_has_the_wanted_force() {
     }
 }
 
-/// A tolerance of 3 % is one of 0.066 um on a height of 2.2 um; the seed and the number of samples are
-/// those that the help tells.
+/// A tolerance of 3 % on a height of 2.2 um is 0.066 um; the seed and the number of samples are those given in the help.
 #[test]
 fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
     let bench = Bench::new();
@@ -53,7 +52,7 @@ fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
     assert!(help.join(" ").contains(&told), "{told}");
 }
 
-/// A key may be named without its tables where only one has that last name.
+/// A key may be given without its tables if its last name is unique.
 #[test]
 fn last_names_are_enough_where_one_key_has_them() {
     use fakir_inverse::design::free_key;
@@ -105,7 +104,7 @@ fn what_cannot_be_had_is_status_3_with_the_nearest() {
     );
 }
 
-/// A lens that is given by a table has no radius to which heights could be compared.
+/// A lens given by a table has no radius to compare heights with.
 #[test]
 fn heights_are_found_under_a_lens_without_a_radius() {
     let bench = Bench::new();
@@ -126,7 +125,7 @@ fn heights_are_found_under_a_lens_without_a_radius() {
     );
 }
 
-/// Designs a pitch for a floor share, then presses the case that was saved.
+/// Designs a pitch for a floor share, then presses the saved case.
 #[test]
 fn what_is_designed_has_the_wanted_floor_share() {
     let bench = Bench::new();
@@ -165,7 +164,7 @@ fn what_is_designed_has_the_wanted_floor_share() {
     );
 }
 
-/// Designs a pitch for a pull-off force, then pulls the lens off the case that was saved.
+/// Designs a pitch for a pull-off force, then computes the cycle of the saved case.
 #[test]
 fn what_is_designed_has_the_wanted_pull_off_force() {
     let bench = Bench::new();
@@ -315,7 +314,7 @@ fn what_makes_no_sense_is_status_2() {
     }
 }
 
-/// A sample of the spread is a case like any other.
+/// A sample is a case like any other.
 #[test]
 fn a_spread_is_saved_with_its_samples() {
     let bench = Bench::new();
@@ -372,7 +371,8 @@ fn a_folder_with_something_in_it_is_left_alone() {
     );
 }
 
-/// A film that comes in several thicknesses: they move the critical indentation, by the difference of two cases, and can be sought.
+/// A film with varying thickness: the thickness changes the critical indentation, by the difference of two cases, and can be a free
+/// parameter.
 #[test]
 fn thicknesses_scatter_and_are_sought() {
     let bench = Bench::new();
@@ -392,7 +392,7 @@ fn thicknesses_scatter_and_are_sought() {
     let more = ["--samples", "30", "--keep-offset"];
     let spread = bench.json(&[&["design", &case][..], &film, &question, &more].concat());
     let deviation = &spread["spread"]["critical_indentation_m"]["standard_deviation"];
-    // Of 30 samples within 40 %, which is three standard errors.
+    // 30 samples agree within 40 %, which is three standard errors.
     let ratio = deviation.as_f64().unwrap() / (0.5 * slope);
     assert!((ratio - 1.0).abs() < 0.4, "{ratio}");
     let wanted = bench.json(

@@ -1,10 +1,9 @@
-//! `fakir fit`, as a user runs it.
+//! `fakir fit` from the command line.
 
 use crate::common::{Bench, example, keys};
 use serde_json::Value;
 
-/// The example of the manual, by a fast method: the values are those of the spectral method to a
-/// standard error.
+/// The example of the manual, with a fast method: the values agree with the spectral method to a standard error.
 fn arguments<'a>(data: &'a str, case: &'a str) -> Vec<&'a str> {
     vec![
         "fit",
@@ -82,7 +81,7 @@ fn bad_input_ends_with_status_2() {
     );
 }
 
-/// A small lens pressed deep: the fit prints and saves the limits that `press` has for its fitted case, and fails for them if that is asked.
+/// A small lens at a large depth: the fit prints and saves the limits that `press` reports for its fitted case, and fails in strict mode.
 #[test]
 fn limits_of_the_model_are_those_of_press() {
     let bench = Bench::new();
@@ -132,7 +131,7 @@ fn limits_of_the_model_are_those_of_press() {
     assert!(outcome.stdout.contains("strained:"), "{}", outcome.stdout);
 }
 
-/// The machine compliance left out of the example.
+/// The example without the machine compliance.
 #[test]
 fn a_fit_that_does_not_describe_the_data_is_told_with_quiet_too() {
     let bench = Bench::new();
@@ -147,7 +146,7 @@ fn a_fit_that_does_not_describe_the_data_is_told_with_quiet_too() {
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
 }
 
-/// The example with both branches: a case, and what is free.
+/// The example with both branches: a case, and its free parameters.
 #[test]
 #[ignore = "slow: fits of cycles"]
 fn the_example_of_a_retraction_gives_its_truth() {
@@ -159,7 +158,7 @@ fn the_example_of_a_retraction_gives_its_truth() {
     let free = "adhesion.work,substrate.young_modulus,contact_point,force_offset";
     let arguments = ["fit", &data, "--case", &case, "--free", free, "--quiet"];
     let result = bench.json(&[&arguments[..], &["--output", "results"]].concat());
-    // As crates/fakir-inverse/examples/synthetic_retraction.rs has them.
+    // True values of crates/fakir-inverse/examples/synthetic_retraction.rs.
     let truths = [
         ("_J_per_m2", 0.035),
         ("_Pa", 1.4e6),
@@ -173,7 +172,7 @@ fn the_example_of_a_retraction_gives_its_truth() {
     }
     let pull_off = &result["pull_off"];
     assert!(pull_off["measured_force_N"].as_f64().unwrap() < 0.0);
-    // The shapes of fronts alone are 0.05; columns lean besides.
+    // The front shapes alone contribute 0.05; tilting columns add to that.
     let of_model = pull_off["relative_error_of_model"].as_f64().unwrap();
     assert!((0.05..0.5).contains(&of_model), "{of_model}");
     let table = bench.read("results/fitted.csv");
@@ -185,7 +184,7 @@ fn the_example_of_a_retraction_gives_its_truth() {
     assert!(provenance.contains("Kendall"), "{provenance}");
 }
 
-/// Examples in the styles of instruments, read without options: truths as crates/fakir-inverse/examples/synthetic_instruments.rs has them.
+/// Examples in the formats of instruments, read without options: true values of crates/fakir-inverse/examples/synthetic_instruments.rs.
 #[test]
 #[ignore = "slow: fits of whole files"]
 fn examples_of_instruments_give_their_truths() {

@@ -1,8 +1,8 @@
-//! Rounded pillar tops as a user meets them: `fakir press` and `fakir design --free heights`.
+//! Rounded pillar tops from the command line: `fakir press` and `fakir design --free heights`.
 
 use crate::common::{Bench, assert_close};
 
-/// Twenty-five asperities of rubber under a glass plate, of a reduced modulus of 2 MPa.
+/// Twenty-five rubber asperities under a glass plate, with a reduced modulus of 2 MPa.
 const CASE: &str = r#"
 [lens]
 shape = "plate"
@@ -34,7 +34,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// A curve of the area (in um^2 times the reduced modulus over a force) at forces over the reduced modulus in um^2.
+/// A curve of the area (in um^2, as a function of force over reduced modulus in um^2).
 fn curve(bench: &Bench, area: impl Fn(f64) -> f64) {
     let rows = [2.4e4, 3.4e4, 4.4e4, 5.4e4]
         .map(|force: f64| format!("{},{}\n", 1e-9 * force * modulus(), area(force)));
@@ -44,7 +44,7 @@ fn curve(bench: &Bench, area: impl Fn(f64) -> f64) {
     );
 }
 
-/// Quietly, as contacts get as wide as is told in a warning.
+/// With --quiet, because wide contacts cause a warning.
 const DESIGN: [&str; 7] = [
     "design",
     "case.toml",
@@ -55,7 +55,7 @@ const DESIGN: [&str; 7] = [
     "curve.csv",
 ];
 
-/// Designs, then presses the case that was saved: it has the wanted areas.
+/// Designs, then presses the saved case: it has the target areas.
 #[track_caller]
 fn designed_and_pressed_again(bench: &Bench, area: impl Fn(f64) -> f64) {
     curve(bench, &area);
@@ -109,7 +109,7 @@ fn a_bilinear_interface() {
     });
 }
 
-/// Pillars with a diameter give way as columns, by their own heights.
+/// Pillars with a diameter shorten as columns, according to their own heights.
 #[test]
 fn force_of_the_indentation_with_columns() {
     let bench = bench();
@@ -134,7 +134,7 @@ fn force_of_the_indentation_with_columns() {
     assert_close(&again["force_N"], 42e-3, 2e-5);
 }
 
-/// The scatter by the derivatives is that of pillars with heights that are off.
+/// The scatter from derivatives equals that of pillars with height errors.
 #[test]
 fn the_scatter_by_errors_of_heights() {
     let bench = bench();
@@ -147,7 +147,7 @@ fn the_scatter_by_errors_of_heights() {
     let force = format!("{:e}", row["force_N"].as_f64().unwrap_or(0.0));
     let pillars = bench.read("found/pillars.csv");
     let case = bench.read("found/case.toml");
-    // Every pillar higher by 20 nm in turn: the sum of squares of what that does.
+    // Every pillar raised by 20 nm in turn: the sum of squares of the effects.
     let mut squares = 0.0;
     for number in 1..=25 {
         let moved: Vec<String> = pillars
@@ -196,7 +196,7 @@ fn what_no_heights_have_is_status_3_with_the_nearest() {
         "{}",
         outcome.stderr
     );
-    // Within what single loads allow, but not together: the search says how near it came.
+    // Within the range of single loads, but not together: the search reports the closest result.
     bench.write(
         "curve.csv",
         "indentation_um,force_mN\n10,40\n45,800\n80,2560\n",
@@ -212,7 +212,7 @@ fn what_no_heights_have_is_status_3_with_the_nearest() {
     );
 }
 
-/// A contact that leans on the rim of its pillar has a stated error of the area above a half.
+/// A contact that leans on the rim of its pillar has an estimated area error above a half.
 #[test]
 fn a_stated_error_above_a_half_is_no_answer() {
     let bench = bench();
@@ -231,7 +231,7 @@ fn a_stated_error_above_a_half_is_no_answer() {
     let set = leaning.map(|setting| ["--set", setting]).concat();
     let outcome = bench.run(&[&DESIGN[..], &["--json"], &set[..]].concat());
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
-    // Not even kept quiet.
+    // Reported even with --quiet.
     assert!(
         outcome
             .stderr
@@ -242,7 +242,7 @@ fn a_stated_error_above_a_half_is_no_answer() {
     let result: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
     let stated = result["design"]["relative_error_estimate"].as_f64();
     assert!(stated.is_some_and(|stated| stated > 0.5), "{stated:?}");
-    // Also if it is so under a load before the largest.
+    // Also if this occurs under a load below the largest.
     bench.write(
         "curve.csv",
         "indentation_um,area_um2\n3,10968.279\n5,20049.112\n",
@@ -364,7 +364,7 @@ fn one_rounded_top_is_a_contact_of_hertz() {
     );
 }
 
-/// Under a lens the contact is that of a sphere on a sphere: curvatures add.
+/// Under a lens the contact is that of two spheres: curvatures add.
 #[test]
 fn a_lens_on_a_rounded_top() {
     let bench = bench();
@@ -422,7 +422,8 @@ fn the_floor_and_wide_contacts_are_said() {
     );
 }
 
-/// A loading of a single asperity is Hertz's, F = 4/3 E* sqrt(R) zeta^(3/2), and ends where it is told to, as there is no critical state.
+/// The loading of a single asperity is Hertz's, F = 4/3 E* sqrt(R) zeta^(3/2), and ends at the given indentation, because there is no
+/// critical state.
 #[test]
 fn a_loading_of_rounded_tops() {
     let bench = bench();
@@ -454,7 +455,7 @@ fn a_loading_of_rounded_tops() {
     assert!(bench.files("loaded").contains(&"approach.svg".to_owned()));
 }
 
-/// A sweep of rounded tops has the numbers of `press`.
+/// A sweep of rounded tops agrees with `press`.
 #[test]
 fn a_sweep_of_rounded_tops() {
     let bench = bench();
@@ -478,7 +479,7 @@ fn a_sweep_of_rounded_tops() {
     }
 }
 
-/// Nothing computes flat tops in the place of rounded ones.
+/// No command silently treats rounded tops as flat.
 #[test]
 fn every_other_command_refuses_rounded_tops() {
     let bench = bench();

@@ -1,4 +1,4 @@
-//! What an installation brings besides the program.
+//! Completions and man pages.
 
 use crate::common::Bench;
 

@@ -1,44 +1,40 @@
-//! Commands over all that the program computes, and their recorded answers: a change that only rearranges the
-//! program must not change them.
+//! Commands that cover all results of the program, and their recorded output: refactoring must not change it.
 //!
-//! Each file of `tests/recorded` holds one command, run in the folder of the repository, and its answer: the exit status, the
-//! JSON result, and the tables that it saved, if `OUT` stands in the command for a folder to save in. The test of a
-//! file has its name.
+//! Each file of `tests/recorded` contains one command, run in the folder of the repository, and its output: the exit status, the JSON
+//! result, and the saved tables if `OUT` in the command stands for a folder to save in. The test of a file has its name.
 //!
-//! `FAKIR_RECORD=1` records again: files whose answers changed by more than [`RULES`] allow are rewritten, others are left
-//! untouched. A new command is a file with `{"command": "…"}` and a name in the list below; this records its answer.
+//! `FAKIR_RECORD=1` records again: files whose output changed by more than [`RULES`] permit are rewritten, others are left untouched. A new
+//! command is a file with `{"command": "…"}` and a name in the list below; this records its output.
 //!
-//! `FAKIR_TOLERANCE=1e-12` compares with that relative tolerance instead of the estimated errors, for changes that must not
-//! even change rounding.
+//! `FAKIR_TOLERANCE=1e-12` compares with that relative tolerance instead of the estimated errors, for changes that must not even change
+//! rounding.
 
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Smallest relative tolerance. It is far above rounding and the residuals that solvers stop at, so that sums in another order
-/// pass, and far below what a wrong formula changes.
+/// Smallest relative tolerance: far above rounding and the residuals of converged solvers, so that a different order of summation passes,
+/// and far below the effect of a wrong formula.
 const TOLERANCE: f64 = 1e-6;
 
-/// Largest relative tolerance. Larger estimates are those of coarse models and meshes, which the order of sums does not
-/// change.
+/// Largest relative tolerance. Larger estimates occur for coarse models and meshes, which do not depend on the order of summation.
 const LARGEST_TOLERANCE: f64 = 1e-2;
 
 /// Relative tolerance of [`Rule::Rough`].
 const ROUGH_TOLERANCE: f64 = 1e-2;
 
-/// How a part of an answer is compared.
+/// How a part of a result is compared.
 ///
-/// Without a rule, numbers are compared with [`TOLERANCE`], relative to the largest number of their array or else to the
-/// recorded number. Whole numbers (counts) and words must be equal.
+/// Without a rule, numbers are compared with [`TOLERANCE`], relative to the largest number of their array, or otherwise to the recorded
+/// number. Integers (counts) and words must be equal.
 #[derive(Clone, Copy)]
 enum Rule {
     /// Not recorded.
     Ignored,
     /// Compared with [`ROUGH_TOLERANCE`].
     Rough,
-    /// Compared with the first of these relative error estimates that the answer contains, between [`TOLERANCE`]
-    /// and [`LARGEST_TOLERANCE`].
+    /// Compared with the first of these relative error estimates that the result contains, between [`TOLERANCE`] and [`LARGEST_TOLERANCE`].
     Estimated(&'static [&'static str]),
     /// The same, but relative to the indentation.
     OfIndentation,
@@ -46,19 +42,19 @@ enum Rule {
 
 use Rule::{Estimated, Ignored, OfIndentation, Rough};
 
-/// Which rule applies to which names. The first match counts. A name matches the end of a path of names; `*end` matches
-/// an end of a name, and `*part*` a path that contains it.
+/// Rules by name; the first match applies. A name matches the end of a path of names; `*end` matches the end of a name, and `*part*` a path
+/// that contains it.
 const RULES: &[(Rule, &[&str])] = &[
-    // These depend on the machine, the moment and the release.
+    // These depend on the machine, the time and the release.
     (
         Ignored,
         &["*time_s", "folder", "fakir_version", "citations.version"],
     ),
-    // Effort: another order of sums may cost or save a step. `cargo xtask test instructions` counts instructions instead.
+    // Effort: a different order of summation may change the number of steps. `cargo xtask test instructions` counts instructions instead.
     (Ignored, &["iterations", "solutions"]),
-    // What remains when a solver stops, and the balance of a cycle: rounding. Tests of the solvers bound them.
+    // Residuals at convergence, and the energy balance of a cycle: rounding. Tests of the solvers bound them.
     (Ignored, &["certificate"]),
-    // Differences of numbers that nearly agree, and probabilities, which are exponentials of such differences.
+    // Differences of nearly equal numbers, and probabilities, which are exponentials of such differences.
     (
         Rough,
         &[
@@ -69,7 +65,7 @@ const RULES: &[(Rule, &[&str])] = &[
             "*p_value",
         ],
     ),
-    // Quantities with an estimate of their own; their reduced forms have the same relative error.
+    // Quantities with their own estimate; their reduced forms have the same relative error.
     (Estimated(&["share"]), &["floor.share", "floor.force_N"]),
     (Estimated(&["contact_area"]), &["floor.contact_area_m2"]),
     (
@@ -117,12 +113,12 @@ const RULES: &[(Rule, &[&str])] = &[
         Estimated(&["hysteresis"]),
         &["hysteresis_J", "normalized_hysteresis"],
     ),
-    // The areas of the same loop, summed in another way.
+    // Areas of the same loop, summed differently.
     (
         Estimated(&["hysteresis"]),
         &["work_of_separation_J", "dissipation_J"],
     ),
-    // Forces on pillars, which add up to the force, and limits that follow from the hardest pillar.
+    // Forces on pillars, which add up to the total force, and limits that depend on the largest pillar force.
     (
         Estimated(&["pull_off_force"]),
         &[
@@ -140,7 +136,7 @@ const RULES: &[(Rule, &[&str])] = &[
             "limits.buckling.value",
         ],
     ),
-    // Limits in closed form that follow from the contact radius.
+    // Limits in closed form that depend on the contact radius.
     (
         Estimated(&["contact_radius"]),
         &[
@@ -150,7 +146,7 @@ const RULES: &[(Rule, &[&str])] = &[
             "*_percent_J_per_m2.value",
         ],
     ),
-    // A difference of the height of the pillars and displacements, which are as large as the indentation.
+    // A difference between the pillar height and displacements, which are of the order of the indentation.
     (OfIndentation, &["smallest_floor_gap_m"]),
 ];
 
@@ -171,7 +167,7 @@ fn rule(path: &str) -> Option<Rule> {
     Some(*rule)
 }
 
-/// The path of a part of a value. Parts of lists that have a name are called by it; the others have the path of the list.
+/// The path of a part of a value. Parts of lists with a name are identified by it; others have the path of the list.
 fn path_of(path: &str, key: Option<&str>, part: &Value) -> String {
     match key.or_else(|| part.get("name").and_then(Value::as_str)) {
         Some(name) => format!("{path}.{name}"),
@@ -179,7 +175,7 @@ fn path_of(path: &str, key: Option<&str>, part: &Value) -> String {
     }
 }
 
-/// Takes out of an answer what is not recorded.
+/// Removes the parts of a result that are not recorded.
 fn remove_ignored(path: &str, value: &mut Value) {
     match value {
         Value::Object(members) => {
@@ -197,27 +193,27 @@ fn remove_ignored(path: &str, value: &mut Value) {
     }
 }
 
-/// A recorded answer compared with one of now.
+/// Comparison of a recorded result with a current one.
 struct Comparison {
     /// The relative tolerance that replaces all others.
     tight: Option<f64>,
-    /// Whether names that are not recorded are a difference.
+    /// Whether names that are not recorded count as differences.
     complete: bool,
     differences: Vec<String>,
 }
 
-/// Where a number is.
+/// Location of a number.
 struct Place<'a> {
     path: &'a str,
-    /// The objects around it in the recorded answer, the innermost last.
+    /// The objects around it in the recorded result, from outside to inside.
     around: &'a [&'a Value],
-    /// Its index, and the largest number, of an array of numbers.
+    /// Its index in an array of numbers, and the largest number of that array.
     index: Option<usize>,
     largest: f64,
 }
 
 impl Place<'_> {
-    /// The number of that name in an object, or in its column the one with the same index.
+    /// The number with a name in an object, or with the same index in its column.
     fn beside(&self, object: &Value, name: &str) -> Option<f64> {
         let value = object.get(name)?;
         let value = value.get("numerical").unwrap_or(value);
@@ -227,7 +223,7 @@ impl Place<'_> {
             .as_f64()
     }
 
-    /// The relative error estimate of a quantity that is the nearest around the number.
+    /// The closest enclosing relative error estimate of a quantity.
     fn estimate(&self, quantity: &str) -> Option<f64> {
         self.around.iter().rev().find_map(|object| {
             object
@@ -238,12 +234,12 @@ impl Place<'_> {
         })
     }
 
-    /// The largest difference from the recorded number that is allowed.
+    /// Largest accepted difference from the recorded number.
     fn allowed(&self, recorded: f64, tight: Option<f64>) -> f64 {
         let rule = rule(self.path);
         if let Some(tight) = tight {
             let relative = match rule {
-                // Rough numbers have lost up to six digits.
+                // Numbers with the rule `Rough` may have lost up to six digits.
                 Some(Rough) => (tight * 1e6).min(ROUGH_TOLERANCE).max(tight),
                 _ => tight,
             };
@@ -287,7 +283,7 @@ impl Comparison {
                 }
             }
             (Value::Array(before), Value::Array(now)) if before.len() == now.len() => {
-                // Numbers of one array are of one kind: one that is zero but for rounding is no difference.
+                // Numbers of one array are of the same kind: a number that is zero up to rounding is not a difference.
                 let numbers = before.iter().filter_map(Value::as_f64);
                 let largest = numbers.fold(0.0, |largest: f64, number| largest.max(number.abs()));
                 for (index, (before, now)) in before.iter().zip(now).enumerate() {
@@ -347,14 +343,14 @@ impl Comparison {
     }
 }
 
-/// The differences between a recorded answer and one of now, `complete` with names that are new.
+/// Differences between a recorded result and a current one; with `complete`, including new names.
 fn differences(before: &Value, now: &Value, tight: Option<f64>, complete: bool) -> Vec<String> {
     let mut comparison = Comparison {
         tight,
         complete,
         differences: Vec::new(),
     };
-    // Tables find estimates in the result.
+    // Estimates for tables are found in the result.
     comparison.values("", &[&before["answer"]], before, now);
     comparison.differences
 }
@@ -363,7 +359,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded")
 }
 
-/// Runs a command: exit status, JSON result, and the tables it saved.
+/// Runs a command: exit status, JSON result, and saved tables.
 fn answer(command: &str) -> Value {
     let saved = tempfile::TempDir::new().unwrap();
     let out = saved.path().join("out");
@@ -399,14 +395,14 @@ fn answer(command: &str) -> Value {
     whole
 }
 
-/// The columns of a table by their names.
+/// The columns of a table by name.
 fn table(text: &str) -> Value {
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let names = lines.next().unwrap_or_default().split(',');
     let mut columns: Vec<(&str, Vec<Value>)> = names.map(|name| (name, Vec::new())).collect();
     for line in lines {
         for (cell, (_, column)) in line.split(',').zip(&mut columns) {
-            // Counts, numbers and words are those of JSON.
+            // Counts, numbers and words as in JSON.
             let value = serde_json::from_str(cell).ok().filter(Value::is_number);
             column.push(value.unwrap_or_else(|| json!(cell)));
         }
@@ -418,7 +414,7 @@ fn table(text: &str) -> Value {
         .into()
 }
 
-/// A value as JSON, with a line for each part that contains no other list or object: one for a row or a column.
+/// A value as JSON, with one line for each part that contains no list or object: one line per row or column.
 fn layout(value: &Value, indent: usize) -> String {
     let (open, parts, close) = match value {
         Value::Object(members) => {
@@ -448,7 +444,7 @@ fn layout(value: &Value, indent: usize) -> String {
     format!("{open}\n{}\n{:indent$}{close}", lines.join(",\n"), "")
 }
 
-/// A whole recorded answer, with the command first.
+/// A complete recorded file, with the command first.
 fn file(whole: &Value) -> String {
     let parts = ["command", "status", "answer", "tables"]
         .map(|name| format!("  \"{name}\": {}", layout(&whole[name], 2)));
@@ -474,7 +470,7 @@ fn check(name: &str) {
     }
 }
 
-/// A test for each file. `slow` ones take more than 1.5 s of processor time, built for release.
+/// One test per file. Tests marked `slow` take more than 1.5 s of processor time in a release build.
 macro_rules! recorded {
     ($($name:ident $($slow:ident)?,)*) => {
         const NAMES: &[&str] = &[$(stringify!($name)),*];
@@ -583,7 +579,7 @@ fn every_file_has_a_test() {
     assert_eq!(files, tests);
 }
 
-/// A contact with a number changed, and whether that is a difference.
+/// A contact with one changed number, and whether that is a difference.
 #[test]
 fn numbers_are_compared_within_their_errors() {
     let before = json!({

@@ -1,4 +1,4 @@
-//! What every command answers: numbers, the contract of the JSON, tables, files.
+//! Results of every command: numbers, the contract of the JSON, tables, files.
 
 use crate::common::{Bench, assert_close, example, keys, without_times};
 use serde_json::Value;
@@ -9,7 +9,7 @@ fn intermediate() -> String {
     example("paper-intermediate.toml")
 }
 
-/// Against `crates/fakir/tests/reference/critical_states.csv`, last row.
+/// Compared to `crates/fakir/tests/reference/critical_states.csv`, last row.
 #[test]
 fn transition_gives_the_reference_critical_state() {
     let result = Bench::new().json(&["transition", &intermediate()]);
@@ -97,8 +97,8 @@ fn keys_of_press_are_the_contract() {
     contract.sort_unstable();
     assert_eq!(keys(&result), contract);
     assert!(result["floor"].is_null());
-    // The force is the sum over the pillars, which meets the load as far as the solver goes on:
-    // `MISMATCH_TOLERANCE` of `fakir::state::newton`.
+    // The force is the sum over the pillars, which equals the load within the tolerance of the solver: `MISMATCH_TOLERANCE` of
+    // `fakir::state::newton`.
     assert_close(&result["force_N"], 20e-6, 1e-12);
     assert_eq!(result["beyond_transition"], false);
 }
@@ -112,7 +112,7 @@ fn force_and_indentation_are_two_ways_to_the_same_contact() {
     assert_close(&by_indentation["force_N"], 20e-6, 1e-6);
 }
 
-/// Past the transition the floor bears a part of the load, which the contact without floor does not have.
+/// Past the transition the floor carries part of the load, which a contact without floor does not have.
 #[test]
 fn past_the_transition_the_floor_bears_its_part() {
     let bench = Bench::new();
@@ -150,7 +150,7 @@ fn past_the_transition_the_floor_bears_its_part() {
     assert!(number(&without["smallest_floor_gap_m"]) < 0.0);
 }
 
-/// A loading through the transition: rows before it, the critical state, and rows with the floor, up to an indentation or a force.
+/// Loading through the transition: rows before it, the critical state, and rows with the floor, up to an indentation or a force.
 #[test]
 fn a_loading_goes_on_through_the_transition() {
     let bench = Bench::new();
@@ -276,8 +276,7 @@ fn theory_says_where_models_hold() {
         let words: Vec<_> = line.unwrap_or_default().split_whitespace().collect();
         words.join(" ")
     };
-    // pi/(2 sqrt3)/(1/2 + sqrt(2 R h)/d)^2 = 0.003176, from the criterion of the paper; the other limit is that
-    // of `largest_surface_fraction`.
+    // pi/(2 sqrt3)/(1/2 + sqrt(2 R h)/d)^2 = 0.003176, from the criterion of the paper; the other limit is `largest_surface_fraction`.
     assert_eq!(
         row(&thin, "touches one"),
         "touches one pillar only yes only below a surface fraction of 0.003176"
@@ -286,7 +285,7 @@ fn theory_says_where_models_hold() {
         row(&thin, "homogenised lattice possible"),
         "homogenised lattice possible yes only below a surface fraction of 0.8669"
     );
-    // Higher pillars shorten more, so that the limit is more than discs can cover: no limit at all.
+    // Higher pillars shorten more, so that the limit exceeds the largest fraction that discs can cover: no limit.
     let high = theory("texture.pillar.height=20um");
     assert_eq!(
         row(&high, "homogenised lattice possible"),
@@ -362,7 +361,7 @@ fn compare_puts_the_methods_side_by_side() {
         let row = methods.iter().find(|m| m["method"] == name).unwrap();
         row["force_difference"].as_f64().unwrap()
     };
-    // As the documentation of `fakir::solve::homogenised` says.
+    // As documented in `fakir::solve::homogenised`.
     assert!((difference("homogenised") + 0.066).abs() < 0.002);
     assert!(difference("punch_corrected").abs() < 0.01);
     assert!(difference("love").abs() < 1e-3);
@@ -463,15 +462,15 @@ fn output_holds_the_result_and_the_case() {
         .sum();
     assert_close(&summary["critical_force_N"], total, 1e-9);
 
-    // Figures say where they are from.
+    // Figures contain their provenance.
     let figure = bench.read("results/first/pressure-map.svg");
     assert!(figure.contains("https://doi.org/10.1103/PhysRevE.104.055007"));
     assert!(figure.contains("surface_fraction = 0.01"));
 
-    // The saved case gives the same result.
+    // The saved case reproduces the result.
     let again = bench.json(&["transition", "results/first/case.toml"]);
     assert_eq!(again["critical_force_N"], summary["critical_force_N"]);
-    // So does the one in its provenance, which is the same.
+    // The case in the provenance is the same.
     let provenance = bench.read("results/first/provenance.json");
     let provenance: Value = serde_json::from_str(&provenance).unwrap();
     let case = bench.read("results/first/case.toml");
@@ -516,7 +515,7 @@ fn output_holds_the_result_and_the_case() {
     );
 }
 
-/// Results, the case and the method they are from all name the same works.
+/// Results, their case and their method all give the same references.
 #[test]
 fn what_to_cite_follows_from_the_method() {
     let bench = Bench::new();
@@ -576,8 +575,7 @@ fn threads_do_not_change_the_result() {
     assert_close(&two["critical_force_N"], force, 1e-9);
 }
 
-/// Derivatives beside differences of the answers themselves: the critical state of a stiff lens on few pillars, whose numbers are good to nine
-/// digits and more.
+/// Derivatives compared to differences of results: the critical state of a stiff lens on few pillars, with at least nine digits.
 #[test]
 fn gradients_are_differences_of_answers() {
     let bench = Bench::new();
@@ -602,7 +600,7 @@ fn gradients_are_differences_of_answers() {
         pillars.len() as u64,
         result["pillars_in_contact"].as_u64().unwrap()
     );
-    // All pillars higher on the same floor: the lens meets them so much earlier.
+    // With all pillars raised on the same floor, the lens meets them earlier by that amount.
     let sum: f64 = pillars
         .iter()
         .map(|pillar| pillar["force_N_per_m"].as_f64().unwrap())

@@ -1,4 +1,4 @@
-//! The commands on cases with a general surface, by the real binary.
+//! Commands on cases with a general surface, with the real binary.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ fn tables_name_the_surface_and_its_shares() {
     assert!(shown.starts_with("Critical state: the lens rests on the tops"));
 }
 
-/// A grid that ends within the contact is made as wide as it has to be; a map has no more to show.
+/// A grid that ends within the contact is widened as required; a map cannot be widened.
 #[test]
 fn narrow_grids_grow_and_narrow_maps_are_refused() {
     let case = example("square-pillars.toml");
@@ -94,7 +94,7 @@ fn narrow_grids_grow_and_narrow_maps_are_refused() {
         let told = text(&narrow.stderr);
         assert!(told.contains("solved with surface.grid.width = "), "{told}");
         let narrow = json(&narrow);
-        // Cells lie a little differently on another grid.
+        // On another grid the cells are shifted slightly.
         let error = number(&narrow, "/relative_error_estimate/force");
         assert!((number(&narrow, "/force_N") / force - 1.0).abs() < 2.0 * error);
         let columns = number(&narrow, "/grid/columns");
@@ -104,7 +104,7 @@ fn narrow_grids_grow_and_narrow_maps_are_refused() {
     let narrow = json(&on("transition", "24um", &["--json"]));
     let [a, b] = [&critical, &narrow].map(|found| number(found, "/critical_force_N"));
     assert!((a / b - 1.0).abs() < 0.02, "{a} {b}");
-    // Pillars at random stand elsewhere on another grid.
+    // Random pillars have different positions on another grid.
     let random = [
         "surface={ arrangement = \"random\", surface_fraction = 0.2, pillar = { side = \"6 um\", \
          cross_section = \"square\", height = \"0.5 um\" }, grid = { width = \"60 um\" } }",
@@ -156,10 +156,10 @@ fn saved_fields_are_a_case_again() {
         "summary.json",
     ];
     assert_eq!(files, wanted);
-    // The case as it was solved gives the same contact.
+    // The solved case gives the same contact.
     let again = json(&fakir("press", &out.join("case.toml"), &load));
     assert_eq!(first["force_N"], again["force_N"]);
-    // So do its heights, as a map, but for the columns, which a map does not have.
+    // So do its heights, as a map, apart from the columns, which a map does not include.
     let case = "lens = { radius = \"1 mm\", young_modulus = \"2 MPa\", poisson_ratio = 0.5 }\n\
                 substrate = { young_modulus = \"2 MPa\", poisson_ratio = 0.5 }\n\
                 surface = { height_map = \"heights.npy\", cell_size = \"0.75 um\", floor = 0 }\n";
@@ -177,12 +177,12 @@ fn saved_fields_are_a_case_again() {
         &example("square-pillars.toml"),
         &[&load[..], &stiff].concat(),
     ));
-    // Both are solved to an energy error of 1e-9 or so.
+    // Both are solved to an energy error of about 1e-9.
     assert!((number(&map, "/force_N") / number(&pillars, "/force_N") - 1.0).abs() < 1e-6);
     assert!(number(&run("transition", &["--json"]), "/critical_force_N") > 0.0);
 }
 
-/// A plate has no axis: nothing that is said of it counts from one.
+/// A plate has no axis: no reported quantity refers to one.
 #[test]
 fn plates_have_no_lens_axis() {
     let bench = tempfile::tempdir().unwrap();
@@ -234,8 +234,7 @@ fn plates_and_periods() {
     assert!((number(&plate, "/force_N") / 1e-3 - 1.0).abs() < 1e-9);
 }
 
-/// Every state of a loading is that of `press` and `transition`; past the critical state the floor bears
-/// load.
+/// Every state of a loading agrees with `press` and `transition`; past the critical state the floor carries load.
 #[test]
 fn a_surface_is_loaded_step_by_step() {
     let case = example("square-pillars.toml");
@@ -284,7 +283,7 @@ fn a_surface_is_loaded_step_by_step() {
     assert!(shown.trim_end().ends_with("critical"), "{shown}");
 }
 
-/// Heights in micrometres that are read as metres are refused; a spike is solved, and beyond every limit of the model.
+/// Heights in micrometres that are read as metres are refused; a spike is solved, and exceeds every validity limit of the model.
 #[test]
 fn limits_of_the_model_are_in_results_of_surfaces() {
     let folder = tempfile::TempDir::new().expect("a folder for the test");
@@ -330,7 +329,7 @@ fn limits_of_the_model_are_in_results_of_surfaces() {
     assert_eq!(flat.status.code(), Some(0), "{}", text(&flat.stderr));
 }
 
-/// A height map without a floor has no critical state: a loading on it must be told where to end.
+/// A height map without a floor has no critical state: a loading on it needs a prescribed end.
 #[test]
 fn a_loading_without_a_floor_ends_where_it_is_told_to() {
     let folder = tempfile::TempDir::new().expect("a folder for the test");
@@ -376,7 +375,7 @@ fn a_loading_without_a_floor_ends_where_it_is_told_to() {
     assert!((number(&states[2], "/force_N") / hertz - 1.0).abs() < 5e-3);
 }
 
-/// Both answers are those of `press` on these cells.
+/// Both results agree with `press` on these cells.
 #[test]
 fn pillars_are_verified_on_two_meshes() {
     let case = example("square-pillars.toml");
@@ -404,7 +403,7 @@ fn pillars_are_verified_on_two_meshes() {
     assert!(relative.abs() <= number(&verified, "/allowed_difference/force"));
     let critical = json(&fakir("verify", &case, &["--json"]));
     assert_eq!(critical["question"], "transition");
-    // Another grid places pillars at random elsewhere: there would be two surfaces to compare.
+    // Another grid places random pillars differently: the two surfaces would differ.
     let random = [
         "--indentation",
         "0.6um",
@@ -443,7 +442,7 @@ fn other_commands_need_a_texture() {
     assert!(text(&output.stderr).contains("make it coarser"));
 }
 
-/// The study among the examples: a row for each of its contacts, with the numbers of `press`.
+/// The example study: a row for each contact, which agrees with `press`.
 #[test]
 fn a_study_of_surfaces_is_swept() {
     let folder = tempfile::TempDir::new().expect("a folder for the test");
@@ -507,7 +506,7 @@ fn a_study_of_surfaces_is_swept() {
     assert!(cited.contains("Love elements on surfaces"), "{cited}");
 }
 
-/// An axis that makes a surface which cannot be is named with its line, and nothing is computed.
+/// An axis that creates an invalid surface is reported with its line, and nothing is computed.
 #[test]
 fn a_study_points_at_the_axis_that_is_wrong() {
     let folder = tempfile::TempDir::new().expect("a folder for the test");
@@ -531,7 +530,7 @@ fn a_study_points_at_the_axis_that_is_wrong() {
     }
 }
 
-/// Round pillars on a film, by elements on a height map: the force is that of the spectral method, within the estimates.
+/// Round pillars on a film, with boundary elements on a height map: the force agrees with the spectral method within the estimates.
 #[test]
 fn a_film_under_a_height_map_is_that_under_pillars() {
     let folder = tempfile::TempDir::new().expect("a folder for the test");
@@ -565,7 +564,7 @@ fn a_film_under_a_height_map_is_that_under_pillars() {
     assert!(named("indentation_over_thickness"));
 }
 
-/// Adhesion changes nothing on a surface, so that every question refuses it.
+/// Adhesion has no effect on a surface, so that every question refuses it.
 #[test]
 fn adhesion_is_refused() {
     let case = example("square-pillars.toml");
@@ -588,7 +587,7 @@ fn adhesion_is_refused() {
     }
 }
 
-/// The apex of a cone in a single cell: by cells twice and four times as large the force is off by as much as it is.
+/// The apex of a cone in a single cell: the difference of the forces on cells of two and four times the size is as large as the force.
 const UNRESOLVED: [&str; 6] = [
     "--set",
     "surface.pillar.top=cone",
@@ -598,7 +597,7 @@ const UNRESOLVED: [&str; 6] = [
     "surface.grid.width=40um",
 ];
 
-/// It is printed and saved with the reason, which is not kept quiet, and the exit status says that it is no answer.
+/// The result is printed and saved with the reason, even with --quiet, and the exit status marks it as unreliable.
 #[test]
 fn a_stated_error_above_a_half_is_no_answer() {
     let (case, folder) = (example("square-pillars.toml"), tempfile::tempdir().unwrap());
@@ -627,7 +626,7 @@ fn a_stated_error_above_a_half_is_no_answer() {
     );
     let saved = std::fs::read(folder.path().join("o/summary.json")).unwrap();
     assert_eq!(serde_json::from_slice::<Value>(&saved).unwrap(), result);
-    // Of a loading, every state by itself.
+    // For a loading, every state by itself.
     let path = ["--step", "30nm", "--to", "60nm", "--json"];
     let loading = fakir("approach", &case, &[&UNRESOLVED[..], &path].concat());
     assert_eq!(loading.status.code(), Some(1));
@@ -642,7 +641,7 @@ fn a_stated_error_above_a_half_is_no_answer() {
         [answers(0), answers(2)],
         [Value::from(true), Value::from(false)]
     );
-    // And of a sweep every case.
+    // And for a sweep every case.
     let study = "[study]\nquestion = \"press\"\nindentation = \"60 nm\"\ncase = \"case.toml\"\n[axes]\n\"surface.pillar.height\" = [\"0.5 um\"]\n";
     std::fs::copy(&case, folder.path().join("case.toml")).unwrap();
     std::fs::write(folder.path().join("study.toml"), study).unwrap();

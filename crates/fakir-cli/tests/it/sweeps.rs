@@ -1,4 +1,4 @@
-//! Sweeps as they are run from a shell: killed, divided, interrupted, piped.
+//! Sweeps from a shell: killed, divided, interrupted, piped.
 
 use crate::common::{Bench, Outcome, example, keys};
 use fakir_study::TABLES;
@@ -32,7 +32,7 @@ fn journal_lines(bench: &Bench, folder: &str) -> usize {
     journal.iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// Waits until the journal has so many lines; false if the sweep ends before.
+/// Waits until the journal has a number of lines; false if the sweep ends earlier.
 fn wait_for_lines(bench: &Bench, folder: &str, lines: usize, sweep: &mut Child) -> bool {
     while journal_lines(bench, folder) < lines {
         if sweep.try_wait().unwrap().is_some() {
@@ -323,7 +323,7 @@ fn failures_are_counted_and_keep_their_rows() {
     assert_eq!(json["rows"][1]["load.indentation_m"], 1e-6);
     assert_eq!(json["problems"][1]["case"], 5);
 
-    // Shards that are merged say the same.
+    // Merged shards report the same.
     for shard in ["1/2", "2/2"] {
         let folder = shard.replace('/', "-of-");
         bench.run(&["sweep", "press.toml", "--shard", shard, "--output", &folder]);
@@ -436,7 +436,7 @@ fn a_key_without_effect_is_named_once() {
     assert_eq!(summary["case_warnings"], serde_json::json!([words]));
     let plain = bench.run(&["sweep", "study.toml", "--json"]);
     assert!(plain.stderr.is_empty() && !plain.stdout.contains("case_warnings"));
-    // Also as shards are merged.
+    // Also when shards are merged.
     for shard in ["1/2", "2/2"] {
         let folder = shard.replace('/', "-of-");
         let own = ["sweep", "study.toml", "--shard", shard, "--output", &folder];
@@ -448,7 +448,8 @@ fn a_key_without_effect_is_named_once() {
     assert!(merged.stdout.contains("case_warnings"), "{}", merged.stdout);
 }
 
-/// Thicknesses and what films rest on are axes like others. Under the critical force a film gives way less the thinner it is, and less where it is bonded.
+/// Thicknesses and the bases of films are axes like others. Under the critical force the displacement decreases with the thickness of a
+/// film, and if the film is bonded.
 #[test]
 fn films_are_swept() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! What has a meaning for a texture only says so of a general surface, and what to use instead.
+//! Commands for pillar patterns refuse a general surface and name an alternative.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,8 +9,8 @@ fn folder(name: &str) -> std::path::PathBuf {
         .join(name)
 }
 
-/// Every command that reads a case and has no answer for a surface: exit status 2, the line of the
-/// file, the reason in its own words, and another command that has an answer.
+/// Every command that reads a case and does not support surfaces: exit status 2, the line of the file, the reason, and an alternative
+/// command.
 #[test]
 fn commands_without_an_answer_for_a_surface_say_what_to_use() {
     let case = folder("square-pillars.toml");

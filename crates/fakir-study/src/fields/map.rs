@@ -3,23 +3,23 @@
 use fakir::problem::{Indenter, Point, SurfaceSystem};
 use fakir::state::{ContactState, FieldSamples, Run, SolveError, SurfaceContact};
 
-/// Most points across: three fields of so many squared take 100 MB.
+/// Largest number of points across: three fields of this number squared take 100 MB.
 pub const MOST_POINTS: usize = 2048;
 
-/// Memory that a point of a map takes besides what it is sampled with, bytes: its fields and both
-/// files take more than sampling does, but after it. Measured are 118 bytes a point in all.
+/// Memory per point of a map in addition to sampling, bytes: fields and both files take more than sampling does, but after it. The measured
+/// total is 118 bytes per point.
 const BYTES_PER_POINT: usize = 48;
 
 /// Points across a pillar, unless that makes more than [`USUAL_POINTS`].
 const POINTS_PER_DIAMETER: f64 = 12.0;
 
-/// Most points across if no number is asked for; odd, so that the lens axis is one of them.
+/// Largest default number of points across; odd, so that the lens axis is one of them.
 const USUAL_POINTS: usize = 511;
 
-/// Pitches shown on each side where nothing is touched.
+/// Pitches shown on each side if nothing is touched.
 const BARE_PITCHES: f64 = 2.0;
 
-/// Half width of a map over the radius of the lens, at most: there is lens above its corners.
+/// Largest ratio of the half width of a map to the lens radius: the lens extends beyond its corners.
 const LARGEST_WIDTH: f64 = 0.7;
 
 /// Equally spaced coordinates.
@@ -27,9 +27,9 @@ const LARGEST_WIDTH: f64 = 0.7;
 pub struct Axis {
     /// The first coordinate, m.
     pub start: f64,
-    /// The distance from one coordinate to the next, m.
+    /// Distance between coordinates, m.
     pub spacing: f64,
-    /// How many coordinates there are.
+    /// Number of coordinates.
     pub count: usize,
 }
 
@@ -54,14 +54,14 @@ impl Axis {
     }
 }
 
-/// A field and what it is.
+/// A field with its description.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Variable {
-    /// Its name; files without units have that of the unit behind it.
+    /// Its name; in files without units, the unit is appended.
     pub(super) name: &'static str,
     /// Its name in words.
     pub(super) long_name: &'static str,
-    /// What to know about its values.
+    /// Note on its values.
     pub(super) comment: String,
     pub(super) values: Values,
 }
@@ -84,24 +84,22 @@ pub struct FieldMap {
     pub(super) force: f64,
     /// Indentation, m.
     pub(super) indentation: f64,
-    /// Whether x and y are counted from the lens axis: a plate has none.
+    /// Whether x and y are relative to the lens axis; a plate has none.
     pub(super) around_axis: bool,
     pub(super) variables: Vec<Variable>,
 }
 
 impl FieldMap {
-    /// The fields of a contact with a texture, on a square around the lens axis that holds the
-    /// contact and a pitch more, or two pitches each way where nothing is touched. `points` across;
-    /// 12 across a pillar if not given, but no more than 511.
+    /// The fields of a contact with a pillar pattern, on a square around the lens axis that contains the contact and one more pitch, or two
+    /// pitches on each side if nothing is touched. `points` across; by default 12 across a pillar, but at most 511.
     ///
-    /// `None` for methods that have no fields.
+    /// `None` for methods without fields.
     ///
     /// # Errors
-    /// [`SolveError::Interrupted`] if `run` is cancelled, and [`SolveError::TooManyPoints`] for more
-    /// than there is memory for.
+    /// [`SolveError::Interrupted`] if `run` is cancelled, and [`SolveError::TooManyPoints`] if the memory limit would be exceeded.
     ///
     /// # Panics
-    /// If fewer than two points are asked for.
+    /// If fewer than two points are requested.
     pub fn of_contact(
         state: &ContactState,
         points: Option<usize>,
@@ -152,7 +150,7 @@ impl FieldMap {
         }))
     }
 
-    /// Whether a map of so many points along its sides, and its files, fit the memory allowed.
+    /// Returns an error if a map with these numbers of points, and its files, exceed the memory limit.
     ///
     /// # Errors
     /// [`SolveError::TooManyPoints`]
@@ -161,8 +159,8 @@ impl FieldMap {
         FieldSamples::check_memory(points, BYTES_PER_POINT, run)
     }
 
-    /// The fields of a contact with a general surface, at the centres of its cells; on pillars is
-    /// what is not [floor](SurfaceSystem::floor). `None` if that is more than [`MOST_POINTS`] squared.
+    /// The fields of a contact with a general surface, at the centres of its cells; cells that are not [floor](SurfaceSystem::floor) count
+    /// as pillar. `None` if there are more than [`MOST_POINTS`] squared.
     #[must_use]
     pub fn of_surface(system: &SurfaceSystem, contact: &SurfaceContact) -> Option<Self> {
         let grid = &contact.grid;

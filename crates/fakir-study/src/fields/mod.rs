@@ -1,11 +1,9 @@
 //! Fields of a contact on a regular grid, as files for other programs.
 //!
-//! * `fields.nc`: netCDF classic with 64-bit offsets (CDF-2), in the manner of the CF conventions,
-//!   for xarray and everything that reads netCDF;
+//! * `fields.nc`: netCDF classic with 64-bit offsets (CDF-2), following the CF conventions, for xarray and all programs that read netCDF;
 //! * `fields.vti`: VTK image data, for ParaView.
 //!
-//! Both have the same numbers, bit for bit, in SI units, and the same [`Provenance`]. The lens axis
-//! is the origin.
+//! Both contain the same numbers, bit for bit, in SI units, and the same [`Provenance`]. The lens axis is the origin.
 
 mod map;
 mod netcdf;
@@ -72,7 +70,7 @@ mod tests {
         assert_eq!(even, [-1.0, 1.0]);
     }
 
-    /// Beside a single pillar the floor takes most of the load, farther out than that stands.
+    /// Beside a single pillar the floor carries most of the load, and extends farther out than the pillar.
     #[test]
     fn the_map_holds_the_whole_contact() {
         let mut case = Case::example();
@@ -107,9 +105,8 @@ mod tests {
         }
     }
 
-    /// Whatever the grid, its cells hold the force on the pillars: here with points right on the rim of
-    /// the pillar under the lens axis, between pillars that the edge of the contact crosses, and with
-    /// cells larger than a pillar.
+    /// For any grid, the sum over its cells is the force on the pillars: here with points exactly on the rim of the pillar under the lens
+    /// axis, between pillars crossed by the edge of the contact, and with cells larger than a pillar.
     #[test]
     fn the_sum_of_the_pressure_is_the_force() {
         for (force, points) in [(2e-5, None), (3e-4, Some(121)), (3e-4, Some(12))] {

@@ -8,21 +8,21 @@ use crate::provenance::Provenance;
 
 const MAGIC: &[u8; 4] = b"CDF\x02";
 
-/// Tags of the lists of a header.
+/// Tags of the lists in a header.
 const DIMENSIONS: usize = 10;
 const VARIABLES: usize = 11;
 const ATTRIBUTES: usize = 12;
 
-/// Stands for a value that is not finite (`NC_FILL_DOUBLE` of the specification), as the classic format has it.
+/// Fill value for values that are not finite (`NC_FILL_DOUBLE` of the specification), as in the classic format.
 const FILL: f64 = 9.969_209_968_386_869e36;
 
-/// Pads the values of a variable of bytes (`NC_FILL_BYTE`).
+/// Padding of variables of bytes (`NC_FILL_BYTE`).
 const FILL_BYTE: i8 = -127;
 
 /// The dimensions, slowest first.
 const NAMES: [&str; 2] = ["y", "x"];
 
-/// Something said of the file or of a variable.
+/// Value of an attribute of the file or of a variable.
 enum Attribute {
     Text(String),
     Number(f64),
@@ -30,7 +30,7 @@ enum Attribute {
 
 type Attributes = Vec<(&'static str, Attribute)>;
 
-/// A variable: over one dimension or both, by their numbers.
+/// A variable over one or both dimensions, given by index.
 struct Variable {
     name: &'static str,
     dimensions: &'static [usize],
@@ -59,7 +59,7 @@ pub(super) fn write(map: &FieldMap, provenance: &Provenance) -> Vec<u8> {
     bytes
 }
 
-/// The header of a file whose values begin after `begin` bytes.
+/// The header of a file whose values start after `begin` bytes.
 fn header(
     map: &FieldMap,
     provenance: &Provenance,
@@ -67,7 +67,7 @@ fn header(
     begin: usize,
 ) -> Vec<u8> {
     let mut header = MAGIC.to_vec();
-    // There are no records, which would be of an unlimited dimension.
+    // There are no records, which would need an unlimited dimension.
     put(&mut header, 0);
     put(&mut header, DIMENSIONS);
     put(&mut header, NAMES.len());
@@ -94,7 +94,7 @@ fn header(
     header
 }
 
-/// What is said of the whole file.
+/// Attributes of the file.
 fn about(map: &FieldMap, provenance: &Provenance) -> Attributes {
     let mut about = vec![text("Conventions", "CF-1.8")];
     let pairs = provenance.attributes().into_iter();
@@ -186,7 +186,7 @@ fn put_attributes(header: &mut Vec<u8>, attributes: &Attributes) {
     }
 }
 
-/// A text with its length.
+/// A text preceded by its length.
 fn put_text(header: &mut Vec<u8>, text: &str) {
     put(header, text.len());
     header.extend(text.as_bytes());
@@ -208,7 +208,7 @@ pub(super) mod tests {
     use netcdf3::FileReader;
     use std::io::Cursor;
 
-    /// The values of a variable, as the library reads them.
+    /// The values of a variable, as read by the library.
     pub(in crate::fields) fn numbers(contents: &[u8], name: &str) -> Vec<f64> {
         let input = Box::new(Cursor::new(contents.to_vec()));
         let mut reader = FileReader::open_seek_read("fields.nc", input).unwrap();

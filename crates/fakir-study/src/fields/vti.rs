@@ -1,7 +1,7 @@
-//! A [`FieldMap`] as VTK image data: XML with base64 inside, which VTK 6 and later read.
+//! A [`FieldMap`] as VTK image data: XML with embedded base64, which VTK 6 and later read.
 //!
-//! Each array is its length in bytes (64 bits) and its values, little-endian, as one piece of
-//! base64. Texts are arrays of characters in field data. The XML itself holds no text from outside.
+//! Each array is its length in bytes (64 bits) and its values, little-endian, as one block of base64. Texts are arrays of characters in
+//! field data. The XML itself contains no external text.
 
 use super::map::{FieldMap, Values, Variable};
 use crate::provenance::Provenance;
@@ -22,7 +22,7 @@ pub(super) fn write(map: &FieldMap, provenance: &Provenance) -> String {
         map.x.start, map.y.start, map.x.spacing, map.y.spacing, map.x.spacing
     );
     for (name, value) in provenance.attributes() {
-        // Ends in a zero, as strings do there.
+        // Strings are terminated by a zero.
         let bytes = [value.as_bytes(), &[0]].concat();
         array(&mut text, "String", name, r#" NumberOfTuples="1""#, &bytes);
     }

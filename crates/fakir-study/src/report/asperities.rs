@@ -1,4 +1,4 @@
-//! What the reports of rounded pillar tops have in common.
+//! Common parts of the reports of rounded pillar tops.
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use crate::provenance::method_words;

@@ -9,7 +9,7 @@ use crate::output::File;
 use crate::provenance::Provenance;
 use crate::result::with_case_warnings;
 
-/// The result of a command, in every form it is wanted in.
+/// The result of a command, in all output forms.
 #[derive(Debug)]
 pub struct Report {
     /// One JSON object.

@@ -1,4 +1,4 @@
-//! What the reports of contact states have in common.
+//! Common parts of the reports of contact states.
 
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
@@ -12,7 +12,7 @@ use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
 use std::fmt::Write;
 
-/// Most digits shown of contact radii.
+/// Largest number of digits of contact radii.
 const RADIUS_DIGITS: usize = 5;
 
 /// Digits of a contact radius with this relative error that mean something.
@@ -20,10 +20,10 @@ pub fn radius_digits(relative_error: f64) -> usize {
     digits(relative_error).min(RADIUS_DIGITS)
 }
 
-/// Digits shown of the homogenised lattice: its error is that of the model, not of the numbers.
+/// Digits of results of the homogenised lattice: its error is a model error, not a numerical one.
 const MODEL_DIGITS: usize = 4;
 
-/// A text with derivatives under it, if there are any.
+/// A text followed by derivatives, if there are any.
 pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) -> String {
     match gradient {
         Some(gradient) => format!("{text}\n\n{}", gradient.text()),
@@ -79,7 +79,7 @@ pub fn texture_line(system: &System) -> String {
     format!("{line}{}{}", lens_part(system), layers_part(system))
 }
 
-/// What there is to say of bodies that are no half-spaces: `, on a film 200 um thick; indentations are the approach of the backs`.
+/// Description of bodies that are not half-spaces: `, on a film 200 um thick; indentations are the approach of the backs`.
 fn layers_part(system: &System) -> String {
     let thickness = |layer: &Layer| {
         let base = match layer.base {
@@ -105,7 +105,7 @@ fn layers_part(system: &System) -> String {
     line
 }
 
-/// What there is to say of a lens that is no sphere: `, under a cylinder of radius 2.2 mm`.
+/// Description of a lens that is not a sphere: `, under a cylinder of radius 2.2 mm`.
 fn lens_part(system: &System) -> String {
     let length = |value: f64| with_unit(value, Dimension::Length, DIGITS);
     let degrees = |angle: f64| plain(angle.to_degrees());
@@ -134,7 +134,7 @@ fn lens_part(system: &System) -> String {
     }
 }
 
-/// Where the lens axis stands, for an offset in pitches and its direction in rad.
+/// Position of the lens axis, for an offset in pitches and its direction in rad.
 fn axis(offset: f64, angle: f64) -> String {
     if offset == 0.0 {
         return "lens axis on a pillar".to_owned();
@@ -151,7 +151,7 @@ fn axis(offset: f64, angle: f64) -> String {
     )
 }
 
-/// A number in six digits at most, without zeros that say nothing.
+/// A number with at most six digits, without trailing zeros.
 fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     rounded.to_string()
@@ -216,7 +216,7 @@ pub(crate) fn loading_remark(converged: bool, critical: bool, beyond: bool) -> &
     }
 }
 
-/// Where the critical state is that a loading does not come to.
+/// Location of a critical state beyond the end of a loading.
 pub(crate) fn further_on(indentation: f64, force: f64) -> String {
     format!(
         "\nThe critical state is further on, at an indentation of {} and a force of {}.\n",
@@ -237,7 +237,7 @@ pub fn difference(name: &str, difference: Difference) -> String {
     )
 }
 
-/// What to be careful about if the range of the attraction does not count as small.
+/// Warnings if the range of the attraction is too large for the short-range assumption.
 pub(crate) fn strained_range(limits: &[Limit]) -> Vec<String> {
     let strained = limits.iter().filter(|limit| limit.strained);
     strained
@@ -253,7 +253,7 @@ pub(crate) fn strained_range(limits: &[Limit]) -> Vec<String> {
         .collect()
 }
 
-/// A limit of the model for a person.
+/// Description of a validity limit.
 fn limit_words(name: &'static str) -> &'static str {
     match name {
         "kendall_strain" => "strain of pillars at pull-off",
@@ -274,7 +274,7 @@ fn limit_words(name: &'static str) -> &'static str {
     }
 }
 
-/// The value of a limit in the fewest digits, from this number on, with which it is on the same side of the threshold as it is.
+/// The value of a limit with the smallest number of digits, at least `digits`, for which it is on the correct side of the threshold.
 fn limit_value(limit: &Limit, digits: usize) -> String {
     if limit.name == CELLS {
         return limit.value.to_string();
@@ -302,16 +302,16 @@ pub fn strained_words(limits: &[Limit]) -> Vec<String> {
     words.collect()
 }
 
-/// What elastic pillars are known to.
+/// Model error of elastic pillars.
 const ELASTIC_ERROR: &str = "elastic_pillar_error";
 
 /// The limit that is a number of cells.
 const CELLS: &str = "cells_in_contact";
 
-/// The limit that the range of the attraction sets.
+/// The limit that depends on the range of the attraction.
 const RANGE: &str = "tabor_number";
 
-/// A list of the quantities of a state, built up row by row.
+/// A list of the quantities of a state, built row by row.
 #[derive(Debug, Default)]
 pub struct QuantityList(Vec<[String; 4]>);
 
@@ -362,7 +362,7 @@ impl QuantityList {
         };
         let remark = |name: &str, value, error: f64| {
             let estimate = match state.method {
-                Method::Homogenised => String::new(), // the estimate says nothing of the error of the model
+                Method::Homogenised => String::new(), // the estimate does not include the model error
                 _ => error_remark(error),
             };
             format!("{name} = {}{estimate}", significant(value, known(error)))
@@ -447,7 +447,7 @@ impl QuantityList {
                 (RANGE, true) => {
                     format!("below {threshold}: the range does not count as small (JKR limit)")
                 }
-                // Of what is to be large.
+                // Limits with a lower threshold.
                 (_, true) if limit.value < threshold => {
                     format!("below {threshold}, where the model is doubtful")
                 }
@@ -587,7 +587,7 @@ pub fn error_remark(error: f64) -> String {
 mod tests {
     use super::*;
 
-    /// A value that is rounded to its threshold would be strained and kept in the same digits.
+    /// A value rounded to its threshold would be exceeded and satisfied with the same digits.
     #[test]
     fn limits_are_shown_on_their_side_of_the_threshold() {
         for (value, shown) in [

@@ -120,7 +120,7 @@ pub fn table<T: 'static>(rows: &[T], columns: &[Column<T>]) -> String {
 pub fn list(rows: Vec<[String; 4]>) -> String {
     let mut table = Table::new();
     table.load_style(TableStyle::new()).add_rows(rows);
-    // A unit stands close to its number.
+    // The unit follows its number closely.
     for (column, right) in table.column_iter_mut().zip([2, 1, 2, 0]) {
         column.set_padding((0, right));
     }
@@ -130,7 +130,7 @@ pub fn list(rows: Vec<[String; 4]>) -> String {
     lines(&table)
 }
 
-/// Without the blanks that fill lines up.
+/// Removes trailing blanks.
 fn lines(table: &Table) -> String {
     table
         .lines()

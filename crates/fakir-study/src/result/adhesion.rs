@@ -1,4 +1,4 @@
-//! What is known in closed form of pillar tops that stick, and how far the model holds.
+//! Closed forms for adhesive pillar tops, and validity limits of the model.
 
 use fakir::problem::{InvalidQuantity, System};
 use fakir::theory::adhesion::{
@@ -10,55 +10,55 @@ use fakir::theory::closed_forms::{Form, large_contact_radius};
 use fakir::theory::stuck_floor::{AnnulusEdge, StuckFloor};
 use serde::Serialize;
 
-/// Closed forms of contacts that stick.
+/// Closed forms of adhesive contacts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct AdhesionObject {
-    /// Work of adhesion where contact is made, J/m^2.
+    /// Work of adhesion on attachment, J/m^2.
     pub work_of_adhesion_J_per_m2: f64,
-    /// Work of adhesion where contact is broken, J/m^2: the one that the formulas are for.
+    /// Work of adhesion on detachment, J/m^2: the one used in the formulas.
     pub receding_work_of_adhesion_J_per_m2: f64,
-    /// Range of the attraction, m, if it is given.
+    /// Range of the attraction, m, if given.
     pub attraction_range_m: Option<f64>,
-    /// Stress of Kendall's punch at pull-off over the modulus of the substrate.
+    /// Stress on Kendall's punch at pull-off divided by the modulus of the substrate.
     pub kendall_strain: f64,
-    /// Tabor number of a pillar top; none without a range.
+    /// Tabor number of a pillar top; `None` without a range.
     pub tabor_number: Option<f64>,
     /// The formulas.
     pub pull_off: Vec<PullOffRow>,
-    /// What a floor would do that sticks as the tops do; none of pillars that are not alike on the endless hexagonal lattice.
+    /// Behaviour of a floor with the same adhesion as the tops; `None` unless equal pillars form the infinite hexagonal lattice.
     pub stuck_floor: Option<StuckFloorObject>,
 }
 
-/// Closed forms of a floor that sticks.
+/// Closed forms of an adhesive floor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct StuckFloorObject {
-    /// Work of adhesion above which the flat lattice collapses without load, J/m^2.
+    /// Work of adhesion above which the flat lattice collapses at zero load, J/m^2.
     pub collapse_work_J_per_m2: f64,
-    /// Radius of the free annuli there, m.
+    /// Radius of the detached annuli at that work, m.
     pub collapse_annulus_radius_m: f64,
-    /// The work where contact is made over that of collapse.
+    /// Ratio of the work on attachment to that of collapse.
     pub work_over_collapse_work: f64,
-    /// Outer radius of the free annulus round a pillar without pressure, for the work where contact is broken, m; none where no edge stands.
+    /// Outer radius of the detached annulus around a pillar at zero pressure, for the work on detachment, m; `None` if no edge is stable.
     pub annulus_radius_m: Option<f64>,
-    /// That over the pitch: annuli count as alone below [`ANNULI_ALONE`].
+    /// The same in pitches: annuli are treated as isolated below [`ANNULI_ALONE`].
     pub annulus_radius_in_pitches: Option<f64>,
-    /// Tension under which the annulus of a lone pillar runs away, Pa.
+    /// Tension above which the annulus of an isolated pillar is unstable, Pa.
     pub largest_tension_Pa: f64,
-    /// What a stuck floor has won, for the work where contact is broken, J/m^2; none where annuli fill the cells.
+    /// Energy gain per area of an adhering floor, for the work on detachment, J/m^2; `None` if annuli fill the cells.
     pub net_work_J_per_m2: Option<f64>,
-    /// Radius of the patch to which the lens jumps where it first touches the floor, if it is as round there as it is undeformed, m.
+    /// Radius of the patch after jump-in at first contact with the floor, with the curvature of the undeformed lens, m.
     pub patch_radius_m: f64,
-    /// Force with which that patch pulls, N, negative.
+    /// Force on that patch, N, negative.
     pub patch_force_N: f64,
 }
 
-/// Radius of annuli over the pitch from which on what they do to each other counts.
+/// Ratio of annulus radius to pitch above which the interaction of annuli is significant.
 pub const ANNULI_ALONE: f64 = 0.3;
 
 impl StuckFloorObject {
-    /// Of a system that sticks; none of other pillars than equal ones on the endless hexagonal lattice, and under a lens that is no sphere.
+    /// For an adhesive system; `None` unless equal pillars form the infinite hexagonal lattice and the lens is a sphere.
     fn new(system: &System) -> Result<Option<Self>, InvalidQuantity> {
         let Ok(floor) = StuckFloor::of(system) else {
             return Ok(None);
@@ -67,7 +67,7 @@ impl StuckFloorObject {
             return Ok(None);
         };
         let (made, broken) = (system.adhesion().work, system.adhesion().receding());
-        // Where contact wins nothing as it is made there is no jump.
+        // Without work of adhesion on attachment there is no jump-in.
         let first = match made {
             0.0 => None,
             made => sticky_sphere_at_indentation(system.reduced_modulus(), lens.radius, made, 0.0)?,
@@ -92,32 +92,32 @@ impl StuckFloorObject {
     }
 }
 
-/// A pull-off by a formula.
+/// A pull-off force by a formula.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct PullOffRow {
     /// Name of the formula.
     pub formula: &'static str,
-    /// Name for a person.
+    /// Descriptive name.
     #[serde(skip)]
     pub name: &'static str,
-    /// Force, N, negative where the bodies are pulled apart.
+    /// Force, N, negative in tension.
     pub force_N: f64,
-    /// That over Kendall's of one pillar.
+    /// Ratio to Kendall's force of one pillar.
     pub normalized_force: f64,
-    /// Indentation, m; none where the formula has none.
+    /// Indentation, m; `None` if the formula does not provide it.
     pub indentation_m: Option<f64>,
-    /// Radius of contact, m; none where the formula has none.
+    /// Contact radius, m; `None` if the formula does not provide it.
     pub contact_radius_m: Option<f64>,
-    /// Angle between lens and pillar top, rad, of the formula that has one.
+    /// Angle between lens and pillar top, rad, for the formula that includes it.
     pub tilt_rad: Option<f64>,
 }
 
 impl AdhesionObject {
-    /// What is known of a system; none where nothing sticks. `range` is that of the attraction (m), if it is known.
+    /// The closed forms of a system; `None` without adhesion. `range` is that of the attraction (m), if known.
     ///
     /// # Errors
-    /// A range that is no positive number.
+    /// A range that is not positive.
     pub fn new(system: &System, range: Option<f64>) -> Result<Option<Self>, InvalidQuantity> {
         let adhesion = system.adhesion();
         if adhesion.is_none() {
@@ -144,7 +144,7 @@ impl AdhesionObject {
     }
 }
 
-/// The formulas; `dugdale` is the force of the one that needs a range.
+/// The formulas; `dugdale` is the force by the formula that needs a range.
 fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
     let (modulus, lens) = (system.reduced_modulus(), system.lens().sphere_radius());
     let (radius, diameter) = (0.5 * system.pillar().diameter, system.pillar().diameter);
@@ -165,7 +165,7 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
         ..row(formula, name, sphere.force)
     };
     let under_lens = pull_off_under_lens(modulus, radius, work, lens);
-    // The top of a pillar gives way as a punch, and the pillar as a column besides.
+    // The top of a pillar has the compliance of a punch, plus that of the column.
     let column = (system.internal_compliance() - 1.0 / modulus) / diameter;
     let punch = sticky_sphere(modulus, lens, work, radius).indentation;
     let pitch = system.pitch();
@@ -205,7 +205,7 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
         .ok()
         .and_then(|floor| floor.net_work(work).ok().flatten());
     if let Some(net) = net.filter(|net| *net > 0.0) {
-        // How deep the lens is then in terms of the first touch of tops depends on how far the floor was drawn up to it.
+        // The indentation at that point, relative to first contact with the tops, depends on how far the floor was raised.
         let sphere = sphere_pull_off_by_force(modulus, lens, net);
         rows.push(PullOffRow {
             contact_radius_m: Some(sphere.radius),
@@ -225,8 +225,8 @@ mod tests {
     use fakir_case::Case;
     use std::f64::consts::PI;
 
-    /// `d = 6 um`, `R = 2.2 mm`, `E* = 4/3 MPa`, `w = 50 mJ/m^2`: Kendall's force by hand, and that of the smooth sphere of Johnson, Kendall
-    /// and Roberts, `3/2 pi w R`.
+    /// `d = 6 um`, `R = 2.2 mm`, `E* = 4/3 MPa`, `w = 50 mJ/m^2`: Kendall's force by hand, and that of the smooth sphere of Johnson,
+    /// Kendall and Roberts, `3/2 pi w R`.
     #[test]
     fn formulas_are_those_of_a_pillar_and_of_the_bare_substrate() {
         let system = Case::example().system;
@@ -248,13 +248,13 @@ mod tests {
                 .iter()
                 .all(|row| row.formula != "maugis_dugdale")
         );
-        // The lens is so flat over one top that it hardly matters.
+        // The lens is nearly flat over one top, so that the effect is small.
         assert!((of("pillar_under_lens").normalized_force - 1.0).abs() < 1e-2);
         let stretch = |name: &str| of(name).indentation_m.unwrap();
         assert!((stretch("pillar_under_lens") / stretch("kendall") - 1.0).abs() < 0.03);
     }
 
-    /// 50 mJ/m^2 on the lattice of 3 %: annuli of 4.67 um, threshold 21 mJ/m^2, pull-off 0.27 mN, from another series of modes.
+    /// 50 mJ/m^2 on the lattice of 3 %: annuli of 4.67 um, threshold 21 mJ/m^2, pull-off 0.27 mN, from a different series of modes.
     #[test]
     fn a_floor_that_sticks_has_its_closed_forms() {
         let system = Case::example().system;
@@ -271,7 +271,7 @@ mod tests {
         assert!(
             (floor.work_over_collapse_work * floor.collapse_work_J_per_m2 - 50e-3).abs() < 1e-12
         );
-        // Johnson, Kendall and Roberts at first touch.
+        // Johnson, Kendall and Roberts at first contact.
         let lens = system.lens().sphere_radius();
         assert!((floor.patch_force_N / (-4.0 / 3.0 * PI * 50e-3 * lens) - 1.0).abs() < 1e-9);
         let pull = found
@@ -281,7 +281,7 @@ mod tests {
         let pull = pull.unwrap().force_N;
         assert!((pull + 0.27e-3).abs() < 5e-6, "{pull}");
         assert!((pull / (-1.5 * PI * floor.net_work_J_per_m2.unwrap() * lens) - 1.0).abs() < 1e-9);
-        // Below the threshold the floor holds nothing by itself.
+        // Below the threshold the floor does not adhere by itself.
         let less = of(10e-3);
         assert!(less.pull_off.iter().all(|row| row.formula != "stuck_floor"));
         assert!(less.stuck_floor.unwrap().net_work_J_per_m2.unwrap() < 0.0);

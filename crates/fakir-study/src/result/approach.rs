@@ -1,4 +1,4 @@
-//! Loading step by step.
+//! Loading in steps.
 
 use crate::VERSION;
 use crate::approach::{Approach, Loadable};
@@ -9,10 +9,10 @@ use serde::Serialize;
 /// A loading: what `fakir approach --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ApproachSummary {
-    /// Method, and what was pressed onto what.
+    /// Method, indenter and surface.
     #[serde(flatten)]
     head: Object,
-    /// None where it is not known what the floor is.
+    /// `None` if the surface defines no floor.
     critical: Option<Object>,
     states: Vec<Object>,
     converged: bool,

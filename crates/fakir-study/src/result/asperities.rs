@@ -8,10 +8,10 @@ use fakir::problem::Asperity;
 use fakir::state::AsperityState;
 use fakir_case::unit::Dimension;
 
-/// Part of the radius of curvature up to which a contact on a rounded top counts as small.
+/// Ratio of contact radius to radius of curvature up to which a contact on a rounded top is small.
 const SMALL_CONTACT: f64 = 0.3;
 
-/// What is left out, in words.
+/// Description of neglected effects.
 #[must_use]
 pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
     if answer.floor_is_out_of_reach() {
@@ -21,7 +21,7 @@ pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
     }
 }
 
-/// What to be careful about.
+/// Warnings.
 #[must_use]
 pub fn asperity_warnings(answer: AsperityAnswer<'_>) -> Vec<String> {
     let AsperityAnswer {

@@ -4,13 +4,13 @@ use crate::closed_forms::ClosedForm;
 use fakir::state::{CriticalState, Solution, SolveError};
 use serde::Serialize;
 
-/// A critical state by one method: a row of `compare.csv`. What a method does not give is `None`.
+/// A critical state by one method: a row of `compare.csv`. Quantities that a method does not provide are `None`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct MethodRow {
     /// Name of the method or formula.
     pub method: &'static str,
-    /// The same for a person.
+    /// Descriptive name.
     #[serde(skip)]
     pub name: &'static str,
     /// Critical force, N.
@@ -19,48 +19,48 @@ pub struct MethodRow {
     pub critical_indentation_m: Option<f64>,
     /// Critical contact radius, m.
     pub critical_contact_radius_m: Option<f64>,
-    /// Number of pillars touched.
+    /// Number of touched pillars.
     pub pillars_in_contact: Option<usize>,
-    /// Relative to the reference.
+    /// Relative difference from the reference.
     pub force_difference: Option<f64>,
-    /// The same of the indentation.
+    /// The same for the indentation.
     pub indentation_difference: Option<f64>,
     /// Estimated relative error of the force.
     pub force_error_estimate: Option<f64>,
     /// Estimated relative error of the contact radius.
     pub contact_radius_error_estimate: Option<f64>,
-    /// Whether the numbers are the solution and resolved, or there are none.
+    /// Whether the numbers are converged and resolved, or there are none.
     pub converged: bool,
     /// Steps taken.
     pub iterations: Option<usize>,
-    /// How long it took, s.
+    /// Computing time, s.
     pub wall_time_s: Option<f64>,
-    /// Processor time of the whole process meanwhile, s.
+    /// Processor time of the whole process during the computation, s.
     pub processor_time_s: Option<f64>,
-    /// Why there is no answer, or that a formula is used out of its range.
+    /// Why there is no result, or that a formula is used out of its range.
     pub remark: Option<String>,
 }
 
 /// The critical state by every method: what `fakir compare --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CompareSummary {
-    /// Fraction of the surface that is pillar top.
+    /// Fraction of the surface covered by pillar tops.
     pub surface_fraction: f64,
-    /// Distance of neighbouring pillars, m.
+    /// Distance between neighbouring pillars, m.
     pub pitch_m: f64,
-    /// The method that differences are from: the most accurate one with an answer.
+    /// The reference of the differences: the most accurate method with a result.
     pub reference: Option<&'static str>,
-    /// Formulas and methods, coarse to exact.
+    /// Formulas and methods, approximate to exact.
     pub methods: Vec<MethodRow>,
-    /// Threads that shared the work.
+    /// Number of threads.
     pub threads: usize,
-    /// Whether everything that was solved converged and is resolved.
+    /// Whether all solutions converged and are resolved.
     pub converged: bool,
     pub(crate) fakir_version: &'static str,
 }
 
 impl CompareSummary {
-    /// The name for a person of the method that differences are from.
+    /// Descriptive name of the reference.
     #[must_use]
     pub fn reference_name(&self) -> Option<&'static str> {
         let reference = self.reference?;
@@ -106,7 +106,7 @@ impl MethodRow {
         }
     }
 
-    /// A method that does not apply is no failure of the comparison.
+    /// A method that does not apply is not a failure of the comparison.
     pub(crate) fn refused(method: &'static str, name: &'static str, error: &SolveError) -> Self {
         Self {
             converged: true,

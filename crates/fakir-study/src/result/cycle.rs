@@ -6,25 +6,25 @@ use crate::record::{LimitObject, Object, SCHEMA_VERSION};
 use fakir::state::{Cycle, CycleEvent, CycleLoadStep, HeldFloor};
 use serde::Serialize;
 
-/// A point of the curve of force over indentation, which is linear between one and the next: a row of `cycle.csv`.
+/// A point of the force-indentation curve, which is linear between points: a row of `cycle.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct LoadStepRow {
     /// `loading` or `unloading`.
     pub branch: &'static str,
-    /// Indentation, m; negative where the lens pulls at the tops above their height.
+    /// Indentation, m; negative if tops are stretched above their height.
     pub indentation_m: f64,
-    /// Normal force, N; negative where the lens is held back.
+    /// Normal force, N; negative in tension.
     pub force_N: f64,
     /// Distance of the farthest point in contact from the lens axis, m.
     pub contact_radius_m: f64,
     /// Number of pillars in contact.
     pub pillars_in_contact: usize,
-    /// Number of those in contact in part.
+    /// Number of partially bonded pillars.
     pub pillars_partially_in_contact: usize,
-    /// Area in contact, m^2.
+    /// Contact area, m^2.
     pub contact_area_m2: f64,
-    /// How many events had happened.
+    /// Number of events so far.
     pub events: usize,
 }
 
@@ -43,19 +43,19 @@ impl From<&CycleLoadStep> for LoadStepRow {
     }
 }
 
-/// A change of what is in contact: a row of `events.csv`.
+/// A change of contact: a row of `events.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct EventRow {
     /// `loading` or `unloading`.
     pub branch: &'static str,
     /// `snap_in`, `growth`, `recession`, `release` or `floor_contact`.
     pub event: &'static str,
-    /// Indentation after it, m.
+    /// Indentation after the event, m.
     pub indentation_m: f64,
-    /// Force after it, N.
+    /// Force after the event, N.
     pub force_N: f64,
-    /// First index of the pillar; none where the floor is reached, as all that follows.
+    /// First index of the pillar; `None`, like all following fields, if the floor is reached.
     pub i: Option<i64>,
     /// Second index of the pillar.
     pub j: Option<i64>,
@@ -63,9 +63,9 @@ pub struct EventRow {
     pub x_m: Option<f64>,
     /// Its centre, m from the lens axis.
     pub y_m: Option<f64>,
-    /// Part of its top that was in contact before.
+    /// Bonded fraction of the top before the event.
     pub covered_before: Option<f64>,
-    /// Part of its top that is in contact afterwards.
+    /// Bonded fraction of the top after the event.
     pub covered: Option<f64>,
 }
 
@@ -87,11 +87,11 @@ impl From<&CycleEvent> for EventRow {
     }
 }
 
-/// A station at which the floor sticks to the lens: a row of `floor.csv`.
+/// A load step at which the floor adheres to the lens: a row of `floor.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct FloorRow {
-    /// Its place among the stations, from 0 on.
+    /// Index among the load steps, from 0.
     pub station: usize,
     /// `loading` or `unloading`.
     pub branch: &'static str,
@@ -99,15 +99,15 @@ pub struct FloorRow {
     pub indentation_m: f64,
     /// Normal force, N.
     pub force_N: f64,
-    /// Force on the floor, N; negative where it pulls.
+    /// Force on the floor, N; negative in tension.
     pub floor_force_N: f64,
-    /// That over the normal force.
+    /// Ratio of the floor force to the normal force.
     pub floor_share: f64,
-    /// Area of the floor in contact, m^2; none after a jump of which it is not resolved.
+    /// Contact area of the floor, m^2; `None` after a jump-in that does not resolve it.
     pub floor_contact_area_m2: Option<f64>,
     /// Distance of its farthest point in contact from the lens axis, m.
     pub floor_radius_m: f64,
-    /// Middles between three pillars that are in contact.
+    /// Number of centres between three pillars that are in contact.
     pub filled_holes: usize,
 }
 
@@ -126,7 +126,7 @@ impl FloorRow {
         }
     }
 
-    /// The stations of a cycle at which the floor sticks to the lens.
+    /// The load steps of a cycle at which the floor adheres to the lens.
     pub fn of(cycle: &Cycle) -> impl Iterator<Item = Self> + '_ {
         let stations = cycle.stations.iter().enumerate();
         let rows =
@@ -141,32 +141,32 @@ impl FloorRow {
     }
 }
 
-/// A floor that sticks, in a cycle.
+/// An adhesive floor in a cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 struct FloorObject {
-    /// Force before the lens jumps onto it, N; at the indentation of the jump.
+    /// Force before jump-in to the floor, N; at the indentation of the jump-in.
     force_before_jump_N: Option<f64>,
-    /// The state after the jump.
+    /// The state after jump-in.
     jump: Option<FloorRow>,
-    /// The last state with the floor in contact; none if it still is.
+    /// The last state with floor contact; `None` if the contact persists.
     last: Option<FloorRow>,
-    /// Indentation at the station after it is lost, m: it is lost between that and the last one.
+    /// Indentation at the load step after detachment, m: the floor detaches between that and the last one.
     indentation_after_loss_m: Option<f64>,
-    /// Force after it is lost, N.
+    /// Force after detachment, N.
     force_after_loss_N: Option<f64>,
-    /// Root of the area of a cell, m.
+    /// Square root of the area of a cell, m.
     cell_m: f64,
-    /// Cells across the free ring round a pillar, and along the radius of the first patch.
+    /// Number of cells across the detached ring around a pillar, and along the radius of the first patch.
     cells_across_ring: f64,
     cells_along_patch: f64,
-    /// Whether cells are so coarse that the figures are orders of magnitude.
+    /// Whether the cells are so coarse that only orders of magnitude are meaningful.
     coarse: bool,
     relative_error_estimate: FloorErrorsObject,
     stations: Vec<FloorRow>,
 }
 
-/// Estimated relative errors by the model of the fronts and by the cells: of two more cycles.
+/// Estimated relative errors due to the model of the fronts and the cells, from two more cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 struct FloorErrorsObject {
     /// At the end of loading.
@@ -175,7 +175,7 @@ struct FloorErrorsObject {
     turn_contact_area: f64,
     jump_force: f64,
     jump_contact_area: f64,
-    /// Of the indentation at which the floor is lost.
+    /// Of the indentation at which the floor detaches.
     lost_indentation: f64,
 }
 
@@ -209,11 +209,11 @@ impl FloorObject {
 
 /// A cycle: what `fakir cycle --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct CycleSummary {
     #[serde(flatten)]
     numbers: Object,
-    /// None if the floor does not stick, or was not touched.
+    /// `None` if the floor is not adhesive, or was not touched.
     #[serde(skip_serializing_if = "Option::is_none")]
     floor: Option<FloorObject>,
     limits: Vec<LimitObject>,
@@ -226,7 +226,7 @@ pub struct CycleSummary {
 }
 
 impl CycleSummary {
-    /// A cycle that took so many seconds.
+    /// A cycle with its computing time, s.
     #[must_use]
     pub fn new(cycle: &Cycle, wall_time: f64) -> Self {
         Self {
@@ -242,7 +242,7 @@ impl CycleSummary {
         }
     }
 
-    /// The same where the range of the attraction (m) is known, or is not.
+    /// The same with an optional range of the attraction (m).
     #[must_use]
     pub fn with_range(self, cycle: &Cycle, range: Option<f64>) -> Self {
         Self {
@@ -252,7 +252,7 @@ impl CycleSummary {
     }
 }
 
-/// What to be careful about, of a cycle.
+/// Warnings of a cycle.
 #[must_use]
 pub fn cycle_warnings(cycle: &Cycle) -> Vec<String> {
     let mut words = warnings_of(&cycle.warnings, cycle.termination, cycle.unresolved());
@@ -268,7 +268,7 @@ mod tests {
     use fakir::state::{FloorResolution, Run, Solution, StuckFloorErrors};
     use fakir_case::{Case, CaseFile};
 
-    /// Which holes a jump takes may depend on a detail: then its area alone is no answer.
+    /// The holes filled by a jump-in may depend on a detail: then only its area is unresolved.
     #[test]
     fn a_jump_without_a_resolved_area_keeps_the_cycle() {
         let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();

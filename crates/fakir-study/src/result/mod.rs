@@ -1,8 +1,7 @@
-//! Results as JSON objects and as tables, made once: what the command line, the Python package and
-//! the page show. The names are a contract, and end in the unit of the number.
+//! Results as JSON objects and as tables, defined once for the command line, the Python package and the page. The names are a contract, and
+//! end with the unit of the number.
 //!
-//! There is a file for every kind of result. Of a study with many cases [`Table`](crate::Table) has
-//! the rows.
+//! There is a file for every kind of result. The rows of a study with many cases are in [`Table`](crate::Table).
 
 mod adhesion;
 mod approach;
@@ -45,7 +44,7 @@ pub fn json(result: &impl Serialize) -> String {
     serde_json::to_string_pretty(result).expect("structs with named fields are JSON objects")
 }
 
-/// A result as a JSON object that has warnings about the case as it is written besides: its last key, `case_warnings`.
+/// A result as a JSON object with warnings about the case as written in its last key, `case_warnings`.
 #[must_use]
 pub fn with_case_warnings(object: &str, warnings: &[String]) -> String {
     #[derive(Serialize)]
@@ -72,7 +71,7 @@ pub fn csv<T: Serialize>(name: &'static str, rows: impl IntoIterator<Item = T>) 
     File::new(name, bytes)
 }
 
-/// What to be careful about, of a contact of either kind.
+/// Warnings of a contact of any kind.
 #[must_use]
 pub fn warnings(contact: &impl Contact) -> Vec<String> {
     warnings_of(
@@ -82,7 +81,7 @@ pub fn warnings(contact: &impl Contact) -> Vec<String> {
     )
 }
 
-/// Warnings in words, and why there is no answer if there is none.
+/// Texts of the warnings, and the reason for a missing result.
 fn warnings_of(
     warnings: &[Warning],
     termination: Termination,
@@ -96,7 +95,7 @@ fn warnings_of(
     words
 }
 
-/// What is asked in words: `contact under a force of 20 uN`, `critical state`.
+/// Description of a load: `contact under a force of 20 uN`, `critical state`.
 #[must_use]
 pub fn control_words(control: Load) -> String {
     match control {
@@ -112,7 +111,7 @@ pub fn control_words(control: Load) -> String {
     }
 }
 
-/// A contact under a load, with its derivatives if they are known: what `fakir press --json` prints. The range of an attraction is in m, the time in s.
+/// A contact under a load, with optional derivatives: what `fakir press --json` prints. The range of the attraction is in m, the time in s.
 #[must_use]
 pub fn press(
     state: &ContactState,

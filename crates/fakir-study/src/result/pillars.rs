@@ -3,14 +3,14 @@
 use crate::table::{Column, Table, Values};
 use fakir::state::{ContactState, PillarState};
 
-/// The touched pillars, nearest to the lens axis first: `pillars.csv`. Without rows if there are none,
-/// or the method does not resolve them.
+/// The touched pillars, sorted by distance from the lens axis: `pillars.csv`. Without rows if there are none, or if the method does not
+/// resolve them.
 #[must_use]
 pub fn pillars(state: &ContactState) -> Table {
     pillars_of(&state.pillars)
 }
 
-/// The same of pillars that stand by themselves, such as those that hold at pull-off.
+/// The same for a given list of pillars, such as those attached at pull-off.
 #[must_use]
 pub fn pillars_of(pillars: &[PillarState]) -> Table {
     let counts = |name: &str, of: fn(&PillarState) -> i64| Column {

@@ -16,7 +16,7 @@ pub struct SweepSummary {
     problems: Vec<ProblemRow>,
     #[serde(skip_serializing_if = "Option::is_none")]
     folder: Option<String>,
-    /// The table, if no folder has it.
+    /// The table, if it is not saved in a folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     rows: Option<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -33,8 +33,8 @@ struct ProblemRow {
 }
 
 impl SweepSummary {
-    /// The summary of a sweep whose tables are in `folder`, if they are saved. `wall_time` is how long it took in seconds;
-    /// a merge has none.
+    /// The summary of a sweep whose tables are in `folder`, if they are saved. `wall_time` is the computing time in seconds; a merge has
+    /// none.
     #[must_use]
     pub fn new(summary: &Summary, folder: Option<&Path>, wall_time: Option<f64>) -> Self {
         let study = &summary.study;
@@ -67,7 +67,7 @@ mod tests {
     use crate::{Ledger, Options};
     use fakir_case::{Case, StudyFile};
 
-    /// The rows are in it unless a folder has them, and every case that failed has its reason.
+    /// The summary contains the rows unless a folder contains them, and the reason for every failed case.
     #[test]
     fn a_summary_has_the_rows_that_no_folder_has() {
         let text = format!(

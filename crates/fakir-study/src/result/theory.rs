@@ -1,4 +1,4 @@
-//! What is known in closed form, as printed and as corrected.
+//! Closed forms, as printed and as corrected.
 
 use super::AdhesionObject;
 use crate::VERSION;
@@ -16,32 +16,32 @@ use serde::Serialize;
 /// Contact radii (in pitches) at which lattice sums and transition curve are tabulated.
 const RADII: [f64; 9] = [1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 15.0, 20.0, 32.0];
 
-/// Range (in pitches) and number of contact radii of the fit that gives the paper's coefficients.
+/// Range (in pitches) and number of contact radii of the fit of the paper's coefficients.
 const FIT: ([f64; 2], usize) = ([1.0, 32.0], 497);
 
-/// What is known in closed form: what `fakir theory --json` prints.
+/// Closed forms: what `fakir theory --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TheorySummary {
-    /// Fraction of the surface that is pillar top.
+    /// Fraction of the surface covered by pillar tops.
     pub surface_fraction: f64,
-    /// Distance of neighbouring pillars, m.
+    /// Distance between neighbouring pillars, m.
     pub pitch_m: f64,
     /// Compliances and limits.
     pub constants: Constants,
-    /// Pillar tops that stick; none where nothing does. All else is without adhesion.
+    /// Adhesive pillar tops; `None` without adhesion. All other results are without adhesion.
     pub adhesion: Option<AdhesionObject>,
     /// The critical state by every formula, and by the homogenised lattice.
     pub critical_states: Vec<FormulaRow>,
     /// Coefficients of the lattice sums.
     pub coefficients: Vec<CoefficientRow>,
-    /// Contact radii of the least squares, in pitches.
+    /// Range of contact radii of the least-squares fit, in pitches.
     pub fit_range: [f64; 2],
     /// Lattice sums by contact radius.
     pub lattice_sums: Vec<SumRow>,
     /// The transition curve.
     pub transition_curve: Vec<CurveRow>,
     fakir_version: &'static str,
-    /// Why there is no homogenised lattice, if there is none.
+    /// Why the homogenised lattice does not apply, if it does not.
     #[serde(skip)]
     pub no_homogenised: Option<SolveError>,
     /// Contact radius of the large-contact formulas, in pitches.
@@ -51,7 +51,7 @@ pub struct TheorySummary {
 
 /// Compliances and limits of a system.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct Constants {
     /// `1/c`, Pa.
     pub reduced_modulus_Pa: f64,
@@ -61,9 +61,9 @@ pub struct Constants {
     pub external_compliance_per_Pa: f64,
     /// `4 h/(pi E_s d c)`.
     pub column_compliance_ratio: f64,
-    /// Surface fraction below which the lens touches one pillar only, by the paper's criterion.
+    /// Surface fraction below which the lens touches only one pillar, by the paper's criterion.
     pub small_contact_limit: f64,
-    /// Whether it does so here.
+    /// Whether this system is below that limit.
     pub touches_one_pillar: bool,
     /// Surface fraction below which the homogenised lattice applies.
     pub homogenised_limit: f64,
@@ -75,11 +75,11 @@ pub struct Constants {
 
 /// A critical state by a formula.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct FormulaRow {
     /// Name of the formula.
     pub formula: &'static str,
-    /// Name for a person.
+    /// Descriptive name.
     #[serde(skip)]
     pub name: &'static str,
     /// Critical force, N.
@@ -101,7 +101,7 @@ pub struct FormulaRow {
 pub struct CoefficientRow {
     /// `C01`, `C1` or `C11`.
     pub name: &'static str,
-    /// The sum it is the coefficient of.
+    /// The sum to which it belongs.
     pub formula: &'static str,
     /// As printed in the paper.
     pub paper: f64,
@@ -132,7 +132,7 @@ pub struct SumRow {
 
 /// A point of the transition curve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct CurveRow {
     /// `a/e`.
     pub contact_radius_in_pitches: f64,
@@ -142,20 +142,21 @@ pub struct CurveRow {
     pub force_N: f64,
     /// `F gamma_int/(h d)`.
     pub normalized_force: f64,
-    /// The force by lattice sums that are not fitted, N.
+    /// The force by exact lattice sums, N.
     pub force_from_exact_sums_N: f64,
     /// Contact radius on a smooth surface under the force, m.
     pub hertz_contact_radius_m: f64,
 }
 
 impl TheorySummary {
-    /// What is known of a system. `range` is that of the attraction of tops that stick (m), if it is known.
+    /// The closed forms of a system. `range` is that of the attraction of adhesive tops (m), if known.
     ///
     /// # Errors
-    /// A range that is no positive number, and [`Unsupported`](fakir::problem::Unsupported) of any but equal pillars on the endless hexagonal lattice.
+    /// A range that is not positive, and [`Unsupported`](fakir::problem::Unsupported) unless equal pillars form the infinite hexagonal
+    /// lattice.
     pub fn new(system: &System, range: Option<f64>) -> Result<Self, SolveError> {
         let adhesion = AdhesionObject::new(system, range)?;
-        // The other formulas know no adhesion.
+        // The other formulas neglect adhesion.
         let system = &system.without_adhesion();
         let (critical_states, no_homogenised) = critical_rows(system)?;
         let radii = radii(system);
@@ -178,7 +179,7 @@ impl TheorySummary {
         })
     }
 
-    /// Number of contact radii of the least squares.
+    /// Number of contact radii of the least-squares fit.
     pub const FIT_SAMPLES: usize = FIT.1;
 }
 
@@ -198,7 +199,7 @@ pub fn constants(system: &System) -> Constants {
     }
 }
 
-/// All formulas, and the homogenised lattice itself, or why it gives no answer.
+/// All formulas, and the homogenised lattice itself, or why it does not apply.
 fn critical_rows(system: &System) -> Result<(Vec<FormulaRow>, Option<SolveError>), SolveError> {
     let mut rows: Vec<FormulaRow> = closed_forms(system)?.iter().map(formula_row).collect();
     let found = match fakir::transition(system, Method::Homogenised, &Run::default()) {
@@ -266,7 +267,7 @@ fn coefficient_rows() -> Vec<CoefficientRow> {
     ]
 }
 
-/// The tabulated contact radii with the one of the large-contact formulas among them, in pitches.
+/// The tabulated contact radii, including that of the large-contact formulas, in pitches.
 fn radii(system: &System) -> Vec<f64> {
     let own = own_ratio(system);
     let mut radii: Vec<f64> = RADII.to_vec();

@@ -1,4 +1,4 @@
-//! A second opinion: two independent answers to one question.
+//! Verification: two independent results for one problem.
 
 use crate::VERSION;
 use crate::record::{METHOD, boundary_name, indenter_name, of_floor};
@@ -8,15 +8,15 @@ use fakir::state::{ContactState, SurfaceContact};
 use fakir::{Difference, Verification};
 use serde::Serialize;
 
-/// One of the answers: a row of `verify.csv`.
+/// One of the results: a row of `verify.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct AnswerRow {
     /// Name of the method.
     pub method: &'static str,
     /// Cells across a pillar; `None` for the spectral method.
     pub cells_per_diameter: Option<usize>,
-    /// What it is called for a person.
+    /// Descriptive name.
     #[serde(skip)]
     pub name: String,
     /// Normal force, N.
@@ -27,13 +27,13 @@ pub struct AnswerRow {
     pub contact_radius_m: f64,
     /// Smallest gap between lens and floor, m.
     pub smallest_floor_gap_m: f64,
-    /// Force on the floor, N; none past the transition if it was to be ignored.
+    /// Force on the floor, N; `None` past the transition if floor contact is ignored.
     pub floor_force_N: Option<f64>,
-    /// That over the whole force.
+    /// Ratio of the floor force to the total force.
     pub floor_share: Option<f64>,
-    /// Number of pillars touched.
+    /// Number of touched pillars.
     pub pillars_in_contact: usize,
-    /// Number of pillars crossed by the edge of the contact.
+    /// Number of pillars crossed by the contact edge.
     pub pillars_partially_in_contact: usize,
     /// Estimated relative error of the force.
     pub force_error_estimate: f64,
@@ -41,32 +41,32 @@ pub struct AnswerRow {
     pub indentation_error_estimate: f64,
     /// Estimated relative error of the contact radius.
     pub contact_radius_error_estimate: f64,
-    /// Estimated relative error of the floor's share; none where the floor bears nothing.
+    /// Estimated relative error of the floor share; `None` if the floor carries no load.
     pub floor_share_error_estimate: Option<f64>,
-    /// Whether the numbers are the solution.
+    /// Whether the solution converged.
     pub converged: bool,
     /// Steps of the solver.
     pub iterations: usize,
 }
 
-/// Relative differences, or what is allowed of them.
+/// Relative differences, or their accepted values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 struct Differences {
     force: f64,
     indentation: f64,
-    /// Where the floor bears a part.
+    /// If the floor carries load.
     #[serde(skip_serializing_if = "Option::is_none")]
     floor_share: Option<f64>,
 }
 
-/// A second opinion: what `fakir verify --json` prints.
+/// A verification: what `fakir verify --json` prints.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifySummary {
     question: &'static str,
     agree: bool,
     /// `agree`, `disagree` or `cannot tell`.
     verdict: &'static str,
-    /// Why it cannot be told; none if it can.
+    /// Why the comparison is inconclusive; `None` if it is conclusive.
     doubt: Option<String>,
     /// Relative difference of the elements on all cells from the spectral method.
     relative_difference: Differences,
@@ -78,7 +78,7 @@ pub struct VerifySummary {
 }
 
 impl VerifySummary {
-    /// The answers to a question, which took so many seconds.
+    /// The results for a problem, with the computing time in s.
     #[must_use]
     pub fn new(control: Load, verification: &Verification, wall_time: f64) -> Self {
         let verdict = verification.verdict();
@@ -102,7 +102,7 @@ impl VerifySummary {
         }
     }
 
-    /// The answers, that of the spectral method first.
+    /// The results, that of the spectral method first.
     #[must_use]
     pub fn answers(&self) -> &[AnswerRow] {
         &self.answers
@@ -148,7 +148,7 @@ fn question_name(control: Load) -> &'static str {
     }
 }
 
-/// One number of the differences in force and indentation.
+/// Differences of force and indentation, by one of their values.
 fn differences(
     force: &Difference,
     indentation: &Difference,
@@ -161,17 +161,17 @@ fn differences(
     }
 }
 
-/// The answer on one mesh of a general surface: a row of `verify.csv`.
+/// The result on one mesh of a general surface: a row of `verify.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
+#[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct MeshRow {
     /// Name of the method.
     pub method: &'static str,
     /// Cells across a pillar.
     pub cells_per_diameter: usize,
-    /// Cells of the grid along x.
+    /// Number of cells along x.
     pub columns: usize,
-    /// Cells of the grid along y.
+    /// Number of cells along y.
     pub rows: usize,
     /// Normal force, N.
     pub force_N: f64,
@@ -179,23 +179,23 @@ pub struct MeshRow {
     pub indentation_m: f64,
     /// Area of the cells in contact, m^2.
     pub contact_area_m2: f64,
-    /// Contact radius, m; none under a plate.
+    /// Contact radius, m; `None` under a plate.
     pub contact_radius_m: Option<f64>,
-    /// Estimated relative error of the force; none on too few cells.
+    /// Estimated relative error of the force; `None` on too few cells.
     pub force_error_estimate: Option<f64>,
     /// Estimated relative error of the indentation.
     pub indentation_error_estimate: Option<f64>,
     /// Estimated relative error of the contact radius.
     pub contact_radius_error_estimate: Option<f64>,
-    /// Estimated relative error of the contact area; none on too few cells.
+    /// Estimated relative error of the contact area; `None` on too few cells.
     pub contact_area_error_estimate: Option<f64>,
-    /// Whether the numbers are the solution.
+    /// Whether the solution converged.
     pub converged: bool,
     /// Steps of the solver.
     pub iterations: usize,
 }
 
-/// A second opinion on a general surface: what `fakir verify --json` prints for it.
+/// Verification on a general surface: what `fakir verify --json` prints for it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfaceVerifySummary {
     question: &'static str,
@@ -204,9 +204,9 @@ pub struct SurfaceVerifySummary {
     agree: bool,
     /// `agree`, `disagree` or `cannot tell`.
     verdict: &'static str,
-    /// Why it cannot be told; none if it can.
+    /// Why the comparison is inconclusive; `None` if it is conclusive.
     doubt: Option<String>,
-    /// Relative difference of the answer on half as many cells from that on all cells.
+    /// Relative difference of the result on half as many cells from that on all cells.
     relative_difference: Differences,
     /// Sum of both error estimates.
     allowed_difference: Differences,
@@ -216,7 +216,7 @@ pub struct SurfaceVerifySummary {
 }
 
 impl SurfaceVerifySummary {
-    /// The answers to a question, which took so many seconds.
+    /// The results for a problem, with the computing time in s.
     #[must_use]
     pub fn new(control: Load, verification: &SurfaceVerification, wall_time: f64) -> Self {
         let (verdict, doubt) = verification.verdict();
@@ -241,7 +241,7 @@ impl SurfaceVerifySummary {
         }
     }
 
-    /// The answers, that on half as many cells first.
+    /// The results, that on half as many cells first.
     #[must_use]
     pub fn answers(&self) -> &[MeshRow] {
         &self.answers

@@ -1,11 +1,11 @@
-//! How a floor that sticks collapses and lets go, against cells on the floor.
+//! Collapse and detachment of an adhesive floor, compared to cells on the floor.
 
 use fakir::problem::{Adhesion, HexagonalLattice, Method};
 use fakir::state::{Run, Termination};
 use fakir_case::Case;
 use fakir_study::{Collapsed, Fate, Validity, collapse};
 
-/// The paper's intermediate substrate with so much top, and a work of adhesion in mJ/m^2.
+/// The paper's intermediate substrate with a surface fraction, and a work of adhesion in mJ/m^2.
 fn found(surface_fraction: f64, work: f64) -> Collapsed {
     let system = Case::example().system;
     let diameter = system.pillar().diameter;
@@ -20,8 +20,9 @@ fn found(surface_fraction: f64, work: f64) -> Collapsed {
     found
 }
 
-/// Cells on the floor by another program, 10 mJ/m^2 at 3 %: the jump fills 24 to 36 holes, for it is on a barrier between the two; the floor is lost at 2.28 um,
-/// under 0.117 mN. From 1.02 times the critical indentation the loop is 0.123 nJ and from 1.5 times 0.166 nJ, of which 0.0166 nJ are those of the tops.
+/// Cells on the floor by another program, 10 mJ/m^2 at 3 %: jump-in fills 24 to 36 holes, because it is on a barrier between the two; the
+/// floor detaches at 2.28 um, under 0.117 mN. From 1.02 times the critical indentation the loop area is 0.123 nJ and from 1.5 times 0.166
+/// nJ, of which 0.0166 nJ are due to the tops.
 #[test]
 fn a_floor_that_is_lost_under_load() {
     let found = found(0.03, 10.0);
@@ -36,7 +37,7 @@ fn a_floor_that_is_lost_under_load() {
     assert!((0.09e-9..0.16e-9).contains(&loop_area), "{loop_area}");
 }
 
-/// 50 mJ/m^2, above the threshold of 21 mJ/m^2: cells pull with 0.388 mN.
+/// 50 mJ/m^2, above the threshold of 21 mJ/m^2: the pull-off force of cells is 0.388 mN.
 #[test]
 fn a_floor_that_pulls() {
     let found = found(0.03, 50.0);
@@ -47,7 +48,7 @@ fn a_floor_that_pulls() {
     assert!(found.force_error.is_some());
 }
 
-/// So little that annuli fill the cells: the model is not asked, and that is said.
+/// So little adhesion that annuli fill the cells: the model is not used, and this is reported.
 #[test]
 fn where_the_model_is_not_asked() {
     let found = found(0.1, 0.1);

@@ -15,7 +15,7 @@ fn study(tables: &str) -> Study {
     file.study().unwrap()
 }
 
-/// Six cycles of some pillars each.
+/// Six cycles with a few pillars each.
 fn cycles() -> Study {
     study(
         "[study]\nquestion = \"cycle\"\n[axes]\nsurface_fraction = [0.003, 0.01]\n\
@@ -30,7 +30,7 @@ fn numbers(table: &Table, name: &str) -> Vec<f64> {
     }
 }
 
-/// Every row has what the cycle of its case has alone, with errors of the numbers and of the model apart.
+/// Every row agrees with the cycle of its case alone, with separate numerical and model errors.
 #[test]
 fn rows_are_those_of_single_cycles() {
     let study = cycles();
@@ -85,7 +85,7 @@ fn rows_are_those_of_single_cycles() {
         Some(Values::Counts(values)) => values.clone(),
         other => panic!("{name}: {other:?}"),
     };
-    // No more pillars than were in contact hold at pull-off.
+    // Only pillars that were in contact are attached at pull-off.
     let (held, touched) = (
         counts("pull_off_pillars_in_contact"),
         counts("turn_pillars_in_contact"),
@@ -97,8 +97,8 @@ fn rows_are_those_of_single_cycles() {
     );
 }
 
-/// A pillar that comes off alone has lost what it stored, `2 (1 + kappa) w` per area of its top (K. Kendall, J. Phys. D 4, 1186 (1971)): far apart,
-/// with much adhesion, the hysteresis is nearly that, and never more.
+/// A pillar that detaches alone loses its stored energy, `2 (1 + kappa) w` per area of its top (K. Kendall, J. Phys. D 4, 1186 (1971)): at
+/// large distances and strong adhesion the hysteresis is close to that, and never larger.
 #[test]
 fn pillars_far_apart_lose_what_each_has_stored() {
     let study = study(
@@ -165,7 +165,7 @@ fn shards_and_resumed_sweeps_give_the_same_files() {
     }
 }
 
-/// UnloadingPoint and drive of the study are those of every cycle.
+/// The unloading point and the loading mode of the study apply to every cycle.
 #[test]
 fn cycles_turn_and_are_driven_as_the_study_says() {
     let study = study(

@@ -1,5 +1,5 @@
-//! Every key in every kind of case, by every method: it changes the answer, or is refused by its name, or is in a list of keys without
-//! effect with the reason. A key that a solver does not read falls through, and fails here.
+//! Every key in every kind of case, with every method: it changes the result, or is refused by name, or is in a list of keys without effect
+//! with the reason. A key that a solver does not read fails here.
 
 use fakir::problem::{CyclePlan, Load};
 use fakir::state::{Run, SolveError};
@@ -28,10 +28,10 @@ const PATTERN: &str = "[surface]\narrangement = \"square\"\npitch = \"12 um\"\no
     offset_angle = \"20 deg\"\nmissing = 0.2\n[surface.pillar]\ncross_section = \"square\"\nside = \"6 um\"\n\
     height = \"0.3 um\"\n[surface.grid]\nwidth = \"48 um\"\ncells_per_diameter = 4\n";
 
-/// Before the critical state of all of them, m; of rounded tops just past the height.
+/// Below the critical state of all cases, m; for rounded tops just past the height.
 const INDENTATION: f64 = 0.15e-6;
 
-/// A folder with the files that cases name.
+/// A folder with the files that cases refer to.
 fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();
     let write = |name: &str, text: String| fs::write(folder.path().join(name), text).unwrap();
@@ -62,7 +62,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// What goes with a word of a key.
+/// Keys required by a word of a key.
 fn companions(key: Key, word: &str, folder: &Path) -> Vec<String> {
     let named = |key: Key, name: &str| {
         let path = folder.join(name);
@@ -105,7 +105,7 @@ fn companions(key: Key, word: &str, folder: &Path) -> Vec<String> {
     settings.iter().map(|&setting| setting.to_owned()).collect()
 }
 
-/// What a key is tried with besides, so that it counts, or does not.
+/// Additional settings with which a key is tried, so that it has an effect, or none.
 fn contexts(key: Key) -> &'static [&'static [&'static str]] {
     match key {
         Key::TextureSeed => &[&["texture.height_standard_deviation=0.1"]],
@@ -119,7 +119,7 @@ fn contexts(key: Key) -> &'static [&'static [&'static str]] {
             &[&["lens.thickness=5um"]]
         }
         Key::RecedingWorkOfAdhesion => &[&["adhesion.work=0.1mJ/m2"]],
-        // A floor of few holes, which takes little time.
+        // A floor with few holes, which takes little time.
         Key::FloorSticks => &[&["adhesion.work=0.1mJ/m2", "texture.columns=2"]],
         Key::PatternOffsetAngle => &[&["surface.offset=0"]],
         Key::Seed => &[&["surface.missing=0"]],
@@ -131,7 +131,7 @@ fn contexts(key: Key) -> &'static [&'static [&'static str]] {
     }
 }
 
-/// A number that a key does not have in a case.
+/// A number that differs from the value of a key in a case.
 fn other_number(key: Key, file: &CaseFile) -> f64 {
     let default = match key.default() {
         Some(Setting::Number(value)) => Some(value),
@@ -157,7 +157,7 @@ fn other_number(key: Key, file: &CaseFile) -> f64 {
     }
 }
 
-/// Numbers and flags of an answer, without what it took to find it.
+/// Numbers and flags of a result, without the effort of the solver.
 fn numbers(record: &Record) -> Vec<f64> {
     fn add(value: &Value, all: &mut Vec<f64>) {
         match value {
@@ -180,7 +180,7 @@ fn numbers(record: &Record) -> Vec<f64> {
     all
 }
 
-/// What is asked to see whether a key counts, one after the other until it does.
+/// Questions that are tried in turn until a key has an effect.
 fn questions(key: Key) -> &'static [Question] {
     match key {
         Key::RecedingWorkOfAdhesion | Key::FloorSticks => &[Question::Cycle],
@@ -197,10 +197,10 @@ enum Question {
     Cycle,
 }
 
-/// What a case answers, or why it is refused.
+/// The result of a case, or the reason for its refusal.
 type Answer = Result<Vec<f64>, String>;
 
-/// Asks a case.
+/// Solves a case.
 fn answer(file: &CaseFile, question: Question) -> Answer {
     let run = Run::default();
     let load = Load::Indentation(INDENTATION);
@@ -233,7 +233,7 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
             .press(load, case.accuracy, &run)
             .map_err(refused)?;
         let answer = AsperityAnswer::of(&case, &contact);
-        // And where the force acts: it turns with the lattice.
+        // Includes the point of application of the force, which rotates with the lattice.
         let pillars = case.field.asperities().iter().zip(&contact.asperities);
         let moment: f64 = pillars
             .map(|(asperity, state)| asperity.apex[0] * state.force)
@@ -272,26 +272,26 @@ fn differ(one: &[f64], other: &[f64]) -> bool {
     one.len() != other.len() || pairs().any(|(a, b)| (a - b).abs() > 1e-9 * a.abs().max(b.abs()))
 }
 
-/// Whether a key may change nothing, of which no warning tells but the answer itself.
+/// Whether a key may have no effect without a warning other than the result itself.
 fn is_told_elsewhere(key: Key, file: &CaseFile) -> bool {
     let method = file.case().map_or("", |case| case.method.name());
-    // Only the spectral method has floor contact; the others give a negative gap, and a warning with the critical load.
+    // Only the spectral method computes floor contact; the others return a negative gap, and a warning with the critical load.
     key == Key::FloorContact && method != "spectral"
 }
 
-/// What becomes of a key that is given.
+/// Effect of a given key.
 enum Effect {
-    /// The answer changes, or the case is refused by the name of the key.
+    /// The result changes, or the case is refused by the name of the key.
     Seen,
-    /// Nothing, and that is listed.
+    /// None, and this is listed.
     Listed,
-    /// Nothing.
+    /// None.
     Ignored,
-    /// The case is refused in words that do not name the key.
+    /// The case is refused without naming the key.
     Unnamed(String),
 }
 
-/// A case, and what it has answered so far.
+/// A case with the results computed so far.
 struct Base {
     file: CaseFile,
     answers: RefCell<Vec<(Question, Answer)>>,
@@ -313,7 +313,7 @@ impl Base {
         answer
     }
 
-    /// The case with other settings besides.
+    /// The case with additional settings.
     fn with<S: AsRef<str>>(&self, settings: &[S]) -> Self {
         let mut file = self.file.clone();
         for setting in settings {
@@ -362,7 +362,7 @@ impl Base {
     }
 }
 
-/// What an error may say of a key: its name, that of its table, that of the key that it depends on, or what it stands for.
+/// Words by which an error may refer to a key: its name, that of its table, that of the key that it depends on, or its meaning.
 fn words_of(key: Key) -> Vec<String> {
     let table = key.path().split('.').next().unwrap();
     let mut words = vec![
@@ -383,7 +383,7 @@ fn words_of(key: Key) -> Vec<String> {
     words
 }
 
-/// The values to try: every word but the default one where that holds already, another file, or a number.
+/// The values to try: every word except the default in effect, another file, or a number.
 fn values(key: Key, is_given: bool, folder: &Path) -> Vec<Option<String>> {
     let named = |name: &str| {
         let path = folder.join(name);
@@ -406,7 +406,7 @@ fn values(key: Key, is_given: bool, folder: &Path) -> Vec<Option<String>> {
     }
 }
 
-/// What is wrong with the keys in a case.
+/// Faults of the keys in a case.
 fn faults(text: &str) -> Vec<String> {
     let folder = folder();
     let folder = folder.path();
@@ -426,7 +426,7 @@ fn faults(text: &str) -> Vec<String> {
         let is_given = text.contains(&format!("{} = ", key.name()));
         let more = contexts(key).iter().map(|settings| plain.with(settings));
         let mut bases: Vec<Base> = more.collect();
-        // And with the word that it goes with, unless a case of that kind is tried by itself.
+        // Also with the word that it requires, unless a case of that kind is tried separately.
         let choice = key.goes_with().filter(|(choice, words)| match choice {
             Key::MethodName => false,
             Key::Lattice => !["hexagonal", "listed"].contains(&words[0]),
@@ -448,7 +448,7 @@ fn faults(text: &str) -> Vec<String> {
                     Effect::Unnamed(words) => faults.push(format!("{key}: {words}")),
                 }
             }
-            // One of the words is the one that is given.
+            // One of the words is the given one.
             if ignored > usize::from(key.kind() == Kind::Word && is_given) {
                 faults.push(format!("{key} is accepted and ignored, place {place}"));
             }
@@ -500,7 +500,7 @@ fn finitely_many_pillars_by_elements() {
     ]);
 }
 
-/// These methods are for endless hexagonal lattices, and refuse the keys of other arrangements.
+/// These methods support infinite hexagonal lattices only, and refuse the keys of other arrangements.
 #[test]
 fn endless_lattices_by_approximate_methods() {
     check(&[
@@ -511,7 +511,7 @@ fn endless_lattices_by_approximate_methods() {
 
 #[test]
 fn rounded_tops() {
-    // Under a lens that is wide enough to touch several.
+    // Under a lens wide enough to touch several asperities.
     let bodies = BODIES.replace("500 um", "2 mm");
     check(&[("rounded", format!("{bodies}{ROUNDED}"))]);
 }

@@ -1,5 +1,4 @@
-//! Sweeps of cases with a general surface: the same tables whatever happens to them, with the numbers
-//! of single cases.
+//! Sweeps of cases with a general surface: the same tables in all circumstances, with the numbers of single cases.
 
 use fakir::state::Run;
 use fakir_case::study::Question;
@@ -21,7 +20,7 @@ fn study(tables: &str) -> Study {
     file.study().unwrap()
 }
 
-/// Twelve contacts, of which some reach the floor, in six chains.
+/// Twelve contacts, some of which reach the floor, in six chains.
 fn presses() -> Study {
     study(
         "[study]\nquestion = \"press\"\n[axes]\n\"surface.pillar.height\" = [\"0.2 um\", \"0.4 um\"]\n\
@@ -104,7 +103,7 @@ fn critical_states_have_their_own_columns_and_narrow_grids_grow() {
     assert!(columns[0] > Some(24 * 8 / 6), "{columns:?}");
     let force = numbers(&table, "critical_force_N");
     let error = numbers(&table, "relative_error_estimate_force");
-    // Cells lie a little differently on another grid.
+    // On another grid the cells are shifted slightly.
     let [narrow, wide] = [force[0].unwrap(), force[1].unwrap()];
     assert!((narrow / wide - 1.0).abs() < 2.0 * error[1].unwrap());
     let needed = |_: &fakir_study::surfaces::SurfaceError| None;
@@ -121,8 +120,7 @@ fn critical_states_have_their_own_columns_and_narrow_grids_grow() {
     }
 }
 
-/// What a sweep that was interrupted and resumed, or divided and merged, leaves is that of one that
-/// never was, byte for byte.
+/// A sweep that was interrupted and resumed, or divided and merged, leaves the same files as an uninterrupted one, byte for byte.
 #[test]
 fn interrupted_and_divided_sweeps_give_the_same_tables() {
     let folder = tempfile::tempdir().unwrap();
@@ -172,7 +170,7 @@ fn interrupted_and_divided_sweeps_give_the_same_tables() {
     assert_eq!(tables(&at("merged")), whole);
 }
 
-/// A row as a line of a journal is the same row, to the bit; an answer to another question is none.
+/// A row read back from a line of a journal is identical, bit for bit; a result for another question is refused.
 #[test]
 fn rows_go_through_the_journal_to_the_bit() {
     let transitions = study("[axes]\n\"lens.radius\" = [\"0.9 mm\"]");
@@ -205,7 +203,7 @@ fn what_there_is_not_is_empty() {
     assert!(numbers(&table, "tops_force_N").iter().all(Option::is_some));
 }
 
-/// Memory that does not suffice is the fault of a case alone, and those before it are kept.
+/// Exceeding the memory limit affects a single case only, and the cases before are kept.
 #[test]
 fn a_surface_too_large_for_the_memory_is_a_row_with_its_reason() {
     let study = study("[axes]\n\"surface.grid.cells_per_diameter\" = [8, 256]");

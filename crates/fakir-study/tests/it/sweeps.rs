@@ -1,4 +1,4 @@
-//! Sweeps in memory and in folders: whatever happens to them, the tables come out the same.
+//! Sweeps in memory and in folders: the tables are the same in all circumstances.
 
 use fakir::state::CancelToken;
 use fakir_case::{Case, Study, StudyFile};
@@ -16,7 +16,7 @@ fn study(tables: &str) -> Study {
     file.study().unwrap()
 }
 
-/// Thirty cases of some milliseconds in six chains, of which one fails: the contact exceeds the lens.
+/// Thirty cases of some milliseconds in six chains, one of which fails: the contact exceeds the lens.
 fn cheap() -> Study {
     study(
         "[axes]\noffset = [0, 0.3, 0.5]\n\
@@ -24,7 +24,7 @@ fn cheap() -> Study {
     )
 }
 
-/// Among good cases one that is too large for the lens.
+/// A case that is too large for the lens among valid ones.
 fn with_failure() -> Study {
     study(
         "[study]\nquestion = \"press\"\n[axes]\nindentation = [\"1 um\", \"1 mm\", \"2 um\"]\n\
@@ -82,7 +82,7 @@ fn rows_do_not_depend_on_threads_and_are_those_of_single_cases() {
         let case = study.case(index).case.texture().unwrap().clone();
         let alone = fakir::transition(&case.system, case.method, &Default::default()).unwrap();
         let (force, alone) = (force.unwrap(), alone.contact.force);
-        // A start from a neighbour changes what is left of the iteration.
+        // A start from a neighbouring case changes the residual of the iteration.
         assert!(
             (force / alone - 1.0).abs() < 1e-9,
             "{index}: {force} {alone}"
@@ -130,7 +130,7 @@ fn what_is_resumed_comes_out_the_same_wherever_it_stopped() {
         .match_indices('\n')
         .map(|(end, _)| end + 1)
         .collect();
-    // Nothing, a torn heading, the heading, whole lines, torn lines, all.
+    // Nothing, an incomplete heading, the heading, complete lines, incomplete lines, all.
     let stops = [
         0,
         10,
@@ -173,7 +173,7 @@ fn shards_in_any_order_come_out_as_if_never_divided() {
     let summary = merge(&merged, &folders, Existing::Refuse).unwrap();
     assert_eq!(summary.rows.len(), 30);
     assert_eq!(tables(&merged), expected);
-    // What was merged can be gone on with, though there is nothing left to do.
+    // A merged sweep can be continued, although nothing is left to do.
     let again = sweep_into(&cheap(), &merged, Existing::Resume, &mut options()).unwrap();
     assert_eq!(again.found, 30);
     assert_eq!(tables(&merged), expected);
@@ -248,7 +248,7 @@ fn what_does_not_fit_is_refused_with_the_reason() {
     insta::assert_snapshot!("other_format", damage(format));
     insta::assert_snapshot!("damaged_heading", damage(with_line(1, &lines[0][1..])));
 
-    // None of this has touched the tables; overwriting makes them anew.
+    // None of this has changed the tables; overwriting creates them again.
     assert_eq!(tables(&folder), expected);
     sweep_into(&other, &folder, Existing::Overwrite, &mut options()).unwrap();
     assert!(
@@ -261,7 +261,7 @@ fn what_does_not_fit_is_refused_with_the_reason() {
     insta::assert_snapshot!("no_sweep", error(&study, Existing::Resume, &mut options()));
 }
 
-/// A line of a journal with a checksum of what it now holds.
+/// A line of a journal with a checksum of its current content.
 fn sealed(line: &str) -> String {
     let (text, _) = line.rsplit_once(",\"checksum\":").unwrap();
     format!(
@@ -270,8 +270,7 @@ fn sealed(line: &str) -> String {
     )
 }
 
-/// Damaged lines, lines of other cases and lines that are there twice: all named, and the tables as
-/// if nothing had happened.
+/// Damaged lines, lines of other cases and duplicate lines: all are reported, and the tables are unaffected.
 #[test]
 fn damaged_lines_are_named_and_their_cases_computed_again() {
     let bench = TempDir::new().unwrap();
@@ -279,12 +278,12 @@ fn damaged_lines_are_named_and_their_cases_computed_again() {
     let expected = complete(&folder);
     let journal = fs::read_to_string(folder.join("journal.jsonl")).unwrap();
     let mut lines: Vec<&str> = journal.lines().collect();
-    // In the order of the cases, so that line 2 has case 0.
+    // In the order of the cases, so that line 2 contains case 0.
     let case =
         |line: &&str| serde_json::from_str::<serde_json::Value>(line).unwrap()["case"].as_u64();
     lines[1..].sort_by_key(case);
     let mut other = lines.clone();
-    // A digit of a force, a line cut short, one line for another, a case that there is not.
+    // A digit of a force, a truncated line, one line replaced by another, a case that does not exist.
     let place = lines[2].find("critical_force_N").unwrap() + 20;
     let digit = if &lines[2][place..=place] == "1" {
         "2"
@@ -306,13 +305,13 @@ fn damaged_lines_are_named_and_their_cases_computed_again() {
         .replace(&bench.path().display().to_string(), "");
     insta::assert_snapshot!("damaged_lines", told);
     assert_eq!(tables(&folder), expected);
-    // What was repaired is complete, and says so again.
+    // The repaired journal is complete, and reports the same again.
     let again = sweep_into(&cheap(), &folder, Existing::Resume, &mut options()).unwrap();
     assert_eq!((again.found, again.damaged.len()), (30, 5));
     assert_eq!(tables(&folder), expected);
 }
 
-/// A damaged line of a shard is named when it is merged, which waits for the shard to be whole.
+/// A damaged line of a shard is reported when it is merged; the merge requires the complete shard.
 #[test]
 fn a_shard_that_lost_a_line_is_completed_first() {
     let bench = TempDir::new().unwrap();

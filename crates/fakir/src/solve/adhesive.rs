@@ -1,4 +1,4 @@
-//! Answers with pillar tops that stick, assembled from the [path](super::path) of loading and unloading.
+//! Results with adhesive pillar tops, assembled from the [path](super::path) of loading and unloading.
 
 use super::assembled::floor_gap;
 use super::estimate::unknowns_only;
@@ -29,44 +29,46 @@ use crate::theory::stuck_floor::StuckPillar;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Relative error of the force of a top in partial contact: that of the shapes of fronts, against a cohesive zone on elements.
+/// Relative error of the force on a partially bonded top, due to the assumed front shapes: measured against a cohesive zone on boundary
+/// elements.
 const PARTIAL_ERROR: f64 = 0.05;
 
-/// Error of the critical indentation over that of the force, where tops are in partial contact.
+/// Error of the critical indentation relative to that of the force, if tops are partially bonded.
 const INDENTATION_SHARE: f64 = 0.3;
 
-/// Error of the pull-off force by the shapes of fronts.
+/// Relative error of the pull-off force due to the assumed front shapes.
 const FRONT_ERROR: f64 = 0.05;
 
-/// Error of the pull-off force by 360 angles around a rim.
+/// Relative error of the pull-off force due to the 360 sampled angles around a rim.
 const ANGLE_ERROR: f64 = 2e-5;
 
-/// Error of the forces on tops by the degree `p` of the pressure, over `pitch^-(2p + 2)`.
+/// Relative error of the forces on tops due to the degree `p` of the pressure, divided by `pitch^-(2p + 2)`.
 const DEGREE_ERROR: f64 = 2e-3;
 
-/// That of the coefficient along the rim at which one is released, which does not average out, over `pitch^-(p + 2)`: 1e-3 for degree 2 at a
-/// pitch of 6 pillar radii, where seven tops on a flat lens have 6e-4.
+/// Relative error of the stress intensity factor along the rim at which a top detaches, divided by `pitch^-(p + 2)`: unlike the forces it
+/// does not average out. 1e-3 for degree 2 at a pitch of 6 pillar radii, where seven tops on a flat lens give 6e-4.
 const RIM_DEGREE_ERROR: f64 = 1.3;
 
-/// Errors of the pull-off force and of the loop area by 16 levels of fronts: between 8 and 16 levels the one changes by 0.4 to 2.5 %, and by 6 %
-/// at 1 mJ/m^2; the other by 0.4 to 1.5 %.
+/// Relative errors of the pull-off force and of the loop area due to the 16 front levels. From 8 to 16 levels the pull-off force changes by
+/// 0.4 to 2.5 % (6 % at 1 mJ/m^2), the loop area by 0.4 to 1.5 %.
 const LEVEL_ERROR: f64 = 0.03;
 const LEVEL_ERROR_OF_LOOP: f64 = 0.015;
 
-/// What the levels of fronts [leave open](Path::left_open) is at one load the difference between a disc and the front that takes its place, and grows on the
-/// way by up to 1.7 times: of contacts without adhesion, against the spectral method.
+/// Safety factor on the force [left open](Path::left_open) by the front levels. That force is the difference, at one load, between a disc
+/// and the front that replaces it; the error grows along the path by a factor of up to 1.7, measured on contacts without adhesion against
+/// the spectral method.
 const LEFT_OPEN: f64 = 2.0;
 
-/// The first window of a floor that sticks reaches so many distances of pillars beyond the first patch.
+/// Distance by which the first window of an adhesive floor extends beyond the first patch, in units of the pillar spacing.
 const FIRST_WINDOW: f64 = 1.5;
 
-/// What the solver leaves, and steps beyond events.
+/// Relative error of the linear solver and of the overshoot past events.
 const SOLVER_ERROR: f64 = 1e-6;
 
-/// Error of the place of a front on its top, pillar radii: half a level.
+/// Position error of a front on its top, in pillar radii: half a level.
 const FRONT_PLACE_ERROR: f64 = 0.0625;
 
-/// The contact under what is prescribed on the branch of loading, from the first contact on.
+/// Computes the contact at a prescribed load on the loading branch, which starts at first contact.
 pub(crate) fn press(
     system: &System,
     control: Load,
@@ -100,7 +102,7 @@ pub(crate) fn press(
     })
 }
 
-/// A cycle of loading and unloading; the plan has been checked.
+/// Computes a cycle of loading and unloading. The plan must have been validated.
 pub(crate) fn cycle(
     system: &System,
     plan: CyclePlan,
@@ -137,20 +139,20 @@ pub(crate) fn cycle(
     Ok(loaded.cycle(plan))
 }
 
-/// Which path is asked for.
+/// The requested path.
 #[derive(Clone, Copy)]
 struct Route {
     drive: LoadingMode,
-    /// Where loading ends.
+    /// End of the loading.
     end: End,
-    /// Whether a path that ends at a floor that sticks goes up to the state after the jump onto it.
+    /// Whether a path that ends at an adhesive floor continues to the state after jump-in.
     jumps: bool,
-    /// Whether the lens is pulled off again.
+    /// Whether the lens is retracted after loading.
     retract: bool,
 }
 
 impl Route {
-    /// Where it leads to. What a floor that sticks does has its errors by the same path once more in its variations.
+    /// Follows the path. With an adhesive floor, also estimates the floor errors by repeating the path with varied numerical parameters.
     fn followed<'a>(
         self,
         system: &'a System,
@@ -188,29 +190,29 @@ impl Route {
     }
 }
 
-/// Whether the lens goes on sticking to the floor where it reaches that.
+/// Whether the lens adheres to the floor after it reaches the floor.
 fn floor_sticks(system: &System) -> bool {
     system.adhesion().floor && system.floor_model() != FloorModel::Ignored
 }
 
-/// A lens that comes down on tops that stick.
+/// A loading on adhesive tops.
 struct Loading<'a> {
     system: &'a System,
     accuracy: Accuracy,
     path: Path<'a>,
-    /// How the floor was resolved, if it sticks and was touched.
+    /// Numerical resolution of the floor; `None` unless the floor is adhesive and was touched.
     floor: Option<FloorResolution>,
 }
 
-/// Where it came to.
+/// The state at the end of a loading.
 struct Loaded<'a> {
     loading: Loading<'a>,
-    /// The contact there.
+    /// The contact at the end.
     turn: ContactState,
     critical: Option<CriticalState>,
-    /// Events when the floor was reached.
+    /// Number of events before the floor was reached.
     events_before_floor: Option<usize>,
-    /// Whether the floor was reached before the end.
+    /// Whether the floor was reached before the prescribed end.
     stopped_by_floor: bool,
 }
 
@@ -245,7 +247,8 @@ impl<'a> Loading<'a> {
         })
     }
 
-    /// Down to an end, or to the floor, unless that is ignored. Where that is the end and sticks, up to the state after the jump onto it if `jumps`.
+    /// Loads to a prescribed end, or to the floor unless the floor is ignored. If loading ends at an adhesive floor, continues to the state
+    /// after jump-in if `jumps` is set.
     fn until(mut self, end: End, jumps: bool) -> Result<Loaded<'a>, SolveError> {
         let ignored = self.system.floor_model() == FloorModel::Ignored;
         let (mut critical, mut events_before_floor) = (None, None);
@@ -257,7 +260,7 @@ impl<'a> Loading<'a> {
                 Stop::Floor(lowest) => {
                     events_before_floor = Some(self.path.events.len());
                     let contact = ContactState {
-                        smallest_floor_gap: 0.0, // but for rounding
+                        smallest_floor_gap: 0.0, // exact up to rounding
                         ..self.state(Termination::Converged)
                     };
                     critical = Some(CriticalState::new(contact.clone()));
@@ -307,7 +310,7 @@ impl<'a> Loading<'a> {
         }
     }
 
-    /// Lets the floor stick, from its lowest point on.
+    /// Starts adhesion on the floor, from its lowest point.
     fn stick(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
         let (scene, works) = (self.path.scene, self.path.tops.fronts.works());
         let pillar = StuckPillar::of(self.system);
@@ -328,7 +331,7 @@ impl<'a> Loading<'a> {
         self.path.stick(lowest, division, window)
     }
 
-    /// The present contact.
+    /// Returns the current contact.
     fn state(&self, termination: Termination) -> ContactState {
         let (system, scene) = (self.system, self.path.scene);
         let path = &self.path;
@@ -381,7 +384,7 @@ impl<'a> Loading<'a> {
             pillars_partially_in_contact: partial,
             pillars,
             fields: Some(fields),
-            smallest_floor_gap: 0.0, // if it is in contact
+            smallest_floor_gap: 0.0, // the floor is in contact
             floor,
             error,
             termination,
@@ -396,7 +399,7 @@ impl<'a> Loading<'a> {
         floor_gap(scene, state, indentation, lowest)
     }
 
-    /// Relative errors of a force (N) by tops in partial contact: by the levels of their fronts, and by the shapes of these.
+    /// Relative errors of a force (N) due to partially bonded tops: due to the number of front levels, and due to the front shapes.
     fn errors_of_parts(&self, pillars: &[PillarState], force: f64) -> [f64; 2] {
         let borne = partly_borne(pillars);
         let left_open = if borne > 0.0 {
@@ -416,9 +419,9 @@ impl<'a> Loading<'a> {
         warnings
     }
 
-    /// Errors of the degree of the pressure, relative: of forces, and of where a rim lets go.
+    /// Relative errors due to the degree of the pressure: of forces, and of the load at which a rim detaches.
     fn degree_errors(&self) -> [f64; 2] {
-        // That of equal tops whose rims are as near as the nearest ones here.
+        // The error for equal tops whose rims are as close as the closest ones here.
         let pitch = self.path.scene.field.least_gap() + 2.0;
         let degree = self.path.tops.fronts.degree() as i32;
         [
@@ -429,7 +432,7 @@ impl<'a> Loading<'a> {
 }
 
 impl Loaded<'_> {
-    /// What the floor does; nothing of it if there is no solution.
+    /// Floor results; empty if the solution did not converge.
     fn figures(&self) -> Figures {
         let (path, turn) = (&self.loading.path, &self.turn);
         if !turn.converged() {
@@ -458,7 +461,7 @@ impl Loaded<'_> {
         }
     }
 
-    /// Adds what is known of the floor's errors to those of the contact where the loading ended.
+    /// Adds the floor errors to the error estimates of the contact at the end of loading.
     fn weigh(&mut self) {
         let (Some(resolution), Some(floor)) = (self.loading.floor, &mut self.turn.floor) else {
             return;
@@ -579,7 +582,7 @@ impl Loading<'_> {
         }
     }
 
-    /// By how much more the tops would pull, relative, if columns leaned as beams do.
+    /// Relative increase of the pull-off force that tilting of columns would cause.
     fn leaning(&self) -> f64 {
         let of_columns = self.system.pillar().compliance == PillarCompliance::Column;
         let pull = self.path.strongest.as_ref().filter(|_| of_columns);
@@ -588,7 +591,7 @@ impl Loading<'_> {
         })
     }
 
-    /// Where the errors of the figures come from.
+    /// Contributions to the errors of the results.
     fn errors(&self, critical: Option<&CriticalState>, pull_off: Option<&PullOff>) -> CycleErrors {
         let [degree, rim] = self.degree_errors();
         let of_floor =
@@ -605,7 +608,7 @@ impl Loading<'_> {
                 ..CycleError::default()
             }
         });
-        // The rim of one top that is in contact as a whole, or a disc inside it, is held by nothing else.
+        // A single top that is fully bonded, or has a free disc inside, depends on no other top's rim.
         let whole = self.path.strongest.as_ref().is_some_and(|pull| {
             let [top] = pull.tops.as_slice() else {
                 return false;
@@ -642,11 +645,11 @@ impl Loading<'_> {
     }
 }
 
-/// Pull-off forces change by up to 1.3 times the estimate of single tops where all lean together (the test of [`leaning_error`]).
+/// Pull-off forces change by up to 1.3 times the single-top estimate if all tops tilt together (test of [`leaning_error`]).
 const LEANING_MARGIN: f64 = 1.5;
 
-/// By how much more tops would pull, relative to what all bear together, if they leaned: that takes its part from the tilt of the pressure, by which
-/// a rim detaches, so that a top would pull with `1/(1 - relieved)` of its force.
+/// Relative increase of the total pull-off force that tilting of the tops would cause. Tilting relieves a fraction of the uneven pressure
+/// that detaches a rim, so that a top would carry `1/(1 - relieved)` times its force.
 fn leaning_error(tops: &[HeldTop], rocking: f64) -> f64 {
     let [mut more, mut all] = [0.0; 2];
     for top in tops {
@@ -665,7 +668,7 @@ fn leaning_error(tops: &[HeldTop], rocking: f64) -> f64 {
     }
 }
 
-/// Whether the floor had been reached before a station.
+/// Number of floor events before a load step: 1 if the floor had been reached, otherwise 0.
 fn events_before(floor: Option<usize>, station: &LoadStep) -> usize {
     let after_floor = |events: usize| {
         station.events > events || (station.events == events && station.course == Course::Unloading)
@@ -673,7 +676,7 @@ fn events_before(floor: Option<usize>, station: &LoadStep) -> usize {
     usize::from(floor.is_some_and(after_floor))
 }
 
-/// What is in contact where tops bear this at an indentation, in units of the solvers.
+/// The contact in which the tops carry these loads at an indentation, in solver units.
 fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
     let fronts = &path.tops.fronts;
     let degree = fronts.degree();
@@ -712,7 +715,7 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
     }
 }
 
-/// What is in contact at present, the floor too.
+/// The current contact, including the floor.
 fn held_now(path: &Path<'_>) -> HeldContact {
     let tops = held(path, path.indentation(), &path.held_tops());
     let Some(load) = path.stuck_load() else {
@@ -726,7 +729,7 @@ fn held_now(path: &Path<'_>) -> HeldContact {
     }
 }
 
-/// What of the floor sticks, in SI units.
+/// The adhering region of the floor, in SI units.
 fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
     let scene = path.scene;
     let floor = path.floor.as_ref()?;
@@ -741,7 +744,7 @@ fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
         patches_agree: false,
         radius: patches.radius * scene.length,
         smallest_distance_to_rim: patches.rim_distance * scene.length,
-        error: FloorErrors::UNKNOWN, // until it is known
+        error: FloorErrors::UNKNOWN, // estimated later
         energy_bound: 0.0,
         cells,
         rotation: scene.rotation,
@@ -749,13 +752,13 @@ fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
     })
 }
 
-/// Tops in contact with what each bears, nearest to the lens axis first.
+/// Pillars in contact with the force on each, sorted by distance from the lens axis.
 fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
     let scene = path.scene;
     let fronts = &path.tops.fronts;
     let pillar = |top: &HeldTop| {
         let coefficients = &top.coefficients;
-        // The middle of the top, seen from that of what bears the pressure.
+        // Centre of the top relative to the centre of the loaded disc.
         let middle = top
             .disc
             .map_or([0.0; 2], |radius| top.centre.map(|x| x / radius));
@@ -795,7 +798,7 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
     pillars
 }
 
-/// A station as it is handed out.
+/// Converts a load step to SI units.
 fn in_si(scene: &Scene, station: &LoadStep) -> CycleLoadStep {
     CycleLoadStep {
         branch: branch(station.course),
@@ -822,7 +825,7 @@ fn branch(course: Course) -> Branch {
     }
 }
 
-/// Sum of what tops in partial contact bear, of either sign, N.
+/// Sum of the absolute forces on partially bonded tops, N.
 fn partly_borne(pillars: &[PillarState]) -> f64 {
     let partial = pillars.iter().filter(|p| p.status == PillarStatus::Partial);
     partial.map(|pillar| pillar.force.abs()).sum()
@@ -836,7 +839,7 @@ fn relative(error: f64, value: f64) -> f64 {
     }
 }
 
-/// Where the force first rises through zero on loading, with something in contact.
+/// Indentation at which the force first rises through zero on loading while something is in contact.
 fn zero_load(stations: &[CycleLoadStep]) -> Option<f64> {
     let loading = stations.iter().filter(|s| s.branch == Branch::Loading);
     let touched: Vec<&CycleLoadStep> = loading.filter(|s| s.pillars_in_contact > 0).collect();
@@ -868,7 +871,7 @@ mod tests {
     use crate::problem::column::Column;
     use crate::theory::reference;
 
-    /// The stated error against the same path on columns that do lean.
+    /// Compares the stated error with the same path on tilting columns.
     #[test]
     fn the_error_by_columns_that_do_not_lean_covers_the_change() {
         let run = Run::default();

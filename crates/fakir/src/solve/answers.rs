@@ -1,4 +1,4 @@
-//! Answers of the methods that resolve pillars, assembled from their solutions.
+//! Results of the methods that resolve pillars, assembled from their solutions.
 
 use super::assembled::{OfFloor, PillarMethod, assemble, floor_gap, refined};
 use super::control::log_of_odds;
@@ -31,25 +31,24 @@ use crate::state::{
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-/// Relative error claimed for a contact inside one pillar top.
+/// Relative error stated for a contact inside one pillar top.
 const PATCH_ERROR: f64 = 1e-8;
 
-/// A relative error of the force or the indentation from which on the contact is solved once more on finer nodes: that of a contact of few nodes on one top
-/// that it does not fill.
+/// Relative error of the force or the indentation above which the contact is solved again with more nodes. It occurs if one partially
+/// filled top carries the contact on few nodes.
 const UNRESOLVED: f64 = 0.1;
 
-/// An error that is not estimated yet.
+/// An error that has not been estimated.
 const UNKNOWN: ErrorEstimate = ErrorEstimate {
     force: f64::NAN,
     indentation: f64::NAN,
 };
 
-/// What the punch lattices leave out, relative, plain and corrected: the largest differences from
-/// the spectral method at surface fractions from 0.01 to 0.2. They do not refine, so this cannot be
-/// estimated from within.
+/// Relative model error of the punch lattices, plain and corrected: the largest differences from the spectral method at surface fractions
+/// from 0.01 to 0.2. The lattices cannot be refined, so that this error cannot be estimated from their own solutions.
 const PUNCH_ERROR: [f64; 2] = [0.1, 0.02];
 
-/// The contact under what is prescribed, which has been checked.
+/// Computes the contact at a prescribed load, which must have been validated.
 pub(crate) fn press(
     system: &System,
     control: Load,
@@ -80,7 +79,7 @@ pub(crate) fn press(
             Ok(without_contact(system, &scene, method, indentation))
         }
         Load::Force(force) if force <= 0.0 => {
-            // A lens that cannot reach any pillar comes down to the floor.
+            // A lens that cannot reach any pillar descends to the floor.
             let level = if first_touch.is_finite() {
                 first_touch
             } else {
@@ -99,7 +98,7 @@ pub(crate) fn press(
         Load::FloorContact => {
             let contact = solve(system, &scene, target, method, run)?;
             Ok(ContactState {
-                smallest_floor_gap: 0.0, // but for rounding
+                smallest_floor_gap: 0.0, // exact up to rounding
                 ..contact
             })
         }
@@ -107,7 +106,7 @@ pub(crate) fn press(
     }
 }
 
-/// The contacts past a critical state in which the floor bears these shares of the force.
+/// Computes the contacts past a critical state in which the floor carries these fractions of the load.
 pub(crate) fn press_to_floor_shares(
     critical: &ContactState,
     shares: &[f64],
@@ -135,26 +134,27 @@ pub(crate) fn press_to_floor_shares(
     Ok(states)
 }
 
-/// A floor share that is known.
+/// A solved floor share.
 struct KnownShare {
     share: f64,
-    /// How far the lens is past the transition, over the critical indentation.
+    /// Indentation past the transition, relative to the critical indentation.
     past: f64,
-    /// The power by which what the floor bears over what the tops bear goes with that.
+    /// Exponent with which the ratio of floor force to top force grows with `past`.
     power: f64,
 }
 
-/// That power where the floor bears next to nothing.
+/// Exponent as the floor force tends to zero.
 const FIRST_POWER: f64 = 1.5;
 
-/// It is taken to fall evenly with the logarithm of what goes by it, but to no less than this part of what it was.
+/// The exponent is extrapolated linearly in the logarithm of the odds, but to no less than this fraction of its last value.
 const LEAST_POWER: f64 = 0.3;
 
-/// About how far past the transition the floor bears a share, over the critical indentation, from what is known last.
+/// Estimates at what indentation past the transition, relative to the critical indentation, the floor carries a share, from the shares
+/// solved before.
 fn start_of_share(share: f64, known: &[KnownShare]) -> f64 {
     let odds = log_of_odds(share);
     let Some(last) = known.last() else {
-        // On the lattices of the paper a third at about twice the critical indentation.
+        // On the lattices of the paper the share is a third at about twice the critical indentation.
         return ((odds + std::f64::consts::LN_2) / FIRST_POWER).exp();
     };
     let way = odds - log_of_odds(last.share);
@@ -166,12 +166,12 @@ fn start_of_share(share: f64, known: &[KnownShare]) -> f64 {
         _ => 0.0,
     };
     let power = |part: f64| (last.power + part * way * bend).max(LEAST_POWER * last.power);
-    // Simpson's rule along the way.
+    // Simpson's rule for the integral of 1/power.
     let inverse = (1.0 / power(0.0) + 4.0 / power(0.5) + 1.0 / power(1.0)) / 6.0;
     last.past * (way * inverse).exp()
 }
 
-/// Solves where pillars are touched.
+/// Solves a contact that touches pillars.
 fn solve(
     system: &System,
     scene: &Scene,
@@ -212,7 +212,7 @@ fn solve(
             let degrees = degrees(accuracy, scene);
             let form = PunchForm::Corrected;
             let mut punch = solve_punch(scene, target, guess, form, Purpose::Start, run)?;
-            // Under a prescribed force a state is assembled at the cost of the solution.
+            // With a prescribed force, assembling a state costs as much as the solution.
             let listener = run.interim.filter(|_| !matches!(target, Load::Force(_)));
             if let Some(listener) = listener
                 && punch.newton.touched() > MANY_TO_WAIT_FOR
@@ -250,7 +250,7 @@ fn solve(
             let error = refined(&mut solution, target, run)?;
             if accuracy == Accuracy::Default && larger(error.force, error.indentation) > UNRESOLVED
             {
-                // So small a contact is seen by finer nodes.
+                // A contact this small is resolved with more nodes.
                 drop(solution);
                 let finer = PillarMethod::Spectral(Accuracy::Accurate);
                 let state = solve(system, scene, target, finer, run)?;
@@ -262,7 +262,7 @@ fn solve(
             match told {
                 Some(state) => Ok(ContactState { error, ..state }),
                 None => {
-                    // The states of many pillars need its memory.
+                    // Releases the memory of the coupling: the states of many pillars need it.
                     solution.newton.release_coupling();
                     assembled(&solution, lowest, error)
                 }
@@ -282,7 +282,7 @@ fn solve(
     }
 }
 
-/// What a punch lattice leaves out.
+/// Model error of a punch lattice.
 fn punch_error(form: PunchForm, target: Load, solution: &Solution<'_>) -> ErrorEstimate {
     let error = match form {
         PunchForm::Plain => PUNCH_ERROR[0],
@@ -292,19 +292,18 @@ fn punch_error(form: PunchForm, target: Load, solution: &Solution<'_>) -> ErrorE
     unknowns_only(target, solution.outcome.termination, [error; 2])
 }
 
-/// What a tilted top bears if its middle just touches the lens, over the force under which a flat punch comes down
-/// by the difference of the lens heights between its middle and its rim. It would be 2/(3 pi) = 0.21 on
-/// independent springs. On half-spaces 0.4 covers the differences of the critical force from the spectral method at
-/// surface fractions from 0.0025 to 0.05, on the three substrates of the paper and for three places to land; this is
-/// a quarter more.
+/// Force on a tilted top whose centre just touches the lens, relative to the force that presses a flat punch down by the difference of the
+/// lens heights at its centre and its rim. The value for independent springs would be 2/(3 pi) = 0.21. On half-spaces 0.4 covers the
+/// differences of the critical force from the spectral method at surface fractions from 0.0025 to 0.05, on the three substrates of the
+/// paper and for three landing positions; this value is a quarter larger.
 const CROSSED: f64 = 0.5;
 
-/// The force that tops crossed by the edge of the contact bear and a punch lattice leaves out, as a part of all
-/// force. It counts where few pillars are touched.
+/// Fraction of the total force that is carried by tops crossed by the contact edge and that a punch lattice omits. It matters if few
+/// pillars are touched.
 ///
-/// A tilted flat punch whose rim is higher than its middle by `t` on one side is touched all over from a depth of
-/// `2 t` on: its pressure is as `depth + 2 t x/a` (K. L. Johnson, Contact Mechanics, 1985, sec. 3.8 and 5.5). The
-/// share is taken to fall evenly up to there.
+/// A tilted flat punch whose rim is higher than its centre by `t` on one side is in full contact from a depth of `2 t`: its pressure is
+/// proportional to `depth + 2 t x/a` (K. L. Johnson, Contact Mechanics, 1985, sec. 3.8 and 5.5). The fraction is assumed to decrease
+/// linearly up to that depth.
 fn crossed_share(newton: &Newton<'_>) -> f64 {
     let sag = |distance: f64| {
         newton
@@ -323,14 +322,14 @@ fn crossed_share(newton: &Newton<'_>) -> f64 {
     if all > 0.0 { crossed / all } else { 1.0 }
 }
 
-/// Pillars touched above which the homogenised lattice knows the contact radius well.
+/// Number of touched pillars above which the homogenised lattice predicts the contact radius accurately.
 const MANY_PILLARS: f64 = 40.0;
 
-/// Pillars touched up to which nobody wants to see the punch lattice before the solution: that takes a few
-/// tens of milliseconds.
+/// Number of touched pillars up to which no intermediate punch-lattice state is reported: the solution takes only a few tens of
+/// milliseconds.
 const MANY_TO_WAIT_FOR: usize = 1000;
 
-/// Contact radius of the homogenised lattice, where it can be trusted.
+/// Contact radius of the homogenised lattice, if that is accurate.
 pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Load) -> Option<f64> {
     let lattice = scene.hexagonal_lattice()?;
     let rough = rough_contact_radius(scene, target);
@@ -345,7 +344,7 @@ pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Load) -
     Some(radius).filter(|radius| *radius > 0.0)
 }
 
-/// The lowest point of the floor, or that which decided the indentation.
+/// The lowest point of the floor, or the point that determined the indentation.
 pub(super) fn lowest_point(target: Load, solution: &mut Solution<'_>) -> Option<FloorPoint> {
     match target {
         Load::FloorContact => solution.outcome.floor,
@@ -353,7 +352,7 @@ pub(super) fn lowest_point(target: Load, solution: &mut Solution<'_>) -> Option<
     }
 }
 
-/// A state without any contact: the lens above, or just at, the pillar tops.
+/// A state without contact: the lens is above the pillar tops or just reaches them.
 pub(super) fn without_contact(
     system: &System,
     scene: &Scene,
@@ -379,7 +378,7 @@ pub(super) fn without_contact(
     }
 }
 
-/// The lowest point of the floor, with pillars touched within a distance of the lens axis.
+/// The lowest point of the floor, if pillars within a distance of the lens axis are touched.
 fn lowest_floor(scene: &Scene, reach: f64, discs: &LoadedDiscs<'_>) -> Option<FloorPoint> {
     let spacing = scene.field.spacing();
     let sites;
@@ -404,21 +403,22 @@ fn lowest_floor(scene: &Scene, reach: f64, discs: &LoadedDiscs<'_>) -> Option<Fl
     FloorSearch::default().lowest(&uncovered, discs, &CancelToken::default())
 }
 
-/// How far around the lens axis pillars are seen by the search for the lowest point of the floor where none or one is touched, in their spacing.
+/// Distance from the lens axis within which pillars are included in the floor search if at most one is touched, in units of the pillar
+/// spacing.
 const SEARCHED: f64 = 4.0;
 
-/// The contact as a circle inside the pillar top under the lens axis, if it is one, with that pillar.
+/// The contact as a circle inside the pillar top under the lens axis, with that pillar; `None` if the contact is not such a circle.
 pub(super) fn find_patch(scene: &Scene, target: Load) -> Option<(IndexedPillar, Patch)> {
     if !scene.lens.is_axisymmetric() {
         return None;
     }
     let pillar = scene.field.under([0.0, 0.0])?;
     let (index, ListedPillar { centre, body }) = pillar;
-    // In units of the radius of its top, and down from its own height.
+    // In units of the radius of the top, with heights measured from the top itself.
     let unit = body.radius;
     let [x, y] = centre;
     let from_centre = x.hypot(y) / unit;
-    // A top that leans moves the contact off the lens axis.
+    // A top that tilts moves the contact off the lens axis.
     if body.column.rocking > 0.0 && from_centre > 1e-9 {
         return None;
     }
@@ -436,7 +436,7 @@ pub(super) fn find_patch(scene: &Scene, target: Load) -> Option<(IndexedPillar, 
         }
         Load::Force(value) => solver.find(largest, sag, |patch| patch.force, value / (unit * unit)),
         Load::FloorContact => {
-            // The pressure moves the floor of half-spaces away from the lens, which has to come down by its height at least.
+            // On half-spaces the pressure moves the floor away from the lens, which must therefore descend by at least the floor depth.
             if scene.layers.is_empty() && solver.with_radius(largest, sag).indentation < height {
                 return None;
             }
@@ -451,7 +451,7 @@ pub(super) fn find_patch(scene: &Scene, target: Load) -> Option<(IndexedPillar, 
     }?;
     let mut patch = own.scaled(unit);
     patch.indentation -= body.raised;
-    // No other pillar may be touched: the nearest edge of the next one stays below the lens. Layers rise around the contact.
+    // No other pillar may be touched: the nearest edge of the next pillar must stay below the lens. Layers rise around the contact.
     let rising = if scene.layers.is_empty() {
         1.0
     } else {
@@ -461,13 +461,13 @@ pub(super) fn find_patch(scene: &Scene, target: Load) -> Option<(IndexedPillar, 
     (!touched).then_some((pillar, patch))
 }
 
-/// What solves a contact inside the top of a pillar.
+/// Solver for a contact inside the top of a pillar.
 fn patch_solver(scene: &Scene, body: &PillarBody) -> PatchSolver {
     let layers = in_unit(&scene.layers, body.radius);
     PatchSolver::new(body.column.shortening, &layers)
 }
 
-/// Layers in another unit of length, given in the old one.
+/// Rescales layers to another unit of length, given in the previous unit.
 fn in_unit(layers: &[WeightedLayer], unit: f64) -> Vec<WeightedLayer> {
     let scaled = |layer: &WeightedLayer| WeightedLayer {
         thickness: layer.thickness / unit,
@@ -476,16 +476,17 @@ fn in_unit(layers: &[WeightedLayer], unit: f64) -> Vec<WeightedLayer> {
     layers.iter().map(scaled).collect()
 }
 
-/// Degree of the pressure of a patch up to which it moves the floor, which is beyond the top: higher modes of layers fall off within that.
+/// Highest degree of a patch's pressure that is used for the displacement of the floor. The floor is outside the top, where the higher
+/// modes of layers have decayed.
 const FLOOR_DEGREE: usize = 8;
 
-/// The displacement around a patch.
+/// The displacement field around a patch.
 fn around(scene: &Scene, patch: &Patch) -> Exterior {
     let degree = degree_with(patch.coefficients.len()).min(FLOOR_DEGREE);
     Exterior::new(degree).with_layers(&in_unit(&scene.layers, patch.radius))
 }
 
-/// Lowest point of the floor under a patch: its gap plus the indentation.
+/// The lowest point of the floor under a patch: its gap plus the indentation.
 fn patch_floor(scene: &Scene, patch: &Patch) -> Option<FloorPoint> {
     let exterior = around(scene, patch);
     let discs = LoadedDiscs {
@@ -510,8 +511,8 @@ fn patch_errors(scene: &Scene, patch: &Patch, body: &PillarBody) -> [f64; 2] {
     [0, 1].map(|k| larger(of_layers[k] + of_table[k], PATCH_ERROR))
 }
 
-/// Those by the breaks in the third derivative of a table of heights: how far the contact of that radius is from Sneddon's solution of the same depth
-/// on half-spaces (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
+/// Relative errors due to the breaks in the third derivative of a height table: the difference between the contact of that radius and
+/// Sneddon's solution at the same depth on half-spaces (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
 fn table_errors(scene: &Scene, radius: f64) -> [f64; 2] {
     const STEPS: usize = 60;
     let LensShape::Profile(profile) = &scene.lens.shape else {
@@ -523,7 +524,7 @@ fn table_errors(scene: &Scene, radius: f64) -> [f64; 2] {
     let mut radius = radius;
     let [mut reached, mut force] = sneddon(profile, radius);
     for _ in 0..STEPS {
-        // A depth that goes between as the radius and as its cube.
+        // The depth grows with an exponent of the radius between 1 and 3.
         radius *= (depth / reached).sqrt();
         [reached, force] = sneddon(profile, radius);
     }
@@ -532,7 +533,8 @@ fn table_errors(scene: &Scene, radius: f64) -> [f64; 2] {
     [error(patch.force, force), error(patch.radius, radius)]
 }
 
-/// Depth and force of an axisymmetric contact of radius `a` on a half-space: `a ∫ f'(r)/sqrt(a^2 - r^2) dr` and `2 ∫ r^2 f'(r)/sqrt(a^2 - r^2) dr`.
+/// Depth and force of an axisymmetric contact of radius `a` on a half-space: `a ∫ f'(r)/sqrt(a^2 - r^2) dr` and
+/// `2 ∫ r^2 f'(r)/sqrt(a^2 - r^2) dr`.
 fn sneddon(profile: &LensProfile, a: f64) -> [f64; 2] {
     const POINTS: usize = 2000;
     let step = FRAC_PI_2 / POINTS as f64;
@@ -564,7 +566,7 @@ fn patch_state(
         held: None,
         sliver: None,
     };
-    // What layers add is tabulated in the radius of the one disc.
+    // The layer contributions are tabulated for the radius of the single disc.
     let of_disc = Scene {
         layers: in_unit(&scene.layers, patch.radius),
         ..scene.clone()
@@ -606,7 +608,7 @@ fn patch_state(
     )
 }
 
-/// The answer from a solution on elements.
+/// Assembles the result of a boundary-element solution.
 fn elements(
     system: &System,
     scene: &Scene,

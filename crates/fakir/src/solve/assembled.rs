@@ -1,4 +1,4 @@
-//! What is handed out of a solution: the state of all pillars, and of the floor where that is in contact.
+//! Assembles results from a solution: the state of all pillars, and of the floor if it is in contact.
 
 use super::estimate::{estimate, unknowns_only};
 use super::floor::FloorPoint;
@@ -18,7 +18,7 @@ use crate::state::{
 };
 use std::sync::Arc;
 
-/// Which method solves the pillars.
+/// Method that solves the pillars.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PillarMethod {
     Spectral(Accuracy),
@@ -36,7 +36,7 @@ impl From<PillarMethod> for Method {
     }
 }
 
-/// Error estimate of the spectral method, from other nodes and a higher degree.
+/// Error estimate of the spectral method, from a different node array and a higher degree.
 pub(super) fn refined(
     solution: &mut Solution<'_>,
     target: Load,
@@ -55,7 +55,7 @@ pub(super) fn refined(
     estimate(&mut solution.newton, &solution.outcome, target)
 }
 
-/// The state with its smallest floor gap.
+/// Returns the state with its smallest floor gap.
 pub(super) fn floor_gap(
     scene: &Scene,
     state: ContactState,
@@ -80,8 +80,8 @@ pub(super) fn floor_gap(
     }
 }
 
-/// The middle of a pillar where a lens that is not axisymmetric is lowest, and how low it is there, undeformed. Far along the line on which a cylinder is
-/// lowest, and beyond the edge of the pillars under a plate, it comes as near to the floor as that.
+/// Position and undeformed height of the lowest point of a lens that is not axisymmetric over the centre of a pillar. The gap to the floor
+/// tends to this height far along the axis of a cylinder, and beyond the outermost pillars under a plate.
 fn lowest_over_pillars(scene: &Scene) -> (Point, f64) {
     let (pillars, _) = scene
         .field
@@ -99,15 +99,15 @@ fn lowest_over_pillars(scene: &Scene) -> (Point, f64) {
     (place, sag(place))
 }
 
-/// What there is to say of the floor.
+/// State of the floor.
 pub(super) enum OfFloor {
-    /// It is not in contact: its lowest point.
+    /// Not in contact: its lowest point.
     Lowest(Option<FloorPoint>),
-    /// It is, if anything of it is.
+    /// In contact; `None` if no part of it is.
     Contact(Option<FloorContact>),
 }
 
-/// The answer from a solution of all pillars, and of the floor where that is in contact.
+/// Assembles the result of a solution of all pillars, and of the floor if it is in contact.
 pub(super) fn assemble(
     system: &System,
     scene: &Scene,
@@ -131,7 +131,7 @@ pub(super) fn assemble(
     let mut touched = touched_pillars(newton);
     let on_floor = floor.as_ref().map_or(0.0, |floor| floor.force);
     let force = share_force(&mut touched, on_floor, target, scene);
-    // Over the force that is told, to the last digit.
+    // Relative to the reported force, so that both agree to the last digit.
     let floor = floor.map(|floor| FloorContact {
         share: floor.force / force,
         ..floor
@@ -195,7 +195,8 @@ pub(super) fn assemble(
     Ok(floor_gap(scene, state, indentation, lowest))
 }
 
-/// Without what the model does not know: the stress at the corners of elastic pillars is not that at the edge of a punch on a half-space.
+/// Removes the stress intensity factors of elastic pillars, which the model does not provide: the stress at the corner of an elastic pillar
+/// differs from that at the edge of a punch on a half-space.
 fn as_known(pillar: PillarState, system: &System) -> PillarState {
     match system.pillar().compliance {
         PillarCompliance::Elastic => PillarState {
@@ -206,8 +207,7 @@ fn as_known(pillar: PillarState, system: &System) -> PillarState {
     }
 }
 
-/// How far the contact reaches from where the lens is lowest, where it reaches so far from the lens axis. Under a table of heights it is to be
-/// known over all of the tops that are touched.
+/// Distance from the lowest point of the lens to the edge of the contact. A height table must cover all touched tops.
 fn from_lowest(scene: &Scene, contact_radius: f64, touched: &[TouchedPillar]) -> f64 {
     if matches!(
         scene.lens.shape,
@@ -219,12 +219,12 @@ fn from_lowest(scene: &Scene, contact_radius: f64, touched: &[TouchedPillar]) ->
     touched.iter().map(end).fold(0.0, f64::max)
 }
 
-/// Relative difference between the prescribed force and the sum over pillars that is rounding of the solver:
-/// what it leaves on one pillar, some times over.
+/// Relative difference between the prescribed force and the sum over pillars that is attributed to rounding in the solver: several times
+/// its residual on one pillar.
 const PILLARS_MISMATCH: f64 = 100.0 * MISMATCH_TOLERANCE;
 
-/// The force on all pillars and on the floor. What is prescribed is met within the solver's tolerance; the pillars
-/// share what is missing, so that they bear it to the last digit.
+/// Returns the total force on pillars and floor. The solver meets a prescribed force within its tolerance; the remainder is distributed
+/// over the pillars, so that their sum is exact to the last digit.
 fn share_force(touched: &mut [TouchedPillar], on_floor: f64, target: Load, scene: &Scene) -> f64 {
     let on_tops: f64 = touched.iter().map(|pillar| pillar.state.force).sum();
     let sum = on_tops + on_floor;

@@ -1,23 +1,26 @@
-//! A lens on a floor that is stuck inside a circle: free annuli round the pillars there, and tops that stick outside.
+//! A lens on a floor that adheres inside a circle: detached annuli around the pillars inside, adhesive tops outside.
 //!
-//! *Mechanics.* The stuck disc is that of Johnson, Kendall and Roberts; an annulus of the volume `V` inside it acts as a crack that is
-//! small against its distance from others and from the front, and a top outside as a flat punch. With `E* = 1`, `r_f` the radius of the front,
-//! `q(x) = sqrt|r_f^2 - x^2|`, `R` the distance of two points and `xi = q(x) q(y)/r_f`, a unit volume at `y` changes the pressure at `x` by
+//! *Mechanics.* The adhering disc is that of Johnson, Kendall and Roberts. An annulus of volume `V` inside it acts as a crack that is small
+//! compared to its distance from other annuli and from the front; a top outside acts as a flat punch. With `E* = 1`, `r_f` the radius of
+//! the front, `q(x) = sqrt|r_f^2 - x^2|`, `R` the distance between two points and `xi = q(x) q(y)/r_f`, a unit volume at `y` changes the
+//! pressure at `x` by
 //!
 //! ```text
 //! T = -(atan(xi/R) + R/xi)/(2 pi^2 R^3),  T(x, x) = -1/(6 pi^2 xi^3),
 //! ```
 //!
-//! a unit force on a top at `y` outside moves another at `x` by `(2/pi) atan(xi/R)/(pi R)`, and takes `q(y)/(pi^2 q(x) R^2)` from the pressure at
-//! `x` inside, by as much as a volume there lifts the lens at `y`. All pillars that the symmetry of the lattice takes into each other are one unknown. That is
-//! exact to about 0.2 % in force.
+//! A unit force on a top at `y` outside moves another top at `x` by `(2/pi) atan(xi/R)/(pi R)` and reduces the pressure at `x` inside by
+//! `q(y)/(pi^2 q(x) R^2)`; by reciprocity, a unit volume at `x` lifts the lens at `y` by the same amount. All pillars related by a symmetry
+//! of the lattice share one unknown. The force is accurate to about 0.2 %.
 //!
-//! *Front.* A circle. Its radius is where the energy, less the work of adhesion of all that sticks, is least as a mean over a Gaussian in the radius, followed
-//! outward on loading and inward on unloading. The mean stands for a front that goes round the pillars, which a circle cannot: its standard deviation is
-//! [`SMOOTHING_ON_LOADING`] or [`SMOOTHING_ON_UNLOADING`] pitches, the latter fitted to one pull-off that cells on the floor give. This is what limits
-//! the model, to [`MODEL_ERROR_OF_FORCE`] and [`MODEL_ERROR_OF_AREA`].
+//! *Front.* A circle. Its radius minimises the energy minus the work of adhesion of all adhering regions, averaged over a Gaussian
+//! distribution of the radius. The minimum is followed outward on loading and inward on unloading. The average represents a front that
+//! bends around the pillars, which a circle cannot. The standard deviation is [`SMOOTHING_ON_LOADING`] or [`SMOOTHING_ON_UNLOADING`]
+//! pitches; the latter was fitted to one pull-off computed with cells on the floor. This limits the accuracy of the model to
+//! [`MODEL_ERROR_OF_FORCE`] and [`MODEL_ERROR_OF_AREA`].
 //!
-//! Left out: fronts that are no circle, tops that stick in part, what a sphere is beyond a paraboloid, and how the first patch comes about.
+//! Not modelled: fronts that are not circular, partially bonded tops, the difference between a sphere and a paraboloid, and the formation
+//! of the first patch.
 
 use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
 use crate::problem::quantity::Requirement;
@@ -26,50 +29,51 @@ use crate::state::{Run, SolveError};
 use crate::theory::stuck_floor::{AnnulusCoefficients, FreeAnnulus, StuckPillar};
 use std::f64::consts::PI;
 
-/// Standard deviation of the mean over radii of the front on loading, in pitches: so much that shells of pillars do not hold it.
+/// Standard deviation of the average over front radii on loading, in pitches: large enough that shells of pillars do not pin the front.
 pub const SMOOTHING_ON_LOADING: f64 = 0.3;
 
-/// The same on unloading, where shells hold the front; 0.15 makes pull-offs 7 % smaller.
+/// The same on unloading, where shells pin the front. A value of 0.15 reduces pull-off forces by 7 %.
 pub const SMOOTHING_ON_UNLOADING: f64 = 0.1;
 
-/// Error of the force by the model where it is in its range, against cells on the floor, over the force that the tops alone would bear at that indentation. The force
-/// of a floor that pulls may be much smaller than that.
+/// Error of the force within the range of the model, compared to cells on the floor, relative to the force on the tops alone at the same
+/// indentation. The total force may be much smaller than that if the floor is in tension.
 pub const MODEL_ERROR_OF_FORCE: f64 = 0.08;
 
-/// Relative error of the stuck area by the model where it is in its range.
+/// Relative error of the adhering area within the range of the model.
 pub const MODEL_ERROR_OF_AREA: f64 = 0.15;
 
-/// Widest annuli for which the model is good, in pitches.
+/// Largest annulus radius in the range of the model, in pitches.
 pub const WIDEST_ANNULUS: f64 = 0.3;
 
-/// Narrowest front for which it is, in pitches: one connected patch.
+/// Smallest front radius in the range of the model, in pitches: one connected patch.
 pub const NARROWEST_FRONT: f64 = 2.0;
 
-/// Radius of the disc with which a loading begins, in pitches.
+/// Front radius at which a loading starts, in pitches.
 const FIRST_FRONT: f64 = 0.62;
 
-/// Smallest front that is looked at, and distance from one to the next, in pitches.
+/// Smallest front radius that is evaluated, and distance between successive radii, in pitches.
 const LEAST_FRONT: f64 = 0.3;
 const STRIDE: f64 = 0.05;
 
-/// Widest annulus that is let be, in pitches: half of them, where neighbours meet.
+/// Upper bound of the annulus radius, in pitches: half a pitch, where neighbours meet.
 const MEETING: f64 = 0.5;
 
-/// Rounds in which the annuli find their widths, the part of a change that is taken, and the change that is none, in radii of a pillar.
+/// Largest number of iterations for the widths of the annuli, under-relaxation factor, and change at which the iteration ends, in pillar
+/// radii.
 const ROUNDS: usize = 12;
 const DAMPING: f64 = 0.65;
 const SETTLED: f64 = 1e-4;
 
-/// Rounds in which tops are touched or let go.
+/// Largest number of iterations in which tops attach or detach.
 const TOP_ROUNDS: usize = 60;
 
-/// Nearest that a top outside is to the front, in radii of a pillar.
+/// Smallest distance of a top outside from the front, in pillar radii.
 const CLEARANCE: f64 = 1.5;
 
-/// A lattice of pillars whose floor and tops stick to a spherical lens.
+/// A lattice of pillars whose floor and tops adhere to a spherical lens.
 #[derive(Debug, Clone)]
 pub struct CollapsedFloor {
-    /// All below in units of the pillar radius and the reduced modulus.
+    /// Unit of length (pillar radius, m). The fields below are in units of the pillar radius and the reduced modulus.
     length: f64,
     modulus: f64,
     pillar: StuckPillar,
@@ -80,18 +84,18 @@ pub struct CollapsedFloor {
     largest_indentation: f64,
     top_compliance: f64,
     orbits: Vec<Orbit>,
-    /// Pressure and radius of an annulus whose edge holds, by falling pressure.
+    /// Pressure and radius of annuli with a stable edge, sorted by decreasing pressure.
     edges: Vec<[f64; 2]>,
 }
 
-/// Pillars that a symmetry of the lattice takes into each other.
+/// Pillars related by the symmetries of the lattice.
 #[derive(Debug, Clone)]
 struct Orbit {
     radius: f64,
     places: Vec<Point>,
 }
 
-/// A lens on a floor stuck inside a circle.
+/// A lens on a floor that adheres inside a circle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CollapsedState {
     /// Radius of the front, m.
@@ -100,27 +104,28 @@ pub struct CollapsedState {
     pub indentation: f64,
     /// Force, N.
     pub force: f64,
-    /// Elastic energy, J: its derivative by the indentation at the same contacts is the force.
+    /// Elastic energy, J. Its derivative with respect to the indentation at constant contact is the force.
     pub energy: f64,
-    /// The same less the work of adhesion of all that sticks, J.
+    /// Elastic energy minus the work of adhesion of all adhering regions, J.
     pub potential: f64,
-    /// Area of the stuck floor, m^2.
+    /// Adhering area of the floor, m^2.
     pub floor_area: f64,
-    /// Pillars inside the front.
+    /// Number of pillars inside the front.
     pub pillars_inside: usize,
-    /// Tops outside the front that stick.
+    /// Number of adhering tops outside the front.
     pub tops_outside: usize,
-    /// Outer radius of the widest annulus, m; none without pillars inside.
+    /// Outer radius of the widest annulus, m; `None` if there are no pillars inside.
     pub widest_annulus: Option<f64>,
-    /// Whether annuli stand still, are below [`WIDEST_ANNULUS`], and the front is beyond [`NARROWEST_FRONT`].
+    /// Whether the iteration for the annuli converged, they are smaller than [`WIDEST_ANNULUS`], and the front is larger than
+    /// [`NARROWEST_FRONT`].
     pub in_range: bool,
     tops: Vec<bool>,
 }
 
-/// A point of a loading or an unloading.
+/// A load step of a loading or an unloading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CollapsedPoint {
-    /// Whether it is on the way back.
+    /// Whether the step belongs to the unloading.
     pub unloading: bool,
     /// Indentation, m.
     pub indentation: f64,
@@ -130,28 +135,29 @@ pub struct CollapsedPoint {
     pub force: f64,
     /// Energy, J.
     pub energy: f64,
-    /// Area of the stuck floor, m^2.
+    /// Adhering area of the floor, m^2.
     pub floor_area: f64,
-    /// Pillars inside the front, and tops that stick outside.
+    /// Number of pillars inside the front plus adhering tops outside.
     pub pillars_in_contact: usize,
-    /// Radius of the contact, m: that of the front or of the farthest top that sticks, whichever is larger.
+    /// Contact radius, m: that of the front or of the farthest adhering top, whichever is larger.
     pub contact_radius: f64,
     /// Outer radius of the widest annulus, m.
     pub widest_annulus: Option<f64>,
-    /// Whether the model is in its range: its errors are those of [`MODEL_ERROR_OF_FORCE`] and [`MODEL_ERROR_OF_AREA`] then, and unknown otherwise.
+    /// Whether the state is in the range of the model. If so, its errors are [`MODEL_ERROR_OF_FORCE`] and [`MODEL_ERROR_OF_AREA`];
+    /// otherwise they are unknown.
     pub in_range: bool,
 }
 
-/// A loading and an unloading.
+/// A loading followed by an unloading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CollapsedCycle {
-    /// As far as the floor sticks.
+    /// Load steps during which the floor adheres.
     pub points: Vec<CollapsedPoint>,
-    /// The first indentation (m) of the unloading at which the floor no longer sticks, if there is one.
+    /// First indentation (m) of the unloading at which the floor no longer adheres, if any.
     pub floor_lost: Option<f64>,
 }
 
-/// The part of an annulus in the equations: `V = volume - yielding p_0`.
+/// Linearised equation of one annulus: `V = volume - yielding p_0`.
 struct Annulus {
     coefficients: AnnulusCoefficients,
     radius: f64,
@@ -159,7 +165,7 @@ struct Annulus {
     yielding: f64,
 }
 
-/// The fields of the stuck disc, in units.
+/// Fields of the adhering disc, in solver units.
 #[derive(Clone, Copy)]
 struct Front {
     radius: f64,
@@ -182,13 +188,13 @@ impl Front {
         2.0 * self.radius * self.depth - 2.0 / 3.0 * self.radius.powi(3) / self.lens_radius
     }
 
-    /// Inside.
+    /// Pressure inside the front.
     fn pressure(&self, r: f64) -> f64 {
         let (q, lens) = (self.q(r), self.lens_radius);
         (self.depth - self.radius * self.radius / lens) / (PI * q) + 2.0 * q / (PI * lens)
     }
 
-    /// Outside, how far surfaces have moved apart.
+    /// Separation of the surfaces outside the front.
     fn displacement(&self, r: f64) -> f64 {
         let (f, lens) = (self.radius, self.lens_radius);
         let angle = (f / r).asin();
@@ -196,7 +202,7 @@ impl Front {
             + ((2.0 * f * f - r * r) * angle + f * self.q(r)) / (PI * lens)
     }
 
-    /// Change of the pressure by a unit volume, both inside.
+    /// Change of the pressure by a unit volume, both inside the front.
     fn crack_on_crack(&self, q: [f64; 2], distance: f64) -> f64 {
         let xi = q[0] * q[1] / self.radius;
         -((xi / distance).atan() + distance / xi) / (2.0 * PI * PI * distance.powi(3))
@@ -206,49 +212,50 @@ impl Front {
         -1.0 / (6.0 * PI * PI * (q * q / self.radius).powi(3))
     }
 
-    /// Displacement by a unit force on a top of unit radius, both outside.
+    /// Displacement by a unit force on a top of unit radius, both outside the front.
     fn top_on_top(&self, q: [f64; 2], distance: f64) -> f64 {
         let xi = q[0] * q[1] / self.radius;
         let size = 1.0 + 1.0 / (3.0 * distance * distance);
         2.0 / (PI * PI) * (xi / distance).atan() / distance * size
     }
 
-    /// What the nearness of the disc takes from the compliance of a top.
+    /// Reduction of the compliance of a top due to the adjacent disc.
     fn disc_on_top(&self, q: f64) -> f64 {
         2.0 / (PI * PI * (q * q / self.radius))
     }
 
-    /// Displacement of a top outside by a unit volume inside, and pressure that a unit force on the top takes away there.
+    /// Displacement of a top outside by a unit volume inside; also the reduction of the pressure inside by a unit force on the top.
     fn crack_on_top(top: f64, crack: f64, distance: f64) -> f64 {
         top / (crack * distance * distance * PI * PI)
     }
 }
 
-/// The solution for widths of the annuli that are given.
+/// The solution for prescribed widths of the annuli.
 struct Solution {
     annuli: Vec<Annulus>,
     crack_radii: Vec<f64>,
     volumes: Vec<f64>,
     pressures: Vec<f64>,
-    /// Tops outside that stick, by their orbits, and the force on one of each.
+    /// Orbits of adhering tops outside, and the force on one top of each.
     tops: Vec<usize>,
     forces: Vec<f64>,
 }
 
-/// Tops outside the front, as equations for weighted forces.
+/// Equations for the weighted forces on the tops outside the front.
 struct Tops<'a> {
-    /// The orbits that they are.
+    /// Orbits of these tops.
     orbits: &'a [usize],
-    /// Displacements by unit forces, with cracks that give way.
+    /// Displacements by unit forces, including the compliance of the annuli.
     compliances: &'a [f64],
-    /// How far the lens would be inside of them without forces.
+    /// Overlap of the lens with the tops at zero force.
     overlaps: &'a [f64],
-    /// Forces below which they are torn off.
+    /// Forces below which the tops detach.
     torn_at: Vec<f64>,
 }
 
 impl Tops<'_> {
-    /// Forces with those stuck that `stuck` names: tops are let go that are torn off, and where lenses touch them others join. `None` if that does not end.
+    /// Forces on the adhering tops. Starting from the set `stuck`, tops detach below their detachment force, and tops that overlap with the
+    /// lens attach if `touches` is set. `None` if this does not converge.
     fn settle(&self, stuck: &mut [bool], touches: bool) -> Option<Vec<f64>> {
         let count = self.orbits.len();
         let mut torn = vec![false; count];
@@ -296,11 +303,12 @@ impl Tops<'_> {
 }
 
 impl CollapsedFloor {
-    /// For a system whose floor sticks as its tops do, with the work of adhesion where contact is made on loading and on unloading, up to an indentation (m).
+    /// Model of a system whose floor adheres like its tops, up to a largest indentation (m). The work of adhesion at attachment applies on
+    /// loading and on unloading.
     ///
     /// # Errors
-    /// [`Unsupported`] of any but equal pillars on the endless hexagonal lattice, and of a lens that is no sphere;
-    /// a work of adhesion or an indentation that is no positive number, or one of more than a tenth of the lens radius.
+    /// [`Unsupported`] unless equal pillars form the infinite hexagonal lattice and the lens is a sphere; a work of adhesion or an
+    /// indentation that is not positive, or an indentation above a tenth of the lens radius.
     pub fn new(system: &System, largest_indentation: f64) -> Result<Self, SolveError> {
         let lattice = system.hexagonal_lattice();
         let lattice = lattice.ok_or(Unsupported::BUT_FOR_THE_LATTICE)?;
@@ -363,12 +371,12 @@ impl CollapsedFloor {
         })
     }
 
-    /// The state with a front of a radius (m) at an indentation (m): annuli as wide as the work of adhesion holds them, tops stuck where they are touched
-    /// and not torn off.
+    /// State with a front of a given radius (m) at an indentation (m): the work of adhesion determines the widths of the annuli; tops
+    /// adhere where they are touched and have not detached.
     ///
     /// # Errors
-    /// A radius below 0.3 pitches or beyond those that the largest indentation can have, an indentation above that, and [`SolveError::NoFront`] where
-    /// annuli are not small against their distances.
+    /// A radius below 0.3 pitches or beyond the largest front at the largest indentation, an indentation above the largest, and
+    /// [`SolveError::NoFront`] if annuli are not small compared to their distances.
     pub fn state(&self, front_radius: f64, indentation: f64) -> Result<CollapsedState, SolveError> {
         let least = LEAST_FRONT * self.pitch * self.length;
         let most = self.widest_front() * self.length;
@@ -383,7 +391,7 @@ impl CollapsedFloor {
             })
     }
 
-    /// Fronts are followed up to two pitches beyond where the undeformed lens is as high as the largest indentation.
+    /// Largest front radius: two pitches beyond the point at which the undeformed lens is as high as the largest indentation.
     fn widest_front(&self) -> f64 {
         (2.0 * self.lens_radius * self.largest_indentation).sqrt() + 2.0 * self.pitch
     }
@@ -395,7 +403,7 @@ impl CollapsedFloor {
         Ok(accepted.check(Quantity::Indentation, indentation)?)
     }
 
-    /// The state with tops held of which others are touched, or none are.
+    /// The state with the adhering tops `held`; others may attach if `touches` is set.
     fn state_with(
         &self,
         front_radius: f64,
@@ -427,7 +435,7 @@ impl CollapsedFloor {
         Some(state)
     }
 
-    /// Radius of the annulus under a pressure, by linear interpolation; no wider than where neighbours meet.
+    /// Radius of the annulus at a pressure, by linear interpolation; bounded by the radius at which neighbours meet.
     fn edge(&self, pressure: f64) -> f64 {
         let next = self.edges.partition_point(|[p, _]| *p > pressure);
         let found = match (
@@ -441,7 +449,7 @@ impl CollapsedFloor {
         found.min(MEETING * self.pitch)
     }
 
-    /// Volumes, pressures and forces for widths that are given. `None` where the front is so near that cracks are not small.
+    /// Volumes, pressures and forces for prescribed widths. `None` if annuli are not small compared to their distance from the front.
     fn solve(
         &self,
         front_radius: f64,
@@ -452,7 +460,7 @@ impl CollapsedFloor {
     ) -> Option<Solution> {
         let front = self.front(front_radius, indentation);
         let cracks = widths.len();
-        // Pillars that the front passes are kept off it.
+        // Annuli that the front would cross are moved inside it.
         let crack_radii: Vec<f64> = self.orbits[..cracks]
             .iter()
             .zip(widths)
@@ -486,7 +494,7 @@ impl CollapsedFloor {
             .collect();
         let crack_q: Vec<f64> = crack_radii.iter().map(|r| front.q(*r)).collect();
         let top_q: Vec<f64> = top_radii.iter().map(|r| front.q(*r)).collect();
-        // Unknowns are weighted with the roots of the sizes of orbits, which makes matrices symmetric.
+        // Unknowns are weighted with the square roots of the orbit sizes, which makes the matrices symmetric.
         let sum = |from: &[Point], to: &[Point], kernel: &dyn Fn(f64) -> f64| -> f64 {
             let own = from[0];
             let terms = to.iter().map(|place| {
@@ -671,10 +679,11 @@ impl CollapsedFloor {
         }
     }
 
-    /// Force, area and energy over rising indentations (m) from where the floor is first touched, and over falling ones after that.
+    /// Force, area and energy at rising indentations (m), from first contact with the floor, and then at falling ones.
     ///
     /// # Errors
-    /// Indentations that are no numbers or above the largest, that the run was cancelled, and [`SolveError::NoFront`] where a front runs away on loading.
+    /// Indentations that are NaN or above the largest, cancellation of the run, and [`SolveError::NoFront`] if a front grows without bound
+    /// on loading.
     pub fn cycle(
         &self,
         loading: &[f64],
@@ -709,7 +718,7 @@ impl CollapsedFloor {
                 return Ok(CollapsedCycle { points, floor_lost });
             };
             place = there;
-            // All that are inside or stuck are held from now on.
+            // Tops that are inside or adhere stay in contact from here on.
             tops = state.tops;
             for (top, orbit) in tops.iter_mut().zip(&self.orbits) {
                 *top |= orbit.radius * self.length < state.front_radius;
@@ -723,12 +732,12 @@ impl CollapsedFloor {
     }
 }
 
-/// Radius of the front at a place of the rows, in units.
+/// Radius of the front with an index in a row, in solver units.
 fn front_at(floor: &CollapsedFloor, place: usize) -> f64 {
     (LEAST_FRONT + STRIDE * place as f64) * floor.pitch
 }
 
-/// The states at one indentation by the radius of the front, found as they are asked for.
+/// States at one indentation as a function of the front radius, computed on demand.
 struct Row<'a> {
     floor: &'a CollapsedFloor,
     indentation: f64,
@@ -737,7 +746,7 @@ struct Row<'a> {
     states: Vec<Option<Option<CollapsedState>>>,
 }
 
-/// Means over the Gaussian.
+/// Averages over the Gaussian.
 #[derive(Clone, Copy)]
 struct Mean {
     potential: f64,
@@ -767,7 +776,7 @@ impl Row<'_> {
         self.states[place].as_ref().and_then(Option::as_ref)
     }
 
-    /// Means round a place, over the places that have a state.
+    /// Averages around an index, over the radii that have a state.
     fn mean(&mut self, place: usize) -> Option<Mean> {
         let deviation = if self.loading {
             SMOOTHING_ON_LOADING
@@ -800,8 +809,8 @@ impl Row<'_> {
         })
     }
 
-    /// Downhill from a place, outward on loading and inward on unloading, to where the mean potential is least. `None` where that is no front any more, or
-    /// where states end.
+    /// Follows the mean potential downhill from an index, outward on loading and inward on unloading, to its minimum. `None` if there is no
+    /// front there, or if no state exists.
     fn follow(mut self, start: usize) -> Option<(usize, CollapsedPoint, CollapsedState)> {
         let most = self.floor.widest_front();
         let mut place = start;
@@ -842,7 +851,7 @@ impl Row<'_> {
     }
 }
 
-/// Pressures under which the edge of an annulus holds at radii, as far as it stands still there.
+/// Pressures at which the edge of an annulus is in stable equilibrium, as a function of its radius.
 fn edges(pillar: &StuckPillar, work: f64) -> Vec<[f64; 2]> {
     const COUNT: usize = 200;
     let critical = (2.0 * work).sqrt();
@@ -873,7 +882,7 @@ mod tests {
         Adhesion, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture,
     };
 
-    /// The paper's intermediate substrate with so much top, and a work of adhesion in mJ/m^2.
+    /// The paper's intermediate substrate with a surface fraction, and a work of adhesion in mJ/m^2.
     fn floor(surface_fraction: f64, work: f64, largest_indentation: f64) -> CollapsedFloor {
         let pillar = Pillar {
             diameter: 6e-6,
@@ -897,7 +906,7 @@ mod tests {
         lens_radius: 50.0,
     };
 
-    /// The integral over (0, 1).
+    /// Integral over (0, 1).
     fn integral(function: impl Fn(f64) -> f64) -> f64 {
         let rule = gauss_legendre(60);
         rule.iter()
@@ -905,7 +914,7 @@ mod tests {
             .sum()
     }
 
-    /// A volume in the middle, by Abel's transform `g = -V/(2 pi t^2)`: `p = (g(r_f)/q - int_r^(r_f) g'/sqrt(t^2 - r^2) dt)/pi`.
+    /// A volume at the centre, by Abel's transform `g = -V/(2 pi t^2)`: `p = (g(r_f)/q - int_r^(r_f) g'/sqrt(t^2 - r^2) dt)/pi`.
     #[test]
     fn cracks_act_on_cracks_as_abel_says() {
         let f = FRONT.radius;
@@ -920,14 +929,14 @@ mod tests {
             let found = FRONT.crack_on_crack([q, FRONT.q(0.0)], r);
             assert!((found / expected - 1.0).abs() < 1e-12, "{r}");
         }
-        // Without the free body what is left at the place itself.
+        // The remainder at the same position, without the term of the infinite body.
         let distance = 1e-3;
         let q = FRONT.q(1.0);
         let left = FRONT.crack_on_crack([q, q], distance) + 1.0 / (4.0 * PI * distance.powi(3));
         assert!((left / FRONT.crack_on_itself(q) - 1.0).abs() < 1e-4);
     }
 
-    /// A disc that does not move takes `(2/pi) asin(r_f/r)` of a force beside it, and its pressures lessen the displacement of other places.
+    /// A fixed disc carries a fraction `(2/pi) asin(r_f/r)` of a force beside it, and its pressures reduce the displacement elsewhere.
     #[test]
     fn tops_act_on_tops_and_cracks_past_the_disc() {
         let (f, top, other) = (FRONT.radius, 3.0, -2.5f64);
@@ -954,11 +963,11 @@ mod tests {
         });
         let distance = top - other;
         let left = 1.0 / (PI * distance) - shielded;
-        // Without the size of the tops.
+        // Without the correction for the size of the tops.
         let size = 1.0 + 1.0 / (3.0 * distance * distance);
         let found = FRONT.top_on_top([top_q, other_q], distance) / size;
         assert!((found / left - 1.0).abs() < 1e-10, "{found} {left}");
-        // The same for a top on itself: what is missing of 1/(pi R).
+        // The same for a top on itself: the difference from 1/(pi R).
         let near = 1e-4;
         let q = [FRONT.q(3.0), FRONT.q(3.0)];
         let missing =
@@ -966,7 +975,8 @@ mod tests {
         assert!((missing / FRONT.disc_on_top(q[0]) - 1.0).abs() < 1e-6);
     }
 
-    /// The disc alone: its force is the slope of its energy and the integral of its pressure, and it lies against the lens.
+    /// The disc alone: its force is the derivative of its energy and the integral of its pressure, and the disc is in contact with the
+    /// lens.
     #[test]
     fn the_stuck_disc_is_that_of_a_sphere_that_sticks() {
         let deeper = |change: f64| Front {
@@ -986,7 +996,7 @@ mod tests {
         assert!((edge / lies - 1.0).abs() < 1e-12);
     }
 
-    /// Energy against force for fronts, annuli and tops that are held; the annuli are where the potential is least.
+    /// Force as derivative of the energy at constant fronts, annuli and tops; the annuli minimise the potential.
     #[test]
     fn force_is_the_slope_of_the_energy() {
         let floor = floor(0.03, 50.0, 5e-6);
@@ -1020,7 +1030,7 @@ mod tests {
                 "{front}: {slope} {force}"
             );
         }
-        // The work of adhesion holds annuli where the potential is least.
+        // The work of adhesion stabilises annuli at the minimum of the potential.
         let (front, indentation) = (28.0, 1.36);
         let mut tops = vec![false; floor.orbits.len()];
         let inside = floor.orbits.iter().take_while(|it| it.radius < front);
@@ -1042,7 +1052,8 @@ mod tests {
         assert!(potential(0.99) > potential(1.0) && potential(1.01) > potential(1.0));
     }
 
-    /// Forces in uN of cells of 0.68 um on the floor with the front, annuli of 4.69 um and 55 pillars held, by another program: 0.3 %.
+    /// Forces in uN from cells of 0.68 um on the floor with the front, annuli of 4.69 um and 55 pillars held fixed, computed by another
+    /// program: 0.3 %.
     #[test]
     fn held_fronts_bear_what_cells_bear() {
         let floor = floor(0.03, 50.0, 5e-6);
@@ -1065,12 +1076,13 @@ mod tests {
         }
     }
 
-    /// After the jump and on loading, by cells on the floor of another program. Forces are compared over those of the tops alone.
+    /// After jump-in and on loading, compared to cells on the floor from another program. Differences are relative to the force on the tops
+    /// alone.
     #[test]
     fn loading_is_that_of_cells_within_the_error_of_the_model() {
         let first = 4.0765e-6;
-        // Indentation, force and force of the tops alone in mN, area in um^2. The jump with 10 mJ/m^2 is on a barrier: its force is that just below, and its
-        // front is out of range.
+        // Indentation, force and force on the tops alone in mN, area in um^2. At 10 mJ/m^2 jump-in starts from a barrier: the force is the
+        // one just below it, and the front is out of range.
         let soft = [
             (1.0, 0.333, 0.377, None),
             (1.2, 0.469, 0.530, Some(18928.0)),
@@ -1097,8 +1109,8 @@ mod tests {
         }
     }
 
-    /// 50 mJ/m^2: the floor holds through zero load and pulls as cells say, 0.388 mN, within 10 %. 10 mJ/m^2: it lets go at 2.28 um, within 0.3 um, while the lens
-    /// is pressed.
+    /// 50 mJ/m^2: the floor adheres through zero load, and its pull-off force is within 10 % of that of the cells, 0.388 mN. 10 mJ/m^2: the
+    /// floor detaches at 2.28 um, within 0.3 um, while the lens is still under compression.
     #[test]
     fn unloading_holds_the_floor_as_cells_do() {
         let first = 4.0765e-6;

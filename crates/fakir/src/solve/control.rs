@@ -1,4 +1,4 @@
-//! The indentation that meets what is wanted with the linearized contact. Here loads are in units of the solvers.
+//! The indentation at which the linearized contact meets a target. Loads are in solver units.
 
 use super::floor::FloorPoint;
 use super::linearized::LinearizedContact;
@@ -6,12 +6,12 @@ use crate::halfspace::coupling::operator::Coupling;
 use crate::numerics::convergence::within;
 use crate::problem::Load;
 
-/// What a solution is to meet.
+/// Target of a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Target {
-    /// What is prescribed.
+    /// A prescribed load.
     Prescribed(Load),
-    /// That the floor bears this part of the force. It is first `reached` at that indentation, in units of the solvers.
+    /// The fraction of the load carried by the floor. The floor is first `reached` at that indentation, in solver units.
     FloorShare { share: f64, reached: f64 },
 }
 
@@ -21,11 +21,11 @@ impl From<Load> for Target {
     }
 }
 
-/// Largest change in a step of the logarithm of how far the lens is past the transition.
+/// Largest change per step of the logarithm of the indentation past the transition.
 const LONGEST_SHARE_STEP: f64 = 1.0;
 
 impl Target {
-    /// The indentation, if it is prescribed.
+    /// The prescribed indentation, if any.
     pub(crate) fn indentation(self) -> Option<f64> {
         match self {
             Self::Prescribed(Load::Indentation(indentation)) => Some(indentation),
@@ -33,7 +33,8 @@ impl Target {
         }
     }
 
-    /// While the states are hardly known: a floor share would lead far away, and the present indentation is kept.
+    /// Target of the first iterations, while the states are inaccurate: a floor share keeps the present indentation, because a step towards
+    /// it would be too large.
     pub(crate) fn at_first(self, present: f64) -> Self {
         match self {
             Self::Prescribed(_) => self,
@@ -41,11 +42,11 @@ impl Target {
         }
     }
 
-    /// The indentation at which the linearized contact meets it, with the floor point that decides it, if one does.
-    /// `lowest` is the lowest point of the floor, where that is what is to be reached. `None` if no indentation does.
+    /// Returns the indentation at which the linearized contact meets the target, with the floor point that determines it, if any. `lowest`
+    /// is the lowest point of the floor, if that is the target. `None` if no indentation meets the target.
     ///
-    /// A floor share is met to first order. What the floor bears over what the tops bear goes as a power of how far the lens is past the
-    /// transition that falls slowly, from 3/2, so that a step is one of logarithms.
+    /// A floor share is met to first order. The ratio of floor force to top force follows a power law of the indentation past the
+    /// transition whose exponent decreases slowly from 3/2, so that the step is taken in logarithms.
     pub(crate) fn close<O: Coupling>(
         self,
         contact: &LinearizedContact<'_, O>,
@@ -59,7 +60,7 @@ impl Target {
                 (stiffness > 0.0).then(|| (contact.indentation() + missing / stiffness, None))
             }
             Self::Prescribed(Load::FloorContact) => lowest.map(|point| (point.indentation, lowest)),
-            // Cells may be too coarse for the first patches.
+            // The cells may be too coarse to resolve the first patches.
             Self::FloorShare { .. } if contact.floor_force() <= 0.0 => {
                 Some((contact.indentation(), None))
             }
@@ -76,8 +77,8 @@ impl Target {
         }
     }
 
-    /// Whether a contact meets it within a relative tolerance: the force or the floor share, where one is wanted. So small a force that it changes the
-    /// indentation by less than its rounding it does not.
+    /// Whether a contact meets the target force or floor share, if any, within a relative tolerance. A force so small that it changes the
+    /// indentation by less than its rounding error is not met.
     pub(crate) fn is_met<O: Coupling>(
         self,
         contact: &LinearizedContact<'_, O>,
@@ -92,17 +93,17 @@ impl Target {
     }
 }
 
-/// Of a part and what is left of one.
+/// Logarithm of the odds `part/(1 - part)`.
 pub(crate) fn log_of_odds(part: f64) -> f64 {
     (part / (1.0 - part)).ln()
 }
 
-/// What the floor bears, over the force.
+/// Floor force divided by the total force.
 pub(crate) fn share_of<O: Coupling>(contact: &LinearizedContact<'_, O>) -> f64 {
     contact.floor_force() / contact.force()
 }
 
-/// The change with the indentation of the logarithm of what the floor bears over what the tops bear.
+/// Derivative, with respect to the indentation, of the logarithm of the ratio of floor force to top force.
 pub(crate) fn slope_of_odds<O: Coupling>(contact: &LinearizedContact<'_, O>) -> f64 {
     let [force, stiffness] = [contact.floor_force(), contact.floor_stiffness()];
     stiffness / force - (contact.stiffness() - stiffness) / (contact.force() - force)

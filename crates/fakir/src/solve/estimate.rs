@@ -1,13 +1,12 @@
 //! Error estimates by refinement around a converged solution.
 //!
-//! A change `delta` of the answer of one pillar to its load changes any linear result `r` by
-//! `s_r delta`, with `s_r = L - B y` and `y` the response of the pillars to the load `L` that
-//! belongs to the result: `b1` for the force, the displacement `W(x_c)` of the floor point for
-//! the indentation of first contact. Two refinements give such changes:
+//! A change `delta` of the coefficients of one pillar at its load changes any linear result `r` by `s_r delta`, with `s_r = L - B y` and
+//! `y` the response of the pillars to the load `L` that belongs to the result: `b1` for the force, the displacement `W(x_c)` of the floor
+//! point for the indentation of first contact. Two refinements provide such changes:
 //!
-//! * on partially touched pillars, the answer with another node array;
-//! * on all, the modes beyond the degree of the coupling, which of two pillars depends on their gap: on fully touched ones as neighbours excite
-//!   them at first order, on partially touched ones as their own solution has them;
+//! * on partially touched pillars, the solution with another node array;
+//! * on all pillars, the modes beyond the degree of the coupling, which for a pair of pillars depends on their gap: on fully touched
+//!   pillars as excited by neighbours at first order, on partially touched ones as given by their own solution;
 //! * at the floor point, the modes of partially touched pillars beyond that degree.
 
 use super::linearized::Response;
@@ -25,30 +24,30 @@ use crate::problem::{Load, Point, ShapedLens};
 use crate::state::{ErrorEstimate, PillarStatus, SolveError, Termination};
 use std::f64::consts::PI;
 
-/// Relative error of linear algebra, quadrature and the lens shape together; nothing is claimed
-/// to be better.
+/// Relative error of linear algebra, quadrature and the lens shape together: lower bound of all estimates.
 const FLOOR: f64 = 1e-8;
 
-/// What refinement finds is multiplied by this: the refined answer has an error of its own.
+/// Safety factor on the differences from refined solutions, which have errors themselves.
 const SAFETY: f64 = 2.0;
 
-/// Relative energy of the residual for the adjoint responses: two digits of an error are enough.
+/// Relative energy of the residual of the adjoint responses: two digits of an error estimate are sufficient.
 const ADJOINT_TOLERANCE: f64 = 1e-2;
 
-/// Degrees by which the coupling is extended: interior pillars of a hexagonal lattice see little
-/// of degree 3, more of degree 4.
+/// Number of degrees by which the coupling is extended: on interior pillars of a hexagonal lattice degree 3 contributes little and degree 4
+/// more.
 const EXTRA_DEGREES: usize = 2;
 
-/// Gap (pillar radii) below which the decay from degree to degree is not followed further.
+/// Gap (pillar radii) below which the decay from degree to degree is no longer evaluated.
 const LEAST_GAP: f64 = 1e-4;
 
-/// Neighbours beyond this distance (pillar radii) do not excite the extra modes noticeably.
+/// Distance (pillar radii) beyond which neighbours excite the additional modes only negligibly.
 const NEIGHBOURHOOD: f64 = 13.0;
 
-/// The same of any sites, over the radius of the pillar: beyond it what degree 2 leaves out changes the force by less than is ever claimed.
+/// The same for arbitrary sites, in radii of the pillar: beyond it, the effect of the modes above degree 2 on the force is below the
+/// smallest error estimate.
 const PAIRS: f64 = 9.0;
 
-/// Pillars that are symmetric copies of each other, as a rule, where few are crossed by the edge.
+/// Typical number of pillars that are symmetric copies of each other, if few are crossed by the contact edge.
 const COPIES: usize = 4;
 
 /// Load and response that belong to one result.
@@ -62,7 +61,7 @@ struct Adjoint {
 }
 
 impl Adjoint {
-    /// The mean over images, of the pillars alone.
+    /// Average over symmetric images, for the pillars only.
     fn averaged(&self, newton: &Newton<'_>, copies: &Copies) -> Self {
         let modes = modes(newton.degree());
         let mean = |of_all: &[f64]| {
@@ -89,14 +88,14 @@ pub(crate) fn estimate(
     let depth = outcome.indentation - newton.scene.first_touch();
     let indentation = outcome.indentation.abs().max(depth);
     if force <= 0.0 || indentation <= 0.0 {
-        // The contact is smaller than the distance of nodes: nothing is known of it.
+        // The contact is smaller than the distance between nodes: the error is unknown.
         return Ok(unknowns_only(target, outcome.termination, [1.0; 2]));
     }
     let mut adjoints = adjoints(newton, outcome, target)?;
     let few = |copies: &&Copies| copies.own().len() <= SAMPLED;
     let copies = newton.copies.as_ref().filter(few);
     if let Some(copies) = copies {
-        // What images differ by of an adjoint does not count, as the changes are images of each other too.
+        // Averaging the adjoint over images is exact here, because the changes are symmetric too.
         adjoints = adjoints.map(|adjoint| adjoint.averaged(newton, copies));
     }
     let adjoints = adjoints.each_ref();
@@ -113,16 +112,16 @@ pub(crate) fn estimate(
     Ok(unknowns_only(target, outcome.termination, errors))
 }
 
-/// All higher degrees over the next few: the modes of two discs that are a gap (pillar radii) apart fall by `exp(-theta)` from one degree to the next, with
-/// `cosh(theta) = 1 + gap/2`, as the images of two circles do.
+/// Ratio of the sum over all higher degrees to the sum over the next few. The modes of two discs with a gap (pillar radii) decay by
+/// `exp(-theta)` per degree, with `cosh(theta) = 1 + gap/2`, like the images of two circles.
 fn beyond_degrees(gap: f64) -> f64 {
-    // Discs that touch have no such rate.
+    // For discs in contact the decay rate is zero.
     let theta = (1.0 + 0.5 * gap.max(LEAST_GAP)).acosh();
     (1.0 - (-2.0 * EXTRA_DEGREES as f64 * theta).exp()).recip()
 }
 
-/// Changes of the two results when the floor point is displaced by all modes of partially touched
-/// pillars near it, and not by the leading ones only.
+/// Changes of the two results if the floor point is displaced by all modes of the partially touched pillars near it instead of the leading
+/// modes.
 fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]) -> [f64; 2] {
     let Some(point) = outcome.floor else {
         return [0.0; 2];
@@ -207,11 +206,10 @@ fn adjoints(
     })
 }
 
-/// How partially touched pillars are resolved again.
+/// Node arrays on which partially touched pillars are solved again.
 ///
-/// The error of a node array depends on where the edge of the contact falls between its nodes, so that one
-/// other array may happen to err alike. Five hardly do. Where pillars are many, their errors average out, and
-/// the first is enough.
+/// The error of a node array depends on where the edge of the contact is between its nodes, so that one other array may have the same error
+/// by chance. Five arrays hardly do. If there are many pillars, their errors average out and one array is sufficient.
 fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
     let nodes = tops.nodes;
     let [larger, smaller] = if nodes <= 16 {
@@ -219,7 +217,7 @@ fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
     } else {
         [nodes - 8, nodes - 4]
     };
-    // Coarser cells differ by more than what is left.
+    // Coarser cells differ by more than the remaining error.
     let others = [
         (larger, 0.0, tops.rings / 2),
         (larger, PI, tops.rings / 2),
@@ -236,11 +234,11 @@ fn other_resolutions(tops: Resolution, partial: usize) -> Vec<Resolution> {
     others.into_iter().take(count).map(of).collect()
 }
 
-/// Partially touched pillars up to which each is checked on several node arrays.
+/// Largest number of partially touched pillars for which several node arrays are used.
 const FEW_PILLARS: usize = 12;
 
-/// Changes of the two results when partially touched pillars are solved on other node arrays. Errors of
-/// pillars that are symmetric copies of each other add up, others do as if their signs were random. Of many images one of four is looked at.
+/// Changes of the two results if partially touched pillars are solved on other node arrays. Errors of pillars that are symmetric copies of
+/// each other are added, others are combined as if they had random signs. Of many images, one in four is evaluated.
 fn node_changes(
     newton: &Newton<'_>,
     copies: Option<&Copies>,
@@ -251,7 +249,8 @@ fn node_changes(
     let is_partial = |pillar: &usize| newton.tops.status[*pillar] == PillarStatus::Partial;
     let all: Vec<usize> = (0..newton.tops.sites.len()).filter(is_partial).collect();
     let count = all.len();
-    // Node arrays are no images of each other: a few pillars are all looked at. Pillars, and how many each stands for.
+    // Node arrays are not symmetric under the images: if there are few pillars, all are evaluated. Each entry is a pillar with the number
+    // of pillars it represents.
     let partial: Vec<(usize, f64)> = match copies.filter(|_| count > FEW_PILLARS) {
         Some(copies) => {
             let looked_at = copies.distinct_images().flat_map(|images| {
@@ -314,7 +313,7 @@ fn node_changes(
     }))
 }
 
-/// Changes of the two results when the coupling takes in the next degrees.
+/// Changes of the two results if the coupling includes the next degrees.
 fn degree_changes(
     newton: &Newton<'_>,
     outcome: &Outcome,
@@ -356,7 +355,7 @@ fn degree_changes(
         if status == PillarStatus::Full {
             own_load.project(newton, pillar, extra);
             let radius = newton.tops.sites.body(pillar).radius;
-            // The lens is known to the leading modes already, and so is the floor to them.
+            // The leading modes already include the lens shape and the floor.
             extra[..modes].fill(0.0);
             for ((extra, load), lambda) in extra.iter_mut().zip(&loads[0]).zip(&compliance) {
                 *extra = radius * (*extra - load) / lambda;
@@ -367,7 +366,7 @@ fn degree_changes(
             mean_values(newton, &exterior, pillar, &touched, [floor_load, values]);
             floor_load[..modes].fill(0.0);
         } else {
-            // It is solved again with the whole load of its neighbours. The floor sees all of its modes already.
+            // Solve again with the whole load of the neighbours. The floor already includes all modes of this pillar.
             let mut load = newton.full_load(pillar);
             load.resize(count.max(load.len()).min(newton.tops.top.count()), 0.0);
             for (load, far) in load.iter_mut().zip(&*loads[0]) {
@@ -385,7 +384,7 @@ fn degree_changes(
                 .map(|i| extra[i] * (adjoints[k].floor * floor_load[i] - loads[k + 1][i]))
                 .sum();
             if status == PillarStatus::Full {
-                // What is left out between the leading modes changes them, as they answer to it.
+                // The load that is missing in the leading modes changes their response.
                 let response = &adjoints[k].coefficients[own_modes.clone()];
                 let answers = response.iter().zip(&loads[0]);
                 return beyond - answers.map(|(y, load)| y * load).sum::<f64>();
@@ -412,7 +411,8 @@ fn degree_changes(
     Ok([0, 1].map(|k| sum_of_all(changes.iter().map(|change| change[k]), pillars)))
 }
 
-/// What the moments of a pillar, each by itself, move points beside it by in the mean, if there are any. With room for as many values.
+/// Average displacement of points beside a pillar by each moment of the pillar; zero without points. The second buffer is scratch space of
+/// the same length.
 fn mean_values(
     newton: &Newton<'_>,
     exterior: &Exterior,
@@ -429,10 +429,10 @@ fn mean_values(
     }
 }
 
-/// Pillars that are asked about what is alike for very many, at the least, where there are so many.
+/// Smallest number of pillars that are sampled from a larger number of equivalent ones.
 const SAMPLED: usize = 8000;
 
-/// The size of the sum over all of which these are a sample, with its standard error.
+/// Magnitude of the sum over a population from a sample, increased by its standard error.
 fn sum_of_all(sample: impl ExactSizeIterator<Item = f64>, all: usize) -> f64 {
     let count = sample.len() as f64;
     let [sum, squares] = sample.fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
@@ -441,15 +441,15 @@ fn sum_of_all(sample: impl ExactSizeIterator<Item = f64>, all: usize) -> f64 {
     scale * (sum.abs() + (left_out * deviations).sqrt())
 }
 
-/// What the lens shape asks of the extra modes.
+/// Load of the lens shape on the additional modes.
 struct OwnLoad {
-    /// None where the lens is a paraboloid as far as one pillar top can tell.
+    /// `None` if the lens is indistinguishable from a paraboloid over one pillar top.
     projector: Option<LensProjector>,
 }
 
 impl OwnLoad {
-    /// Lens radius, in pillar radii, above which the sphere's difference from a paraboloid over a pillar top
-    /// changes results by less than what is never claimed: 2e-5 at 8, as the inverse square.
+    /// Lens radius, in pillar radii, above which the difference between a sphere and a paraboloid over a pillar top changes results by less
+    /// than the smallest error estimate: 2e-5 at 8, proportional to the inverse square.
     const SMALL_LENS: f64 = 1000.0;
 
     fn new(lens: &ShapedLens, degree: usize) -> Self {
@@ -471,14 +471,13 @@ impl OwnLoad {
     }
 }
 
-/// Coupling blocks to the extra modes from the neighbours of a pillar.
+/// Coupling blocks to the additional modes from the neighbours of a pillar.
 enum Neighbours {
-    /// On a hexagonal lattice: steps from receiver to source, and the block of each: for every present mode, the
-    /// modes beyond.
+    /// On a hexagonal lattice: index steps from receiver to source, each with its block: for every leading mode, the additional modes.
     Steps(Vec<((i64, i64), Vec<f64>)>),
-    /// On any other sites the block of every two is another.
+    /// On any other sites every pair has a different block.
     Pairs {
-        /// By the degree to which it is known: the modes up to the next ones.
+        /// By degree: the modes up to the next degrees.
         pairs: Vec<PairCoupling>,
         /// The largest radius.
         largest: f64,
@@ -522,7 +521,7 @@ impl Neighbours {
         Self::Steps(blocks)
     }
 
-    /// Loads on the modes beyond, under several fields of coefficients.
+    /// Loads on the additional modes, due to several fields of coefficients.
     fn loads(
         &self,
         newton: &Newton<'_>,
@@ -583,12 +582,12 @@ impl Neighbours {
     }
 }
 
-/// How far neighbours excite the extra modes noticeably; the nearest ones are among them.
+/// Distance within which neighbours excite the additional modes noticeably; includes at least the nearest neighbours.
 fn neighbourhood(newton: &Newton<'_>) -> f64 {
     NEIGHBOURHOOD.max(1.01 * newton.scene.field.spacing())
 }
 
-/// For every leading mode of the source, the modes beyond of the receiver, of a block of so many modes.
+/// For every leading mode of the source, the additional modes of the receiver, from a block with `count` modes.
 fn modes_beyond(block: &[f64], modes: usize, count: usize) -> Vec<f64> {
     (0..modes)
         .flat_map(|source| (modes..count).map(move |row| row * count + source))
@@ -596,7 +595,7 @@ fn modes_beyond(block: &[f64], modes: usize, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Adds columns of a matrix times coefficients.
+/// Adds a matrix, stored by columns, times coefficients.
 fn add_columns(matrix: &[f64], coefficients: &[f64], sum: &mut [f64]) {
     widest(
         #[inline(always)]
@@ -611,7 +610,7 @@ fn add_columns(matrix: &[f64], coefficients: &[f64], sum: &mut [f64]) {
     );
 }
 
-/// The error estimate of a solution: none for what was prescribed, all where it is no solution.
+/// The error estimate of a solution: zero for the prescribed quantity, 1 for both without convergence.
 pub(crate) fn unknowns_only(
     target: Load,
     termination: Termination,

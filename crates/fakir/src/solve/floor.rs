@@ -1,9 +1,8 @@
 //! The smallest gap between the lens and the floor.
 //!
-//! With the pressure linear in the indentation, `c = zeta c1 + c0`, the floor gap
-//! `Delta(x) = h + f(x) + w(x) - zeta` vanishes at `x` for
-//! `zeta(x) = (h + f + w0)/(1 - w1)`; the smallest of these over the floor is the critical
-//! indentation for linearized contact. With `c1 = 0` the same function is the gap plus `zeta`.
+//! If the pressure is linear in the indentation, `c = zeta c1 + c0`, the floor gap `Delta(x) = h + f(x) + w(x) - zeta` vanishes at `x` for
+//! `zeta(x) = (h + f + w0)/(1 - w1)`. The smallest of these values over the floor is the critical indentation of the linearized contact.
+//! With `c1 = 0` the same function is the gap plus `zeta`.
 
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
@@ -19,69 +18,67 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Newton steps from one starting point.
+/// Largest number of Newton steps from one starting point.
 const STEP_LIMIT: usize = 60;
 
-/// A step this much smaller than the pillar radius ends the search: the value is then exact to
-/// its square.
+/// Step, in pillar radii, at which the search ends: the error of the value is of the order of its square.
 const STEP_TOLERANCE: f64 = 1e-9;
 
-/// So does a step that lowers the value by less than this, relatively: it is taken, and what it
-/// lowers the value by is believed.
+/// Predicted relative decrease of the value at which the search ends: the step is taken and the decrease is applied without another
+/// evaluation.
 const LAST_DESCENT: f64 = 1e-12;
 
-/// Starting points taken from a scan, besides the holes, and how far apart these are at the least, in pitches.
+/// Number of starting points taken from a scan, in addition to the holes, and their smallest distance, in pitches.
 const SCANNED: usize = 8;
 const SEPARATION: f64 = 0.12;
 
-/// In textures wider than this pitch (pillar radii) the lowest point may lie anywhere around a
-/// pillar; in denser ones it lies in a hole.
+/// Pitch (pillar radii) above which the lowest point may be anywhere around a pillar; in denser patterns it is in a hole.
 const WIDE_PITCH: f64 = 8.0;
 
-/// Holes that are searched in dense textures: those with the lowest gap in their middle, which
-/// hardly differs from that at the lowest point. Holes that are alike count once.
+/// Number of holes that are searched in dense patterns: those with the lowest gap at their centre, which hardly differs from that at the
+/// lowest point. Equivalent holes count once.
 const LOWEST_HOLES: usize = 6;
 
-/// Lowest points from which a search goes on after the first one.
+/// Number of lowest points from which the next search starts.
 const REMEMBERED: usize = 3;
 
-/// Relative difference of indentations of contact up to which a low point may become the lowest as the
-/// pressures change: at the most, and over what the last change did to the lowest; images remain in any case. (One that is farther off and does is found in the end, by a search
-/// from scratch.)
+/// Relative difference of contact indentations up to which a low point may become the lowest as the pressures change: upper bound, and
+/// factor on the last relative change of the lowest value. Images are always kept. (A point beyond this limit that becomes the lowest is
+/// found by the final search from scratch.)
 const MOST_RIVALS: f64 = 1e-2;
 const RIVALS: f64 = 10.0;
 
-/// Relative difference of indentations of contact up to which two holes are alike, being copies of
-/// each other under a symmetry of the lattice.
+/// Relative difference of contact indentations up to which two holes are equivalent, as copies of each other under a symmetry of the
+/// lattice.
 const ALIKE: f64 = 1e-9;
 
-/// By how much the indentations of contact of images may differ.
+/// Largest relative difference of the contact indentations of images.
 const UNLIKE: f64 = 1e-4;
 
-/// Discs and what they bear, [`LANES`] of them together: the last ones with some that bear nothing.
+/// Discs with their loads, in groups of [`LANES`]; the last group is padded with unloaded discs.
 pub(crate) struct Discs {
     count: usize,
     /// Number of coefficients of each disc.
     modes: usize,
     centres: Vec<[Lanes; 2]>,
-    /// Their radii, or that of all.
+    /// Radii of the discs, or the single radius of all.
     radii: Vec<Lanes>,
     differ: bool,
-    /// Coefficients `c1` and `c0`, mode by mode; none of a set by which no disc bears anything.
+    /// Radii of the discs, or the single radius of all.
     coefficients: [Vec<Lanes>; 2],
 }
 
-/// A coefficient of a disc, by its number and that of the mode.
+/// A coefficient of a disc, as a function of the disc index and the mode index.
 type Coefficient<'c> = &'c dyn Fn(usize, usize) -> f64;
 
-/// Loaded discs, to be asked what their pressure does.
+/// Loaded discs, from which the displacement of the floor is computed.
 pub(crate) struct LoadedDiscs<'a> {
     pub(crate) exterior: &'a Exterior,
     pub(crate) discs: Discs,
     pub(crate) run: &'a Run<'a>,
 }
 
-/// A point of the floor with its indentation of contact.
+/// A point of the floor with its contact indentation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FloorPoint {
     pub(crate) position: Point,
@@ -89,12 +86,12 @@ pub(crate) struct FloorPoint {
     pub(crate) indentation: f64,
 }
 
-/// The pillars between which the floor lies.
+/// The pillars around the floor.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Surroundings<'a> {
-    /// Of unit radius.
+    /// A lattice of pillars of unit radius.
     Lattice(&'a HexagonalLattice),
-    /// Those within this distance of the lens axis are touched, or none is.
+    /// Sites of which those within `reach` of the lens axis are touched, or none.
     Sites {
         sites: &'a Sites,
         spacing: f64,
@@ -102,21 +99,22 @@ pub(crate) enum Surroundings<'a> {
     },
 }
 
-/// Where a search may start.
+/// Candidate starting points of a search.
 #[derive(Debug, Clone)]
 struct Starts {
-    /// The middles between pillars, and whether the search starts from all of these.
+    /// Centres between pillars, and whether the search starts from all of them.
     holes: Vec<Point>,
     every_hole: bool,
-    /// Other points, of which it starts from the lowest, and how far apart these are at the least.
+    /// Other points, of which the search uses the lowest, and their smallest distance.
     others: Vec<Point>,
     separation: f64,
 }
 
-/// Pillars of any sites around which is looked where they stand far apart.
+/// Number of pillars of arbitrary sites around which the floor is scanned if they are far apart.
 const SURROUNDED: usize = 8;
 
-/// How far beyond the touched pillars the floor of any sites is searched, in their spacing, and where beside the outermost pillars.
+/// Distance beyond the touched pillars up to which the floor of arbitrary sites is searched, in units of the spacing, and distances of the
+/// starting points beside the outermost pillars.
 const BEYOND: f64 = 1.5;
 const BESIDE: [f64; 2] = [0.6, 1.2];
 
@@ -143,8 +141,8 @@ impl<'a> Surroundings<'a> {
         }
     }
 
-    /// The images of the lowest points under the symmetries of a wide lattice. Solutions are as symmetric only as the nodes on pillars that are touched in
-    /// part, which are few there, so that images differ by their errors.
+    /// Images of the lowest points under the symmetries of a wide lattice. Partially touched pillars, of which there are few there, limit
+    /// the symmetry of a solution to that of their nodes, so that the values at images differ by discretisation errors.
     fn images_of_lowest(&self, minima: &[FloorPoint]) -> Vec<Point> {
         let Self::Lattice(lattice) = self else {
             return Vec::new();
@@ -196,12 +194,12 @@ fn starts_on_lattice(lattice: &HexagonalLattice) -> Starts {
     }
 }
 
-/// One of the points that symmetries of the lattice make of each other, where all of these are folded onto it.
+/// One representative of each set of equivalent points under the symmetries of the lattice.
 fn one_of_alike(lattice: &HexagonalLattice, points: &[Point]) -> Vec<Point> {
     let rounding = 1e-9 * lattice.pitch;
     let symmetry = lattice.symmetry();
     let mut folded: Vec<Point> = points.iter().map(|point| symmetry.fold(*point)).collect();
-    // Those that are the same but for rounding are next to each other by their distances.
+    // Points that agree up to rounding are adjacent when sorted by distance.
     let away = |[x, y]: &Point| x.hypot(*y);
     folded.sort_by(|a, b| away(a).total_cmp(&away(b)));
     let mut kept: Vec<Point> = Vec::with_capacity(folded.len());
@@ -215,7 +213,8 @@ fn one_of_alike(lattice: &HexagonalLattice, points: &[Point]) -> Vec<Point> {
     kept
 }
 
-/// Other points than holes at which the floor may be lowest: the lens axis, and in wide textures rings around some pillars, given with their radii.
+/// Points other than holes at which the floor may be lowest: the lens axis, and in wide patterns rings around the given pillars (centre and
+/// radius).
 fn others(pitch: f64, pillars: impl Iterator<Item = (Point, f64)>) -> Vec<Point> {
     let mut others = vec![[0.0, 0.0]];
     if pitch > WIDE_PITCH {
@@ -233,7 +232,7 @@ fn others(pitch: f64, pillars: impl Iterator<Item = (Point, f64)>) -> Vec<Point>
     others
 }
 
-/// The points as far from three pillars as from any, and some beside the outermost pillars, as the floor may be lower there than between them.
+/// Circumcentres of neighbouring pillars, and points beside the outermost pillars, where the floor may be lower than between them.
 fn starts_among(sites: &Sites, spacing: f64, reach: f64) -> Starts {
     let centres = sites.centres();
     let corners: Vec<delaunator::Point> = centres
@@ -246,7 +245,7 @@ fn starts_among(sites: &Sites, spacing: f64, reach: f64) -> Starts {
         .step_by(3)
         .map(|first| circumcentre([0, 1, 2].map(|k| corner(first + k))))
         .collect();
-    // Pillars in a row have no triangles: then all are outermost, and the floor between two of them may be the lowest.
+    // Collinear pillars have no triangulation: all of them are outermost, and the floor between two of them may be the lowest.
     let outermost: Vec<Point> = if triangulation.triangles.is_empty() {
         let mut row = centres.to_vec();
         row.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -266,7 +265,7 @@ fn starts_among(sites: &Sites, spacing: f64, reach: f64) -> Starts {
         }
     }
     let farthest = reach + BEYOND * spacing;
-    // A circumcentre of pillars in a row may be no number.
+    // The circumcentre of collinear pillars may be NaN.
     holes.retain(|[x, y]| x.hypot(*y) <= farthest);
     let mut pillars: Vec<(Point, f64)> = centres
         .iter()
@@ -294,7 +293,7 @@ fn circumcentre([[x, y], b, c]: [Point; 3]) -> Point {
     ]
 }
 
-/// The floor beside the pillars, and the lens over it.
+/// The floor beside the pillars, and the lens above it.
 #[derive(Debug, Clone)]
 pub(crate) struct Uncovered<'a> {
     pub(crate) lens: ShapedLens,
@@ -303,24 +302,24 @@ pub(crate) struct Uncovered<'a> {
     pub(crate) around: Surroundings<'a>,
 }
 
-/// What the pressures do to the floor.
+/// Displacement of the floor by the pressures.
 pub(crate) trait FloorDisplacement {
-    /// `w1` and `w0` at a point off the pillars, with derivatives.
+    /// `w1` and `w0` at a point outside the pillars, with derivatives.
     fn displacement(&self, position: Point) -> [FieldJet; 2];
 
-    /// The same without derivatives, which may take less time.
+    /// The same without derivatives, which may be faster.
     fn value(&self, position: Point) -> [f64; 2] {
         self.displacement(position).map(|jet| jet.value)
     }
 
-    /// Both at many points to about two digits, if that takes much less time.
+    /// Both at many points to about two digits, if that is much faster.
     fn rough_displacements(&self, _: &[Point]) -> Option<Vec<[f64; 2]>> {
         None
     }
 }
 
 impl Discs {
-    /// One around the lens axis, whose pressure does not go with the indentation.
+    /// One disc around the lens axis, whose pressure does not depend on the indentation.
     pub(crate) fn around_axis(radius: f64, coefficients: &[f64]) -> Self {
         let bears = |_: usize, mode: usize| coefficients[mode];
         Self::new(
@@ -331,7 +330,7 @@ impl Discs {
         )
     }
 
-    /// So many, each given by its number; the coefficients of both sets, or none of a set by which no disc bears anything.
+    /// `count` discs; the coefficients of both sets are `None` if all are zero.
     pub(crate) fn new(
         [count, modes]: [usize; 2],
         centre: impl Fn(usize) -> Point,
@@ -342,7 +341,7 @@ impl Discs {
             Lanes(std::array::from_fn(|lane| of_disc(first + lane)))
         };
         let firsts = || (0..count).step_by(LANES);
-        // Where there are no more discs, the last one again.
+        // Padding repeats the last disc.
         let last = count.saturating_sub(1);
         let centres = firsts()
             .map(|first| [0, 1].map(|along| lanes(first, &|disc| centre(disc.min(last))[along])));
@@ -384,7 +383,7 @@ impl Discs {
         self.radius_at(disc / LANES).0[disc % LANES]
     }
 
-    /// The radius that all have, if there is one.
+    /// The radius of all discs, if equal.
     fn common_radius(&self) -> Option<f64> {
         (!self.differ && self.count > 0).then(|| self.radius_of(0))
     }
@@ -394,20 +393,20 @@ impl Discs {
         lanes.map_or(0.0, |lanes| lanes.0[disc % LANES])
     }
 
-    /// The radii of discs taken together.
+    /// Radii of a group of discs.
     #[inline(always)]
     fn radius_at(&self, place: usize) -> Lanes {
         self.radii.get(place).copied().unwrap_or(self.radii[0])
     }
 
-    /// A point from their centres, times a scale.
+    /// Vectors from the centres of a group to a point, times a scale.
     #[inline(always)]
     fn offsets(&self, place: usize, scale: Lanes, [x, y]: Point) -> [Lanes; 2] {
         let [u, v] = self.centres[place];
         [(Lanes::splat(x) - u) * scale, (Lanes::splat(y) - v) * scale]
     }
 
-    /// Their coefficients of both sets.
+    /// Coefficients of a group, of both sets.
     #[inline(always)]
     fn coefficients_at(&self, place: usize) -> [&[Lanes]; 2] {
         let modes = place * self.modes..(place + 1) * self.modes;
@@ -418,7 +417,7 @@ impl Discs {
 }
 
 impl LoadedDiscs<'_> {
-    /// What some discs taken together do; where they have one radius, in units of that.
+    /// Sum of the fields of several groups of discs; with a common radius, in units of that radius.
     #[inline(always)]
     fn sums(&self, places: Range<usize>, position: Point) -> [LaneJets; 2] {
         let mut sums = [LaneJets::default(); 2];
@@ -442,7 +441,7 @@ impl LoadedDiscs<'_> {
         sums
     }
 
-    /// The same without derivatives, of `M` modes at the most.
+    /// The same without derivatives, for at most `M` modes.
     #[inline(always)]
     fn values<const M: usize>(&self, places: Range<usize>, position: Point) -> [Lanes; 2] {
         let mut sums = [Lanes::default(); 2];
@@ -476,13 +475,13 @@ impl LoadedDiscs<'_> {
     }
 }
 
-/// Room for all modes costs more than a few discs with these.
+/// Buffers for all modes are slower than a sum over a few discs with this many.
 const FEW_MODES: usize = mode_count(4);
 
-/// So many times [`LANES`] discs are summed up together.
+/// Number of groups of [`LANES`] discs that are summed in one block.
 const BLOCK: usize = 256;
 
-/// Blocks a thread takes at a time, at the least.
+/// Smallest number of blocks per thread.
 const BLOCKS: usize = 4;
 
 impl FloorDisplacement for LoadedDiscs<'_> {
@@ -527,8 +526,8 @@ impl FloorDisplacement for LoadedDiscs<'_> {
         [0, 1].map(|set| scale * blocks.iter().map(|block| block[set]).sum::<f64>())
     }
 
-    /// Points next to each other share what is far from all of them: there discs that are near each other act as one force in their middle, and
-    /// what they all do is expanded around the middle of the points to second order.
+    /// Neighbouring points share the contribution of distant discs: there, discs close to each other are combined into one point force at
+    /// their centroid, and their field is expanded around the centre of the points to second order.
     fn rough_displacements(&self, points: &[Point]) -> Option<Vec<[f64; 2]>> {
         let discs = &self.discs;
         if points.len() * discs.count < MANY {
@@ -624,52 +623,52 @@ impl FloorDisplacement for LoadedDiscs<'_> {
     }
 }
 
-/// Points times discs from which on their fields are first summed up roughly.
+/// Number of points times discs above which the fields are first summed approximately.
 const MANY: usize = 300_000;
 
-/// Size over distance of discs that act as one.
+/// Ratio of size to distance up to which discs are combined.
 const SMALLNESS: f64 = 0.5;
 
-/// Points that share what is far from them, at the most, and how large the group of them is at the most over the distance of a disc that is.
+/// Largest number of points that share distant contributions, and largest ratio of the size of that group to the distance of a disc.
 const TOGETHER: usize = 16;
 const FAR_FROM_ALL: f64 = 0.3;
 
-/// Distance, in radii, from which on a disc by itself acts as a force in its middle: that is too small by 1/200 there.
+/// Distance, in radii, beyond which a single disc acts as a point force at its centre: the field is too small by 1/200 there.
 const BESIDE_DISC: f64 = 6.0;
 
-/// Groups of points a thread takes at a time, at the least.
+/// Smallest number of groups of points per thread.
 const ROUGH: usize = 16;
 
-/// Part of an indentation by which the floor gives way under it from which on the indentation at which it is touched is not known roughly: what is
-/// left of it is too little.
+/// Displacement of the floor per unit indentation above which approximate displacements are insufficient: the contact indentation depends
+/// on the small remainder to 1.
 const DEEP: f64 = 0.8;
 
-/// Of many points, so many that roughly are the lowest are looked at closely.
+/// Number of points with the lowest approximate values that are evaluated accurately.
 const PROMISING: usize = 100;
 
-/// Searches the floor near the lens axis; remembers where the lowest points were.
+/// Search for the lowest points of the floor near the lens axis; keeps them as starts of the next search.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FloorSearch {
-    /// The lowest points found last, the lowest first.
+    /// Lowest points of the previous search, sorted by value.
     found: Vec<FloorPoint>,
-    /// Where it may begin on a lattice, once that is known.
+    /// Candidate starting points on a lattice, once computed.
     on_lattice: Option<Starts>,
 }
 
 impl FloorSearch {
-    /// Has the next search look everywhere again.
+    /// Makes the next search start from scratch.
     pub(crate) fn forget(&mut self) {
         self.found.clear();
     }
 
-    /// The same where that takes hardly longer than to look at the lowest points alone: in dense textures.
+    /// The same if a search from scratch takes hardly longer than one from the previous points: in dense patterns.
     pub(crate) fn forget_if_quick(&mut self) {
         if (self.on_lattice.as_ref()).is_some_and(|starts| !starts.every_hole) {
             self.forget();
         }
     }
 
-    /// Where it may begin; on a lattice that is always the same.
+    /// Starting points of a search from scratch; on a lattice the candidates are always the same.
     fn first_starts(
         &mut self,
         floor: &Uncovered<'_>,
@@ -684,11 +683,11 @@ impl FloorSearch {
         lowest
     }
 
-    /// The lowest point of `zeta(x)`. `None` if the floor cannot be reached anywhere (nothing
-    /// of it has `w1 < 1`), if what presses is a cylinder or a plate, which come nearest to the floor far from all pillars, or if it is cancelled.
+    /// The lowest point of `zeta(x)`. `None` if the floor cannot be reached anywhere (`w1 < 1` nowhere), if the indenter is a cylinder or a
+    /// plate, which come closest to the floor far from all pillars, or if the run is cancelled.
     ///
-    /// The first call looks everywhere near the lens axis, the following ones start from the
-    /// lowest points found before, of which there is one for all that are alike.
+    /// The first call searches everywhere near the lens axis; the following calls start from the lowest points found before, one for each
+    /// set of equivalent points.
     pub(crate) fn lowest(
         &mut self,
         floor: &Uncovered<'_>,
@@ -724,7 +723,7 @@ impl FloorSearch {
     }
 }
 
-/// Adds the low points below some starts, each once.
+/// Adds the local minima reached from the starts, each once.
 fn add_minima(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
@@ -747,8 +746,7 @@ fn distance(a: Point, b: Point) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// `zeta(x)` with derivatives; `None` on pillars, where the floor recedes from the lens, and where
-/// they are no numbers.
+/// `zeta(x)` with derivatives; `None` on pillars, where the floor recedes from the lens, and where a value is not finite.
 fn indentation_of_contact(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
@@ -785,7 +783,7 @@ fn indentation_of_contact(
     })
 }
 
-/// `zeta(x)` alone; `None` where it is none of [`indentation_of_contact`] or no number.
+/// `zeta(x)` alone; `None` where [`indentation_of_contact`] is, or where it is NaN.
 fn value_of_contact(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
@@ -798,7 +796,7 @@ fn value_of_contact(
     touched_at(floor, sag, loaded.value(position)).filter(|value| value.is_finite())
 }
 
-/// `(h + f + w0)/(1 - w1)` under so much of the lens; `None` where the floor recedes from it.
+/// `(h + f + w0)/(1 - w1)` for a given height of the lens; `None` where the floor recedes from it.
 fn touched_at(floor: &Uncovered<'_>, sag: f64, [unit, rest]: [f64; 2]) -> Option<f64> {
     (unit < 1.0).then(|| (floor.height + sag + rest) / (1.0 - unit))
 }
@@ -816,7 +814,7 @@ fn sag_jet(lens: &ShapedLens, position: Point) -> Option<FieldJet> {
     })
 }
 
-/// Newton's method with the Hessian made positive, halving steps that do not descend.
+/// Newton's method with a positive definite modification of the Hessian; steps that do not descend are halved.
 fn descend(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
@@ -831,7 +829,7 @@ fn descend(
         }
         let step = newton_step(&jet);
         let length = step[0].hypot(step[1]);
-        // Half-way to the nearest edge at the most: beyond it lies a pillar.
+        // At most half-way to the nearest edge, beyond which there is a pillar.
         let longest = 0.5 * floor.around.clearance(position).max(1e-12);
         let descent = -0.5 * (step[0] * jet.gradient[0] + step[1] * jet.gradient[1]);
         if length <= longest && descent <= LAST_DESCENT * jet.value.abs() {
@@ -884,7 +882,7 @@ fn newton_step(jet: &FieldJet) -> [f64; 2] {
     [-(along * cos - across * sin), -(along * sin + across * cos)]
 }
 
-/// The holes and others of the points where a search may start, as far as they promise a low gap.
+/// Holes and other candidates with the lowest values.
 fn lowest_starts(
     from: &Starts,
     floor: &Uncovered<'_>,
@@ -913,7 +911,7 @@ fn lowest_starts(
     starts
 }
 
-/// Those of some points at which the floor can be touched, the lowest first.
+/// The points at which the floor can be touched, sorted by value.
 fn rated(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
@@ -935,13 +933,13 @@ fn rated(
     rated
 }
 
-/// The points that roughly are the lowest, or all where it is as quick to look at them closely or where a rough look would not do.
+/// The points with the lowest approximate values; all points if an accurate evaluation is as fast or if the approximation is insufficient.
 fn promising<'p>(
     floor: &Uncovered<'_>,
     loaded: &impl FloorDisplacement,
     points: &'p [Point],
 ) -> Cow<'p, [Point]> {
-    // On a lattice there are few of them.
+    // On a lattice there are few points.
     let rough = match floor.around {
         Surroundings::Lattice(_) => None,
         Surroundings::Sites { .. } => loaded.rough_displacements(points),
@@ -953,7 +951,7 @@ fn promising<'p>(
     })
 }
 
-/// The lowest points by their rough displacements.
+/// The points with the lowest values according to approximate displacements.
 fn lowest_roughly(floor: &Uncovered<'_>, points: &[Point], rough: &[[f64; 2]]) -> Vec<Point> {
     let value = |(point, rough): (&Point, &[f64; 2])| {
         let value = touched_at(floor, floor.lens.sag_with_brim(*point), *rough)?;
@@ -973,7 +971,7 @@ mod tests {
     use crate::problem::{Lens, Material};
     use std::sync::Arc;
 
-    /// Displacements with one number that is none.
+    /// Mock displacement field that returns one value that is not finite.
     struct Odd(fn(&mut FieldJet));
 
     impl FloorDisplacement for Odd {
@@ -997,9 +995,9 @@ mod tests {
         };
         // On a pillar: 6, 6 and 12 holes.
         assert_eq!(holes(0.0, 0.0), 3);
-        // Nothing is alike.
+        // No symmetry.
         assert!((15..=40).contains(&holes(0.2, 0.1)));
-        // In a hole three rotations and three reflections, in the middle between two pillars two of each.
+        // In a hole three rotations and three reflections, half-way between two pillars two of each.
         for offset in [1.0 / 3f64.sqrt(), 0.5 * 3f64.sqrt()] {
             assert!((3..=8).contains(&holes(offset, 0.0)));
         }
@@ -1026,7 +1024,7 @@ mod tests {
         }
     }
 
-    /// Displacements that are not known roughly.
+    /// Displacements without an approximate evaluation.
     struct Closely<'a>(&'a LoadedDiscs<'a>);
 
     impl FloorDisplacement for Closely<'_> {
@@ -1055,7 +1053,7 @@ mod tests {
                 _ => 0.003 * (2.3 * k as f64).sin(),
             })
             .collect();
-        // Of one radius, as far as the field is concerned.
+        // All discs have the radius 0.75 in this field.
         let bears = |disc: usize, mode: usize| coefficients[6 * disc + mode];
         let loaded = LoadedDiscs {
             exterior: &Exterior::new(2),

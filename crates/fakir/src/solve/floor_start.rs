@@ -1,4 +1,4 @@
-//! The pressure on the floor of one grid as the start on another.
+//! Transfers the pressure on the floor from one grid to another as a start.
 
 use super::linearized::LinearizedContact;
 use super::rules::floor::FloorCells;
@@ -6,10 +6,10 @@ use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::problem::Point;
 
-/// The pressure on the cells of a grid, to be looked up.
+/// The pressure on the cells of a grid, for lookup by position.
 pub(super) struct FloorPressures {
     pub(super) grid: FloorGrid,
-    /// Of every point of the grid: the pressure, and that under a unit indentation; none where no cell bears any.
+    /// At every point of the grid: the pressure, and that at unit indentation; `None` at cells without pressure.
     pressure: Vec<Option<[f64; 2]>>,
 }
 
@@ -37,7 +37,7 @@ impl FloorPressures {
         }
     }
 
-    /// The pressure at a point, and that under a unit indentation; none outside of the cells that bear any.
+    /// The pressure at a point, and that at unit indentation; `None` outside the cells that carry pressure.
     pub(super) fn at(&self, point: Point) -> Option<[f64; 2]> {
         let columns = self.grid.cells.grid().columns();
         let [column, row] = self.grid.position_of(point)?;

@@ -1,21 +1,20 @@
-//! The linearized contact: what every place would do if none changed its state.
+//! The linearized contact: the response of all contact places at fixed states.
 //!
-//! The unknowns are the coefficients `c` of the pressure on every place: the leading ones of every pillar top, then, where the floor
-//! is touched, one of every cell of it. A place that gives way by itself, a pillar top, under the incident
-//! load `s = zeta b1 + bs - B c` answers with `c = P s + cb` as long as its state stays as it is, where `b1` is the
-//! load of a unit indentation, `bs` that of the lens shape, and `B` the [coupling](Coupling). `P` and `cb` come from the
-//! [rules](Rule). The state of all is then linear in the indentation, `c = c* + (zeta - zeta*) c1`, with
+//! The unknowns are the coefficients `c` of the pressure on every place: the leading ones of every pillar top and, if the floor is touched,
+//! one for every floor cell. A place with its own compliance, a pillar top, responds to the incident load `s = zeta b1 + bs - B c` with
+//! `c = P s + cb` as long as its state is unchanged, where `b1` is the load of a unit indentation, `bs` that of the lens shape, and `B` the
+//! [coupling](Coupling). `P` and `cb` are provided by the [rules](Rule). The response of all places is then linear in the indentation,
+//! `c = c* + (zeta - zeta*) c1`, with
 //!
 //! ```text
 //! (1 + P B) c* = P (zeta* b1 + bs) + cb,      (1 + P B) c1 = P b1.
 //! ```
 //!
-//! Both are solved by preconditioned conjugate gradients on `(P^-1 + B) c = b + P^-1 cb`, in the dual variable
-//! `s = P^-1 (c - cb)`, so that the singular `P` is never inverted. `c*` changes little from step to step, and `c1`
-//! need not be exact, as `zeta - zeta*` tends to zero.
+//! Both are solved by preconditioned conjugate gradients on `(P^-1 + B) c = b + P^-1 cb`, in the dual variable `s = P^-1 (c - cb)`, so that
+//! the singular `P` is never inverted. `c*` changes little from step to step, and `c1` need not be exact, as `zeta - zeta*` tends to zero.
 //!
-//! A floor cell has its own compliance in `B`: `P^-1` is zero there. Cells that bear pressure are to leave no incident load,
-//! all others bear none; the same iteration finds their pressure, with a preconditioner in place of `P`.
+//! The compliance of a floor cell is part of `B`: `P^-1` is zero there. Cells that carry pressure must have zero incident load, all others
+//! zero pressure; the same iteration computes their pressure, with a preconditioner in place of `P`.
 
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::disc::basis::UNIT_FORCE;
@@ -24,21 +23,21 @@ use crate::numerics::vector::{Vectors, dot, subtract};
 use crate::numerics::workers::Workers;
 use crate::state::{Run, SolveError};
 
-/// Iterations of the conjugate gradient method before giving up; 10 to 25 are typical.
+/// Largest number of iterations of the conjugate gradient method; 10 to 25 are typical.
 const ITERATION_LIMIT: usize = 600;
 
-/// With a larger tolerance than this, single precision does for the product that the iteration starts from.
+/// Tolerance above which the initial product of the iteration may be computed in single precision.
 const ROUGH_TOLERANCE: f64 = 1e-5;
 
-/// Starts from an exact product, at the most.
+/// Largest number of starts from an exact product.
 const MOST_STARTS: usize = 3;
 
-/// How much of the load a solution may leave, in the norm of the energy: the larger of two parts.
+/// Tolerance of the residual in the energy norm: the larger of two values.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Remainder {
-    /// Of the load itself.
+    /// Relative to the load.
     pub(crate) of_load: f64,
-    /// Of what was left at the start.
+    /// Relative to the initial residual.
     pub(crate) of_start: f64,
 }
 
@@ -51,16 +50,16 @@ impl From<f64> for Remainder {
     }
 }
 
-/// How the places of contact answer to the loads on them, their states linearized.
+/// Linearized response of the contact places to the loads on them.
 pub(crate) trait Rule {
-    /// `c = P s`, place by place. Of a place without a compliance of its own `c` stays, or is zero if it bears no pressure.
+    /// `c = P s`, place by place. For places without their own compliance, `c` is unchanged, or set to zero if they carry no pressure.
     fn respond(&self, load: &[f64], coefficients: &mut [f64], workers: Workers<'_>);
 
     /// `c += cb`
     fn add_constants(&self, coefficients: &mut [f64]);
 
-    /// About what makes a residual vanish: `P` of a load where there is one, such as of the residual itself; zero of places that bear no
-    /// pressure. The load is told too, of the places that give way by themselves, which come first.
+    /// Approximate solution for a residual: `P` times the residual, where that is defined; zero at places without pressure. `load` receives
+    /// the load that corresponds to the result, for the places with their own compliance, which come first.
     fn precondition(
         &mut self,
         residual: &[f64],
@@ -93,7 +92,7 @@ impl<R: Rule> Rule for &mut R {
     }
 }
 
-/// Coefficients and the loads they make on the other places.
+/// Coefficients, and the loads that they cause on the other places.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Response {
     /// `c`
@@ -103,7 +102,7 @@ pub(crate) struct Response {
 }
 
 impl Response {
-    /// Without any pressure.
+    /// Zero pressure.
     pub(crate) fn none(size: usize) -> Self {
         Self {
             coefficients: vec![0.0; size],
@@ -112,26 +111,26 @@ impl Response {
     }
 }
 
-/// Which load is answered to.
+/// Load of a response.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Source<'a> {
     /// A unit indentation: `c1`.
     Unit,
-    /// The lens at the present indentation: `c*`.
+    /// The lens at the current indentation: `c*`.
     Present,
-    /// Any other, without `cb`.
+    /// Any other load, without `cb`.
     Given(&'a [f64]),
 }
 
-/// All places of contact with their loads and responses.
+/// All contact places with their loads and responses.
 pub(crate) struct LinearizedContact<'a, O> {
     run: &'a Run<'a>,
     coupling: O,
     /// Leading modes per pillar.
     modes: usize,
-    /// Number of coefficients of pillars, the first ones; all others are of floor cells.
+    /// Number of coefficients of pillars, which come first; all others belong to floor cells.
     tops: usize,
-    /// The load of a unit indentation on a floor cell, and the force of a unit coefficient: the root of its area.
+    /// Load of a unit indentation on a floor cell, and force of a unit coefficient: the square root of its area.
     unit_cell: f64,
     /// `bs`, place by place.
     own_load: Vec<f64>,
@@ -140,14 +139,14 @@ pub(crate) struct LinearizedContact<'a, O> {
     /// Response at the indentation `base`.
     pub(super) present: Response,
     base: f64,
-    /// Products with the coupling so far.
+    /// Number of products with the coupling so far.
     products: usize,
-    /// What the last solution left.
+    /// Residual of the last solution.
     remainder: f64,
     room: Room,
 }
 
-/// Room for the vectors of the iteration.
+/// Work vectors of the iteration.
 #[derive(Default)]
 struct Room {
     load: Vec<f64>,
@@ -159,7 +158,7 @@ struct Room {
 }
 
 impl Room {
-    /// Makes room for so many unknowns.
+    /// Resizes all vectors.
     fn resize(&mut self, size: usize) {
         let Self {
             load,
@@ -175,7 +174,7 @@ impl Room {
 }
 
 impl<'a, O: Coupling> LinearizedContact<'a, O> {
-    /// No pressure anywhere, at no indentation.
+    /// Zero pressure at zero indentation.
     pub(crate) fn new(run: &'a Run<'a>, coupling: O, modes: usize, own_load: Vec<f64>) -> Self {
         let size = own_load.len();
         Self {
@@ -194,8 +193,8 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         }
     }
 
-    /// Replaces the floor cells by others, of `unit_cell` the root of their area, `own_load` the lens shape over each; `start` has the
-    /// coefficients of each under the present load and under a unit indentation. The coupling has to be one of these cells.
+    /// Replaces the floor cells. `unit_cell` is the square root of the cell area, `own_load` the lens shape over each cell, and `start` the
+    /// coefficients of each at the current load and at unit indentation. `couple` must set the coupling for the new cells.
     pub(crate) fn set_floor(
         &mut self,
         unit_cell: f64,
@@ -217,30 +216,30 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         }
         couple(&mut self.coupling);
         if had_floor && self.present.coefficients[tops..].iter().any(|c| *c > 0.0) {
-            // The loads on pillars are about what they were, and no others are needed before the first product.
+            // The loads on pillars change little, and no other loads are needed before the first product.
             return;
         }
         self.couple();
     }
 
-    /// Takes exact products in place of what rough ones have added up to, where there are any.
+    /// Recomputes the accumulated approximate products exactly, if there are any.
     pub(super) fn make_exact(&mut self) {
         if self.coupling.rough_error() > 0.0 {
             self.couple();
         }
     }
 
-    /// Gives back the memory of the iteration, until the next one.
+    /// Releases the work vectors until the next solution.
     pub(super) fn release_room(&mut self) {
         self.room = Room::default();
     }
 
-    /// What all coefficients do to each other, anew.
+    /// Recomputes the loads of all coefficients on each other.
     fn couple(&mut self) {
         for response in [&mut self.unit, &mut self.present] {
             let Response { coefficients, far } = response;
             if coefficients.iter().all(|c| *c == 0.0) {
-                // Zeros are left alone: memory that is only read takes no room.
+                // Zeros are not written: memory pages that are only read need not be allocated.
                 if far.iter().any(|far| *far != 0.0) {
                     far.fill(0.0);
                 }
@@ -266,28 +265,28 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         self.own_load.len()
     }
 
-    /// What the places do to each other.
+    /// The coupling between the places.
     pub(crate) fn coupling(&self) -> &O {
         &self.coupling
     }
 
-    /// The same, to be replaced.
+    /// The coupling, for replacement.
     pub(crate) fn coupling_mut(&mut self) -> &mut O {
         &mut self.coupling
     }
 
-    /// Products with the coupling so far.
+    /// Number of products with the coupling so far.
     #[cfg(any(test, feature = "kernels"))]
     pub(crate) fn products(&self) -> usize {
         self.products
     }
 
-    /// The part of the load that the last solution left, in the norm of the energy.
+    /// Residual of the last solution, relative to the load, in the energy norm.
     pub(crate) fn remainder(&self) -> f64 {
         self.remainder
     }
 
-    /// The indentation of the present response.
+    /// The indentation of the current response.
     pub(crate) fn indentation(&self) -> f64 {
         self.base
     }
@@ -297,22 +296,22 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         &self.present.coefficients
     }
 
-    /// The present coefficients and those of a unit indentation, place by place.
+    /// The current coefficients and those at unit indentation, place by place.
     pub(crate) fn parts(&self) -> [&[f64]; 2] {
         [&self.present.coefficients, &self.unit.coefficients]
     }
 
-    /// Loads of the lens shape, to be changed before anything is solved.
+    /// Loads of the lens shape; to be changed only before the first solution.
     pub(crate) fn own_load_mut(&mut self) -> &mut [f64] {
         &mut self.own_load
     }
 
-    /// Force at the present indentation.
+    /// Force at the current indentation.
     pub(crate) fn force(&self) -> f64 {
         self.force_of(&self.present)
     }
 
-    /// Change of the force with the indentation.
+    /// Derivative of the force with respect to the indentation.
     pub(crate) fn stiffness(&self) -> f64 {
         self.force_of(&self.unit)
     }
@@ -326,12 +325,12 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         of_tops + self.unit_cell * floor.iter().sum::<f64>()
     }
 
-    /// Force on the floor at the present indentation.
+    /// Force on the floor at the current indentation.
     pub(crate) fn floor_force(&self) -> f64 {
         self.unit_cell * self.floor_coefficients().iter().sum::<f64>()
     }
 
-    /// Change of the force on the floor with the indentation.
+    /// Derivative of the floor force with respect to the indentation.
     pub(crate) fn floor_stiffness(&self) -> f64 {
         self.unit_cell * self.floor_unit_coefficients().iter().sum::<f64>()
     }
@@ -341,25 +340,24 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         &self.present.coefficients[self.tops..]
     }
 
-    /// Changes the coefficients of a floor cell by a factor, as a better start of the next solution.
+    /// Multiplies the coefficients of a floor cell by a factor, as a better start of the next solution.
     pub(crate) fn scale_floor(&mut self, cell: usize, factor: f64) {
         for response in [&mut self.present, &mut self.unit] {
             response.coefficients[self.tops + cell] *= factor;
         }
     }
 
-    /// Coefficients of the floor cells under a unit indentation.
+    /// Coefficients of the floor cells at unit indentation.
     pub(crate) fn floor_unit_coefficients(&self) -> &[f64] {
         &self.unit.coefficients[self.tops..]
     }
 
-    /// The load of a unit indentation on a floor cell.
+    /// Load of a unit indentation on a floor cell.
     pub(crate) fn unit_cell(&self) -> f64 {
         self.unit_cell
     }
 
-    /// By how much every floor cell is asked to come down farther than it does, its coefficient being that of the pressure: the gap if
-    /// negative.
+    /// Residual displacement of every floor cell: required minus actual displacement. Equals the gap with the opposite sign.
     pub(crate) fn floor_load(&self) -> impl Iterator<Item = f64> {
         let own = self.own_load[self.tops..].iter();
         let far = self.present.far[self.tops..].iter();
@@ -368,14 +366,14 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
             .map(move |(own, far)| (own - far) * scale + self.base)
     }
 
-    /// Energy of the present response, as the contact conditions hold.
+    /// Energy of the current response, valid if the contact conditions hold.
     pub(crate) fn energy(&self) -> f64 {
         let (coefficients, own) = (&self.present.coefficients, &self.own_load);
         let of_lens: f64 = coefficients.iter().zip(own).map(|(c, b)| c * b).sum();
         -0.5 * (of_lens + self.base * self.force())
     }
 
-    /// The incident load on a pillar, `zeta b1 + bs - B c`, in the leading modes.
+    /// Computes the incident load on a pillar, `zeta b1 + bs - B c`, in the leading modes.
     pub(crate) fn load(&self, place: usize, load: &mut [f64]) {
         for (k, slot) in (place * self.modes..).zip(load.iter_mut()) {
             *slot = self.own_load[k] - self.present.far[k];
@@ -383,7 +381,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         load[0] += self.base * UNIT_FORCE;
     }
 
-    /// [`load`](Self::load), to be handed to rules.
+    /// [`load`](Self::load) as a closure for rules.
     pub(crate) fn incident(&self) -> impl Fn(usize, &mut [f64]) + Sync
     where
         O: Sync,
@@ -391,25 +389,25 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         |place, load| self.load(place, load)
     }
 
-    /// The incident loads on all places at the present indentation.
+    /// Incident loads on all places at the current indentation.
     pub(crate) fn all_loads(&self, loads: &mut [f64]) {
         self.right_side(Source::Present, loads);
         subtract(loads, &self.present.far);
     }
 
-    /// Their change with the indentation.
+    /// Derivative of these loads with respect to the indentation.
     pub(crate) fn unit_loads(&self, loads: &mut [f64]) {
         self.right_side(Source::Unit, loads);
         subtract(loads, &self.unit.far);
     }
 
-    /// Half the work of all pressures on what they move.
+    /// Elastic energy: half the work of all pressures on their displacements.
     pub(crate) fn elastic_energy(&self) -> f64 {
         let shape = dot(&self.present.coefficients, &self.own_load);
         0.5 * (shape + self.base * self.force())
     }
 
-    /// Goes along the response to another indentation.
+    /// Moves along the linear response to another indentation.
     pub(crate) fn move_to(&mut self, indentation: f64) {
         let change = indentation - self.base;
         let vectors = Vectors(self.run.workers());
@@ -419,8 +417,8 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         self.base = indentation;
     }
 
-    /// Takes coefficients as a start. `start` has those of the present response and of that to a unit indentation, of
-    /// a pillar, as far as it knows them.
+    /// Sets initial coefficients. For a pillar, `start` returns those of the current response and of the response to a unit indentation, if
+    /// known.
     pub(crate) fn start_from<'s>(
         &mut self,
         indentation: f64,
@@ -440,7 +438,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         self.couple();
     }
 
-    /// Solves for the response at the present indentation or to a unit indentation, from what it was before.
+    /// Solves for the response at the current indentation or to a unit indentation, starting from its previous value.
     pub(crate) fn solve(
         &mut self,
         rule: &mut impl Rule,
@@ -479,7 +477,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         far
     }
 
-    /// `b1 - B c1`: what a unit change of the answer of a place does to the force.
+    /// `b1 - B c1`: derivative of the force with respect to the coefficients of each place.
     pub(crate) fn unit_sensitivity(&self) -> Vec<f64> {
         let mut load = vec![0.0; self.unit.far.len()];
         self.right_side(Source::Unit, &mut load);
@@ -504,13 +502,13 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
             if !(rough && matches!(solved, Ok(Judgement::Good))) {
                 break;
             }
-            // Rough products have left more than that: once more, from an exact one on.
+            // The residual of approximate products is too large: repeat from an exact product.
         }
         self.room = room;
         solved
     }
 
-    /// From what the response was before; `before` is told how large the residual was then, relatively.
+    /// Iterates from the previous response; `before` receives the relative residual at the start.
     fn iterate(
         &mut self,
         rule: &mut impl Rule,
@@ -524,7 +522,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         let workers = self.run.workers();
         let vectors = Vectors(workers);
         // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
-        // Without a compliance of their own, on floor cells: c as it is; r = b - B c.
+        // On floor cells, which have no compliance of their own: c unchanged; r = b - B c.
         let tops = self.tops;
         self.right_side(source, &mut room.load);
         room.residual[..tops].copy_from_slice(&far[..tops]);
@@ -549,7 +547,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         room.direction_load[tops..].fill(0.0);
         let mut energy = vectors.dot(&room.residual, &room.direction);
         if tops < room.load.len() {
-            // Before anything bears pressure there is no other energy to compare with.
+            // Before any cell carries pressure there is no other energy as a reference.
             scale = larger(scale, energy);
         }
         *before = (energy / larger(scale, f64::MIN_POSITIVE)).sqrt();
@@ -562,12 +560,12 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
                 Judgement::TooLarge => {}
                 ended => return Ok(ended),
             }
-            // Steps become small, and with them what rounding leaves of each; every exact solution starts from an exact product.
+            // Steps become small, and so do their rounding errors; every exact solution starts from an exact product.
             self.products += 1;
             self.coupling
                 .apply_roughly(&room.direction, &mut room.product, workers);
             self.run.check_cancelled()?;
-            // A p = B p_z + p_s, and B p_z is kept up to date in `far`.
+            // A p = B p_z + p_s; B p_z is accumulated in `far`.
             let curvature = vectors.dot(&room.direction, &room.product)
                 + vectors.dot(&room.direction[..tops], &room.direction_load[..tops]);
             if within(curvature, 0.0) {

@@ -1,9 +1,9 @@
-//! The contact with pillar tops and floor: grids, starts and growth around [`Newton`](super::newton::Newton).
+//! Contact with pillar tops and floor: grids, starts and window growth around [`Newton`](super::newton::Newton).
 //!
-//! The lens rests on pillar tops and on the floor between them. The problem is strictly convex: there is one state for every
-//! indentation and for every force, whatever the start. So it starts from the contact with the tops alone, with the floor cells
-//! that the lens would enter, on a coarse grid; the state of that is the start on a grid of half the cell size, and so on. The last
-//! two tell how large the error is.
+//! The lens rests on pillar tops and on the floor between them. The problem is strictly convex: every indentation and every force has
+//! exactly one state, independent of the start. The solution starts from the contact with the tops alone and the floor cells that the lens
+//! would penetrate, on a coarse grid; its state is the start on a grid of half the cell size, and so on. The last two grids provide the
+//! error estimate.
 
 use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::control::{Target, share_of, slope_of_odds};
@@ -26,50 +26,49 @@ use crate::state::{
 };
 use std::f64::consts::TAU;
 
-/// Largest side of a cell, pillar radii, on the average over both directions; and by how much it may be larger where that saves a
-/// grid.
+/// Largest side of a cell, in pillar radii, averaged over both directions; and the factor by which it may be exceeded if that saves a grid.
 const CELL: [f64; 2] = [0.5, 0.25];
 const CELL_MARGIN: f64 = 1.05;
 
-/// Cells per radius of a contact with the floor that is there before any pillar is touched.
+/// Cells per radius of a contact with the floor that exists before any pillar is touched.
 const CELLS_PER_RADIUS: [f64; 2] = [32.0, 64.0];
 
-/// Cells in a patch of the floor contact at the least: where the floor bears less than this share, and where it bears more. At phi = 0.1 the
-/// share is wrong by 9e-4 with 200 cells a patch, by 3e-4 with 400, and by 1e-4 with 1000.
+/// Smallest number of cells in a patch of the floor contact: if the floor share is below `SMALL_SHARE`, and above. At phi = 0.1 the error
+/// of the share is 9e-4 with 200 cells per patch, 3e-4 with 400, and 1e-4 with 1000.
 const SMALL_SHARE: f64 = 0.01;
 const CELLS_OF_SMALL: f64 = 60.0;
 const CELLS_OF_LARGE: [f64; 2] = [320.0, 900.0];
 
-/// Points of a transform up to which grids are refined for small patches.
+/// Largest number of transform points to which grids are refined for small patches.
 const MOST_POINTS: [f64; 2] = [1.5e6, 5e6];
 
-/// A grid has at most so many times as many cells along a length as the one that it starts from.
+/// Largest ratio of the numbers of cells along a length of successive grids.
 const LARGEST_RATIO: usize = 3;
 
-/// Between grids too far apart there is another: half-way on a logarithmic scale, or up to so many times as fine.
+/// If two grids are too far apart, another one is inserted half-way on a logarithmic scale, or up to this factor finer.
 const HALF_WAY: f64 = 1.5;
 
-/// Cells along half the shortest distance of pillars on the coarsest grid at the least.
+/// Smallest number of cells along half the shortest distance between pillars on the coarsest grid.
 const FEWEST_HALVES: usize = 3;
 
-/// The window of the floor reaches to the farthest cell whose gap on the coarser grid is less than this part of the height of the pillars,
-/// and some cells of that grid farther.
+/// The floor window extends to the farthest cell whose gap on the coarser grid is below this fraction of the pillar height, plus this many
+/// cells of that grid.
 const NEAR_CONTACT: f64 = 0.02;
 const WINDOW_MARGIN: f64 = 2.5;
 
-/// Cells between the contact with the floor and a rim at the least: closer contacts are warned of.
+/// Distance between the floor contact and a rim, in cells, below which a warning is issued.
 const CELLS_TO_RIM: f64 = 2.0;
 
-/// Around the holes that the lens enters on the tops alone, in distances of pillars.
+/// Margin around the holes that the lens penetrates in the solution on the tops alone, in pillar spacings.
 const ENTERED_MARGIN: f64 = 1.0;
 
-/// Cells between the contact and the end of the window at the least.
+/// Smallest distance between the contact and the edge of the window, in cells.
 const WINDOW_CELLS: f64 = 1.5;
 
-/// Windows are enlarged no more often than this on one grid.
+/// Largest number of window enlargements on one grid.
 const GROWTHS: usize = 20;
 
-/// What is known of the solution on one grid.
+/// Results of the solution on one grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Level {
     pub(crate) division: Division,
@@ -83,11 +82,11 @@ pub(crate) struct Level {
 /// A solution with the floor.
 pub(crate) struct MixedSolution<'a> {
     pub(crate) solution: Solution<'a>,
-    /// Of every grid, the coarsest first; the finest twice, if it was solved again with more nodes and modes on the pillars.
+    /// Results on every grid, from coarse to fine; the finest twice if it was solved again with more nodes and modes on the pillars.
     pub(crate) levels: Vec<Level>,
 }
 
-/// The levels of the last two grids that differ in nothing else, the coarser one first.
+/// The last two grids that differ in nothing else, the coarser one first.
 fn last_two(levels: &[Level]) -> Option<[&Level; 2]> {
     let finest = levels.last()?.division;
     let fine = levels.iter().position(|level| level.division == finest)?;
@@ -95,13 +94,13 @@ fn last_two(levels: &[Level]) -> Option<[&Level; 2]> {
     Some([&levels[coarse], &levels[fine]])
 }
 
-/// The cells of the floor in contact, as a set.
+/// Geometry of the set of floor cells in contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Patches {
-    /// Cells, and groups of them that share sides.
+    /// Number of cells, and number of groups of cells that share sides.
     pub(crate) cells: usize,
     pub(crate) count: usize,
-    /// Length of the sides between cells in contact and others.
+    /// Total length of the sides between cells in contact and others.
     pub(crate) perimeter: f64,
     /// Distance of the farthest corner from the lens axis.
     pub(crate) radius: f64,
@@ -109,25 +108,25 @@ pub(crate) struct Patches {
     pub(crate) rim_distance: f64,
 }
 
-/// Errors fall with this power of the cell size at the least; what that makes of the difference of two grids is multiplied for safety.
+/// Minimum order of convergence in the cell size, and safety factor on the extrapolated difference of two grids.
 const ORDER: f64 = 2.0;
 const SAFETY: f64 = 3.0;
 
-/// Part of the length of the border times the size of a cell by which cells count too much area, and by which that may be wrong.
+/// Bias of the contact area of cells, and its uncertainty, as fractions of the border length times the cell size.
 const BORDER_BIAS: f64 = 0.025;
 const BORDER_ERROR: f64 = 0.05;
 
-/// Of what the floor bears more for a unit force more; outside of this it is not believed.
+/// Trust bounds for d(floor force)/d(force).
 const FLOOR_PART: [f64; 2] = [1.0, 30.0];
 
-/// Depth to which the lens enters the floor, over its height, that no error of the default accuracy explains.
+/// Penetration of the floor, relative to the floor depth, that exceeds any error of the default accuracy.
 const FAR_PAST: f64 = 1e-3;
 
-/// Relative energy of the residual for what only estimates need.
+/// Relative energies of the residual for quantities that only estimates need.
 const ROUGH: f64 = 1e-3;
 const UNIT_TOLERANCE: f64 = 3e-3;
 
-/// The solution on the tops alone by the default accuracy.
+/// The solution on the tops alone, with the default accuracy.
 pub(crate) fn on_tops_alone<'a>(
     scene: &Scene,
     target: Load,
@@ -140,7 +139,7 @@ pub(crate) fn on_tops_alone<'a>(
     solve_spectral(scene, target, punch, degrees, run)
 }
 
-/// That solution, if the lens enters the floor by so much that another accuracy does not matter.
+/// That solution, if the lens penetrates the floor so far that the accuracy does not change the regime.
 pub(crate) fn far_past_transition<'a>(
     scene: &Scene,
     target: Load,
@@ -153,7 +152,7 @@ pub(crate) fn far_past_transition<'a>(
     Ok((depth > FAR_PAST * scene.height).then_some(tops))
 }
 
-/// The state past the transition, from the solution on the tops alone, which enters the floor.
+/// The state past the transition, from the solution on the tops alone, in which the lens penetrates the floor.
 pub(crate) fn past_transition(
     system: &System,
     scene: &Scene,
@@ -169,8 +168,9 @@ pub(crate) fn past_transition(
     finish(system, scene, target, accuracy, mixed, transition, run)
 }
 
-/// The state in which the floor bears a share of the force, from one on the tops alone that enters the floor. That is `reached` at that indentation.
-/// With it the power by which what the floor bears over what the tops bear goes with how far the lens is past that.
+/// The state in which the floor carries a given fraction of the load, from a solution on the tops alone in which the lens penetrates the
+/// floor. The floor is first `reached` at that indentation. Also returns the exponent with which the ratio of floor force to top force
+/// grows with the indentation past the transition.
 pub(crate) fn at_floor_share(
     system: &System,
     scene: &Scene,
@@ -187,7 +187,7 @@ pub(crate) fn at_floor_share(
     Ok((state, power))
 }
 
-/// The state where the lens reaches the floor before any pillar.
+/// The state of a lens that reaches the floor before any pillar.
 pub(crate) fn floor_first(
     system: &System,
     scene: &Scene,
@@ -196,7 +196,7 @@ pub(crate) fn floor_first(
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     let lens = scene.lens.apex_radius();
-    // Hertz's solution, which holds about the apex before any pillar is touched.
+    // Hertz's solution, valid around the apex before any pillar is touched.
     let (depth, radius) = match target {
         Load::Force(force) => {
             let radius = (0.75 * lens * force).cbrt();
@@ -217,7 +217,7 @@ pub(crate) fn floor_first(
     finish(system, scene, target, accuracy, mixed, scene.height, run)
 }
 
-/// The state of a solution, with its error estimates; `transition` is about the indentation at which the floor was reached.
+/// Assembles the state of a solution with its error estimates; `transition` is the approximate indentation at which the floor was reached.
 fn finish(
     system: &System,
     scene: &Scene,
@@ -235,13 +235,13 @@ fn finish(
     let held = Load::Indentation(solution.outcome.indentation);
     let prescribed = match target {
         Target::Prescribed(control) => control,
-        // Met by an indentation as good as prescribed.
+        // Equivalent to a prescribed indentation.
         Target::FloorShare { .. } => held,
     };
     let mut of_floor = FloorErrors::UNKNOWN;
     let mut error = unknowns_only(prescribed, termination, [1.0; 2]);
     if termination == Termination::Converged {
-        // At a prescribed indentation: all of the error is in the force.
+        // At a prescribed indentation the error is entirely in the force.
         let of_pillars = refined(&mut solution, held, run)?.force;
         if let Some((errors, floor)) = estimates(&solution, &levels, transition, of_pillars) {
             of_floor = floor;
@@ -249,7 +249,7 @@ fn finish(
                 Target::Prescribed(control) => error = unknowns_only(control, termination, errors),
                 Target::FloorShare { .. } => {
                     error = at_equal_share(&solution, errors[0], floor.share);
-                    // The floor bears a part of the force that is known.
+                    // The floor carries a prescribed fraction of the force.
                     of_floor.share = error.force;
                 }
             }
@@ -285,11 +285,11 @@ fn finish(
     })
 }
 
-/// Where the floor bears what is wanted: relative errors of indentation and force, from those of the force and of the floor share at one indentation.
+/// Relative errors of indentation and force at a prescribed floor share, from those of force and floor share at a fixed indentation.
 fn at_equal_share(solution: &Solution<'_>, of_force: f64, of_share: f64) -> ErrorEstimate {
     let contact = &solution.newton.contact;
     let (indentation, force) = (solution.outcome.indentation, contact.force());
-    // Of the share `s` to its odds `s/(1 - s)`: relative changes of these are larger by `1/(1 - s)`.
+    // From the share `s` to the odds `s/(1 - s)`: relative changes increase by a factor of `1/(1 - s)`.
     let of_odds = of_share / (1.0 - share_of(contact));
     let moved = of_odds / slope_of_odds(contact).abs();
     ErrorEstimate {
@@ -298,9 +298,10 @@ fn at_equal_share(solution: &Solution<'_>, of_force: f64, of_share: f64) -> Erro
     }
 }
 
-/// Relative errors of force and indentation, and those of the floor, from the last two grids and the error `of_pillars` of the force.
+/// Relative errors of force and indentation, and errors of the floor results, from the last two grids and the error `of_pillars` of the
+/// force.
 ///
-/// The energy converges smoothly; the force alone may agree by chance.
+/// The energy is included because it converges smoothly; the forces alone may agree by chance.
 fn estimates(
     solution: &Solution<'_>,
     levels: &[Level],
@@ -337,7 +338,7 @@ fn estimates(
 }
 
 impl Level {
-    /// Area in contact.
+    /// Contact area.
     fn area(&self) -> f64 {
         let cell = self.division.cell_area();
         let counted = self.patches.cells as f64 * cell;
@@ -346,13 +347,13 @@ impl Level {
 }
 
 impl Patches {
-    /// Length of the border, of which the sides of cells are `4/pi` on the average over all directions.
+    /// Length of the border; the sides of cells are longer by `4/pi` on average over all directions.
     fn border(&self) -> f64 {
         std::f64::consts::FRAC_PI_4 * self.perimeter
     }
 }
 
-/// What the floor bears, in SI units.
+/// The floor contact, in SI units.
 fn floor_contact(
     scene: &Scene,
     solution: &Solution<'_>,
@@ -381,10 +382,10 @@ fn floor_contact(
     })
 }
 
-/// Upper bound of the error of the energy, over the energy.
+/// Upper bound of the relative error of the energy.
 ///
-/// With the floor lower by the deepest interpenetration `m` all gaps are feasible, and what pressures do on gaps is the distance from the
-/// solution of that; which differs from the solution by no more than `m` times the force on the floor.
+/// If the floor is lowered by the deepest interpenetration `m`, all gaps are feasible, and the work of the pressures on the gaps bounds the
+/// distance from the solution of that problem, which differs from the actual solution by at most `m` times the floor force.
 fn energy_bound(newton: &Newton<'_>, level: &Level) -> f64 {
     let deepest = newton.contact.floor_load().fold(0.0, larger);
     let pressed: f64 = newton
@@ -397,17 +398,18 @@ fn energy_bound(newton: &Newton<'_>, level: &Level) -> f64 {
         + deepest * level.floor_force / level.energy.abs()
 }
 
-/// Numbers of cells along a length that can be halved and are quick to transform: the smallest that is no less, but for a margin.
+/// Smallest number of cells along a length that can be halved repeatedly, transforms efficiently and is not smaller than `least`, up to the
+/// margin.
 fn halves(least: f64) -> usize {
     doubled([2, 3], least)
 }
 
-/// The same with numbers between them, which cannot be halved.
+/// The same including intermediate numbers, which cannot be halved as often.
 fn halves_between(least: f64) -> usize {
     doubled([4, 5, 6], least)
 }
 
-/// The smallest of these numbers, doubled any number of times, that is no less, but for a margin.
+/// The smallest product of one of these numbers with a power of two that is not smaller than `least`, up to the margin.
 fn doubled<const COUNT: usize>(numbers: [usize; COUNT], least: f64) -> usize {
     (0..40)
         .flat_map(|power| numbers.map(|number| number << power))
@@ -418,23 +420,23 @@ fn doubled<const COUNT: usize>(numbers: [usize; COUNT], least: f64) -> usize {
 /// The next grid.
 #[derive(Debug, Clone, Copy)]
 struct Next {
-    /// Cells along half the shortest distance of pillars.
+    /// Number of cells along half the shortest distance between pillars.
     half: usize,
-    /// Whether it is likely to be the last.
+    /// Whether it is likely to be the last one.
     last: bool,
 }
 
-/// How finely the floor is to be resolved, and how large it may be.
+/// Required resolution of the floor, and limit of the grid size.
 struct Wanted {
     accuracy: Accuracy,
-    /// Cells along half the shortest distance of pillars at the least, whatever the patches.
+    /// Smallest number of cells along half the shortest distance between pillars, regardless of the patches.
     halves: f64,
 }
 
 impl Wanted {
     fn new(scene: &Scene, accuracy: Accuracy, patch_radius: Option<f64>) -> Self {
         let index = usize::from(accuracy == Accuracy::Accurate);
-        // On a lattice the grid repeats: of wide lattices what repeats may not hold too many cells.
+        // On a lattice the grid is periodic: for wide lattices the number of cells per period must be limited.
         let pitch = scene.field.shortest_distance();
         let least = 0.5 * pitch / (0.25 * MOST_POINTS[index].sqrt());
         let of_patch = |radius: f64| (radius / CELLS_PER_RADIUS[index]).max(least);
@@ -443,7 +445,7 @@ impl Wanted {
         Self { accuracy, halves }
     }
 
-    /// The coarsest grid: two levels are needed at the least.
+    /// The coarsest grid: at least two levels are needed.
     fn first(&self) -> Next {
         let finest = halves(self.halves);
         let mut half = finest;
@@ -453,7 +455,7 @@ impl Wanted {
         Next { half, last: false }
     }
 
-    /// The grid after those solved, if they are not enough.
+    /// The grid after those solved, if they are insufficient.
     fn next(&self, scene: &Scene, mixed: &MixedSolution<'_>) -> Option<Next> {
         let level = mixed.levels.last()?;
         let index = usize::from(self.accuracy == Accuracy::Accurate);
@@ -469,7 +471,7 @@ impl Wanted {
         let mut next = whatever.max(halves_between(of_patches));
         let last = next <= LARGEST_RATIO * half;
         if !last {
-            // Twice the cells of that again and again, from about half-way to it.
+            // Successive factors of two, starting about half-way on a logarithmic scale.
             let middle = (half as f64 * next as f64).sqrt();
             while next as f64 > HALF_WAY * middle {
                 next = next.div_ceil(2);
@@ -482,7 +484,7 @@ impl Wanted {
         if next <= half {
             return second();
         }
-        // Small patches are not worth any number of points.
+        // Small patches do not justify an arbitrary number of points.
         let newton = &mixed.solution.newton;
         let radius = window_radius(scene, newton);
         let pillars = pillar_extent(newton);
@@ -505,7 +507,7 @@ impl Wanted {
     }
 }
 
-/// Solves with the floor, from a solution on the tops alone or from no contact at all.
+/// Solves with the floor, from a solution on the tops alone or from a state without contact.
 pub(crate) fn solve_floor<'a>(
     scene: &Scene,
     target: Target,
@@ -535,11 +537,11 @@ pub(crate) fn solve_floor<'a>(
         }
         next = wanted.next(scene, &mixed);
         if next.is_some() && target.indentation().is_some() {
-            // For the estimates of errors, which take it to the finest grid as it is: two digits are enough.
+            // For the error estimates, which reuse it on the finest grid: two digits are sufficient.
             mixed.solution.newton.solve_unit(UNIT_TOLERANCE)?;
         }
     }
-    // The last grid once more, to the end, with all nodes and modes on the pillars.
+    // Repeat on the last grid, to the final tolerance, with all nodes and modes on the pillars.
     let finer = finer_degrees(scene, accuracy, &mixed.solution.newton);
     let (Some(level), true) = (
         mixed.levels.last(),
@@ -562,7 +564,7 @@ pub(crate) fn solve_floor<'a>(
     solve_level(scene, target, Purpose::Answer, mixed, division, run)
 }
 
-/// The degrees that an accuracy asks for, if the present ones are lower.
+/// The degrees required by an accuracy, if the current ones are lower.
 fn finer_degrees(scene: &Scene, accuracy: Accuracy, newton: &Newton<'_>) -> Option<Degrees> {
     let asked = degrees(accuracy, scene);
     let present = newton.degrees();
@@ -576,7 +578,7 @@ fn finer_degrees(scene: &Scene, accuracy: Accuracy, newton: &Newton<'_>) -> Opti
     (finer != present).then_some(finer)
 }
 
-/// The floor window for the next grid: around the contact on the present one, if there is one.
+/// Radius of the floor window on the next grid: around the contact on the current one, if there is one.
 fn window_radius(scene: &Scene, newton: &Newton<'_>) -> f64 {
     let largest = largest_window(scene, newton.contact.indentation());
     let Some(cells) = &newton.cells else {
@@ -602,8 +604,8 @@ fn window_radius(scene: &Scene, newton: &Newton<'_>) -> f64 {
     (reach + WINDOW_MARGIN * cells.grid.division.longest()).min(largest)
 }
 
-/// Within this radius the lens enters holes between the pillars of an endless lattice, as long as these alone bear it: found by bisection at a dozen
-/// places around the axis.
+/// Radius within which the lens penetrates holes between the pillars of an infinite lattice, if only the tops carry load: by bisection, at
+/// a dozen positions around the axis.
 fn entered_holes(lattice: &HexagonalLattice, newton: &Newton<'_>, largest: f64) -> f64 {
     const DIRECTIONS: usize = 12;
     const HALVINGS: usize = 8;
@@ -626,11 +628,11 @@ fn entered_holes(lattice: &HexagonalLattice, newton: &Newton<'_>, largest: f64) 
     bounds[1]
 }
 
-/// The distance of the farthest point of the floor beyond a radius that the lens enters under the present pressures. Looked for from the
-/// outside in, on circles near enough to each other for the holes between pillars: where some are missing, or the pillars end, the lens may enter
-/// the floor there and not nearer to its axis.
+/// Distance of the farthest point of the floor beyond a radius that the lens penetrates under the current pressures. Searched from the
+/// outside in, on circles close enough to resolve the holes between pillars: where pillars are missing, or beyond the outermost pillars,
+/// the lens may penetrate the floor there and not closer to the axis.
 fn entered_beyond(scene: &Scene, newton: &Newton<'_>, radius: f64, largest: f64) -> Option<f64> {
-    /// Of the shortest distance of pillars.
+    /// Distance between circles, relative to the shortest distance between pillars.
     const STEP: f64 = 0.35;
     const MOST_CIRCLES: f64 = 100.0;
     const MOST_DIRECTIONS: f64 = 60.0;
@@ -645,7 +647,7 @@ fn entered_beyond(scene: &Scene, newton: &Newton<'_>, radius: f64, largest: f64)
         let directions = (TAU * distance / step).ceil().clamp(12.0, MOST_DIRECTIONS);
         let points: Vec<Point> = (0..directions as usize)
             .map(|k| {
-                // Not in the same directions again and again.
+                // Vary the directions from circle to circle.
                 let angle = TAU * (k as f64 / directions + 0.381_966 * circle as f64);
                 [distance * angle.cos(), distance * angle.sin()]
             })
@@ -659,8 +661,8 @@ fn entered_beyond(scene: &Scene, newton: &Newton<'_>, radius: f64, largest: f64)
     })
 }
 
-/// Nothing outside of this can be touched: the undeformed lens is above the floor, and pressures only move it away. Thin layers rise around what is
-/// pressed, see [`Scene::farthest_reached`].
+/// Radius beyond which nothing can be touched: the undeformed lens is above the floor, and pressures only increase the gap. Thin layers
+/// rise around the contact, see [`Scene::farthest_reached`].
 fn largest_window(scene: &Scene, indentation: f64) -> f64 {
     let reach = if scene.layers.is_empty() {
         scene.lens.distance_of_rise(indentation - scene.height)
@@ -671,7 +673,7 @@ fn largest_window(scene: &Scene, indentation: f64) -> f64 {
     reach.unwrap_or(scene.lens.widest()) + 1e-3
 }
 
-/// How far the pillars reach that are coupled with the floor.
+/// Extent of the pillars that are coupled with the floor.
 fn pillar_extent(newton: &Newton<'_>) -> PillarExtent {
     let on_grid = newton.scene.field.pillar_grid().is_some();
     PillarExtent::new(&newton.tops.sites, newton.pillar_reach(), on_grid)
@@ -708,7 +710,7 @@ pub(super) fn checked_floor(
     }))
 }
 
-/// Solves on one grid, with windows large enough.
+/// Solves on one grid, with a sufficiently large window.
 fn solve_level<'a>(
     scene: &Scene,
     target: Target,
@@ -761,7 +763,7 @@ fn solve_level<'a>(
         let largest = largest_window(scene, newton.contact.indentation());
         let close = patches.radius + WINDOW_CELLS * division.longest() > radius;
         let entered = match scene.field {
-            // Whose holes are touched from the axis outwards.
+            // Holes of this lattice are touched from the axis outwards.
             PillarField::Hexagonal { .. } => None,
             PillarField::Lattice(_) | PillarField::Listed(_) if close => None,
             PillarField::Lattice(_) | PillarField::Listed(_) => {
@@ -790,7 +792,7 @@ fn pressures_of(newton: &Newton<'_>) -> Option<FloorPressures> {
     Some(FloorPressures::of(cells, &newton.contact))
 }
 
-/// The floor cells that bear pressure, as a set.
+/// Geometry of the floor cells that carry pressure.
 pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
     let mut patches = Patches {
         rim_distance: f64::INFINITY,
@@ -805,7 +807,7 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
     for (index, own) in cells.grid.cells.indices().zip(cells.bears()) {
         bears[index] = *own;
     }
-    // Beyond the last column and row nothing is touched, as the window ends before.
+    // Nothing is touched beyond the last column and row, because the window ends before them.
     let neighbours = |index: usize| {
         [
             (index.wrapping_sub(1), height),
@@ -836,7 +838,7 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
             let nearest = pillars.nearest(point, Nearest::Edge, 0.0, None);
             nearest.map_or(f64::INFINITY, |(_, distance)| distance)
         };
-        // From a corner between four cells in contact the next one towards a pillar is nearer to it.
+        // From a corner between four cells in contact, the next corner towards a pillar is closer to it.
         let may_be_nearest =
             on_border && distance([x, y]) - 0.6 * width.hypot(height) < patches.rim_distance;
         for (u, v) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
@@ -873,7 +875,7 @@ mod tests {
     use crate::solve::newton::tests::problem;
     use std::sync::Arc;
 
-    /// The same on another lattice.
+    /// The same scene on another lattice.
     fn on(lattice: HexagonalLattice, scene: Scene) -> Scene {
         Scene {
             field: PillarField::Hexagonal {
@@ -900,7 +902,8 @@ mod tests {
         mixed.levels.last().unwrap().clone()
     }
 
-    /// The force is minus the derivative of the energy: where no pillar is touched in part, whose higher modes are not counted.
+    /// The force is minus the derivative of the energy. Tested without partially touched pillars, whose higher modes are not included in
+    /// the energy.
     #[test]
     fn the_force_is_the_slope_of_the_energy() {
         let scene = on(
@@ -910,7 +913,7 @@ mod tests {
             },
             problem(),
         );
-        // 2 zeta_c, where the reference has 85 pillars in full and none in part.
+        // 2 zeta_c; the reference has 85 fully touched pillars and no partially touched ones.
         let (indentation, step) = (2.721_568, 1e-3);
         let [before, at, after] = [-step, 0.0, step].map(|by| level(&scene, indentation + by, 6));
         let slope = (before.energy - after.energy) / (2.0 * step);
@@ -922,7 +925,7 @@ mod tests {
         assert!(at.floor_force > 0.2 * at.force);
     }
 
-    /// The same on any arrangement, and on layers. No pillar is touched in part.
+    /// The same on any arrangement, and on layers. No pillar is partially touched.
     #[track_caller]
     fn check_slope(field: PillarField, fineness: usize, layers: Vec<WeightedLayer>) {
         let scene = Scene {
@@ -931,7 +934,7 @@ mod tests {
             ..problem()
         };
         let indentation = 1.5;
-        // What the difference itself is wrong by goes with its square: 2e-6 at twice the step.
+        // The error of the difference quotient is proportional to the square of the step: 2e-6 at twice the step.
         let step = 5e-4;
         let [before, at, after] =
             [-step, 0.0, step].map(|by| level(&scene, indentation + by, fineness));
@@ -949,14 +952,14 @@ mod tests {
         }
     }
 
-    /// Pillars that stand on the grid.
+    /// Pillars with positions on the grid.
     fn square() -> PillarField {
         let body = PillarBody::of_column(0.1);
         let lattice = PlaneLattice::new([[50.0, 0.0], [0.0, 50.0]], [0.0; 2], body);
         PillarField::Lattice(Arc::new(lattice.unwrap()))
     }
 
-    /// Pillars that do not stand on the grid, with their radii and by how much they are raised.
+    /// Pillars with positions off the grid; each body is a radius and a height above the common level.
     fn three(bodies: [[f64; 2]; 3]) -> PillarField {
         let centres = [[0.5, -0.3], [7.0, 3.0], [-5.0, 6.0]];
         let pillar = |(centre, [radius, raised]): (Point, [f64; 2])| ListedPillar {
@@ -991,7 +994,7 @@ mod tests {
         check_slope(three([[1.0, 0.0]; 3]), 6, vec![film()]);
     }
 
-    /// One state for every indentation, from any start: the fine grid's from no contact at all, and by way of coarse ones.
+    /// The state does not depend on the start: on the fine grid from no contact, and by way of coarser grids.
     #[test]
     fn the_state_does_not_depend_on_the_start() {
         let scene = problem();
@@ -1011,7 +1014,7 @@ mod tests {
         assert!((nested.floor_force / alone.floor_force - 1.0).abs() < 1e-7);
     }
 
-    /// Hertz's pressure on cells: the area is found to one per cent, the patches are one.
+    /// Hertz's pressure on cells: the area is accurate to one per cent, and there is one patch.
     #[test]
     fn patches_are_counted_and_measured() {
         // No pillar in reach: a contact of radius 4 between pillars 60 apart.

@@ -1,5 +1,4 @@
-//! How questions are answered: the contact conditions on all pillars, the windows, starts and growth around them, error
-//! estimates, and [`elements`].
+//! Solvers: contact conditions on all pillars, windows, starts and growth around them, error estimates, and [`elements`].
 #![doc = ""]
 #![doc = include_str!("../../doc/rendered/spectral.md")]
 #![doc = include_str!("../../doc/rendered/mixed.md")]

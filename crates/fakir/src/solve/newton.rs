@@ -1,9 +1,9 @@
 //! Semismooth Newton method for all pillars of some sites, with exact solutions on each, and for the floor between them.
 //!
-//! A step [freezes](super::linearized) the states of the pillars and of the floor's cells, solves for the response of all, closes the indentation
-//! by what is [wanted](Target), and lets the [rules](super::rules) say from the loads which states come next. It ends when none
-//! changes. The derivative of a pillar's solution is the `P` of its linearized state, so that this is Newton's method on
-//! the solutions of all pillars.
+//! A step [linearizes](super::linearized) the contact at fixed states of the pillars and floor cells, solves for the response of all
+//! places, determines the indentation from the [target](Target), and updates the states from the loads by the [rules](super::rules). The
+//! iteration ends when no state changes. The derivative of a pillar's solution is the `P` of its linearized state, so that this is Newton's
+//! method on the solutions of all pillars.
 
 use super::control::Target;
 use super::floor::{
@@ -34,42 +34,43 @@ use std::sync::Arc;
 /// Relative energy of the residual at which a linear solution counts as exact.
 pub(super) const LINEAR_TOLERANCE: f64 = 1e-10;
 
-/// Where products have an error of their own, part of that which a linear solution may add.
+/// If products are inexact, fraction of their error that a linear solution may add.
 const PART_OF_PRODUCTS: f64 = 0.2;
 
-/// The same with the floor, and on a coarse grid of that.
+/// The same with the floor, and on a coarse grid of the floor.
 const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
 const LEVEL_LINEAR_TOLERANCE: f64 = 1e-6;
 
-/// Tolerance of the first linear solution with the floor, and by how much it goes down from step to step: the cells that change in a step
-/// leave a residual of about a tenth of that before.
+/// Tolerance of the first linear solution with the floor, and the factor by which it decreases from step to step: the residual caused by
+/// cells that change in a step is about a tenth of that before.
 const FLOOR_FIRST_TOLERANCE: f64 = 5e-3;
 const FLOOR_DECREASE: f64 = 0.1;
 
-/// The same after steps in which few places changed: one in so many of those that bear pressure.
+/// The same factor after steps with few changes: at most one in this many of the places that carry pressure.
 const FLOOR_FAST_DECREASE: f64 = 0.01;
 const FLOOR_FEW: usize = 100;
 
-/// The same without the floor.
+/// The same factor without the floor.
 const DECREASE: f64 = 0.03;
 
-/// A floor share is met from this tolerance on: which of many cells bear pressure is known well enough then.
+/// Tolerance below which a floor share can be met: the set of loaded cells is then sufficiently accurate.
 const SHARE_TOLERANCE: f64 = 1e-4;
 
-/// Largest tolerance of the response to a unit indentation where a floor share is wanted, which depends on what it does to the floor and to the tops.
+/// Largest tolerance of the response to a unit indentation with a floor share as the target, which depends on the derivatives of both floor
+/// force and top force.
 const SHARE_UNIT_TOLERANCE: f64 = 5e-3;
 
-/// Part of the relative change of the indentation below which the tolerance does not go after a step to a floor share.
+/// Lower bound of the tolerance after a step to a floor share, as a fraction of the relative change of the indentation.
 const PART_OF_CHANGE: f64 = 0.01;
 
-/// On a coarse grid few places may change their state in the end: one in so many of those that bear pressure.
+/// On a coarse grid, a few places may still change their state at the end: at most one in this many of those that carry pressure.
 const LEVEL_CHANGES: usize = 200;
 
-/// Relative error of the indentation by the punch lattice, about.
+/// Approximate relative error of the indentation from the punch lattice.
 const START_ERROR: f64 = 0.02;
 
-/// A start is good enough when a step changes the status of one pillar in so many; and of one in so many, or two, if the step changes no fewer than one
-/// before it: pillars at the edge may be touched and untouched in turns.
+/// A start is sufficient if a step changes the status of at most one pillar in this many; or of one in this many, or of two pillars, if the
+/// step changes at least as many as an earlier one: pillars at the edge may alternate between touched and untouched.
 const START_CHANGES: usize = 300;
 const STALLED_CHANGES: usize = 100;
 
@@ -79,67 +80,65 @@ const UNIT_TOLERANCE: f64 = 1e-2;
 /// Tolerance of the first linear solution, when the statuses are still a guess, and of a start.
 const FIRST_LINEAR_TOLERANCE: f64 = 1e-3;
 
-/// Largest difference, relative to the largest coefficient, between the local and the global
-/// solution on any pillar.
+/// Largest difference between the local and the global solution on any pillar, relative to the largest coefficient.
 pub(crate) const MISMATCH_TOLERANCE: f64 = 1e-7;
 
-/// Tolerance of the linear solutions, and of the difference on any pillar, of a solution that is to be differentiated, and most steps to it. On
-/// slivers a step takes two digits off the difference.
+/// Tolerance of the linear solutions and of the difference on any pillar, for a solution that is differentiated, and the largest number of
+/// steps to reach it. On narrow contacts at rims a step reduces the difference by two digits.
 const SHARP_TOLERANCE: f64 = 1e-12;
 const SHARP_STEPS: usize = 6;
 
-/// Relative difference in the indentation of first contact between floor points that count as
-/// equally low.
+/// Relative difference of contact indentations below which two floor points count as equally low.
 const FLOOR_TOLERANCE: f64 = 1e-10;
 
-/// Newton steps before giving up. One to six are typical, up to eleven with the floor.
+/// Largest number of Newton steps. One to six are typical, up to eleven with the floor.
 const STEP_LIMIT: usize = 60;
 
-/// What a Newton solution ended with.
+/// Result of a Newton solution.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Outcome {
     pub(crate) indentation: f64,
     pub(crate) termination: Termination,
     pub(crate) steps: usize,
-    /// Lowest point of the floor, if it fixed the indentation.
+    /// Lowest point of the floor, if it determined the indentation.
     pub(crate) floor: Option<FloorPoint>,
-    /// Largest difference between local and global coefficients, relative to the largest.
+    /// Largest difference between local and global coefficients, relative to the largest coefficient.
     pub(crate) mismatch: f64,
 }
 
-/// What a solution is for.
+/// Purpose of a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// To be handed out.
+    /// A result.
     Answer,
-    /// To start another one from.
+    /// The start of another solution.
     Start,
-    /// The contact with the floor on a coarse grid, which the next one starts from and is compared with.
+    /// The contact with the floor on a coarse grid: start of the next grid, and compared with it.
     Level,
 }
 
 /// Degrees of the discretisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Degrees {
-    /// Modes by which pillars act on each other.
+    /// Degree of the modes by which pillars interact.
     pub(crate) coupling: usize,
-    /// Of the unilateral condition.
+    /// Resolution of the unilateral condition.
     pub(crate) tops: Resolution,
 }
 
-/// How exactly the linear problems of a step are solved: no more than the states deserve.
+/// Tolerances of the linear problems of a step: no more exact than the current states justify.
 struct Tolerances {
     present: f64,
-    /// That at which a step is exact.
+    /// Tolerance at which a step is exact.
     exact: f64,
-    /// The smallest that is asked for in the end.
+    /// Smallest tolerance required at the end.
     finest: f64,
-    /// By how much it goes down from step to step, and after those that changed few places.
+    /// Factors by which the tolerance decreases after a step, and after a step with few changes.
     decrease: f64,
     fast_decrease: f64,
-    /// Fewest changes of states in any step so far.
+    /// Smallest number of state changes in any step so far.
     fewest: usize,
-    /// By how much the indentation changed, relatively: nothing is known of a start from none.
+    /// Relative change of the indentation; 1 for a start without any information.
     change_of_indentation: f64,
 }
 
@@ -171,18 +170,18 @@ impl Tolerances {
         }
     }
 
-    /// Of the response to a unit indentation, which is multiplied by the change of the indentation.
+    /// Tolerance of the response to a unit indentation, which is multiplied by the change of the indentation.
     fn unit(&self) -> f64 {
         let unit = self.present / self.change_of_indentation;
         clamped(unit, self.present, UNIT_TOLERANCE)
     }
 
-    /// Whether a step with these, whose unit response had the tolerance `unit`, is exact.
+    /// Whether a step with these tolerances, and `unit` for the unit response, is exact.
     fn are_exact(&self, unit: f64) -> bool {
         within(self.present, self.exact) && within(unit * self.change_of_indentation, self.exact)
     }
 
-    /// Asks for exact responses. Whether they were not already.
+    /// Requires exact responses. Returns whether they were inexact before.
     fn sharpen(&mut self) -> bool {
         let rough = self.present > self.exact;
         (self.finest, self.present) = (self.exact, self.exact);
@@ -190,13 +189,13 @@ impl Tolerances {
         rough
     }
 
-    /// For the step after one along which many states change.
+    /// Tolerance of a step during which many states change.
     fn widen(&mut self) {
         let of_change = PART_OF_CHANGE * self.change_of_indentation;
         self.present = self.present.max(of_change.min(FLOOR_FIRST_TOLERANCE));
     }
 
-    /// For the step after one that changed the states of so many places, with so many that bear pressure.
+    /// Tolerance after a step with this many changes of state, given the number of places that carry pressure.
     fn follow(&mut self, changes: usize, bearing: usize) {
         let decrease = if changes == 0 {
             0.0
@@ -210,31 +209,31 @@ impl Tolerances {
     }
 }
 
-/// Pillars so much farther from the lens axis than those touched are coupled with the floor, in pitches.
+/// Distance beyond the touched pillars within which pillars are coupled with the floor, in pitches.
 const REACH_MARGIN: f64 = 1.0;
 
-/// The contact has come near to pillars that are not coupled with the floor, in pitches.
+/// Distance from the limit of coupled pillars at which the contact counts as close to it, in pitches.
 const NEAR_REACH: f64 = 0.5;
 
-/// Modes of a pillar that the floor sees and that see the floor, by their degree: 3 changes the force by 7e-8, also where
-/// the floor is touched 0.6 pillar radii from a rim.
+/// Degree of the pillar modes that are coupled with the floor: degree 3 changes the force by 7e-8, even if the floor is touched 0.6 pillar
+/// radii from a rim.
 pub(crate) const FLOOR_DEGREE: usize = 2;
 
-/// All pillars of some sites, and the floor where it is touched, with their states and responses.
+/// All pillars of some sites, and the floor if it is touched, with their states and responses.
 pub(crate) struct Newton<'a> {
     pub(crate) scene: Scene,
     pub(crate) run: &'a Run<'a>,
     stage: Stage,
     pub(crate) tops: Tops,
-    /// The floor's cells; none as long as it is not touched, or is to be ignored.
+    /// The floor cells; `None` as long as the floor is not touched or is ignored.
     pub(crate) cells: Option<FloorCells<'a>>,
     pub(crate) contact: LinearizedContact<'a, SurfaceCoupling<'a>>,
     /// Pillars up to this distance from the lens axis are coupled with the floor.
     reach: f64,
-    /// Of the floor's last grid.
+    /// Kernels of the last floor grid.
     kernels: Option<FloorKernels>,
     pub(crate) exterior: Exterior,
-    /// Which pillars are images of each other, where there are any.
+    /// Symmetric images among the pillars, if any.
     pub(crate) copies: Option<Copies>,
     floor: FloorSearch,
 }
@@ -276,7 +275,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Pillars act at their centre only: the lens meets them there, not on the average.
+    /// Restricts the load to the lens height at the pillar centres instead of the average over each top.
     pub(crate) fn load_at_centres(&mut self) {
         let modes = self.contact.modes();
         let loads = self.contact.own_load_mut().chunks_exact_mut(modes);
@@ -286,8 +285,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Iterates from the present states until the contact conditions hold; for a start, on
-    /// most pillars.
+    /// Iterates from the current states until the contact conditions hold; for a start, on most pillars.
     pub(crate) fn solve(
         &mut self,
         target: impl Into<Target>,
@@ -326,8 +324,7 @@ impl<'a> Newton<'a> {
                 return Ok(outcome);
             }
             let Some((indentation, floor)) = self.close(target) else {
-                // A response to three digits may make the floor recede from the lens where an
-                // exact one does not.
+                // A response to three digits may make the floor recede from the lens although the exact one does not.
                 if tolerances.sharpen() {
                     continue;
                 }
@@ -335,7 +332,7 @@ impl<'a> Newton<'a> {
                 return Ok(outcome);
             };
             let before = self.contact.indentation();
-            // An indentation may be none where some pillars are higher.
+            // The indentation may be zero if some pillars are higher than the common level.
             let change = if (indentation - before).abs() <= 0.0 {
                 0.0
             } else {
@@ -362,7 +359,7 @@ impl<'a> Newton<'a> {
         Ok(outcome)
     }
 
-    /// Goes on from a solution until nothing is left but rounding. Whether no place changed its state in the last step.
+    /// Continues from a solution until only rounding errors are left. Returns whether no place changed its state in the last step.
     pub(crate) fn sharpen(
         &mut self,
         target: impl Into<Target>,
@@ -389,7 +386,7 @@ impl<'a> Newton<'a> {
         Ok(settled)
     }
 
-    /// Whether and how the iteration ends after a step, with the fewest changes in any step before.
+    /// Decides whether and how the iteration ends after a step, given the smallest number of changes in any earlier step.
     fn ending(
         &mut self,
         target: Target,
@@ -431,7 +428,7 @@ impl<'a> Newton<'a> {
         })
     }
 
-    /// Responses with the present states.
+    /// Solves for the responses at the current states.
     fn respond(
         &mut self,
         target: Target,
@@ -450,7 +447,7 @@ impl<'a> Newton<'a> {
         self.solve_frozen(Source::Present, tolerance, groups.as_mut())
     }
 
-    /// A response with the present states, whose groups are given.
+    /// Solves for a response at fixed states, with given groups.
     fn solve_frozen(
         &mut self,
         source: Source<'_>,
@@ -464,14 +461,14 @@ impl<'a> Newton<'a> {
         self.contact.solve(&mut places, source, tolerance)
     }
 
-    /// The indentation that meets the target with the present responses.
+    /// The indentation that meets the target with the current responses.
     fn close(&mut self, target: Target) -> Option<(f64, Option<FloorPoint>)> {
         let reaches = target == Target::Prescribed(Load::FloorContact);
         let lowest = reaches.then(|| self.search_floor(true)).flatten();
         target.close(&self.contact, lowest)
     }
 
-    /// Takes over the states that the pillars and the floor's cells have under the present loads.
+    /// Updates the states of the pillars and floor cells from the current loads.
     fn update(&mut self) -> Change {
         let incident = self.contact.incident();
         let coefficients = self.contact.coefficients();
@@ -492,8 +489,8 @@ impl<'a> Newton<'a> {
         change
     }
 
-    /// Replaces the floor's cells by those of another grid; `start` has the pressure at a point under the present load and under a unit
-    /// indentation. If it has none anywhere, all cells that the lens would enter bear pressure.
+    /// Replaces the floor cells by those of another grid; `start` returns the pressure at a point under the current load and at unit
+    /// indentation. If it is zero everywhere, all cells that the lens would penetrate carry pressure.
     pub(crate) fn set_floor(&mut self, grid: FloorGrid, start: &dyn Fn(Point) -> [f64; 2]) {
         let (run, modes) = (self.run, self.contact.modes());
         let mut cells = FloorCells::new(grid, run.pool);
@@ -519,16 +516,17 @@ impl<'a> Newton<'a> {
         self.cells = Some(cells);
     }
 
-    /// Distance of pillar centres from the lens axis up to which they are coupled with the floor: those touched at present, and some more.
+    /// Distance of pillar centres from the lens axis up to which pillars are coupled with the floor: the touched ones plus a margin.
     ///
-    /// Those beyond are not touched: on half-spaces the floor only moves the lens away from them, and as it takes load from the tops within, nothing else would
-    /// tell them so. A thin layer rises around what is pressed; that it does to those next to the touched ones first.
+    /// Pillars beyond are not touched: on half-spaces floor pressure only moves the lens away from them. Without the coupling, however,
+    /// they would appear to be touched as the floor takes load from the tops within. A thin layer rises around the contact, but first at
+    /// the pillars next to the touched ones.
     ///
-    /// If none is touched yet: as far as the undeformed lens is below the tops, with a margin for the indentation, where that is to be found.
+    /// If no pillar is touched yet: as far as the undeformed lens is below the tops, with a margin for the indentation if it is unknown.
     pub(crate) fn pillar_reach(&self) -> f64 {
         if self.touched() > 0 {
             let reach = self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();
-            // Tall pillars beyond lower ones come and go with the floor's grid.
+            // High pillars beyond lower ones may attach and detach as the floor grid changes.
             return if self.scene.field.has_unlike_heights() {
                 reach.max(self.reach)
             } else {
@@ -539,7 +537,7 @@ impl<'a> Newton<'a> {
         self.scene.farthest_reached(depth)
     }
 
-    /// Whether pillars are touched that are not coupled with the floor, or may be because the contact has come near to them.
+    /// Whether pillars are touched that are not coupled with the floor, or may be because the contact is close to them.
     pub(crate) fn touches_beyond_reach(&self) -> bool {
         let near = if self.scene.layers.is_empty() {
             NEAR_REACH * self.scene.field.spacing()
@@ -549,7 +547,7 @@ impl<'a> Newton<'a> {
         self.cells.is_some() && self.touched() > 0 && self.tops.reach() > self.reach - near
     }
 
-    /// The pressure on the floor, where it bears any.
+    /// The pressure on the floor, where it is loaded.
     pub(crate) fn floor_load(&self) -> Option<FloorLoad> {
         let cells = self.cells.as_ref()?;
         let scale = cells.unit_cell().recip();
@@ -561,8 +559,8 @@ impl<'a> Newton<'a> {
             .then(|| FloorLoad::new(cells.bearing(), pressure).with_layers(&self.scene.layers))
     }
 
-    /// Whether a search from scratch finds a lower point of the floor than the one that closed
-    /// the last step. The next step then starts from it.
+    /// Whether a search from scratch finds a lower point of the floor than the one that closed the last step. If so, the next step starts
+    /// from it.
     fn found_lower_floor(&mut self, outcome: &Outcome) -> bool {
         let Some(present) = outcome.floor else {
             return false;
@@ -592,7 +590,7 @@ impl<'a> Newton<'a> {
         self.tops.touched()
     }
 
-    /// Number of floor cells that bear pressure.
+    /// Number of floor cells that carry pressure.
     pub(crate) fn pressed(&self) -> usize {
         let cells = self.cells.as_ref();
         cells.map_or(0, |cells| cells.bears().iter().filter(|b| **b).count())
@@ -608,25 +606,24 @@ impl<'a> Newton<'a> {
         self.exterior.degree()
     }
 
-    /// The degree by which two pillars act on each other, by their gap over the smaller radius.
+    /// Degree of the interaction of two pillars, as a function of their gap in units of the smaller radius.
     pub(crate) fn pair_degree(&self, gap: f64) -> usize {
         self.contact.coupling().tops.pair_degree(gap, self.degree())
     }
 
-    /// Gives back the memory of the coupling: nothing can be solved any more, but another solution started from this.
+    /// Releases the memory of the coupling. Afterwards this can only serve as the start of another solution.
     pub(crate) fn release_coupling(&mut self) {
         self.contact.coupling_mut().tops = LatticeCoupling::Released;
     }
 
-    /// Whether a pillar counts as touched, or as untouched, only because the modes of the coupling
-    /// leave out a part of the lens shape.
+    /// Whether the touched status of a pillar depends on the part of the lens shape that the modes of the coupling omit.
     pub(crate) fn has_marginal_pillars(&self) -> bool {
         let incident = self.contact.incident();
         self.tops
             .has_marginal_pillars(&incident, self.run.workers())
     }
 
-    /// By how much a pillar top is asked to come down on the average, as under a flat punch.
+    /// Mean displacement required of a pillar top, as under a flat punch.
     pub(crate) fn mean_load(&self, pillar: usize) -> f64 {
         let mut load = vec![0.0; self.contact.modes()];
         self.contact.load(pillar, &mut load);
@@ -651,7 +648,7 @@ impl<'a> Newton<'a> {
         self.tops.gap_coefficients(&incident, pillar, coefficients)
     }
 
-    /// Response to a unit indentation for the present states, to the given tolerance.
+    /// Solves for the response to a unit indentation at the current states, to the given tolerance.
     pub(crate) fn solve_unit(&mut self, tolerance: f64) -> Result<bool, SolveError> {
         let mut groups = Groups::new(&self.tops, self.run.workers());
         let solved = self.solve_frozen(Source::Unit, tolerance, groups.as_mut())?;
@@ -672,7 +669,7 @@ impl<'a> Newton<'a> {
         self.contact.respond_to(&mut places, load, tolerance)
     }
 
-    /// `W(x)` of every pillar: what its coefficients move a point of the floor by.
+    /// `W(x)` of every pillar: displacement of a point of the floor per unit coefficient.
     pub(crate) fn point_load(&self, position: Point) -> Vec<f64> {
         let modes = self.contact.modes();
         let mut load = vec![0.0; self.tops.sites.len() * modes];
@@ -685,7 +682,7 @@ impl<'a> Newton<'a> {
         load
     }
 
-    /// What the moments of a pillar, each by itself, move a point beside it by.
+    /// Displacement of a point beside a pillar by each moment of the pillar.
     pub(crate) fn values_at(
         &self,
         exterior: &Exterior,
@@ -711,13 +708,12 @@ impl<'a> Newton<'a> {
         Ok(lowest.map(|point| point.indentation))
     }
 
-    /// The point of the smallest floor gap at the solved indentation, with the gap plus the
-    /// indentation.
+    /// The point of the smallest floor gap at the solved indentation, with the gap plus the indentation.
     pub(crate) fn lowest_gap(&mut self) -> Option<FloorPoint> {
         self.search_floor(false)
     }
 
-    /// The lowest point of the floor under pressures that go with the indentation, or do not.
+    /// The lowest point of the floor under pressures that change with the indentation or are constant.
     fn search_floor(&mut self, with_indentation: bool) -> Option<FloorPoint> {
         let mut floor = std::mem::take(&mut self.floor);
         let lowest = self.with_loaded(with_indentation, |discs| {
@@ -727,7 +723,7 @@ impl<'a> Newton<'a> {
         lowest
     }
 
-    /// The floor beside the pillars, and the lens over it.
+    /// The floor beside the pillars, and the lens above it.
     fn uncovered(&self) -> Uncovered<'_> {
         Uncovered {
             lens: self.scene.lens.clone(),
@@ -740,7 +736,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// The touched pillars, each with the force that it bears.
+    /// The touched pillars, each with its force.
     pub(crate) fn forces(&self) -> Vec<(Point, f64)> {
         let modes = self.contact.modes();
         let moments = self.contact.coefficients().chunks_exact(modes);
@@ -751,8 +747,8 @@ impl<'a> Newton<'a> {
             .collect()
     }
 
-    /// Gaps to the floor at points beside pillars, by the pressures on the pillars and those on the [floor](Self::floor_load). These are summed in groups,
-    /// whose making takes longer than many points do.
+    /// Floor gaps at points beside pillars, under the pressures on the pillars and on the [floor](Self::floor_load). The latter are summed
+    /// in groups; setting these up takes longer than the evaluation of many points.
     pub(crate) fn gaps(&self, points: &[Point], floor: Option<&FloorLoad>) -> Vec<f64> {
         let mut gaps = self.gaps_under_tops(points);
         if let Some(load) = floor {
@@ -763,7 +759,7 @@ impl<'a> Newton<'a> {
         gaps
     }
 
-    /// Gaps to the floor at points beside pillars, by the pressures on the pillars alone.
+    /// Floor gaps at points beside pillars, under the pressures on the pillars alone.
     pub(crate) fn gaps_under_tops(&self, points: &[Point]) -> Vec<f64> {
         let above = self.scene.height - self.contact.indentation();
         self.with_loaded(false, |discs| {
@@ -775,7 +771,7 @@ impl<'a> Newton<'a> {
         })
     }
 
-    /// What the touched pillars bear, as discs: under pressures that go with the indentation, or do not.
+    /// Passes the loads on the touched pillars as discs to a function: with pressures that change with the indentation, or constant ones.
     fn with_loaded<R>(&self, with_indentation: bool, ask: impl FnOnce(&LoadedDiscs<'_>) -> R) -> R {
         let modes = self.contact.modes();
         let sites = &self.tops.sites;
@@ -807,7 +803,7 @@ impl<'a> Newton<'a> {
         ask(&discs)
     }
 
-    /// The same on other sites and with other degrees, without the floor's cells.
+    /// The same on other sites and with other degrees, without the floor cells.
     pub(crate) fn rebuilt(&self, sites: Sites, degrees: Degrees) -> Self {
         let Degrees { coupling, tops } = degrees;
         let pair = PairCoupling::of_scene(coupling, &self.scene);
@@ -819,7 +815,7 @@ impl<'a> Newton<'a> {
         rebuilt
     }
 
-    /// Its degrees.
+    /// Current degrees.
     pub(crate) fn degrees(&self) -> Degrees {
         Degrees {
             coupling: self.degree(),
@@ -843,7 +839,7 @@ impl<'a> Newton<'a> {
     }
 }
 
-/// How the iteration ends where a linear problem could not be solved.
+/// How the iteration ends if a linear problem could not be solved.
 fn failure(solved: Judgement) -> Option<Termination> {
     match solved {
         Judgement::Good => None,
@@ -860,7 +856,7 @@ pub(crate) mod tests {
     use crate::solve::spectral::solve_punch;
     use crate::theory::reference;
 
-    /// The paper's pillars of rubber, the lens axis beside one of them.
+    /// The paper's rubber pillars, with the lens axis beside one of them.
     pub(crate) fn problem() -> Scene {
         let lattice = reference::lattice(0.03).offset_by(0.2);
         let compliance = PillarCompliance::Column;
@@ -885,7 +881,7 @@ pub(crate) mod tests {
 
     const TARGETS: [Load; 3] = [Load::Indentation(0.3), Load::Force(0.3), Load::FloorContact];
 
-    /// One number of the data that is none, on any pillar, touched or not, in any mode.
+    /// One NaN or infinite value in the data, on any pillar, touched or not, in any mode.
     #[test]
     fn undefined_loads_never_converge() {
         let (problem, run) = (problem(), Run::default());
@@ -908,8 +904,8 @@ pub(crate) mod tests {
         }
     }
 
-    /// Pillars of other heights are other loads of the lens shape, and nothing else: all higher by as much are
-    /// met so much earlier, and one that is higher bears what the lens then asks of it.
+    /// Pillar heights change only the load of the lens shape: if all are raised by the same amount, they are touched earlier by that
+    /// amount, and a single raised pillar carries the corresponding additional load.
     #[test]
     fn heights_are_a_shift_of_the_own_load() {
         let (problem, run) = (problem(), Run::default());
@@ -965,7 +961,7 @@ pub(crate) mod tests {
     #[test]
     fn undefined_targets_and_pillars_never_converge() {
         let run = Run::default();
-        // A refusal is no solution either.
+        // A refusal is not a solution either.
         let solve = |scene: &Scene, target| -> Option<Termination> {
             let (form, purpose) = (PunchForm::Corrected, Purpose::Answer);
             let solution = solve_punch(scene, target, Some(20.0), form, purpose, &run);

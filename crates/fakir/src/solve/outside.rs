@@ -1,17 +1,17 @@
-//! Tall pillars far from the others: whether the lens enters any beyond those that are solved.
+//! High pillars far from the others: whether the lens penetrates any beyond those that are solved.
 //!
-//! The pillars that may be touched are sought outwards from the lens axis. Where all are alike, those beyond untouched ones are not
-//! touched either. Where heights differ, a tall one may be.
+//! Candidate pillars are searched outwards from the lens axis. If all have the same height, those beyond untouched ones are not touched. If
+//! heights differ, a high one may be.
 
 use crate::halfspace::layer::force::AroundForce;
 use crate::problem::Point;
 use crate::problem::scaled::Scene;
 use std::f64::consts::PI;
 
-/// Distance from the lens axis of the farthest pillar with its centre beyond a radius that the lens enters at an indentation, while pillars
-/// at some places bear some forces. None if there is no such pillar.
+/// Distance from the lens axis of the farthest pillar, with its centre beyond a radius, that the lens penetrates at an indentation under
+/// given forces at given positions. `None` if there is no such pillar.
 ///
-/// Each force acts as if at one point, which is exact to a few parts in a hundred a pitch away.
+/// Each force acts at a point, which is accurate to a few per cent at a distance of one pitch.
 pub(super) fn farthest_entered(
     scene: &Scene,
     beyond: f64,
@@ -74,7 +74,7 @@ mod tests {
             pressure: 1.0,
             rotation: 0.0,
         };
-        // A sphere of radius 1000 is 4.9 higher at 99, the edge of the farthest.
+        // A sphere of radius 1000 is 4.9 higher at 99, the edge of the farthest pillar.
         let near = [pillar(0.0, 0.0), pillar(5.0, 0.0), pillar(95.0, 0.0)];
         let found = |raised: f64, forces: &[(Point, f64)]| {
             let mut pillars = near.to_vec();
@@ -84,7 +84,7 @@ mod tests {
         assert_eq!(found(0.0, &[]), None);
         assert_eq!(found(4.3, &[]), None);
         assert_eq!(found(4.5, &[]), Some(100.0));
-        // It gives way by 0.1 to a force of 10 pi at a distance of 100.
+        // The surface is displaced by 0.1 at a distance of 100 under a force of 10 pi.
         let pressed = [([0.0; 2], 10.0 * PI)];
         assert_eq!(found(4.47, &pressed), None);
         assert_eq!(found(4.53, &pressed), Some(100.0));

@@ -1,11 +1,11 @@
 //! Loading and unloading with adhesion: an exact path of events.
 //!
-//! With what every top has in contact [linearized](super::linearized) all is linear in the indentation, so that the next indentation at which a
-//! top changes follows in closed form ([`next_event`](StickyTops::next_event)). There all tops that change do, which changes the
-//! loads on the others: a *cascade*, at a fixed indentation, or force, or crosshead of a machine. In a cascade changes in the sense of
-//! the course come first (more contact on loading, less on unloading); a top that has made one does not go back, and a front turns
-//! or bends once, so that every cascade ends. Unloading does not depend on the order: the releases of pulled tops pull the others more. What a cascade
-//! sets free is dissipated.
+//! At a fixed contact state of every top the response is [linear](super::linearized) in the indentation, so that the next indentation at
+//! which a top changes follows in closed form ([`next_event`](StickyTops::next_event)). There, all tops that are unstable change, which
+//! changes the loads on the others: a *cascade*, at fixed indentation, force, or crosshead position of a testing machine. In a cascade,
+//! changes in the direction of the course come first (attachment on loading, detachment on unloading). A top that has changed in this
+//! direction does not change back, and a front rotates or bends once, so that every cascade ends. Unloading does not depend on the order of
+//! changes, because the detachment of tops in tension increases the tension on the others. The energy released in a cascade is dissipated.
 
 mod disc;
 mod inside;
@@ -41,60 +41,63 @@ use crate::numerics::vector::{dot, subtract};
 use crate::problem::scaled::Scene;
 use crate::state::{Progress, Run, SolveError, Stage, Termination};
 
-/// Relative size of the residuals of the responses: to a unit indentation and at the present one where it is held, and of both where it is not.
+/// Relative residuals of the responses: to a unit indentation and at the current one if the indentation is prescribed, and of both
+/// otherwise.
 const UNIT_TOLERANCE: f64 = 1e-5;
 const PRESENT_TOLERANCE: f64 = 1e-7;
 const TOLERANCE: f64 = 1e-9;
 
-/// The same at the present indentation while fronts move on the floor: of the load, and of what the last moves changed, as others follow. Most steps of
-/// unloading move a few cells many times. And of the states after that: at the present indentation, and to a unit one, which are the steps' first guesses and leave of the force the product of both alone.
+/// Relative residuals at the current indentation while fronts move on the floor: relative to the load, and to the residual caused by the
+/// last moves, because further moves follow. Most unloading steps move a few cells many times. The last two apply after the moves: at the
+/// current indentation, and to a unit one; they start the next step, and the force depends only on their product.
 const STUCK_TOLERANCE: f64 = 3e-4;
 const STUCK_PART_LOADING: f64 = 0.02;
 const STUCK_PART_UNLOADING: f64 = 0.05;
 const STUCK_STATE_TOLERANCE: f64 = 3e-6;
 const STUCK_UNIT_TOLERANCE: f64 = 3e-4;
 
-/// The path goes this much beyond an event, in the unit of length or of the indentation, so that rounding does not hide it ...
+/// Overshoot past an event, relative to the larger of the unit of length and the indentation, so that rounding does not hide the event.
 const BEYOND: f64 = 1e-8;
 
-/// ... and this many times further every time that nothing was found to change there.
+/// Growth factor of the overshoot while no status changes.
 const FURTHER: f64 = 4.0;
 
-/// Longest way without looking at all tops again, as parts of the pillar height and of the indentation: the larger of the two.
+/// Longest step without a check of all tops, relative to the pillar height and to the indentation; the larger of the two applies.
 const LONGEST_STEP: f64 = 0.02;
 const LONGEST_RELATIVE_STEP: f64 = 0.01;
 
-/// Step of the differences by which the gap is found to curve, in distances of pillars.
+/// Step of the finite differences for the curvature of the gap, in pillar spacings.
 const GAP_STEP: f64 = 0.02;
 
-/// Steps while the floor sticks, in the height of the pillars: after each of them all that changes does, on tops and floor.
+/// Step while the floor adheres, in pillar heights: after each step all unstable places change, on tops and floor.
 const STUCK_STEP: f64 = 0.04;
 
-/// Shorter on unloading where what sticks is not farther from the lens axis than this, in distances of pillars: there it is lost.
+/// Radius of the adhering region, in pillar spacings, below which unloading steps are shorter, because the floor detaches there.
 const NEAR_LOSS: f64 = 2.5;
 
-/// A force is reached where the rest of the way is less than this part of a step.
+/// A force is reached if the remaining distance is less than this fraction of a step.
 const NEAR_END: f64 = 0.02;
 
-/// The floor is looked at again after this part of the way to where it would be reached; when that is nearer than `NEAR_FLOOR` of the
-/// indentation, at every step. It is looked for everywhere, as another point may have become the lowest.
+/// The floor is checked again after this fraction of the distance to the estimated contact; at every step if that is closer than
+/// `NEAR_FLOOR` times the indentation. The search starts from scratch, because another point may have become the lowest.
 const LOOK_AGAIN: f64 = 0.5;
 const NEAR_FLOOR: f64 = 0.02;
 
-/// Rounds of a cascade before giving up.
+/// Largest number of rounds of a cascade.
 const ROUND_LIMIT: usize = 2000;
 
-/// On loading there are pillars up to this many pitches beyond the farthest one in contact. They become more by `GROWTH` of their radius at the least.
+/// On loading, pillars are included up to this many pitches beyond the farthest one in contact. Their radius grows at least by the factor
+/// `GROWTH`.
 const MARGIN: f64 = 1.5;
 const GROWTH: f64 = 1.25;
 
-/// On unloading no more come into contact: there are fewer where less than this part of their radius is needed.
+/// On unloading, no further pillars attach: pillars are removed if less than this fraction of their radius is needed.
 const SHRINKAGE: f64 = 0.88;
 
-/// So few pillars are not made fewer.
+/// Number of pillars up to which none are removed.
 const FEW_PILLARS: usize = 24;
 
-/// What residuals take from the force at an indentation, and from its change.
+/// First-order corrections of the force and the stiffness for the residuals, at an indentation.
 #[derive(Debug, Clone, Copy, Default)]
 struct Refined {
     indentation: f64,
@@ -102,39 +105,39 @@ struct Refined {
     stiffness: f64,
 }
 
-/// A lens that goes up and down on tops that stick.
+/// Loading and unloading of a lens on adhesive tops.
 pub(crate) struct Path<'a> {
-    /// With pillars of the unit radius on columns that are alike.
+    /// With pillars of unit radius on equal columns.
     pub(crate) scene: &'a Scene,
     pub(super) run: &'a Run<'a>,
-    /// Told every station, the last one of [`stations`](Self::stations), when the lens has come to it.
+    /// Called with every load step, the last one of [`stations`](Self::stations), when it has been reached.
     follower: &'a dyn Fn(&Self),
     pair: PairCoupling,
     projector: LensProjector,
     pub(crate) sites: Sites,
     pub(crate) tops: StickyTops,
     pub(crate) contact: LinearizedContact<'a, SurfaceCoupling<'a>>,
-    /// The floor as far as it is in contact, if it sticks.
+    /// The part of the floor in contact, if it is adhesive.
     pub(crate) floor: Option<StuckFloor<'a>>,
-    /// The disc inside a top that alone is in contact, if it is. All tops count as out of contact then.
+    /// The disc inside a top that is the only one in contact, if there is one. All tops then count as out of contact.
     pub(crate) inside: Option<InsideTop>,
     exterior: Exterior,
     pub(super) works: Works,
-    /// How the floor is gone about.
+    /// Numerical variation of the floor solution.
     pub(super) variation: Variation,
     held: Held,
-    /// Indentation from which on the floor is looked at again.
+    /// Indentation from which the floor is checked again.
     look_again: f64,
     refined: Refined,
-    /// The step before a cascade whose change of the force counts as made on the way.
+    /// The step before a cascade; the force is interpolated linearly over this step.
     spread: f64,
-    /// Loads on all tops at the present indentation, and their change with it.
+    /// Loads on all tops at the current indentation, and their derivative with respect to it.
     loads: Vec<f64>,
     along: Vec<f64>,
     pub(crate) stations: Vec<LoadStep>,
     pub(crate) events: Vec<TopEvent>,
     pub(crate) energies: Energies,
-    /// Force that the levels of fronts leave open while tops are in contact in part.
+    /// Force error due to the finite number of front levels while tops are partially bonded.
     pub(crate) left_open: f64,
     pub(crate) strongest: Option<StrongestPull>,
     /// Why there is no solution, if there is none.
@@ -142,7 +145,7 @@ pub(crate) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// The lens above all tops, at an indentation at which it touches none.
+    /// Starts with the lens above all tops, at an indentation without contact.
     pub(crate) fn new(
         scene: &'a Scene,
         run: &'a Run<'a>,
@@ -199,12 +202,12 @@ impl<'a> Path<'a> {
         self.contact.indentation()
     }
 
-    /// Whether what was solved so far is a solution.
+    /// How the solution ended so far.
     pub(crate) fn termination(&self) -> Termination {
         self.failed.unwrap_or(Termination::Converged)
     }
 
-    /// Tops in contact, and those in contact in part.
+    /// Number of tops in contact, and of partially bonded ones.
     pub(crate) fn counts(&self) -> [usize; 2] {
         match self.inside {
             Some(_) => [1, 1],
@@ -265,7 +268,7 @@ impl<'a> Path<'a> {
         (LONGEST_STEP * self.scene.height).max(part_of_path)
     }
 
-    /// Goes on until the end. Where `watch_floor` a loading stops at the floor too.
+    /// Continues to the end. If `watch_floor` is set, loading stops at the floor too.
     pub(crate) fn go(
         &mut self,
         course: Course,
@@ -275,7 +278,7 @@ impl<'a> Path<'a> {
         let sign = course.sign();
         let mut beyond = BEYOND;
         if self.inside.is_none() && !(course == Course::Loading && self.snap_inside(end)?) {
-            // What changes because the course does.
+            // Changes caused by the reversal of the course.
             self.cascade(course)?;
         }
         loop {
@@ -314,7 +317,7 @@ impl<'a> Path<'a> {
             {
                 self.sharpen()?;
                 let lowest = self.lowest_floor().unwrap_or(lowest);
-                // In a cascade the lens may have come nearer to it.
+                // In a cascade the lens may have come closer to the floor.
                 self.advance((lowest.indentation - self.indentation()).max(0.0));
                 self.record(course);
                 return Ok(Stop::Floor(lowest));
@@ -347,8 +350,8 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// A step while the floor sticks, and all that changes after it. Returns whether the end is reached. The force counts as linear between the
-    /// states after all changes.
+    /// Performs a step while the floor adheres, and all changes that follow. Returns whether the end is reached. The force is interpolated
+    /// linearly between the states after all changes.
     fn step_with_floor(
         &mut self,
         course: Course,
@@ -371,13 +374,14 @@ impl<'a> Path<'a> {
         self.report(Stage::Cycle, self.events.len());
         Ok(to_end <= longest
             && match end {
-                // What changes changes the force.
+                // Changes of contact change the force.
                 End::Force(_) => !changed || to_end < NEAR_END * longest,
                 _ => true,
             })
     }
 
-    /// The lens sticks to the floor from its lowest point on: on cells of a division, in a window of a radius. What it jumps to at once.
+    /// Starts adhesion on the floor from its lowest point, on the cells of a division in a window of a radius, and computes the state after
+    /// jump-in.
     pub(crate) fn stick(
         &mut self,
         lowest: FloorPoint,
@@ -395,7 +399,7 @@ impl<'a> Path<'a> {
         Ok(())
     }
 
-    /// How far the indentation goes to an end along the linearized response.
+    /// Change of the indentation up to an end along the linearized response.
     fn distance(&self, sign: f64, end: End) -> f64 {
         match end {
             End::Indentation(indentation) => sign * (indentation - self.indentation()),
@@ -407,7 +411,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Reports a step of a stage; in a variation it is one of the estimate of errors.
+    /// Reports the progress of a stage; in a variation, progress of the error estimate.
     fn report(&self, stage: Stage, step: usize) {
         let is_plain = self.variation == PLAIN;
         self.run.report(Progress {
@@ -422,18 +426,18 @@ impl<'a> Path<'a> {
         });
     }
 
-    /// Goes along the linearized response.
+    /// Moves along the linearized response.
     fn advance(&mut self, step: f64) {
         let force = self.force();
         self.contact.move_to(self.indentation() + step);
         self.add_work(step, [force, self.force()]);
     }
 
-    /// Adds the work on a way along which the force is linear.
+    /// Adds the work of a step along which the force is linear.
     fn add_work(&mut self, step: f64, [before, after]: [f64; 2]) {
         self.energies.work += 0.5 * step * (before + after);
         if step < 0.0 {
-            // The part of the way on which the force, linear, pulls.
+            // Work of the tensile part of the linear force.
             let (low, high) = (before.min(after), before.max(after));
             let pulling = if high <= 0.0 {
                 0.5 * (before + after)
@@ -471,7 +475,7 @@ impl<'a> Path<'a> {
         (self.follower)(self);
     }
 
-    /// Has all further stations told.
+    /// Reports all further load steps to a function.
     pub(crate) fn followed_by(&mut self, follower: &'a dyn Fn(&Self)) {
         self.follower = follower;
     }
@@ -494,8 +498,8 @@ impl<'a> Path<'a> {
         touched.map(held).collect()
     }
 
-    /// Solves for a unit indentation with the present domains. Where the indentation is held the residuals need only be as small as makes their
-    /// product negligible: see [`refine`](Self::refine).
+    /// Solves for the response to a unit indentation at the current domains. If the indentation is prescribed, residuals must only be so
+    /// small that their product is negligible: see [`refine`](Self::refine).
     fn solve_unit(&mut self) -> Result<(), SolveError> {
         let tolerance = match (self.held, &self.floor) {
             (Held::Indentation, Some(_)) => STUCK_UNIT_TOLERANCE,
@@ -505,7 +509,7 @@ impl<'a> Path<'a> {
         self.solve_within(Source::Unit, tolerance)
     }
 
-    /// The same at the present indentation.
+    /// The same at the current indentation.
     fn solve_present(&mut self, course: Course) -> Result<(), SolveError> {
         let of_start = match course {
             Course::Loading => STUCK_PART_LOADING,
@@ -522,7 +526,7 @@ impl<'a> Path<'a> {
         self.solve_within(Source::Present, tolerance)
     }
 
-    /// The present state as exactly as it is handed out.
+    /// Solves the current state to the accuracy of results.
     fn sharpen(&mut self) -> Result<(), SolveError> {
         self.solve_within(Source::Present, TOLERANCE)?;
         self.solve_within(Source::Unit, TOLERANCE)?;
@@ -551,14 +555,14 @@ impl<'a> Path<'a> {
         Ok(())
     }
 
-    /// The response to a unit indentation, the loads, and what residuals take from the force.
+    /// Solves for the response to a unit indentation, and updates the loads and the corrections for residuals.
     fn respond(&mut self) -> Result<(), SolveError> {
         if self.floor.is_some() {
             self.solve_within(Source::Present, STUCK_STATE_TOLERANCE)?;
         }
         self.solve_unit()?;
         if self.floor.is_none() {
-            // Residuals that are to be made up for are told by exact products.
+            // The correction for residuals requires exact products.
             self.contact.make_exact();
         }
         self.find_loads();
@@ -573,7 +577,8 @@ impl<'a> Path<'a> {
         self.contact.unit_loads(&mut self.along);
     }
 
-    /// What places would do to others by what they lack under loads: that of the coefficients' residual.
+    /// Work of the residual `P l - c` of coefficients under loads `l` on another load, given as `work`: that load on the tops, and its
+    /// response on the floor. With the same load twice it is the energy norm of the residual.
     fn lacking(&self, loads: &[f64], coefficients: &[f64], work: [&[f64]; 2]) -> f64 {
         let tops = self.contact.tops();
         let mut missing = vec![0.0; tops];
@@ -581,12 +586,12 @@ impl<'a> Path<'a> {
             .respond(&loads[..tops], &mut missing, self.run.workers());
         subtract(&mut missing, &coefficients[..tops]);
         let [along, unit] = work;
-        // Floor cells in contact lack what takes the load that is left on them; out of contact their coefficients are zero.
+        // On floor cells in contact the residual is the remaining load; out of contact the coefficients are zero.
         dot(&along[..tops], &missing) + dot(&unit[tops..], &loads[tops..])
     }
 
-    /// What the force lacks by the residual of the response, to first order in that: as the response `c1` to a unit indentation `b1` is
-    /// known, the exact force `b1'c` is `b1'c + c1'r` with `r` the residual, but for the product of both residuals.
+    /// Corrects the force for the residual of the response, to first order: with the response `c1` to a unit indentation `b1`, the exact
+    /// force `b1'c` is `b1'c + c1'r` with `r` the residual, up to the product of both residuals.
     fn refine(&mut self) {
         let [present, unit] = self.contact.parts();
         let of = [self.along.as_slice(), unit];
@@ -597,7 +602,7 @@ impl<'a> Path<'a> {
         };
     }
 
-    /// The elastic energy, as exactly.
+    /// The elastic energy with the same correction.
     fn elastic_energy(&self) -> f64 {
         if let Some(inside) = &self.inside {
             return inside.energy();
@@ -607,7 +612,7 @@ impl<'a> Path<'a> {
         self.contact.elastic_energy() + 0.5 * missing
     }
 
-    /// All that changes while what drives the lens stands still. Returns how many tops changed.
+    /// Performs all changes at a fixed drive. Returns how many tops changed.
     fn cascade(&mut self, course: Course) -> Result<usize, SolveError> {
         self.contact.all_loads(&mut self.loads);
         let start = [self.indentation(), self.force()];
@@ -621,7 +626,7 @@ impl<'a> Path<'a> {
         Ok(changes)
     }
 
-    /// The same from a state of this indentation and force, elastic energy, and area of the floor in contact, of which some of the floor may have
+    /// The same, starting from a state with this indentation and force, elastic energy and floor contact area; parts of the floor may have
     /// changed already.
     fn cascade_from(
         &mut self,
@@ -653,7 +658,7 @@ impl<'a> Path<'a> {
                     });
                 }
             }
-            // Pillars that were beyond may be touched at once.
+            // Pillars that were outside the window may be touched immediately.
             if !self.fit_sites(course)? || self.floor.is_none() {
                 break;
             }
@@ -672,7 +677,7 @@ impl<'a> Path<'a> {
         Ok(self.account(course, start, energy, &change))
     }
 
-    /// Changes all tops that do until none does any more. Returns whether any did.
+    /// Changes all unstable tops until none is left. Returns whether any changed.
     fn change(&mut self, course: Course) -> Result<bool, SolveError> {
         let [alpha, beta] = self.held.weights();
         let held = alpha * self.indentation() + beta * self.contact.force();
@@ -683,7 +688,7 @@ impl<'a> Path<'a> {
         self.lift_bans();
         for round in 0..ROUND_LIMIT {
             if self.floor.is_some() {
-                // Most of the time goes into these rounds.
+                // Most of the computing time is spent in these rounds.
                 self.report(Stage::FloorFronts, round);
             }
             let floor_moved = self.move_fronts(natural(course));
@@ -716,7 +721,7 @@ impl<'a> Path<'a> {
             }
             if chosen.is_empty() && !moved {
                 if self.floor.is_some() && self.contact.remainder() > STUCK_TOLERANCE {
-                    // Nothing moves by a rough solution: once more by a better one.
+                    // Nothing moves with an approximate solution: repeat with a more accurate one.
                     self.solve_within(Source::Present, STUCK_TOLERANCE)?;
                     self.contact.all_loads(&mut self.loads);
                     continue;
@@ -735,7 +740,7 @@ impl<'a> Path<'a> {
                 let missing = held - alpha * self.indentation() - beta * self.contact.force();
                 let rate = alpha + beta * self.contact.stiffness();
                 if rate <= 0.0 {
-                    // Nothing is left to bear the force.
+                    // No contact is left to carry the force.
                     return Ok(true);
                 }
                 self.contact.move_to(self.indentation() + missing / rate);
@@ -749,7 +754,7 @@ impl<'a> Path<'a> {
         Ok(true)
     }
 
-    /// Adds the events of a cascade, and what it dissipated. Returns their number.
+    /// Records the events of a cascade and the dissipated energy. Returns the number of events.
     fn account(
         &mut self,
         course: Course,
@@ -776,14 +781,14 @@ impl<'a> Path<'a> {
                 parts: *parts,
             });
         }
-        // What the drive does on the way; at a fixed indentation nothing.
+        // Work of the drive during the cascade; zero at fixed indentation.
         let way = indentation - start;
         self.add_work(way, [force, after]);
         let done = 0.5 * way * (force + after);
         let stored = self.elastic_energy() - energy;
         let parted = self.works.receding * change.lost - self.works.advancing * change.gained;
         let dissipated = done - stored - parted;
-        // On the way from the state before, along which the force counts as linear.
+        // Contribution of the preceding step, along which the force is interpolated linearly.
         let spread = 0.5 * self.spread * (after - force);
         self.energies.work += spread;
         self.energies.dissipation += dissipated + spread;
@@ -795,8 +800,8 @@ impl<'a> Path<'a> {
         change.tops.len()
     }
 
-    /// More pillars where the contact comes near the farthest ones, and fewer where it needs much less.
-    /// Returns whether there are others.
+    /// Adds pillars if the contact is close to the farthest ones, and removes some if it needs much fewer. Returns whether the pillars
+    /// changed.
     fn fit_sites(&mut self, course: Course) -> Result<bool, SolveError> {
         let (reach, pitch) = (self.reach(), self.scene.field.spacing());
         let lens = self.scene.lens.sphere_radius();
@@ -809,7 +814,7 @@ impl<'a> Path<'a> {
             Course::Loading if (reach + pitch).max(higher) > present => (reach + MARGIN * pitch)
                 .max(GROWTH * present)
                 .max(GROWTH * higher),
-            // But for rounding.
+            // With a margin for rounding.
             Course::Unloading if reach < self.needed() && self.sites.len() > FEW_PILLARS => {
                 reach + 0.1 * pitch
             }
@@ -841,7 +846,7 @@ impl<'a> Path<'a> {
         Ok(true)
     }
 
-    /// Pillars farther from the lens axis are kept while the contact reaches this far.
+    /// Pillars are kept as long as the contact radius exceeds this.
     fn needed(&self) -> f64 {
         let mut radius = self.sites.radius();
         if radius.is_infinite() {
@@ -888,7 +893,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Geometric mean of the radii of curvature of the gap at its lowest point, of second differences.
+    /// Geometric mean of the radii of curvature of the gap at its lowest point, by second differences.
     pub(crate) fn gap_radius(&self, lowest: &FloorPoint) -> f64 {
         let step = GAP_STEP * self.scene.field.spacing();
         self.with_discs(|discs| {
@@ -907,7 +912,7 @@ impl<'a> Path<'a> {
         })
     }
 
-    /// What the tops in contact bear, as discs.
+    /// Passes the loads on the tops in contact to a function, as discs.
     fn with_discs<R>(&self, ask: impl FnOnce(&LoadedDiscs<'_>) -> R) -> R {
         if let Some(inside) = &self.inside {
             return inside.with_discs(self.run, ask);
@@ -972,8 +977,8 @@ mod tests {
         path.stations.iter().map(|s| s.force).fold(0.0, f64::min)
     }
 
-    /// Seven tops at the pitch of a surface fraction of 0.1 (18.07 um) on a flat lens, out of contact or in full. An
-    /// independent program of the same modes: 0.89620, 0.89674 and 0.89674 of seven punches of Kendall at degree 2, 3 and 4.
+    /// Seven tops at the pitch of a surface fraction of 0.1 (18.07 um) on a flat lens, out of contact or in full contact. An independent
+    /// program with the same modes: 0.89620, 0.89674 and 0.89674 of seven Kendall punches at degree 2, 3 and 4.
     #[test]
     fn seven_tops_pull_each_other_off() {
         let run = Run::default();
@@ -988,7 +993,7 @@ mod tests {
             let fronts = fronts(&scene, degree, 0.05, false);
             let work = fronts.works().receding;
             let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
-            // The first window holds them and no others.
+            // The first window contains these tops and no others.
             assert_eq!(path.tops.domains.len(), 7);
             path.tops.domains.fill(Domain::FULL);
             path.contact.move_to(0.0);
@@ -1002,8 +1007,8 @@ mod tests {
         }
     }
 
-    /// All that lets go at an indentation, one top after the other in any order, leaves the same as all at once: but for the directions of
-    /// fronts, which follow the load within 0.02 rad.
+    /// Detachments at an indentation, one top after the other in any order, lead to the same state as all at once, except for the
+    /// directions of fronts, which follow the load within 0.02 rad.
     #[test]
     fn tops_may_let_go_in_any_order() {
         use chacha20::ChaCha8Rng;
@@ -1016,7 +1021,7 @@ mod tests {
             let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
             path.go(Course::Loading, End::Indentation(1.0), false)
                 .unwrap();
-            // Up by a step in which many let go.
+            // Unload by a step in which many tops detach.
             path.advance(-0.9);
             let Some(seed) = seed else {
                 path.cascade(Course::Unloading).unwrap();

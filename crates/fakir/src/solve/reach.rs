@@ -1,9 +1,8 @@
-//! How far the contact reaches from the lens axis, and how well that is known.
+//! Contact radius around the lens axis, and its error.
 //!
-//! Where the farthest pillar is covered in full, its rim is the answer. Where the edge of the contact crosses
-//! it, the covered part is found from the gap (see [`covered`](crate::halfspace::disc::covered)) of a solution on
-//! more nodes, for the candidates that reach farthest. And a pillar that is about to be touched, or only just
-//! is, makes the radius uncertain by as much as it would change.
+//! If the farthest pillar is fully touched, its rim defines the radius. If the contact edge crosses it, the covered part is computed from
+//! the gap (see [`covered`](crate::halfspace::disc::covered)) of a solution on more nodes, for the candidates that reach farthest. A pillar
+//! that is about to be touched, or just is, makes the radius uncertain by the change that it would cause.
 
 use super::newton::Newton;
 use super::rules::unilateral::{LocalSolver, PillarTop};
@@ -17,42 +16,41 @@ use crate::state::PillarStatus;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Degree of the nodes on which the farthest pillars are solved again, where they were coarser.
+/// Degree of the nodes on which the farthest pillars are solved again, if they were coarser.
 const FINE_DEGREE: usize = 12;
 
-/// Candidates that are solved again.
+/// Number of candidates that are solved again.
 const CANDIDATES: usize = 3;
 
-/// Error of the place of the contact edge on one pillar top by degree of the nodes, pillar radii: the
-/// largest differences from elements of a 192nd of the diameter over 150 random loads.
+/// Position error of the contact edge on one pillar top by degree of the nodes, in pillar radii: the largest differences from boundary
+/// elements of a 192nd of the diameter over 150 random loads.
 const EDGE_ERROR: [(usize, f64); 3] = [(8, 0.12), (12, 0.06), (usize::MAX, 0.04)];
 
-/// Error of a rim that lifts off between two nodes, pillar radii.
+/// Error of a rim that lifts off between two nodes, in pillar radii.
 const LIFT_OFF: f64 = 0.02;
 
-/// Part of the largest edge coefficient below which it may change its sign between nodes.
+/// Fraction of the largest stress intensity factor below which the sign may change between nodes.
 const NEAR_LIFT_OFF: f64 = 0.05;
 
-/// How well the gap over a pillar is known: this part of the indentation, and the gap that the lens opens
-/// over this part of the pillar radius.
+/// Error of the gap over a pillar: this fraction of the indentation, plus the opening of the lens over this fraction of the pillar radius.
 const GAP_ERROR: f64 = 1e-4;
 const PLACE_ERROR: f64 = 0.03;
 
-/// Distance from the lens axis of the farthest point in contact and its error, pillar radii.
+/// Distance from the lens axis of the farthest point in contact and its error, in pillar radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Reach {
     pub(crate) radius: f64,
     pub(crate) error: f64,
 }
 
-/// How far one pillar reaches.
+/// The contact radius due to one pillar.
 struct Candidate<'p> {
     pillar: &'p TouchedPillar,
     reach: f64,
     error: f64,
 }
 
-/// How far the contact reaches. The pillars are in the order of their distance.
+/// The contact radius. The pillars must be sorted by distance.
 pub(super) fn contact_reach(
     newton: &Newton<'_>,
     indentation: f64,
@@ -67,7 +65,7 @@ pub(super) fn contact_reach(
     let coarse_error = largest * edge_error(degree);
     for pillar in touched.iter().rev() {
         let distance = distance_of(pillar);
-        // The order is by rounded distances.
+        // Pillars are sorted by rounded distances.
         let radius = pillar.disc.radius;
         if distance + largest < farthest - coarse_error - 1e-3 {
             break;
@@ -82,7 +80,7 @@ pub(super) fn contact_reach(
                     let region = finder.region(&pillar.disc.coefficients, gap)?;
                     Some(region.farthest_from(axis))
                 });
-                // Of a contact too small to be seen, its nearest point.
+                // If the contact is too small to be resolved, use the nearest point of the pillar.
                 let nearest = (distance - radius).max(0.0);
                 let reach = radius * reach.unwrap_or(0.0);
                 (reach.max(nearest), radius * edge_error(degree))
@@ -108,7 +106,7 @@ pub(super) fn contact_reach(
         };
     };
     let radius = best.reach;
-    // Others that may reach farther.
+    // Other candidates may reach farther.
     let error = candidates
         .iter()
         .map(|other| other.reach + other.error - radius)
@@ -129,7 +127,7 @@ fn edge_error(degree: usize) -> f64 {
     known.map_or(1.0, |(_, error)| *error)
 }
 
-/// A pillar that is covered in full has its rim where it is, unless that is about to lift off.
+/// The rim of a fully touched pillar is exact unless it is about to lift off.
 fn full_error(pillar: &TouchedPillar) -> f64 {
     match pillar.state.edge_coefficient {
         Some([least, most]) if least < NEAR_LIFT_OFF * most => LIFT_OFF,
@@ -137,7 +135,7 @@ fn full_error(pillar: &TouchedPillar) -> f64 {
     }
 }
 
-/// Looks closer at the first partially touched candidates, on more nodes where there were few.
+/// Recomputes the first partially touched candidates on more nodes, if they had few.
 fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut CoverFinder) {
     let mut partial = candidates
         .iter_mut()
@@ -162,7 +160,7 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut Co
         };
         if let Some(region) = region {
             let reach = radius * region.farthest_from(axis);
-            // Where two solutions differ by more than usual, so may the truth.
+            // If two solutions differ by more than usual, the exact solution may too.
             let change = (reach - candidate.reach).abs();
             let degree = degree_with(newton.tops.top.count()).max(FINE_DEGREE);
             candidate.error = radius * edge_error(degree) + change;
@@ -190,7 +188,7 @@ impl Finer {
         }
     }
 
-    /// What is covered of a pillar; `None` if that is not found.
+    /// The covered region of a pillar; `None` if it is not found.
     fn region(&mut self, newton: &Newton<'_>, pillar: usize) -> Option<Region> {
         let load = newton.full_load(pillar);
         let body = newton.tops.sites.body(pillar);
@@ -199,7 +197,7 @@ impl Finer {
         if !self.solver.solve(&top, &load, &mut active).converged {
             return None;
         }
-        // Of a disc of unit radius under this load: of any other the pressure is as much smaller everywhere.
+        // For a disc of unit radius under this load; for another radius the pressure is scaled uniformly.
         let mut density = vec![0.0; top.count()];
         self.solver.coefficients(&top, &load, &mut density);
         let modes = density.iter().zip(top.compliance());
@@ -209,8 +207,7 @@ impl Finer {
     }
 }
 
-/// By how much the radius would change if pillars that are about to be touched were, and those that only
-/// just are were not.
+/// Change of the radius if pillars that are about to be touched were touched, and those that just are were not.
 fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], radius: f64) -> f64 {
     let margin = GAP_ERROR * indentation;
     let rim = RimGap::new(newton);
@@ -236,7 +233,7 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
             change = nearest - radius;
         }
     }
-    // The farthest that are touched only just, and the first that is for certain.
+    // The farthest pillars that are just touched, and the first that is certainly touched.
     let mut just = false;
     for pillar in touched.iter().rev() {
         let distance = distance_of(pillar);
@@ -248,7 +245,7 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
         if marginal {
             just = true;
         } else if just {
-            // At the least its nearest point.
+            // The radius extends at least to its nearest point.
             let reach = (distance - own).max(0.0);
             return change.max(radius - reach);
         } else {
@@ -258,9 +255,9 @@ fn marginal(newton: &Newton<'_>, indentation: f64, touched: &[TouchedPillar], ra
     change
 }
 
-/// The gap around the rim of a pillar if nothing of it were touched.
+/// The gap around the rim of a pillar without contact.
 struct RimGap {
-    /// Modes around the rim, place by place.
+    /// Modes around the rim, angle by angle.
     values: Vec<f64>,
     count: usize,
 }
@@ -278,7 +275,7 @@ impl RimGap {
         Self { values, count }
     }
 
-    /// The least, less what is not known of where it is.
+    /// The smallest gap, and its uncertainty due to the position.
     fn least(&self, newton: &Newton<'_>, pillar: usize) -> [f64; 2] {
         let load = newton.full_load(pillar);
         let (least, most) = self
@@ -292,8 +289,7 @@ impl RimGap {
     }
 }
 
-/// What the punch lattices leave out of the gap over a pillar, relative to the indentation, plain and
-/// corrected.
+/// Model error of the punch lattices in the gap over a pillar, relative to the indentation, plain and corrected.
 const PUNCH_GAP_ERROR: [f64; 2] = [0.1, 0.02];
 
 /// Distance of the nearest pillar top from the lens axis.
@@ -301,7 +297,7 @@ fn nearest_edge(newton: &Newton<'_>) -> f64 {
     newton.tops.sites.clearance([0.0, 0.0]).max(0.0)
 }
 
-/// How far the contact reaches on a punch lattice, where pillars are touched as a whole.
+/// The contact radius of a punch lattice, in which pillars are touched completely or not at all.
 pub(super) fn punch_reach(
     newton: &Newton<'_>,
     form: PunchForm,
@@ -309,7 +305,7 @@ pub(super) fn punch_reach(
     touched: &[TouchedPillar],
 ) -> Reach {
     let Some(farthest) = touched.last() else {
-        // The nearest may be touched in part.
+        // The nearest pillar may be partially touched.
         return Reach {
             radius: 0.0,
             error: nearest_edge(newton) + 2.0,
@@ -322,7 +318,7 @@ pub(super) fn punch_reach(
             PunchForm::Plain => plain,
             PunchForm::Corrected => corrected,
         };
-    // Loads at centres, and how much more the lens comes down over the nearest point of the rim.
+    // Loads are evaluated at centres; the lens is lower over the nearest point of the rim.
     let sag = |distance: f64| newton.scene.lens.sag([distance, 0.0]);
     let outer = radius + 2.0 * newton.scene.field.spacing();
     let mut error = 2.0_f64;
@@ -336,7 +332,7 @@ pub(super) fn punch_reach(
             }
         }
     }
-    // The first that is touched for certain.
+    // The first pillar that is certainly touched.
     for pillar in touched.iter().rev() {
         let distance = distance_of(pillar);
         error = error.max(radius - (distance - 1.0).max(0.0));

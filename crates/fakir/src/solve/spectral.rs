@@ -1,5 +1,4 @@
-//! The spectral method and the punch lattice: sites, starts and growth around
-//! [`Newton`](super::newton::Newton).
+//! The spectral method and the punch lattice: sites, starts and growth around [`Newton`](super::newton::Newton).
 
 use super::newton::{Degrees, Newton, Outcome, Purpose};
 use super::outside::farthest_entered;
@@ -17,16 +16,15 @@ use crate::state::{Run, SolveError, Stage, Termination};
 
 pub(crate) use crate::problem::lens::LARGEST_CONTACT;
 
-/// Degrees for an accuracy: of the coupling, which has to be finer the denser the texture and the more the
-/// lens differs from a paraboloid over a pillar top, and of the nodes on partially touched pillars.
+/// Degrees for an accuracy: of the coupling, which must be higher the denser the pattern and the more the lens differs from a paraboloid
+/// over a pillar top, and of the nodes on partially touched pillars.
 pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
-    // Errors of degree p go as pitch^-(2p + 2); at p = 2 they are 3e-7 for phi = 0.2, where the
-    // pitch is 4.26 pillar radii.
-    // Of discs of several radii the gap counts, over the smaller of the two.
+    // Errors of degree p are proportional to pitch^-(2p + 2); at p = 2 they are 3e-7 for phi = 0.2, where the pitch is 4.26 pillar radii.
+    // For discs of different radii the gap relative to the smaller radius matters.
     let pitch = 2.0 + scene.field.least_gap();
     let small_lens = scene.lens.quadratic_radius() < SMALL_LENS;
     let layered = |degree: usize, accurate: usize| {
-        // Of the degree p, errors by a layer as thick as the diameter are 3e-6 at p = 2, by one half as thick 2e-5 at p = 4.
+        // Errors of degree p due to a layer as thick as the diameter are 3e-6 at p = 2; for a layer half as thick they are 2e-5 at p = 4.
         let diameters = scene.layers.iter().map(|layer| 0.5 * layer.thickness);
         match diameters.fold(f64::INFINITY, f64::min) {
             thick if thick >= 1.0 => degree,
@@ -54,7 +52,7 @@ pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
     }
 }
 
-/// A solution and how it was reached.
+/// A solution with its convergence history.
 pub(crate) struct Solution<'a> {
     pub(crate) newton: Newton<'a>,
     pub(crate) outcome: Outcome,
@@ -62,14 +60,14 @@ pub(crate) struct Solution<'a> {
     pub(crate) steps: usize,
 }
 
-/// Touched pillars above which slivers along rims are left to the nodes: the share of the force that they
-/// bear no longer shows.
+/// Number of touched pillars above which narrow contacts along rims are treated by the nodes: their fraction of the force is then
+/// negligible.
 const FEW_PILLARS: usize = 20;
 
-/// Of pillars that are touched at their centre or not at all.
+/// For pillars that are touched at their centre or not at all.
 const CENTRES: Resolution = Resolution::of_nodes(0);
 
-/// Solves the punch lattice, in which pillars are touched or not as a whole.
+/// Solves the punch lattice, in which pillars are touched completely or not at all.
 pub(crate) fn solve_punch<'a>(
     scene: &Scene,
     target: Load,
@@ -115,7 +113,7 @@ pub(crate) fn solve_punch<'a>(
     }
 }
 
-/// Solves in full, starting from the corrected punch lattice.
+/// Solves the full problem, starting from the corrected punch lattice.
 pub(crate) fn solve_spectral<'a>(
     scene: &Scene,
     target: Load,
@@ -128,7 +126,7 @@ pub(crate) fn solve_spectral<'a>(
     let mut pair = PairCoupling::of_scene(degrees.coupling, scene);
     let mut radius = coarse.tops.reach() + 1.5 * scene.field.spacing();
     loop {
-        // That of more modes takes the room.
+        // Release the coupling before the one with more modes is allocated.
         coarse.release_coupling();
         let modes = mode_count(degrees.coupling);
         let sites = checked_sites(scene, limited(scene, radius), modes, run)?;
@@ -139,7 +137,7 @@ pub(crate) fn solve_spectral<'a>(
         let top = PillarTop::shared(tops, degrees.coupling, sites.common_body().column);
         let mut newton = Newton::new(scene, run, Stage::Spectral, sites, &pair, top);
         newton.start_from(&coarse);
-        // Its vectors take room.
+        // Release its vectors.
         drop(coarse);
         let outcome = newton.solve(target, Purpose::Answer)?;
         steps += outcome.steps;
@@ -159,17 +157,18 @@ pub(crate) fn solve_spectral<'a>(
     }
 }
 
-/// A radius near that of the contact, by the roughest of means.
+/// A rough estimate of the contact radius.
 pub(crate) fn rough_contact_radius(scene: &Scene, target: Load) -> f64 {
     let pitch = scene.field.spacing();
     let lens = match &scene.lens.shape {
         LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => *radius,
-        // All pillars there are.
+        // All pillars of the arrangement.
         LensShape::Cylinder { .. } | LensShape::Plate { .. } => {
             return scene.field.extent().unwrap_or(pitch);
         }
         LensShape::Profile(profile) => {
-            // That of a paraboloid as high at the end of the contact, which is found by halving: a contact grows with the radius of that.
+            // Replace the lens by the paraboloid with the same height at the contact edge, found by bisection: a contact grows with the
+            // radius of the paraboloid.
             let (mut low, mut high) = (0.0, profile.range());
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (low + high);
@@ -186,14 +185,14 @@ pub(crate) fn rough_contact_radius(scene: &Scene, target: Load) -> f64 {
     radius_under_paraboloid(scene, lens, target)
 }
 
-/// Steps to a rough radius.
+/// Number of bisection steps of the estimate.
 const HALVINGS: usize = 30;
 
 /// [`rough_contact_radius`] under a sphere or a paraboloid of this radius.
 fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Load) -> f64 {
     let pitch = scene.field.spacing();
     match target {
-        // Half the area in which the undeformed lens enters pillar tops, as in Hertz's contact.
+        // Half the area in which the undeformed lens penetrates pillar tops, as in Hertz's contact.
         Load::Indentation(indentation) => {
             let depth = if indentation > 0.0 {
                 indentation
@@ -203,7 +202,7 @@ fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Load) -> f64 {
             (depth.max(0.0).min(lens) * lens).sqrt()
         }
         Load::Force(force) => {
-            // Of Hertz, and of the lens on independent pillars, the larger.
+            // The larger of Hertz's radius and that on independent pillars.
             let hertz = (0.75 * lens * force).cbrt();
             let cell = scene.field.cell_area();
             let layer = 0.5 * cell * (1.0 + scene.field.column().shortening);
@@ -215,8 +214,8 @@ fn radius_under_paraboloid(scene: &Scene, lens: f64, target: Load) -> f64 {
     }
 }
 
-/// The indentation at which a lens that is not axisymmetric enters about the pillars that it touches in the end; none of others, which touch those
-/// next to their axis.
+/// Approximate indentation at which a lens that is not axisymmetric penetrates the pillars touched in the end; `None` for axisymmetric
+/// lenses, which touch the pillars closest to their axis.
 fn entered_at(scene: &Scene, target: Load) -> Option<f64> {
     let extent = scene
         .field
@@ -226,7 +225,7 @@ fn entered_at(scene: &Scene, target: Load) -> Option<f64> {
         Load::Indentation(indentation) => indentation,
         Load::FloorContact => 2.0 * scene.height,
         Load::Force(force) => {
-            // Under which pillars that do not act on each other bear as much: the force grows with the indentation, so that halving finds it.
+            // The indentation at which non-interacting pillars carry the same force: it increases with the force and is found by bisection.
             let (pillars, _) = scene.field.listed_within(extent);
             let springs: Vec<[f64; 2]> = pillars
                 .iter()
@@ -261,7 +260,7 @@ fn entered_at(scene: &Scene, target: Load) -> Option<f64> {
     })
 }
 
-/// A radius, but no larger than any contact that is still solved.
+/// Limits a radius to that of the largest contact that is solved.
 pub(super) fn limited(scene: &Scene, radius: f64) -> f64 {
     if !scene.lens.is_axisymmetric() {
         return radius;
@@ -269,7 +268,7 @@ pub(super) fn limited(scene: &Scene, radius: f64) -> f64 {
     radius.min(scene.lens.largest_contact() + 2.0 * scene.field.spacing())
 }
 
-/// The window of a radius, if it fits the memory allowed.
+/// The window of a radius, if it fits in the memory limit.
 pub(crate) fn checked_window(
     lattice: &HexagonalLattice,
     radius: f64,
@@ -293,7 +292,7 @@ fn check_memory(pillars: f64, bytes: f64, run: &Run<'_>) -> Result<(), SolveErro
     Ok(())
 }
 
-/// The sites of a radius, if they fit the memory allowed.
+/// The sites of a radius, if they fit in the memory limit.
 pub(crate) fn checked_sites(
     scene: &Scene,
     radius: f64,
@@ -307,7 +306,7 @@ pub(crate) fn checked_sites(
         let window = checked_window(lattice, radius, modes, run)?;
         return Ok(Sites::of_window(window, *lattice, *column));
     }
-    // They have to be there before it is known how they stand; each takes this by itself at the least.
+    // Memory is needed for the pillars before their arrangement is determined; this is a lower bound.
     let pillars = scene.field.expected_len(radius);
     check_memory(pillars, 8.0 * pillars * modes as f64, run)?;
     let sites = Sites::within(&scene.field, radius);
@@ -319,7 +318,7 @@ pub(crate) fn checked_sites(
     Ok(sites)
 }
 
-/// More sites if the contact comes close to the edge of the present one.
+/// More sites if the contact is close to the edge of the current ones.
 pub(crate) fn wider_sites(newton: &Newton<'_>, run: &Run<'_>) -> Result<Option<Sites>, SolveError> {
     let Some(radius) = growth(newton)? else {
         return Ok(None);
@@ -328,7 +327,7 @@ pub(crate) fn wider_sites(newton: &Newton<'_>, run: &Run<'_>) -> Result<Option<S
     checked_sites(scene, limited(scene, radius), newton.contact.modes(), run).map(Some)
 }
 
-/// No contact yet, with a window of pillars for one of that radius.
+/// A state without contact, with a window of pillars for this contact radius.
 pub(crate) fn untouched<'a>(
     scene: &Scene,
     indentation: f64,
@@ -357,7 +356,7 @@ pub(crate) fn untouched<'a>(
     })
 }
 
-/// The error of a contact that reaches too far from where the lens is lowest.
+/// The error for a contact that extends too far from the lowest point of the lens.
 pub(crate) fn exceeds_lens(scene: &Scene, reach: f64) -> SolveError {
     let metres = |length: f64| length * scene.length;
     match &scene.lens.shape {
@@ -372,7 +371,7 @@ pub(crate) fn exceeds_lens(scene: &Scene, reach: f64) -> SolveError {
     }
 }
 
-/// A larger radius if the contact comes close to the edge of the sites, or if the lens enters a pillar beyond.
+/// A larger radius if the contact is close to the edge of the sites, or if the lens penetrates a pillar beyond.
 fn growth(newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
     let scene = &newton.scene;
     let reach = newton.tops.reach();
@@ -390,7 +389,7 @@ fn growth(newton: &Newton<'_>) -> Result<Option<f64>, SolveError> {
     Ok(entered.map(|distance| distance + pitch))
 }
 
-/// Whether a pillar at a distance from the lens axis is near enough to be in a contact that is still solved.
+/// Returns an error if a pillar at a distance from the lens axis is beyond the largest contact that is solved.
 pub(super) fn check_contact(scene: &Scene, distance: f64) -> Result<(), SolveError> {
     if distance - 1.0 > scene.lens.largest_contact() {
         return Err(exceeds_lens(scene, distance));
@@ -415,7 +414,7 @@ mod tests {
     use crate::solve::rules::tops::Tops;
     use std::sync::Arc;
 
-    /// A plate on many pillars of several radii at random places, some of which are near each other.
+    /// A plate on many pillars of several radii at random positions, some of which are close to each other.
     fn scene(count: usize, gap: f64) -> Scene {
         let pillar = |(centre, radius)| ListedPillar {
             centre,
@@ -440,7 +439,7 @@ mod tests {
         }
     }
 
-    /// The force of a unit indentation, and products that it took, by one coupling, with groups of pillars or without.
+    /// Force at unit indentation, and the number of products that it took, with one type of coupling, with or without groups of pillars.
     fn stiffness(
         scene: &Scene,
         degree: usize,
@@ -471,7 +470,7 @@ mod tests {
 
     #[test]
     fn critical_state_on_a_compressible_film() {
-        // tests/reference/layer.csv: the Poisson's ratio 0.45 is that of the layer's response alone there.
+        // tests/reference/layer.csv: there, the Poisson's ratio of 0.45 applies only to the response of the layer.
         use crate::halfspace::layer::tests::rows;
         let mut scene = Scene::new(&crate::theory::reference::intermediate(0.03));
         scene.layers = vec![crate::problem::layer::WeightedLayer {
@@ -512,10 +511,10 @@ mod tests {
             "{:e}, {alone} and {together} products",
             by_grid / by_pairs - 1.0
         );
-        // What wide gaps leave out of degrees 3 and 4, far below the error of degree 4 at small ones.
+        // Degrees 3 and 4 are omitted for wide gaps; the effect is far below the error of degree 4 at small gaps.
         assert!((by_grid / by_pairs - 1.0).abs() < 1e-7);
         assert!((in_groups / by_grid - 1.0).abs() < 1e-10);
-        // With fewer products.
+        // Groups need fewer products.
         assert!(together < alone, "{together} {alone}");
     }
 

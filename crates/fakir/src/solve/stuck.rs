@@ -1,8 +1,9 @@
-//! The floor that sticks, on the [path](super::path) of loading and unloading.
+//! The adhesive floor on the [path](super::path) of loading and unloading.
 //!
-//! With the tops and the floor cells in contact linearized all is one linear problem, with pressures of either sign. After every step of the
-//! indentation, at a fixed one, the [fronts](super::rules::floor_fronts) on the floor move a cell at a time as long as they release more energy than it
-//! takes, together with the tops. States before that are none: on loading the lens enters the floor in them.
+//! With the tops and the floor cells in contact linearized, the problem is linear, with pressures of either sign. After every step of the
+//! indentation, at fixed indentation, the [fronts](super::rules::floor_fronts) on the floor move by one cell at a time as long as the
+//! energy release rate exceeds the work of adhesion, together with the tops. Intermediate states are not recorded: on loading the lens
+//! penetrates the floor in them.
 
 use super::floor::FloorPoint;
 use super::floor_start::FloorPressures;
@@ -19,41 +20,42 @@ use crate::halfspace::floor::load::FloorLoad;
 use crate::problem::{Accuracy, Point};
 use crate::state::{FloorResolution, SolveError};
 
-/// Cells between the contact with the floor and the end of the window at the least, and by how much that becomes wider, in distances of pillars: also on
-/// unloading, when the contact becomes smaller.
+/// Smallest distance, in cells, between the floor contact and the edge of the window, and the margin by which the window is enlarged, in
+/// pillar spacings: also on unloading, when the contact shrinks.
 const WINDOW_CELLS: f64 = 5.0;
 const WIDER_LOADING: f64 = 1.5;
 const WIDER_UNLOADING: f64 = 0.1;
 
-/// On unloading windows become narrower where less than this part of the radius is needed.
+/// On unloading, windows are reduced if less than this fraction of the radius is needed.
 const NARROWER: f64 = 0.9;
 
-/// Pillars so much farther from the lens axis than those in contact are coupled with the floor, in distances of pillars. On unloading no others come
-/// into contact.
+/// Distance beyond the pillars in contact within which pillars are coupled with the floor, in pillar spacings. On unloading no further
+/// pillars attach.
 const REACH_MARGIN_LOADING: f64 = 1.0;
 const REACH_MARGIN_UNLOADING: f64 = 0.01;
 
-/// A gap below zero by this part of the height of the pillars is one.
+/// Penetration, relative to the pillar height, above which a gap counts as negative.
 const ENTERED: f64 = 1e-5;
 
-/// Cells along the radius of the first patch at the least, those wanted, and the side of the smallest cells, pillar radii.
+/// Smallest and intended number of cells along the radius of the first patch, and smallest side of a cell, in pillar radii.
 const CELLS_ALONG_PATCH: f64 = 10.0;
 const WANTED_ALONG_PATCH: f64 = 20.0;
 const SMALLEST_CELL: f64 = 1e-3;
 
-/// Sides of cells with the accuracy that takes longer, over those without.
+/// Ratio of the cell sides with the higher accuracy to those with the default.
 const ACCURATE_CELLS: f64 = 0.6;
 
-/// Cells along half the shortest distance of pillars at the least.
+/// Smallest number of cells along half the shortest distance between pillars.
 const FEWEST_HALVES: f64 = 4.0;
 
-/// Points of a transform up to which cells are made as small as they should be, and smaller along the first patch.
+/// Number of transform points up to which cells are refined to the required size, and up to which they are refined further along the first
+/// patch.
 const MOST_POINTS: f64 = 9.0 * FloorResolution::MOST_CELLS;
 const EASY_POINTS: f64 = 1e6;
 
 impl<'a> Path<'a> {
-    /// Lays the cells of a grid, of which those at the points that are `known` are in contact: under the present load and under a
-    /// unit indentation they have these pressures.
+    /// Sets up the floor cells of a grid. Cells at points for which `known` returns a value are in contact, with these pressures under the
+    /// current load and at unit indentation.
     pub(super) fn lay_floor(
         &mut self,
         course: Course,
@@ -110,7 +112,7 @@ impl<'a> Path<'a> {
         Some(FloorPressures::of(&floor.cells, &self.contact))
     }
 
-    /// Lays them again: with a window of another radius, or coupled with other pillars.
+    /// Sets up the floor cells again: with a window of another radius, or coupled with other pillars.
     pub(super) fn lay_floor_again(
         &mut self,
         course: Course,
@@ -121,7 +123,7 @@ impl<'a> Path<'a> {
         self.lay_floor(course, pressures.grid.division, radius, &known)
     }
 
-    /// Takes the first cells into contact: those around the lowest one, and others as low.
+    /// Attaches the first cells: those around the lowest one, and others with the same gap.
     pub(super) fn seed_floor(&mut self, lowest: FloorPoint) {
         let Some(floor) = &mut self.floor else {
             return;
@@ -145,7 +147,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// The floor is not in contact any more.
+    /// Removes the floor from the contact.
     pub(super) fn lift_floor(&mut self) {
         self.floor = None;
         let none = std::iter::empty();
@@ -154,7 +156,7 @@ impl<'a> Path<'a> {
         self.find_loads();
     }
 
-    /// Moves the fronts on the floor by a cell. Returns whether any moved.
+    /// Moves the fronts on the floor by one cell. Returns whether any moved.
     pub(super) fn move_fronts(&mut self, which: FloorMove) -> bool {
         let Some(floor) = &mut self.floor else {
             return false;
@@ -177,14 +179,14 @@ impl<'a> Path<'a> {
         !moves.is_empty()
     }
 
-    /// All cells may come into contact again.
+    /// Allows all cells to attach again.
     pub(super) fn lift_bans(&mut self) {
         if let Some(floor) = &mut self.floor {
             floor.fronts.lift_bans();
         }
     }
 
-    /// A window that is wide enough for the contact with the floor, and coupled with all pillars in contact.
+    /// Adapts the window to the floor contact, and couples it with all pillars in contact.
     pub(super) fn fit_floor(&mut self, course: Course) -> Result<(), SolveError> {
         let Some(floor) = &self.floor else {
             return Ok(());
@@ -210,7 +212,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// What of the floor is in contact.
+    /// State of the floor contact.
     pub(super) fn floor_station(&self) -> Option<FloorStation> {
         let floor = self.floor.as_ref()?;
         Some(FloorStation {
@@ -252,8 +254,8 @@ impl Path<'_> {
         Some(FloorLoad::new(cells.bearing(), pressures.collect()))
     }
 
-    /// The division of the floor for a free ring of this width and a first patch of this radius, as fine as it can be afforded; with cells that are
-    /// as many times as large as the variation says, about.
+    /// The division of the floor for a detached ring of this width and a first patch of this radius, as fine as computing time permits; the
+    /// cells are larger by the approximate factor of the variation.
     pub(super) fn stuck_division(&self, accuracy: Accuracy, ring: f64, patch: f64) -> Division {
         let (cells, points) = match accuracy {
             Accuracy::Default => (1.0, 1.0),
@@ -302,7 +304,7 @@ mod tests {
     use rayon::prelude::*;
     use std::f64::consts::PI;
 
-    /// A lens above a floor of which no pillar is near.
+    /// A lens above a floor without pillars nearby.
     fn bare(pitch: f64) -> Scene {
         let lattice = reference::lattice(0.03);
         let system =
@@ -330,7 +332,7 @@ mod tests {
         Path::new(scene, run, fronts, Held::Indentation).unwrap()
     }
 
-    /// A flat round punch that pulls: its contact is given, in cells.
+    /// A flat round punch in tension with a prescribed contact region, on cells.
     fn flat_punch(path: &mut Path<'_>, division: Division, centre: Point, radius: f64) {
         let near = |[x, y]: Point| (x - centre[0]).hypot(y - centre[1]) < radius;
         path.lay_floor(Course::Loading, division, radius + 8.0, &|point| {
@@ -369,7 +371,7 @@ mod tests {
                 .zip(pressures)
                 .zip(floor.cells.bears())
             {
-                // Over the exact ones, which take away what the curvature of the front does; to the Gaussian too.
+                // Ratio to the exact values, without the effect of the curvature of the front, also on the smoothed set.
                 let distance = distance + 0.72 * side / effective;
                 let at = (effective - distance * side).max(0.0);
                 let (which, value, first) = if *bonded {
@@ -400,8 +402,8 @@ mod tests {
         }
     }
 
-    /// `K` of the local fit over the exact one, on round contacts of which the set of cells is given: a flat punch, and a sphere at its pull-off, whose pressure
-    /// and gap change the most within the window.
+    /// Ratio of `K` from the local fit to the exact value, on round contacts with a prescribed set of cells: a flat punch, and a sphere at
+    /// its pull-off, whose pressure and gap vary most within the window.
     fn check_intensities(sphere: bool) {
         let run = Run::default();
         let scene = bare(200.0);
@@ -415,7 +417,7 @@ mod tests {
                 flat_punch(&mut path, division, centre, radius * side);
                 let floor = path.floor.as_ref().unwrap();
                 let a = (floor.bonded() as f64 * division.cell_area() / PI).sqrt();
-                // p = -(1 - s)/(pi sqrt(a^2 - r^2)) + ...: a sphere of curvature 1/R, pulled by delta - a^2/R = -(4/3) a^2/R at pull-off.
+                // p = -(1 - s)/(pi sqrt(a^2 - r^2)) + ...: a sphere of curvature 1/R, with delta - a^2/R = -(4/3) a^2/R at pull-off.
                 let curvature = if sphere { 0.75 / (a * a) } else { 0.0 };
                 if sphere {
                     let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
@@ -460,15 +462,16 @@ mod tests {
         check_intensities(true);
     }
 
-    /// A sphere on a flat floor that sticks (Johnson, Kendall & Roberts): pull-off `1.5 pi w R`.
+    /// A sphere on a flat adhesive floor (Johnson, Kendall & Roberts): pull-off force `1.5 pi w R`.
     ///
-    /// The radius of the jump over the exact one, the pull-off over the exact one, and the loop over what was dissipated.
+    /// Returns the ratios to the exact values of the radius at jump-in and of the pull-off force, and the ratio of the loop area to the
+    /// dissipated energy.
     fn sphere(cells: f64, works: [f64; 2]) -> [f64; 3] {
         let run = Run::default();
         let scene = bare(200.0);
         let lens = scene.lens.sphere_radius();
         let radius: f64 = 12.0;
-        // Radius without load: a^3 = 9 pi w R^2/2.
+        // Radius at zero load: a^3 = 9 pi w R^2/2.
         let work = |radius: f64| 2.0 * radius.powi(3) / (9.0 * PI * lens * lens);
         let w = work(radius);
         let mut path = path(&scene, &run, works.map(|part| part * w));
@@ -479,11 +482,11 @@ mod tests {
         path.stick(lowest, division, 25.0).unwrap();
         let jump = path.stations.last().unwrap();
         let found = (jump.floor.unwrap().area / PI).sqrt();
-        // At the indentation zero: a^3 = 2 pi w R^2.
+        // At zero indentation: a^3 = 2 pi w R^2.
         let exact = (2.0 * PI * w * works[0] * lens * lens).cbrt();
         path.go(Course::Loading, End::Indentation(scene.height + 0.2), false)
             .unwrap();
-        // The way on which it is pulled is short beside the height of pillars.
+        // The range of tension is short compared to the pillar height.
         let step = 0.02 * radius * radius / lens;
         while path.floor.is_some() {
             let next = path.indentation() - step;
@@ -502,7 +505,7 @@ mod tests {
         ]
     }
 
-    /// Cells along the radius without load, works of adhesion over that, and by how much the pull-off may be wrong.
+    /// Number of cells along the radius at zero load, works of adhesion relative to that, and tolerance of the pull-off force.
     type SphereCase = (f64, [f64; 2], f64);
 
     #[track_caller]
@@ -532,7 +535,7 @@ mod tests {
         check_spheres(&[(50.0, [1.0; 2], 0.01), (25.0, [1.0; 2], 0.03)]);
     }
 
-    /// A free ring round a pillar in a floor that is stuck to a flat lens: `K` against the closed form.
+    /// A detached ring around a pillar in a floor that adheres to a flat lens: `K` compared to the closed form.
     #[test]
     fn rings_round_a_pillar() {
         use crate::theory::stuck_floor::AnnulusCoefficients;
@@ -542,7 +545,8 @@ mod tests {
             lattice: HexagonalLattice::new(40.0),
             column: 0.0.into(),
         };
-        // `K` from 3 cells across on is right to 2 %, which is half a per cent of the radius of the ring, as `K` falls with its fourth power there or faster.
+        // `K` for rings at least 3 cells wide is accurate to 2 %, which corresponds to half a per cent of the radius of the ring, because
+        // `K` decreases there with its fourth power or faster.
         for fineness in [130, 200] {
             let division = Division::new(&scene.field, fineness);
             let side = division.cell_area().sqrt();
@@ -576,7 +580,7 @@ mod tests {
                 let loads = path.contact.floor_load();
                 floor.fronts.measure(floor.cells.bears(), loads, pressures);
                 let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
-                // The radius of the ring by its area, cells that the top cuts included.
+                // The radius of the ring from its area, including cells that are cut by the top.
                 let bonded = floor.cells.bears().iter().zip(&centres);
                 let inside = bonded.filter(|(b, _)| **b).count() as f64;
                 let near = |[x, y]: &Point| x.hypot(*y) < 15.0;
@@ -602,7 +606,8 @@ mod tests {
         }
     }
 
-    /// Without adhesion the floor is pressed where the lens would enter it, and nowhere else: what the contact is without it.
+    /// Without adhesion the floor carries pressure where the lens would penetrate it, and nowhere else: the same contact as the mixed
+    /// method.
     #[test]
     fn without_adhesion_it_is_the_mixed_contact() {
         let system = reference::intermediate(0.03);
@@ -642,13 +647,13 @@ mod tests {
         );
     }
 
-    /// Area of the floor that is stuck, um^2.
+    /// Adhering area of the floor, um^2.
     fn stuck_area(path: &Path<'_>) -> f64 {
         path.floor_station().unwrap().area * (path.scene.length * 1e6).powi(2)
     }
 
-    /// The paper's system of phi = 0.03 at 10 mJ/m^2 beside an independent program, as far as the jump to the floor, with the indentation before
-    /// that: `floor_adhesion.csv`, with the bars that it gives.
+    /// The paper's system of phi = 0.03 at 10 mJ/m^2 compared to an independent program, up to jump-in to the floor, with the indentation
+    /// before that: `floor_adhesion.csv`, with the tolerances given there.
     fn after_the_jump<'a>(scene: &'a Scene, run: &'a Run<'a>) -> (Path<'a>, f64) {
         let w = 0.01 / (scene.pressure * scene.length);
         let mut path = path(scene, run, [w; 2]);
@@ -656,12 +661,12 @@ mod tests {
             panic!("the floor is reached");
         };
         let critical = path.indentation();
-        // As the ring of 4 um at this work asks for.
+        // The cells required by the ring of 4 um at this work of adhesion.
         let division = path.stuck_division(Accuracy::Default, 4.0e-6 / scene.length, f64::INFINITY);
         path.stick(lowest, division, 2.0 * scene.field.spacing())
             .unwrap();
-        // At this work the jump ends on a barrier between rings of holes: 36 filled, and 0.3089 mN, or 24 and 0.333 mN at a work 10 % lower, which is
-        // about what the models of the fronts differ by.
+        // At this work of adhesion, jump-in ends on a barrier between rings of holes: 36 filled holes and 0.3089 mN, or 24 and 0.333 mN at
+        // a work lower by 10 %, which is about the difference between the models of the fronts.
         let jumped = path.force() * scene.force();
         println!("jump: {jumped:e}");
         assert!((3.05e-4..3.37e-4).contains(&jumped), "{jumped:e}");

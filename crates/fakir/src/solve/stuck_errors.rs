@@ -1,25 +1,28 @@
-//! Errors of what a floor that sticks does, from the same path once more on larger cells, with fronts that move at less and at more work.
+//! Error estimates of results with an adhesive floor, by repeating the path on larger cells with fronts that move at lower and higher works
+//! of adhesion.
 
 use crate::state::StuckFloorErrors;
 
-/// How a path is gone: on cells that are so many times as large, with fronts on the floor that move at so many times the work.
+/// Variation of a path: factor on the cell size, and factor on the work at which fronts on the floor move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Variation {
     pub(super) cells: f64,
     pub(super) works: f64,
-    /// Steps where the floor is lost, in steps elsewhere: how long the last barriers hold depends on them a little.
+    /// Length of steps close to floor detachment, relative to steps elsewhere: the detachment from the last barriers depends slightly on
+    /// it.
     pub(super) loss_step: f64,
 }
 
-/// As it is.
+/// Without variation.
 pub(super) const PLAIN: Variation = Variation {
     cells: 1.0,
     works: 1.0,
     loss_step: 0.25,
 };
 
-/// The intensity at fronts is right to 3.5 % in the worst direction (round contacts and rings in the tests of [`stuck`](super::stuck)), and so is
-/// the work to 7 %. Next to a barrier between rings of holes that decides on which side the lens ends.
+/// The stress intensity factor at fronts is accurate to 3.5 % in the worst direction (round contacts and rings in the tests of
+/// [`stuck`](super::stuck)), so that the work is accurate to 7 %. Close to a barrier between rings of holes this determines on which side
+/// of the barrier the lens ends.
 pub(super) const VARIATIONS: [Variation; 2] = [
     Variation {
         cells: 1.5,
@@ -33,24 +36,25 @@ pub(super) const VARIATIONS: [Variation; 2] = [
     },
 ];
 
-/// Fronts on cells wait for the next one, which takes energy in proportion to the size of the cells: of the loop area twice the difference is left.
+/// Factor on the difference of the loop areas: fronts on cells are pinned until the next cell, which dissipates an energy proportional to
+/// the cell size, so that twice the difference remains.
 const LOOP_AREA: f64 = 2.0;
 
-/// What a path came to, in any units; none of what did not happen.
+/// Results of a path, in any units; `None` for events that did not occur.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Figures {
-    /// At the end of loading: the force, the floor's share of it, and the area of the floor in contact.
+    /// At the end of loading: force, floor share, and contact area of the floor.
     pub(super) turn: [Option<f64>; 3],
-    /// After the jump onto the floor: force and area.
+    /// After jump-in to the floor: force and area.
     pub(super) jump: [Option<f64>; 2],
-    /// The last indentation with the floor in contact, and the one after it.
+    /// The last indentation with floor contact, and the next one.
     pub(super) lost: Option<[f64; 2]>,
     pub(super) pull_off: Option<f64>,
     pub(super) loop_area: Option<f64>,
 }
 
 impl Figures {
-    /// Relative errors: the largest differences from the variations. What did not happen in each of them is not known at all.
+    /// Relative errors: the largest differences from the variations. The error is 1 if an event did not occur in each of them.
     pub(super) fn errors(&self, variations: &[Self]) -> StuckFloorErrors {
         let error = |figure: &dyn Fn(&Self) -> Option<f64>| {
             let Some(own) = figure(self) else {
@@ -59,7 +63,7 @@ impl Figures {
             let of = |other: &Self| figure(other).map_or(1.0, |it| relative(it - own, own));
             variations.iter().map(of).fold(0.0, f64::max)
         };
-        // It is lost somewhere between two states, and how long the last barriers hold is not known to more than a full step.
+        // The floor detaches between two states, and the detachment from the last barriers is uncertain by a full step.
         let between = self
             .lost
             .map_or(0.0, |[last, after]| relative(last - after, last));
@@ -77,7 +81,7 @@ impl Figures {
     }
 }
 
-/// An error over the value; 1 of nothing.
+/// Ratio of an error to the value; 1 if the value is zero.
 fn relative(error: f64, value: f64) -> f64 {
     let relative = (error / value).abs();
     if relative.is_finite() { relative } else { 1.0 }

@@ -1,4 +1,4 @@
-//! The touched pillars of a solution, as they are handed out.
+//! The touched pillars of a solution, as results.
 
 use super::newton::Newton;
 use super::rules::tops::COSTLY_PILLARS;
@@ -10,10 +10,10 @@ use crate::state::fields::{Disc, SliverEdge};
 use crate::state::{PillarState, PillarStatus};
 use std::f64::consts::PI;
 
-/// Part of the widest gap around a pillar top from which on its centre counts as not in contact.
+/// Ratio of the gap at the centre of a pillar top to the widest gap above which the centre counts as not in contact.
 const OPEN: f64 = 0.1;
 
-/// Sorts pillars by their distance from the lens axis; those equally far by their indices.
+/// Sorts pillars by distance from the lens axis, and those at equal distance by index.
 pub(super) fn nearest_first<T>(pillars: &mut [T], state: impl Fn(&T) -> &PillarState, length: f64) {
     pillars.sort_by_cached_key(|pillar| {
         let PillarState { centre, index, .. } = state(pillar);
@@ -24,13 +24,13 @@ pub(super) fn nearest_first<T>(pillars: &mut [T], state: impl Fn(&T) -> &PillarS
 
 /// A touched pillar.
 pub(super) struct TouchedPillar {
-    /// Its place in the window.
+    /// Its index in the window.
     pub(super) place: usize,
     pub(super) state: PillarState,
     pub(super) disc: Disc,
 }
 
-/// The touched pillars, nearest to the lens axis first. The states are where they were asked for, the discs where they are solved.
+/// The touched pillars, sorted by distance from the lens axis. States refer to the original positions, discs to those of the solution.
 pub(super) fn touched_pillars(newton: &Newton<'_>) -> Vec<TouchedPillar> {
     let scene = &newton.scene;
     let (length, pressure) = (scene.length, scene.pressure);
@@ -65,7 +65,7 @@ pub(super) fn touched_pillars(newton: &Newton<'_>) -> Vec<TouchedPillar> {
             });
         let gap = (status == PillarStatus::Partial)
             .then(|| newton.gap_coefficients(pillar, &coefficients));
-        // Of the moments.
+        // Pressure coefficients from the moments.
         let coefficients = coefficients
             .into_iter()
             .map(|moment| moment / (radius * radius))
@@ -104,11 +104,11 @@ pub(super) fn touched_pillars(newton: &Newton<'_>) -> Vec<TouchedPillar> {
     touched
 }
 
-/// The modes at the places of a disc that are looked at on every pillar.
+/// The modes at the sampled points of a disc.
 struct DiscSamples {
     count: usize,
     centre: Vec<f64>,
-    /// Around the edge, place by place.
+    /// Around the edge, point by point.
     edge: Vec<f64>,
 }
 
@@ -131,7 +131,7 @@ impl DiscSamples {
         }
     }
 
-    /// `q` at the centre, none where the gap is open: there the expansion of the pressure ripples.
+    /// `q` at the centre; zero if the gap is open there, where the expansion of the pressure oscillates.
     fn centre_density(&self, disc: &Disc) -> f64 {
         let open = disc.gap.as_ref().is_some_and(|gap| {
             let around = self.edge.chunks_exact(self.count);
@@ -145,8 +145,8 @@ impl DiscSamples {
         }
     }
 
-    /// Smallest and largest `q` around the edge. Between nodes the pressure may dip below zero
-    /// where there is no contact; that is zero.
+    /// Smallest and largest `q` around the edge. Where there is no contact, the pressure may be slightly negative between nodes; such
+    /// values count as zero.
     fn edge_range(&self, disc: &Disc) -> [f64; 2] {
         let places = self.edge.chunks_exact(self.count);
         let (smallest, largest) = places

@@ -1,11 +1,11 @@
-//! Running the real program in a folder of its own.
+//! Runs the real program in a temporary folder.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
-/// One of the paper's cases, as shipped.
+/// One of the paper's cases, as distributed.
 pub(crate) fn example(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     path.join(name)
@@ -43,7 +43,7 @@ impl Bench {
         Outcome::of(&self.command(arguments).output().unwrap())
     }
 
-    /// Runs a command that must succeed without a word on standard error.
+    /// Runs a command that must succeed without output on standard error.
     pub(crate) fn result(&self, arguments: &[&str]) -> String {
         let outcome = self.run(arguments);
         assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
@@ -69,7 +69,7 @@ impl Bench {
         std::fs::write(self.path(name), text).unwrap();
     }
 
-    /// Names of what is in a folder below this one.
+    /// Names of the files in a folder below this one.
     pub(crate) fn files(&self, folder: &str) -> Vec<String> {
         let mut names: Vec<String> = std::fs::read_dir(self.path(folder))
             .unwrap()
@@ -123,7 +123,7 @@ pub(crate) fn assert_close(value: &Value, expected: f64, tolerance: f64) {
     assert!(error <= tolerance, "{value} for {expected}");
 }
 
-/// A text without the line on the solution, which has the time it took.
+/// A text without the line on the solution, which contains the computing time.
 pub(crate) fn without_times(text: &str) -> String {
     text.lines()
         .filter(|line| !line.contains(", in "))

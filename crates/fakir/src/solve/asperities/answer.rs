@@ -1,4 +1,4 @@
-//! Questions in SI units and their answers: contacts with gradients and error estimates.
+//! Contacts in SI units, with gradients and error estimates.
 
 use super::climb::Found;
 use super::equations::Equations;
@@ -16,22 +16,23 @@ use crate::state::{PillarStatus, Run, SolveError, Termination};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// A contact whose curvatures along its axes are `k (1 + e)` and `k (1 - e)` bears more by `e^2/3`, and has more area by `4 e^2/9`, than the disc of the
-/// curvature `k` that is pressed in as deep: by Hertz's solution for ellipses (K. L. Johnson, Contact Mechanics, section 4.2), of which these are the first terms. By elements
-/// contacts next to each other lack half of that or less.
+/// Relative increase of force and of area of a contact with the principal curvatures `k (1 + e)` and `k (1 - e)`, compared to the disc of
+/// curvature `k` at the same depth, divided by `e^2`: the first terms of Hertz's solution for ellipses (K. L. Johnson, Contact Mechanics,
+/// section 4.2). On neighbouring contacts, boundary elements give half of that difference or less.
 const OVAL: [f64; 2] = [1.0 / 3.0, 4.0 / 9.0];
 
-/// What a pressure of a lower degree is in error by, over what one higher by two differs by: that has an error too, of a fiftieth or so.
+/// Error of a pressure of a lower degree, divided by its difference from the solution two degrees higher. Above 1 because the higher
+/// solution has an error too, of a fiftieth or so.
 const DEGREES: f64 = 1.5;
 
-/// What the force on a contact that leans on the rim, or fills the top with its edge drawn, is in error by, over the square of the most that
-/// its edge is drawn by: a quarter to a third by elements.
+/// Relative error of the force on a contact that leans on the rim, or fills the top with tension at its edge, divided by the square of the
+/// largest edge tension (relative to the mean): a quarter to a third according to boundary elements.
 const DRAWN: f64 = 0.5;
 
-/// Part of the lens radius up to which contact is allowed.
+/// Largest contact allowed, as a fraction of the lens radius.
 const LARGEST_CONTACT: f64 = 0.5;
 
-/// Degree of the pressure on a contact. The error is estimated with two more.
+/// Degree of the pressure on a contact. The error is estimated with a degree higher by two.
 fn degree(accuracy: Accuracy) -> usize {
     match accuracy {
         Accuracy::Default => 2,
@@ -39,7 +40,7 @@ fn degree(accuracy: Accuracy) -> usize {
     }
 }
 
-/// Units of a field: length (m) and pressure (Pa).
+/// Units of an asperity array: length (m) and pressure (Pa).
 #[derive(Debug, Clone, Copy)]
 struct Units {
     length: f64,
@@ -52,7 +53,7 @@ impl Units {
     }
 }
 
-/// What is solved once for all contacts of a field.
+/// Data shared by all contacts of an asperity array.
 struct Bench {
     layout: Layout,
     units: Units,
@@ -97,7 +98,7 @@ impl Bench {
         scaled.prescribed().ok_or(SolveError::NoFloor)
     }
 
-    /// The contact, and how it ended.
+    /// Returns the contact with the reason for termination.
     fn found(
         &self,
         equations: &mut Equations<'_>,
@@ -142,7 +143,7 @@ impl Bench {
         Ok((settled, termination))
     }
 
-    /// What is handed out, without an error estimate.
+    /// Assembles the result, without an error estimate.
     fn contact(
         &self,
         equations: &Equations<'_>,
@@ -202,7 +203,7 @@ impl Bench {
     }
 }
 
-/// Distance of the farthest point in contact from the lens axis.
+/// Distance from the lens axis to the farthest point in contact.
 fn reach(contacts: &Contacts) -> f64 {
     let reaches = contacts.discs.iter();
     let reaches = reaches.map(|disc| disc.centre[0].hypot(disc.centre[1]) + disc.radius);
@@ -210,11 +211,11 @@ fn reach(contacts: &Contacts) -> f64 {
 }
 
 impl Equations<'_> {
-    /// How much of force and area are in doubt as contacts are discs and not ovals, and as edges are drawn on those that lean on the rim or fill the
-    /// top.
+    /// Relative errors of force and area because contacts are modelled as discs rather than ovals, and because of tension at the edges of
+    /// contacts that lean on the rim or fill the top.
     fn shape_errors(&self, contacts: &Contacts) -> [f64; 2] {
         let size = self.modes();
-        // The coefficient of `rho^2 cos(2 theta)` for its mode.
+        // Amplitude of `rho^2 cos(2 theta)` per unit coefficient of its mode.
         let oval = 4.0 / 15.0 * 15f64.sqrt() * PI / UNIT_FORCE;
         let second = eigenvalue(2, 2);
         let (mut doubts, mut totals) = ([0.0; 2], [0.0; 2]);
@@ -246,7 +247,7 @@ impl Equations<'_> {
         [doubts[0] / totals[0], doubts[1] / totals[1]]
     }
 
-    /// The changes of force and area with the height of every asperity, at the same indentation.
+    /// Derivatives of force and area with respect to the height of every asperity, at constant indentation.
     pub(crate) fn slopes(&self, contacts: &Contacts, factors: Option<&Lu>) -> [Vec<f64>; 2] {
         let mut slopes = [0, 1].map(|_| vec![0.0; self.layout.asperities.len()]);
         let Some(factors) = factors else {
@@ -263,7 +264,7 @@ impl Equations<'_> {
     }
 }
 
-/// The same contacts with a pressure of another number of modes.
+/// The same contacts with a different number of pressure modes.
 fn with_modes(contacts: &Contacts, from: usize, to: usize) -> Contacts {
     let pad = |moments: &[f64]| -> Vec<f64> {
         let rest = std::iter::repeat_n(0.0, to - from);
@@ -276,16 +277,16 @@ fn with_modes(contacts: &Contacts, from: usize, to: usize) -> Contacts {
 }
 
 impl AsperityArray {
-    /// The contact under what is prescribed, with an error estimate.
+    /// Computes the contact at a prescribed load, with an error estimate.
     ///
-    /// The pressure on a contact has degree 2 under [`Accuracy::Default`] and 4 under [`Accuracy::Accurate`]; the estimate has what degrees higher by
-    /// two differ by, and what contacts lack that are ovals and not discs, from how much their curvature along one axis differs from that along the other.
+    /// The pressure on a contact has degree 2 with [`Accuracy::Default`] and 4 with [`Accuracy::Accurate`]. The error estimate combines the
+    /// difference from the solution two degrees higher with the error of modelling oval contacts as discs, which is computed from the
+    /// difference of the curvatures along the two axes.
     ///
     /// # Errors
-    /// A load that cannot be, contacts that merge ([`SolveError::ContactsMerge`]), an asperity touched at its rim
-    /// ([`SolveError::TouchedAtRim`]), contact too large for the lens or the memory allowed, or interruption. [`Load::FloorContact`] is
-    /// [`SolveError::NoFloor`]: there is none under the asperities. A solution that did not converge is not an error: it says so in
-    /// [`AsperityContact::termination`].
+    /// An invalid load, contacts that merge ([`SolveError::ContactsMerge`]), an asperity touched at its rim ([`SolveError::TouchedAtRim`]),
+    /// a contact too large for the lens or for the memory limit, or cancellation. [`Load::FloorContact`] returns [`SolveError::NoFloor`]:
+    /// asperities have no floor. A solution that did not converge is not an error; it is reported by [`AsperityContact::termination`].
     pub fn press(
         &self,
         control: Load,
@@ -301,8 +302,8 @@ impl AsperityArray {
         contact.checked()
     }
 
-    /// The contact under what is prescribed without an error estimate, from one that is `near` if there is any: of a field with asperities in the same places,
-    /// and of the same accuracy, such as under a load that differs little.
+    /// Computes the contact at a prescribed load without an error estimate. The iteration starts from the contact `near`, if given: one of
+    /// an array with asperities in the same places and with the same accuracy, for instance at a slightly different load.
     ///
     /// # Errors
     /// As [`press`](Self::press).
@@ -337,7 +338,7 @@ impl AsperityArray {
 }
 
 impl Bench {
-    /// The error estimate of a contact; none if the contact of a higher degree is not found.
+    /// Error estimate of a contact; `None` if the solution of higher degree is not found.
     fn estimate(
         &self,
         contact: &AsperityContact,

@@ -1,4 +1,4 @@
-//! What is asked for, from the quick start if that does, and else from the first touch on, step by step.
+//! Search for the contact at a load: from the point-force start if that succeeds, otherwise step by step from first contact.
 
 use super::equations::Equations;
 use super::newton::{Settled, Trouble};
@@ -7,25 +7,25 @@ use crate::problem::load::Prescribed;
 use crate::state::discs::Contacts;
 use crate::state::{Run, SolveError};
 
-/// Steps at the most, the first of them over the whole way, and by how much one is longer than the last one.
+/// Largest number of steps, length of the first step as a fraction of the whole way, and growth factor from one step to the next.
 const STEP_LIMIT: usize = 400;
 const FIRST_STEP: f64 = 0.125;
 const LONGER: f64 = 1.6;
 
-/// Part of the way so far that a step is, if all longer ones have failed, with which the search ends.
+/// Smallest step, as a fraction of the distance covered so far: the search ends if it fails.
 const SHORTEST: f64 = 1e-3;
 
-/// What became of a search.
+/// Result of a search.
 pub(crate) enum Found {
     Settled(Settled),
-    /// The contacts of two asperities merge before. The last contacts before they do.
+    /// The contacts of two asperities merge before the target. Contains the last contacts before merging.
     Merging([usize; 2], Contacts),
-    /// It did not end. The last contacts that did.
+    /// The iteration did not converge. Contains the last converged contacts.
     Lost(Trouble, Contacts),
 }
 
 impl Equations<'_> {
-    /// The contacts that are asked for, from some that are near, if there are any.
+    /// Finds the contacts at the target, starting from the contacts `near` if given.
     pub(crate) fn find(
         &mut self,
         target: Prescribed,
@@ -58,7 +58,7 @@ impl Equations<'_> {
         self.climb(target, run)
     }
 
-    /// The contacts that are asked for, from the first touch on.
+    /// Finds the contacts at the target by load steps from first contact.
     pub(crate) fn climb(&mut self, target: Prescribed, run: &Run<'_>) -> Result<Found, SolveError> {
         let first = self.layout.first_touch();
         let end = match target {

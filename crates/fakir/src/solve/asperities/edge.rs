@@ -1,37 +1,40 @@
-//! Contacts as discs: where they are, how large, and the pressure on them.
+//! Contacts as discs: position, radius and pressure.
 //!
-//! The pressure on a disc of radius `r` is `q/sqrt(1 - rho^2)`, with `q` in the [modes](crate::halfspace::disc::basis) of the disc; the unknowns are
-//! moments, `r^2` times its coefficients. On the edge `q` is `q0 + q1 cos(theta) + q2 sin(theta)` and higher harmonics. A contact whose edge is
-//! free has `q0 = q1 = q2 = 0`: three conditions for its place and its radius, met by the first three modes. (Its higher harmonics
-//! on the edge, the second to begin with, are left: a true contact is an oval. The force is stationary in the shape, J. R. Barber, J. Appl. Mech. 41, 816 (1974), and so in error by the square
-//! of that.)
+//! The pressure on a disc of radius `r` is `q/sqrt(1 - rho^2)`, with `q` in the [modes](crate::halfspace::disc::basis) of the disc. The
+//! unknowns are moments, `r^2` times the coefficients of `q`. On the edge, `q` equals `q0 + q1 cos(theta) + q2 sin(theta)` plus higher
+//! harmonics. A contact with a free edge has `q0 = q1 = q2 = 0`: three conditions for its position and its radius, enforced by the first
+//! three modes. (The higher harmonics on the edge, starting with the second, are neglected: the true contact is an oval. The force is
+//! stationary with respect to the shape, J. R. Barber, J. Appl. Mech. 41, 816 (1974), so that its error is of second order in the neglected
+//! terms.)
 //!
-//! A contact does not grow beyond the rim of its pillar. Of all discs within the rim the best is that of the largest force at the same
-//! indentation, as the true contact has the largest of all shapes (Barber again). A disc that grows by `dr` and moves by `(dx, dy)` bears
-//! more in proportion to `q0 dr + (q1 dx + q2 dy)/2`. So on one that leans on the rim from inside at an angle `phi`, `q1 = 2 q0 cos(phi)` and
-//! `q2 = 2 q0 sin(phi)` with `q0` no less than zero; and on one that fills the top `hypot(q1, q2)` is no more than `2 q0`. The one goes over into the
-//! other where the contact just reaches the rim or fills the top. A contact that leans is a disc without the sliver beyond the rim, and a
-//! little more on the other side, where its edge is drawn: what it bears is in error by the square of that.
+//! A contact does not grow beyond the rim of its pillar. The best of all discs within the rim is the one with the largest force at the same
+//! indentation, since the true contact has the largest force of all shapes (Barber, ibid.). The force on a disc that grows by `dr` and
+//! moves by `(dx, dy)` increases in proportion to `q0 dr + (q1 dx + q2 dy)/2`. Hence a disc that leans on the rim from inside at an angle
+//! `phi` satisfies `q1 = 2 q0 cos(phi)` and `q2 = 2 q0 sin(phi)` with `q0` not negative, and a disc that fills the top satisfies
+//! `hypot(q1, q2) <= 2 q0`. The two cases meet where the contact just reaches the rim or just fills the top. A contact that leans on the
+//! rim is modelled by a disc without the part beyond the rim and extended slightly on the opposite side, where its edge is in tension: the
+//! error of its force is of second order in that extension.
 
 use crate::halfspace::disc::basis::{Mode, equator_value};
 use crate::state::discs::{Disc, Hold};
 use std::f64::consts::SQRT_2;
 
-/// `hypot(q1, q2)` over `q0` where a contact leans on the rim.
+/// `hypot(q1, q2)` divided by `q0` on a contact that leans on the rim.
 pub(crate) const LEANING: f64 = 2.0;
 
-/// The conditions on the edge, and how steps that keep them are described.
+/// Conditions on the edge, and the coordinates of steps that preserve them.
 ///
-/// A step of a disc is as many numbers as there are modes. Those from the fourth on are the changes of their moments. The first three are
-/// the changes of the centre along x and y and of the radius, of a free disc; of the edge moment, the angle, and the radius, of a leaning one; of the first
-/// three moments of one that fills the top.
+/// A step of a disc has as many components as there are modes. The components from the fourth on are changes of the moments. The first
+/// three are: for a free disc, the changes of the centre along x and y and of the radius; for a leaning disc, the changes of the edge
+/// moment, the angle and the radius; for a disc that fills the top, the changes of the first three moments.
 #[derive(Debug, Clone)]
 pub(crate) struct Edge {
-    /// Of every mode, which of the three harmonics it has on the edge, and what it is there; the first three modes have one each.
+    /// For every mode, the index of its harmonic on the edge (one of three) and its value there. The first three modes have one harmonic
+    /// each.
     harmonics: Vec<Option<(usize, f64)>>,
 }
 
-/// Moments of one disc, and derivatives of the residual by its geometry.
+/// Moments of one disc, and derivatives of the residual with respect to its geometry.
 pub(crate) type Slopes<'a> = [&'a [f64]; 3];
 
 impl Edge {
@@ -50,14 +53,14 @@ impl Edge {
         }
     }
 
-    /// The harmonic of a mode from the fourth on: which of the first three modes has it too, and how much of that replaces it.
+    /// For a mode from the fourth on, the index of the first mode with the same harmonic, and the ratio of their edge values.
     fn partner(&self, mode: usize) -> Option<(usize, f64)> {
         let (harmonic, value) = self.harmonics[mode]?;
         let (_, first) = self.harmonics[harmonic]?;
         Some((harmonic, value / first))
     }
 
-    /// What the first mode of a harmonic is on the edge.
+    /// Edge value of the first mode of a harmonic.
     fn first(&self, harmonic: usize) -> f64 {
         self.harmonics[harmonic].map_or(1.0, |(_, value)| value)
     }
@@ -73,7 +76,7 @@ impl Edge {
         values
     }
 
-    /// Changes the first three moments so that the edge is what the hold asks for.
+    /// Changes the first three moments so that the edge satisfies the condition of the hold.
     pub(crate) fn enforce(&self, hold: Hold, moments: &mut [f64]) {
         let wanted = match hold {
             Hold::Free => [0.0; 3],
@@ -89,7 +92,8 @@ impl Edge {
         }
     }
 
-    /// The columns of the matrix of steps from `columns`, those of moments (a column after the other), and those of the geometry.
+    /// Computes the matrix columns of the step components from the columns of the moments (`columns`, column by column) and of the
+    /// geometry.
     pub(crate) fn reduce(
         &self,
         disc: &Disc,
@@ -134,7 +138,7 @@ impl Edge {
         }
     }
 
-    /// The same for a number that depends on the mean moment and on the radius: what it changes by with each part of a step.
+    /// The same for a scalar that depends on the mean moment and on the radius: its derivatives with respect to the components of a step.
     pub(crate) fn reduce_row(&self, disc: &Disc, mean: f64, radius: f64, reduced: &mut [f64]) {
         reduced.fill(0.0);
         if disc.hold == Hold::Whole {

@@ -1,7 +1,7 @@
-//! The equations of contacts that move and grow, and their derivatives.
+//! Equations of contacts with variable position and radius, and their derivatives.
 //!
-//! On disc `n` with load coefficients `b_n` of the undeformed overlap, `S_n m_n + sum_k C_nk m_k = b_n + zeta b1`, with the conditions on the
-//! [edges](super::edge). `S = lambda/r` but for the column, which adds `2 pi K` to the mean.
+//! For disc `n` with load coefficients `b_n` of the undeformed overlap: `S_n m_n + sum_k C_nk m_k = b_n + zeta b1`, with the conditions on
+//! the [edges](super::edge). `S = lambda/r`; the column adds `2 pi K` to the mean.
 
 use super::edge::Edge;
 use super::load::{DiscLoad, Layout, LoadRule};
@@ -11,7 +11,7 @@ use crate::numerics::dense::Matrix;
 use crate::state::discs::Contacts;
 use std::f64::consts::PI;
 
-/// What equations are made from, for one degree of the pressure.
+/// Data of the equations, for one degree of the pressure.
 pub(crate) struct Equations<'a> {
     pub(crate) layout: &'a Layout,
     pub(crate) edge: Edge,
@@ -21,11 +21,11 @@ pub(crate) struct Equations<'a> {
     pub(crate) eigenvalues: Vec<f64>,
 }
 
-/// The equations at some contacts.
+/// The equations linearised at given contacts.
 pub(crate) struct Linearised {
-    /// By how much the discs lack displacement, disc by disc.
+    /// Residual displacement, disc by disc.
     pub(crate) missing: Vec<f64>,
-    /// Its derivatives with the steps of all discs.
+    /// Derivatives of the residual with respect to the steps of all discs.
     pub(crate) matrix: Matrix,
 }
 
@@ -43,19 +43,19 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// Modes of a disc.
+    /// Number of modes of a disc.
     pub(crate) fn modes(&self) -> usize {
         self.eigenvalues.len()
     }
 
-    /// Bytes that the equations of that many discs take.
+    /// Memory of the equations of this many discs, bytes.
     pub(crate) fn memory(&self, discs: usize) -> usize {
-        // The matrix, and its factors.
+        // The matrix and its factors.
         let size = (discs * self.modes()) as f64;
         (3.0 * 8.0 * size * size) as usize
     }
 
-    /// Radius of the top that a disc is on.
+    /// Radius of the top that carries a disc.
     pub(crate) fn rim(&self, asperity: usize) -> f64 {
         self.layout.asperities[asperity]
             .rim_radius
@@ -83,7 +83,7 @@ impl<'a> Equations<'a> {
         self.pair.fill(offset, [one.radius, two.radius], block);
     }
 
-    /// The equations at contacts that do not overlap.
+    /// Linearises the equations at contacts that do not overlap.
     pub(crate) fn linearised(&mut self, contacts: &Contacts) -> Linearised {
         self.prepare(contacts);
         let size = self.modes();
@@ -91,7 +91,7 @@ impl<'a> Equations<'a> {
         let moments = |disc: usize| &contacts.moments[disc * size..(disc + 1) * size];
         let mut missing = vec![0.0; count * size];
         let mut matrix = Matrix::zeros(count * size, count * size);
-        // Derivatives with the place and radius of the own disc.
+        // Derivatives with respect to the position and radius of the disc itself.
         let mut own = vec![[0.0; 3]; count * size];
         let mut load = self.rule.room();
         for (number, disc) in contacts.discs.iter().enumerate() {
@@ -112,7 +112,8 @@ impl<'a> Equations<'a> {
                 self.fill_pair(contacts, [one, two], &mut block);
                 for forward in [true, false] {
                     let (receiver, source) = if forward { (one, two) } else { (two, one) };
-                    // Derivatives of the block with the receiver's and with the source's place and radius; for the other direction it is transposed.
+                    // Derivatives of the block with respect to the position and radius of the receiver and of the source; in the opposite
+                    // direction the block is transposed.
                     let sign = if forward { 1.0 } else { -1.0 };
                     let [of_receiver, of_source] = if forward { [2, 3] } else { [3, 2] };
                     let acting = moments(source);

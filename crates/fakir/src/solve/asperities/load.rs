@@ -1,13 +1,13 @@
-//! The undeformed gap over an asperity: what is pressed above, the asperity below.
+//! Undeformed gap between the indenter and an asperity.
 
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, mode_count};
 use crate::numerics::quadrature::hemisphere;
 use crate::problem::{Asperity, Point};
 
-/// Part of the lens radius beyond which it is continued as it is there. No contact that is allowed comes near.
+/// Fraction of the lens radius beyond which the shape is extrapolated with constant slope. No allowed contact comes near.
 const STEEPEST: f64 = 0.9;
 
-/// Steps of the search for a summit, and part of the radius of curvature at which it ends.
+/// Largest number of steps of the search for a summit, and the relative change at which it ends, in radii of curvature.
 const SUMMIT_STEPS: usize = 50;
 const SUMMIT_TOLERANCE: f64 = 1e-15;
 
@@ -19,14 +19,14 @@ pub(crate) struct Jet {
     pub(crate) bend: [f64; 3],
 }
 
-/// The lower side of what is pressed: a sphere of this radius, or a plate where it is infinite.
+/// The indenter: a sphere of this radius, or a plate if it is infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shape {
     pub(crate) radius: f64,
 }
 
 impl Shape {
-    /// Its height above its lowest point.
+    /// Height above the lowest point.
     pub(crate) fn at(self, [x, y]: Point) -> Jet {
         if self.radius.is_infinite() {
             return Jet {
@@ -46,22 +46,23 @@ impl Shape {
     }
 }
 
-/// The asperities and what is pressed onto them. Lengths in any unit, pressures in that of the reduced modulus.
+/// The asperities and the indenter. Lengths in any unit, pressures in units of the reduced modulus.
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
     pub(crate) asperities: Vec<Asperity>,
     pub(crate) shape: Shape,
-    /// Where each asperity is touched first, if it is alone.
+    /// First contact point of each asperity by itself.
     pub(crate) summits: Vec<Summit>,
 }
 
-/// The point of an asperity that is nearest to what is pressed.
+/// The point of an asperity that is closest to the indenter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Summit {
     pub(crate) place: Point,
-    /// Height over the common level less that of what is pressed over its lowest point: the asperity is touched at an indentation of minus that.
+    /// Height above the common level minus the height of the indenter above its lowest point: the asperity is touched at an indentation of
+    /// minus this value.
     pub(crate) height: f64,
-    /// Mean curvature against what is pressed.
+    /// Mean curvature relative to the indenter.
     pub(crate) curvature: f64,
 }
 
@@ -78,12 +79,12 @@ impl Layout {
         }
     }
 
-    /// Overlap of an asperity with what is pressed, at no indentation.
+    /// Overlap of an asperity with the indenter at zero indentation.
     pub(crate) fn overlap(&self, asperity: usize, point: Point) -> Jet {
         overlap(&self.asperities[asperity], self.shape, point)
     }
 
-    /// The indentation at which the first asperity is touched.
+    /// Indentation at which the first asperity is touched.
     pub(crate) fn first_touch(&self) -> f64 {
         let heights = self.summits.iter().map(|summit| -summit.height);
         heights.fold(f64::INFINITY, f64::min)
@@ -122,7 +123,7 @@ fn summit(asperity: &Asperity, shape: Shape) -> Summit {
     }
 }
 
-/// The step to the highest point of a surface of that slope and bend.
+/// The Newton step to the highest point of a surface with these derivatives.
 pub(crate) fn to_summit(jet: &Jet) -> Point {
     let [xx, xy, yy] = jet.bend;
     let [x, y] = jet.slope;
@@ -133,7 +134,7 @@ pub(crate) fn to_summit(jet: &Jet) -> Point {
     ]
 }
 
-/// Projects the overlap over a disc on the modes of its pressure.
+/// Projects the overlap over a disc onto the pressure modes.
 #[derive(Debug, Clone)]
 pub(crate) struct LoadRule {
     points: Vec<Point>,
@@ -142,7 +143,7 @@ pub(crate) struct LoadRule {
     modes: usize,
 }
 
-/// Load coefficients of the overlap over a disc, and their derivatives with its place along x and y and with its radius.
+/// Load coefficients of the overlap over a disc, and their derivatives with respect to its position along x and y and its radius.
 #[derive(Debug, Clone)]
 pub(crate) struct DiscLoad {
     pub(crate) value: Vec<f64>,
@@ -153,7 +154,7 @@ impl LoadRule {
     pub(crate) fn new(degree: usize) -> Self {
         let modes = mode_count(degree);
         let mut basis = BasisEvaluator::new(degree);
-        // Exact for an overlap of degree 4 at the least.
+        // Exact for overlaps of degree 4 and less.
         let rule = hemisphere(degree / 2 + 3, 2 * degree + 7);
         let mut weights = vec![0.0; rule.len() * modes];
         for ((point, weight), row) in rule.iter().zip(weights.chunks_exact_mut(modes)) {
@@ -184,7 +185,7 @@ impl LoadRule {
     ) {
         load.value.fill(0.0);
         load.slopes.iter_mut().for_each(|slope| slope.fill(0.0));
-        // The overlap in the middle is taken apart: what is left is of the size of the contact.
+        // The overlap at the centre is treated separately, so that the remainder is of the order of the contact size.
         let middle = layout.overlap(asperity, centre).value;
         for (point, row) in self
             .points

@@ -1,9 +1,9 @@
-//! Rounded tops under a lens or a plate: contacts as discs that move and grow.
+//! Asperities under a lens or a plate: contacts as discs with variable position and radius.
 //!
-//! Caps are paraboloids on an elastic half-space, which act on each other through it. Every contact is a disc with a pressure of a low
-//! degree, whose place and radius are unknowns like the pressure; [`edge`] has what holds at its edge, [`equations`] all equations with
-//! their derivatives, [`newton`] how they are solved, [`start`] from where, [`climb`] what is done if that fails, and [`answer`] how questions are answered. The gradients of the results are
-//! those of the discrete equations, by one solution with the transposed matrix each.
+//! Asperities are paraboloids on an elastic half-space, through which they interact. Every contact is a disc with a pressure of a low
+//! degree; its position and radius are unknowns like the pressure. [`edge`] contains the edge conditions, [`equations`] all equations with
+//! their derivatives, [`newton`] the solver, [`start`] its start, [`climb`] the fallback if the solver fails, and [`answer`] the public
+//! functions. The gradients of the results are those of the discrete equations: one solution with the transposed matrix each.
 
 mod answer;
 pub(crate) mod climb;

@@ -1,8 +1,8 @@
-//! The search for discs that meet all conditions: Newton's method with all derivatives.
+//! Newton's method, with the full Jacobian, for discs that satisfy all conditions.
 //!
-//! Contacts come and go between the steps: one that would shrink to nothing is left, and one that is pressed in below all others is taken up with
-//! the radius of Hertz's solution. Steps are cut where a radius would change by much, and where discs would come close to
-//! each other. What does not settle like this is followed from the first touch on, in [`climb`](super::climb).
+//! Contacts are added and removed between steps: a contact that would shrink to zero is removed, and an asperity that starts to overlap
+//! with the indenter is added with the radius of Hertz's solution. Steps are shortened if a radius would change too much or discs would
+//! come too close to each other. If this does not converge, the contact is followed from first contact, in [`climb`](super::climb).
 
 use super::edge::LEANING;
 use super::equations::Equations;
@@ -18,59 +18,60 @@ use crate::problem::load::Prescribed;
 use crate::state::discs::{Contacts, Disc, Hold};
 use crate::state::{Progress, Run, SolveError, Stage};
 
-/// Newton steps.
+/// Largest number of Newton steps.
 pub(crate) const STEP_LIMIT: usize = 40;
 
-/// Part of the largest radius by which the last step changes radii and places, and of the largest moment. Newton's steps are exact to the square
-/// of that.
+/// Largest change of radii and positions in the last step, as a fraction of the largest radius, and of moments, as a fraction of the
+/// largest moment. Newton's method converges quadratically, so that the error is of the order of the square.
 const TOLERANCE: f64 = 1e-9;
 
-/// Part of the distance of their centres that the radii of two discs may fill: beyond it they are refused, and steps are cut a little behind it.
+/// Fraction of the distance between two centres that the radii of the discs may fill. Discs beyond the first value are refused; steps are
+/// shortened to slightly beyond it.
 pub(crate) const MERGING: f64 = 0.95;
 const CLIPPED: f64 = 0.96;
 
-/// Factors by which the square of a radius may change in a step.
+/// Smallest and largest factor by which the square of a radius may change in a step.
 const SHRINKING: f64 = 0.15;
 const GROWING: f64 = 5.0;
 
-/// Part of the square of the largest radius below which a contact is none.
+/// Smallest contact: fraction of the square of the largest radius.
 const NOTHING: f64 = 1e-13;
 
-/// Part of the largest radius that the disc has on which the far field of an asperity is felt that is not touched.
+/// Radius of the disc on which the far field at an untouched asperity is evaluated, as a fraction of the largest radius.
 const FEELER: f64 = 1e-3;
 
-/// Part of the radius of a top with which a contact starts that is found not to fill it.
+/// Initial radius of a contact that no longer fills its top, as a fraction of the radius of the top.
 const LOOSENED: f64 = 0.97;
 
-/// Contacts that meet all conditions.
+/// Contacts that satisfy all conditions.
 pub(crate) struct Settled {
     pub(crate) contacts: Contacts,
     pub(crate) factors: Option<Lu>,
     pub(crate) steps: usize,
 }
 
-/// Why contacts did not settle.
+/// Reason why the iteration failed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Trouble {
-    /// Those of two asperities would grow into each other.
+    /// The contacts of two asperities would merge.
     Crowded([usize; 2]),
-    /// The limit on steps was reached.
+    /// The step limit was reached.
     Unsettled,
-    /// A number became infinite or undefined.
+    /// A number became infinite or NaN.
     NotFinite,
 }
 
-/// What a step came to.
+/// Result of a step.
 #[derive(Default)]
 struct Stepped {
-    /// Whether it was cut, or a contact came, went, or was held otherwise.
+    /// Whether the step was shortened, or a contact was added, removed or changed its edge condition.
     changed: bool,
     crowded: Option<[usize; 2]>,
-    /// The largest change over what is tolerated.
+    /// The largest change divided by the tolerance.
     change: f64,
 }
 
-/// A asperity that is not touched.
+/// An asperity that is not in contact.
 struct Feeling {
     place: Point,
     overlap: f64,
@@ -83,7 +84,7 @@ impl Equations<'_> {
         UNIT_FORCE * means.sum::<f64>()
     }
 
-    /// Contacts of the radii that point forces give.
+    /// Contacts with the radii given by point forces.
     pub(crate) fn contacts_of(&self, start: &PointForces) -> Contacts {
         let layout = self.layout;
         let mut contacts = Contacts {
@@ -111,7 +112,7 @@ impl Equations<'_> {
         (x - apex[0]).hypot(y - apex[1]) < self.rim(asperity)
     }
 
-    /// A contact as if the asperity were alone and pressed in by so much at a point.
+    /// The contact of an isolated asperity with this overlap at a point.
     fn seed(&self, asperity: usize, place: Point, pressed: f64) -> (Disc, Vec<f64>) {
         let curvature = self.layout.summits[asperity].curvature;
         let mut disc = Disc {
@@ -135,7 +136,7 @@ impl Equations<'_> {
         (disc, moments)
     }
 
-    /// Keeps a free contact within the rim. Whether it had to be.
+    /// Keeps a free contact within the rim. Returns whether it was changed.
     fn hold_at_rim(&self, disc: &mut Disc) -> bool {
         let rim = self.rim(disc.asperity);
         let apex = self.layout.asperities[disc.asperity].apex;
@@ -163,7 +164,7 @@ impl Equations<'_> {
         disc.centre = [apex[0] + away * cos, apex[1] + away * sin];
     }
 
-    /// Looks for contacts near these that meet all conditions.
+    /// Iterates from these contacts to contacts that satisfy all conditions.
     pub(crate) fn settle(
         &mut self,
         mut contacts: Contacts,
@@ -228,7 +229,7 @@ impl Equations<'_> {
         })
     }
 
-    /// Of every step of a contact, what the force changes by, and what the area does.
+    /// Derivatives of the force and of the area with respect to every component of a step.
     pub(crate) fn rows_of_totals(&self, contacts: &Contacts) -> [Vec<f64>; 2] {
         let size = self.modes();
         let mut rows = [0, 1].map(|_| vec![0.0; contacts.moments.len()]);
@@ -243,7 +244,7 @@ impl Equations<'_> {
         rows
     }
 
-    /// One step of Newton's method.
+    /// Performs one step of Newton's method.
     fn step(&mut self, contacts: &mut Contacts, target: Prescribed) -> (Stepped, Lu) {
         let linearised = self.linearised(contacts);
         let factors = Lu::new(linearised.matrix);
@@ -354,7 +355,7 @@ impl Equations<'_> {
         stepped
     }
 
-    /// Lets a contact that fills its top go from the rim where its edge would be drawn. Whether it had to.
+    /// Detaches a contact that fills its top from the rim where its edge would be in tension. Returns whether it was changed.
     fn loosen(&self, disc: &mut Disc, moments: &mut [f64]) -> bool {
         let [mean, x, y] = self.edge.values(moments);
         let uneven = x.hypot(y);
@@ -374,7 +375,7 @@ impl Equations<'_> {
         true
     }
 
-    /// Makes discs smaller that come too close to each other: the asperities of two of them, if there are any.
+    /// Shrinks discs that come too close to each other. Returns the asperities of one such pair, if any.
     fn part_discs(&self, contacts: &mut Contacts) -> Option<[usize; 2]> {
         let mut crowded = None;
         for one in 0..contacts.discs.len() {
@@ -399,7 +400,8 @@ impl Equations<'_> {
         crowded
     }
 
-    /// Takes up asperities that are pressed in and not yet touched. Two asperities, of which the contact of one has grown over the other, if there are any.
+    /// Adds contacts on asperities that overlap with the indenter and are not yet in contact. Returns two asperities if the contact of one
+    /// has grown over the other.
     fn take_up(&mut self, contacts: &mut Contacts, stepped: &mut Stepped) -> Option<[usize; 2]> {
         let touched: Vec<usize> = contacts.discs.iter().map(|disc| disc.asperity).collect();
         let waiting: Vec<usize> = (0..self.layout.asperities.len())
@@ -451,7 +453,7 @@ impl Equations<'_> {
         None
     }
 
-    /// Overlap of an asperity that is not touched, at its highest point.
+    /// Overlap of an asperity that is not in contact, at its highest point.
     fn feel(
         &self,
         contacts: &Contacts,
@@ -478,7 +480,7 @@ impl Equations<'_> {
                 let row = &block.value[row * size..(row + 1) * size];
                 row.iter().zip(moments).map(|(c, m)| c * m).sum()
             };
-            // A mean and a slope have these coefficients.
+            // Coefficients of a mean and of a slope.
             jet.value -= far(0) / UNIT_FORCE;
             let scale = 3f64.sqrt() / (UNIT_FORCE * feeler);
             jet.slope[0] -= scale * far(1);
@@ -493,7 +495,7 @@ impl Equations<'_> {
         }
     }
 
-    /// A asperity that is touched at its rim before its top, if there is one.
+    /// Returns an asperity that is touched at its rim before its top, if any.
     pub(crate) fn touched_at_rim(&mut self, contacts: &Contacts) -> Option<usize> {
         let waiting = (0..self.layout.asperities.len())
             .filter(|asperity| contacts.discs.iter().all(|disc| disc.asperity != *asperity));
@@ -521,7 +523,7 @@ impl Equations<'_> {
 }
 
 impl Layout {
-    /// Contacts of nothing.
+    /// A state without contacts.
     pub(crate) fn untouched(&self, indentation: f64) -> Contacts {
         Contacts {
             indentation,
@@ -532,7 +534,7 @@ impl Layout {
         }
     }
 
-    /// By how much asperities are away that nothing presses down.
+    /// Gaps of asperities without load.
     fn gaps(&self, indentation: f64) -> Vec<f64> {
         let summits = self.summits.iter();
         summits.map(|summit| -summit.height - indentation).collect()

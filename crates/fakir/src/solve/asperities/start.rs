@@ -1,31 +1,32 @@
-//! Caps that act on each other as point forces, each by itself a contact of Hertz's: the start of the search for discs.
+//! Start of the iteration: asperities that interact as point forces, each with a Hertzian contact.
 
 use super::load::Layout;
 use crate::numerics::dense::{Lu, Matrix};
 use crate::problem::load::Prescribed;
 use std::f64::consts::PI;
 
-/// Newton steps, halvings of one of them, and part of the largest overlap at which the steps end.
+/// Largest number of Newton steps, largest number of halvings of a step, and the residual at which the iteration ends, as a fraction of the
+/// largest overlap.
 const STEP_LIMIT: usize = 60;
 const HALVINGS: usize = 12;
 const TOLERANCE: f64 = 1e-10;
 
-/// Caps that act as point forces.
+/// Asperities that act as point forces.
 pub(crate) struct PointForces {
     pub(crate) indentation: f64,
-    /// By how much each asperity is pressed in by its own force; of one that is not touched, less than nothing.
+    /// Overlap of each asperity due to its own force; negative if it is not in contact.
     pub(crate) pressed: Vec<f64>,
 }
 
-/// Hertz: the force on an asperity that is pressed in, and its derivative.
+/// Hertz: the force on an asperity at an overlap, and its derivative.
 fn hertz(pressed: f64, curvature: f64) -> [f64; 2] {
     let root = (pressed.max(0.0) / curvature).sqrt();
     [4.0 / 3.0 * pressed.max(0.0) * root, 2.0 * root]
 }
 
-/// By how much an asperity is pressed in that comes down by so much with its column.
+/// Overlap of an asperity whose column is shortened too, at this total overlap.
 pub(crate) fn pressed_with_column(overlap: f64, curvature: f64, compliance: f64) -> f64 {
-    // The sum rises and bends upwards, so that the steps come down to the root.
+    // The function increases and is convex, so that Newton's method converges to the root from above.
     let mut pressed = overlap;
     for _ in 0..STEP_LIMIT {
         let [force, stiffness] = hertz(pressed, curvature);
@@ -38,7 +39,7 @@ pub(crate) fn pressed_with_column(overlap: f64, curvature: f64, compliance: f64)
     pressed.max(0.0)
 }
 
-/// Solves for the point forces: Newton's method with a look at the residual. What does not end is a start all the same.
+/// Solves for the point forces with a damped Newton method. The last iterate is returned even if it did not converge: it is only a start.
 pub(crate) fn point_forces(layout: &Layout, target: Prescribed) -> PointForces {
     let summits = &layout.summits;
     let count = summits.len();
@@ -117,7 +118,7 @@ pub(crate) fn point_forces(layout: &Layout, target: Prescribed) -> PointForces {
     }
 }
 
-/// How deep the highest asperity would be pressed by all of a force.
+/// Depth of the highest asperity if it carried the whole force.
 fn pressed_by(layout: &Layout, force: f64) -> f64 {
     let highest = layout
         .summits

@@ -1,11 +1,12 @@
-//! Contact on the cells of one size, with unknowns only where pressure is likely.
+//! Contact on the cells of one size, with unknowns only on an active set.
 //!
-//! With pressures to start from, the cells that bear them or interpenetrate under them are active, and their neighbours. The contact is
-//! solved on these, and then the gap of all others is looked at. Those that interpenetrate become active with their neighbours, and the
-//! contact is solved again, until the [certificate](super::solver) is good with the lowest gap anywhere: nothing is left out unseen.
+//! The active set consists of the cells that carry pressure in the start or interpenetrate under it, and their neighbours. After the
+//! contact is solved on these cells, the gap of all others is checked. Cells that interpenetrate become active together with their
+//! neighbours, and the contact is solved again until the [duality gap](super::solver), computed with the lowest gap of all cells, is within
+//! the tolerance. The result therefore does not depend on the choice of the active set.
 //!
-//! Transforms reach over the active cells only, and where displacements cannot be negative only cells with a separation below the
-//! indentation are looked at.
+//! Transforms extend over the active cells only. Where displacements cannot be negative, only cells with a separation below the indentation
+//! are checked.
 
 use super::solver::{self, ElementContact, Prescribed, Settings};
 use crate::halfspace::elements::half_space::HalfSpace;
@@ -16,21 +17,21 @@ use crate::problem::{Boundary, Cells, Grid};
 use crate::state::{SolveError, Termination};
 use rayon::ThreadPool;
 
-/// Bytes of a solution for every unknown, besides the operator: twelve arrays of the solver, labels, segments.
+/// Memory of a solution per unknown, besides the operator, bytes: twelve arrays of the solver, labels, segments.
 const BYTES_PER_UNKNOWN: usize = 150;
 
-/// Bytes for every cell that is looked at, besides the operator: pressure, displacement, whether it becomes active.
+/// Memory per checked cell, besides the operator, bytes: pressure, displacement, and the flag for the active set.
 const BYTES_PER_LOOK: usize = 17;
 
-/// Part of the tolerance left to the cells that are not active.
+/// Fraction of the tolerance that is reserved for inactive cells.
 const SHARE_OF_OTHERS: f64 = 0.1;
 
 /// The surface on cells of one size.
 pub(super) struct Surface<'s, 'a> {
     pub(super) grid: Grid,
-    /// Separation of the undeformed surfaces of every cell, m.
+    /// Separation of the undeformed surfaces at every cell, m.
     pub(super) separation: &'s [f64],
-    /// Whether a cell may bear pressure at all; such cells have a finite separation.
+    /// Whether a cell may carry pressure. Such cells must have a finite separation.
     pub(super) may_bear: &'s dyn Fn(usize) -> bool,
     /// Whether displacements can be negative.
     pub(super) rises: bool,
@@ -40,13 +41,13 @@ pub(super) struct Surface<'s, 'a> {
     /// Pillar of every cell, and displacement of a pillar by a unit sum of the pressures on it, m/Pa.
     pub(super) pillar: &'s dyn Fn(usize) -> u32,
     pub(super) influence: &'s [f64],
-    /// Refuses so many bytes for so many cells.
+    /// Returns an error if so many bytes for so many cells exceed the memory limit.
     pub(super) check_memory: &'s dyn Fn(usize, usize) -> Result<(), SolveError>,
     pub(super) pool: Option<&'a ThreadPool>,
     pub(super) cancel: &'s CancelToken,
 }
 
-/// Pressures on some cells; there are none on others.
+/// Pressures on some cells; zero on all others.
 #[derive(Debug, Clone)]
 pub(super) struct Pressures {
     pub(super) cells: Cells,
@@ -54,14 +55,14 @@ pub(super) struct Pressures {
 }
 
 impl Pressures {
-    /// On the cells of a grid that are half as large: all of one have its pressure.
+    /// Pressures on a grid of half the cell size: four cells take the pressure of one.
     pub(super) fn refined(&self, grid: &Grid) -> Self {
         let [columns, rows] = [self.cells.grid().columns(), self.cells.grid().rows()];
         let mut known = vec![0.0; columns * rows];
         self.cells.scatter(&self.values, &mut known);
         let pressure = |cell: usize| {
             let (column, row) = (cell % grid.columns() / 2, cell / grid.columns() / 2);
-            // A last odd column or row belongs to no larger cell.
+            // The last column or row of an odd number belongs to no larger cell.
             let inside = column < columns && row < rows;
             if inside {
                 known[row * columns + column]
@@ -74,7 +75,7 @@ impl Pressures {
         Self { cells, values }
     }
 
-    /// On other cells, of the same grid.
+    /// Pressures on other cells of the same grid.
     fn on(&self, cells: &Cells) -> Vec<f64> {
         let mut values = vec![0.0; cells.len()];
         let mut known = self.cells.indices().zip(&self.values).peekable();
@@ -88,14 +89,14 @@ impl Pressures {
     }
 }
 
-/// The kernels made for the active cells of a surface, kept from one solution to the next.
+/// Kernels for the active cells of a surface, kept between solutions.
 #[derive(Default)]
 pub(super) struct ActiveCells<'a> {
-    /// Operators on no cells.
+    /// Operators without cells.
     kernels: Vec<HalfSpace<'a>>,
 }
 
-/// What was found by looking at cells that are not active.
+/// Result of the check of inactive cells.
 struct Seen {
     /// The lowest gap, m.
     lowest: f64,
@@ -104,9 +105,9 @@ struct Seen {
 }
 
 impl<'a> ActiveCells<'a> {
-    /// Solves from the pressures given, or on all cells that may bear any.
+    /// Solves from a start, or on all cells that may carry pressure.
     ///
-    /// `expected` is the indentation that is expected under a force, if it is known.
+    /// `expected` is the expected indentation under a prescribed force, if available.
     pub(super) fn solve(
         &mut self,
         surface: &Surface<'_, 'a>,
@@ -181,7 +182,7 @@ impl<'a> ActiveCells<'a> {
                 seen.near[cell] && (surface.may_bear)(cell)
             });
             if more.len() == cells.len() {
-                // A bound that is no number, or rounding: there is nothing more to take in.
+                // The bound is NaN or affected by rounding: no cell can be added.
                 contact.termination = Termination::Stagnated;
                 return Ok((cells, contact));
             }
@@ -222,7 +223,7 @@ impl<'a> ActiveCells<'a> {
         ))
     }
 
-    /// Finds what interpenetrates under the pressures, of the cells that may bear any.
+    /// Determines which of the cells that may carry pressure interpenetrate under the given pressures.
     fn look(
         &mut self,
         surface: &Surface<'_, 'a>,
@@ -234,7 +235,7 @@ impl<'a> ActiveCells<'a> {
         let cells = if surface.rises {
             allowed.clone()
         } else {
-            // All that can interpenetrate, and all that press.
+            // All cells that may interpenetrate, and all that carry pressure.
             for (cell, pressure) in known.cells.indices().zip(&known.values) {
                 near[cell] = *pressure > 0.0;
             }
@@ -245,7 +246,7 @@ impl<'a> ActiveCells<'a> {
             cells
         };
         let bytes = surface.half_space_memory(&cells) + BYTES_PER_LOOK * cells.len();
-        // What is to be solved takes about as much as on the cells known: what is refused is refused for the larger of both.
+        // The next solution needs about as much memory as the last one: check the larger of both.
         let bytes = bytes.max(surface.solution_memory(&known.cells));
         (surface.check_memory)(cells.len(), bytes)?;
         surface.check_cancelled()?;
@@ -265,7 +266,7 @@ impl<'a> ActiveCells<'a> {
         Ok(Seen { lowest, near })
     }
 
-    /// The operator on cells, with a kernel that there is, or a new one that is kept.
+    /// Operator on cells, from an existing kernel, or from a new one that is kept.
     fn half_space(&mut self, surface: &Surface<'_, 'a>, cells: &Cells) -> HalfSpace<'a> {
         let known = self.kernels.iter();
         let mut fitting = known.filter(|kernel| !kernel.is_wide_for(cells));
@@ -288,7 +289,7 @@ impl<'a> ActiveCells<'a> {
     }
 }
 
-/// Most kernels kept: for the active cells, and for those to look at.
+/// Largest number of kernels kept: one for the active cells and one for the check.
 const KERNELS: usize = 2;
 
 impl<'a> Surface<'_, 'a> {
@@ -317,7 +318,7 @@ impl<'a> Surface<'_, 'a> {
     }
 }
 
-/// Marks a cell and its eight neighbours, across the border of a period too.
+/// Marks a cell and its eight neighbours, also across a periodic border.
 fn mark(surface: &Surface<'_, '_>, cell: usize, near: &mut [bool]) {
     let (columns, rows) = (surface.grid.columns(), surface.grid.rows());
     let goes_on = surface.boundary == Boundary::Periodic;

@@ -1,20 +1,20 @@
-//! The search for the indentation at which the lens just reaches the floor.
+//! Search for the indentation at which the lens just reaches the floor.
 
 use crate::numerics::convergence::{Judgement, clamped, judge};
 
-/// Secants of the gap between lens and floor over the indentation, kept within a bracket once there is one.
+/// Secant method for the gap between lens and floor as a function of the indentation, restricted to a bracket once that exists.
 pub(super) struct Closing {
     indentation: f64,
-    /// The largest indentation at which the floor is free, and the smallest at which the lens is in it.
+    /// The largest indentation without floor contact, and the smallest with interpenetration.
     bracket: [f64; 2],
-    /// The last indentation and its gap.
+    /// Previous indentation and its gap.
     previous: Option<[f64; 2]>,
     slope: Option<f64>,
 }
 
 impl Closing {
-    /// Begins at an indentation; the floor is free up to `least`. `slope` is the change of the gap with the
-    /// indentation, if it is known from cells of another size.
+    /// Starts at an indentation; there is no floor contact up to `least`. `slope` is the derivative of the gap with respect to the
+    /// indentation, if available from cells of another size.
     pub(super) fn new(indentation: f64, least: f64, slope: Option<f64>) -> Self {
         Self {
             indentation,
@@ -24,17 +24,17 @@ impl Closing {
         }
     }
 
-    /// The indentation to look at; after a good one, that.
+    /// The next indentation to evaluate; after convergence, the result.
     pub(super) fn indentation(&self) -> f64 {
         self.indentation
     }
 
-    /// Change of the gap with the indentation, as far as it is known.
+    /// Derivative of the gap with respect to the indentation, if available.
     pub(super) fn slope(&self) -> Option<f64> {
         self.slope
     }
 
-    /// Takes in the gap at the indentation. Unless it is within the tolerance, the next indentation follows.
+    /// Adds the gap at the current indentation. Unless it is within the tolerance, selects the next indentation.
     pub(super) fn take(&mut self, gap: f64, tolerance: f64) -> Judgement {
         let indentation = self.indentation;
         if let Some([other, other_gap]) = self.previous
@@ -55,7 +55,7 @@ impl Closing {
         let [low, high] = self.bracket;
         let guess = match self.slope {
             Some(slope) if slope < 0.0 => self.indentation - gap / slope,
-            // The floor follows the lens: down by the gap closes half of it, say.
+            // The floor follows the lens: assume that a descent by the gap closes half of it.
             _ => self.indentation + 2.0 * gap,
         };
         if high.is_finite() {

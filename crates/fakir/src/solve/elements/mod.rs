@@ -1,9 +1,9 @@
-//! The contact conditions on elements of constant pressure.
+//! Contact conditions on elements of constant pressure.
 //!
-//! * [`solver`]: the conditions on any cells, with a certificate;
-//! * [`separation`]: two surfaces of which the separation is known, with unknowns only where they touch;
-//! * `pillars`: the elements of the pillars of a lattice;
-//! * [`surface`]: a lens or a plate pressed onto any height map.
+//! * [`solver`]: the conditions on arbitrary cells, with a duality gap;
+//! * [`separation`]: two surfaces given by their separation, with unknowns only in an active set;
+//! * `pillars`: elements on the pillars of a lattice;
+//! * [`surface`]: a lens or a plate pressed onto a height map.
 #![doc = ""]
 #![doc = include_str!("../../../doc/rendered/elements.md")]
 

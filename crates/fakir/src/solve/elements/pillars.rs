@@ -1,17 +1,15 @@
-//! The contact with the tops of pillars of any arrangement, by elements.
+//! Contact with the tops of pillars in any arrangement, with boundary elements.
 //!
-//! Two meshes: a grid of its own centred on each pillar, as large as its top, or the paper's one grid over the
-//! whole pattern. Either way a solution starts from that on cells twice as large, and that from one on
-//! cells twice as large again: it saves work, and their differences give the error estimate.
+//! Two meshes are available: a separate grid centred on each pillar, as wide as its top, or the paper's single grid over the whole pattern.
+//! In both cases a solution starts from that on cells of twice the size, which in turn starts from cells of twice that size. This saves
+//! work, and the differences between the levels provide the error estimate.
 //!
-//! Squares cover a disc badly, so that the force under them converges only as the size of a
-//! cell. Where `matched` is asked for, a flat punch alone on each pillar's cells bears exactly
-//! `F = 2 E* a zeta` (Johnson, Contact Mechanics, eq. 3.36): cells centred on the pillar are
-//! resized a little, those of one grid get what is missing as a compliance of their pillar. That
-//! removes most of the error.
+//! Squares approximate a disc poorly, so that the force under them converges only in proportion to the cell size. If `matched` is set, a
+//! single flat punch on each pillar's cells carries exactly `F = 2 E* a zeta` (Johnson, Contact Mechanics, eq. 3.36): cells centred on the
+//! pillar are resized slightly; on the single grid, the difference is added as a compliance of the pillar. This removes most of the error.
 //!
-//! Units are those of [`Scene`]: lengths in pillar radii, pressures in `E*`. The unknowns are forces over the
-//! area of a cell of a pillar of unit radius, which on such a pillar are pressures.
+//! Units are those of [`Scene`]: lengths in pillar radii, pressures in `E*`. The unknowns are forces divided by the area of a cell of a
+//! pillar of unit radius, so that on such a pillar they are pressures.
 
 use super::closing::Closing;
 use super::solver::{ElementContact, Prescribed, Settings};
@@ -36,22 +34,22 @@ use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// Cells across a pillar on the coarsest level, at least.
+/// Smallest number of cells across a pillar on the coarsest level.
 const COARSEST_CELLS: usize = 4;
 
-/// Fewest cells across a pillar that can be asked for: one refinement of the coarsest.
+/// Smallest number of cells across a pillar that is accepted: one refinement of the coarsest level.
 pub(crate) const FEWEST_CELLS: usize = 2 * COARSEST_CELLS;
 
-/// The floor gap is closed to this fraction of the pillar height.
+/// Tolerance of the floor gap at the critical state, as a fraction of the pillar height.
 const FLOOR_TOLERANCE: f64 = 1e-8;
 
-/// Most solutions at one level in search of the critical indentation.
+/// Largest number of solutions per level in the search for the critical indentation.
 const SEARCH_LIMIT: usize = 60;
 
-/// Relative energy error of every solution: its force is then good to about as much.
+/// Relative energy error of every solution; the force has about the same relative error.
 const TOLERANCE: f64 = 1e-9;
 
-/// The elements on the pillars within a radius, and the contact on them.
+/// Elements on the pillars within a radius, and the contact on them.
 pub(crate) struct Level<'a> {
     scene: &'a Scene,
     sites: Sites,
@@ -64,19 +62,19 @@ pub(crate) struct Level<'a> {
     products: usize,
 }
 
-/// Where the elements are.
+/// Positions of the elements.
 struct Elements {
     centres: Vec<Point>,
-    /// The pillar of each, as its place among the sites.
+    /// Index of the pillar of each element among the sites.
     pillars: Vec<u32>,
-    /// Side of a cell, of a grid centred on a pillar for a unit radius of that.
+    /// Side of a cell; for grids centred on pillars, of a pillar of unit radius.
     size: f64,
     /// Half the side of such a grid.
     half_width: f64,
-    /// Elements by pillar, column and row.
+    /// Element index by pillar, column and row.
     lookup: HashMap<(u32, i64, i64), usize>,
     layout: MeshLayout,
-    /// What layers add around the force on a cell, averaged over that.
+    /// Contribution of layers to the displacement around the force on a cell, averaged over that cell.
     around: Option<AroundForce>,
 }
 
@@ -118,7 +116,7 @@ impl Elements {
         (pillar, count(x - x0), count(y - y0))
     }
 
-    /// By how much the cells on a pillar are larger than those of a unit radius.
+    /// Ratio of the cell size on a pillar to that on a pillar of unit radius.
     fn scale(&self, sites: &Sites, pillar: usize) -> f64 {
         match self.layout {
             MeshLayout::Pillars => sites.body(pillar).radius,
@@ -131,8 +129,7 @@ impl Elements {
     }
 }
 
-/// Cells in a disc of a radius, `across` of them along its diameter; resized to bear the force
-/// of a flat punch if `matched`.
+/// Cells in a disc of a radius, `across` of them along its diameter; if `matched`, resized to carry the force of a flat punch.
 fn disc_cells(across: usize, matched: bool, radius: f64) -> Cells {
     let of_size = |size: f64| {
         let radius = 0.5 * across as f64 * size;
@@ -147,7 +144,7 @@ fn disc_cells(across: usize, matched: bool, radius: f64) -> Cells {
     of_size(radius * size)
 }
 
-/// Force that a flat punch of these cells bears at indentation 1.
+/// Force on a flat punch of these cells at unit indentation.
 fn capacity(cells: Cells) -> f64 {
     let area = cells.grid().cell_area();
     let level = vec![0.0; cells.len()];
@@ -185,7 +182,7 @@ impl<'a> Level<'a> {
         radius: f64,
         run: &'a Run<'a>,
     ) -> Result<Self, SolveError> {
-        // They have to be there before it is known how they stand.
+        // Memory is needed for the pillars before their arrangement is determined.
         let pillars = scene.field.expected_len(radius);
         check_memory(pillars as usize, (BYTES_PER_SITE * pillars) as usize, run)?;
         let sites = Sites::within(&scene.field, radius);
@@ -212,7 +209,7 @@ impl<'a> Level<'a> {
         })
     }
 
-    /// Finer or wider elements that start from the pressures found on these.
+    /// Finer or wider elements that start from the pressures of these.
     fn successor(&self, mesh: ElementMesh, radius: f64) -> Result<Self, SolveError> {
         let mut next = Self::new(self.scene, mesh, radius, self.run)?;
         let known: Vec<Option<usize>> = (0..next.sites.len())
@@ -262,7 +259,7 @@ impl<'a> Level<'a> {
         Ok(contact)
     }
 
-    /// Whether each pillar bears anything.
+    /// Whether each pillar carries a load.
     fn touched(&self, contact: &ElementContact) -> Vec<bool> {
         let mut touched = vec![false; self.sites.len()];
         for (pillar, pressure) in self.elements.pillars.iter().zip(&contact.pressure) {
@@ -271,7 +268,7 @@ impl<'a> Level<'a> {
         touched
     }
 
-    /// Distance from the lens axis of the farthest pillar that bears anything.
+    /// Distance from the lens axis of the farthest loaded pillar.
     fn reach(&self, contact: &ElementContact) -> f64 {
         self.touched(contact)
             .into_iter()
@@ -281,7 +278,7 @@ impl<'a> Level<'a> {
             .fold(0.0, f64::max)
     }
 
-    /// Distance of the farthest pillar beyond these that the lens enters.
+    /// Distance of the farthest pillar beyond these elements that the lens penetrates.
     fn farthest_entered(&self, contact: &ElementContact) -> Option<f64> {
         let mut forces: Vec<(Point, f64)> =
             self.sites.centres().iter().map(|at| (*at, 0.0)).collect();
@@ -300,7 +297,7 @@ impl<'a> Level<'a> {
     fn lowest(&mut self, contact: &ElementContact) -> Result<Option<FloorPoint>, SolveError> {
         let cells = FloorUnderCells::new(&self.elements, &self.sites, &contact.pressure);
         if self.sites.window().is_none() {
-            // Of unlike pillars other points may become the lowest as the contact grows.
+            // Among unequal pillars, other points may become the lowest as the contact grows.
             self.floor = FloorSearch::default();
         }
         let spacing = self.scene.field.spacing();
@@ -315,19 +312,19 @@ impl<'a> Level<'a> {
     }
 }
 
-/// The floor under loaded cells, each taken as a point charge with the second moment of a
-/// square: at the distances of the floor from most cells the rest is below 1e-6.
+/// Floor under loaded cells. Each cell is represented by a point force with the second moment of a square: at the distance of the floor
+/// from most cells, the relative error is below 1e-6.
 struct FloorUnderCells<'a> {
     loaded: Vec<LoadedCell>,
-    /// What layers add around a unit charge.
+    /// Contribution of layers around a unit force.
     around: Option<&'a AroundForce>,
 }
 
 struct LoadedCell {
     place: Point,
-    /// Force over pi.
+    /// Force divided by pi.
     charge: f64,
-    /// `h^2/24`, the second moment over the area.
+    /// `h^2/24`, the second moment divided by the area.
     moment: f64,
 }
 
@@ -391,13 +388,13 @@ fn check_memory(pillars: usize, bytes: usize, run: &Run<'_>) -> Result<(), Solve
     Ok(())
 }
 
-/// Bytes of a pillar without elements.
+/// Memory of a pillar without elements, bytes.
 const BYTES_PER_SITE: f64 = 56.0;
 
-/// Bytes of a solution for every element, besides the operator.
+/// Memory of a solution per element, besides the operator, bytes.
 const BYTES_PER_ELEMENT: usize = 300;
 
-/// A grid centred on each pillar.
+/// Mesh with a grid centred on each pillar.
 fn on_pillars<'a>(
     scene: &Scene,
     mesh: ElementMesh,
@@ -418,7 +415,7 @@ fn on_pillars<'a>(
             let shape = (extent(|place| place.0), extent(|place| place.1));
             let bytes = LatticeOfGrids::memory_estimate(across, sites.len(), shape) + own_bytes;
             check_memory(sites.len(), bytes, run)?;
-            // All are alike. The unknowns are pressures times the square of this.
+            // All pillars are equal. The unknowns are pressures times the square of this radius.
             let radius = sites.common_body().radius;
             let cells = disc_cells(across, mesh.matched, radius);
             let compliance = (radius * radius).recip();
@@ -457,13 +454,13 @@ fn on_pillars<'a>(
     Ok((Box::new(operator), elements))
 }
 
-/// How far a pillar is shortened by a unit force.
+/// Shortening of a pillar's column per unit force.
 fn column_compliance(sites: &Sites, pillar: usize) -> f64 {
     let body = sites.body(pillar);
     0.5 * body.column.shortening / body.radius
 }
 
-/// One grid over the pattern, with a corner of cells on the lens axis.
+/// Mesh with one grid over the pattern, with a corner of cells on the lens axis.
 fn on_pattern<'a>(
     scene: &Scene,
     mesh: ElementMesh,
@@ -514,7 +511,7 @@ fn on_pattern<'a>(
     Ok((Box::new(operator), elements))
 }
 
-/// What each pillar's cells lack of the compliance `1/(2 a)` of a flat punch.
+/// Difference between the compliance `1/(2 a)` of a flat punch and that of each pillar's cells.
 fn missing_compliance(elements: &Elements, sites: &Sites) -> Vec<f64> {
     let mut patterns: Vec<Vec<(i64, i64)>> = vec![Vec::new(); sites.len()];
     for (centre, pillar) in elements.centres.iter().zip(&elements.pillars) {
@@ -525,8 +522,8 @@ fn missing_compliance(elements: &Elements, sites: &Sites) -> Vec<f64> {
     missing_compliances(patterns, [elements.size; 2], radius)
 }
 
-/// What each pattern of cells, given by columns and rows, lacks of the compliance `1/(2 a)` of a flat
-/// punch of its radius; nothing where there are no cells.
+/// Difference between the compliance `1/(2 a)` of a flat punch and that of each pattern of cells, given by columns and rows; zero without
+/// cells.
 pub(super) fn missing_compliances(
     patterns: Vec<Vec<(i64, i64)>>,
     cell: [f64; 2],
@@ -564,32 +561,32 @@ fn pattern_capacity(pattern: &[(i64, i64)], cell: [f64; 2]) -> f64 {
     capacity(Cells::where_true(&grid, |index| selected[index]))
 }
 
-/// The contact on the finest level.
+/// Contact on the finest level.
 pub(crate) struct ElementSolution<'a> {
     pub(crate) level: Level<'a>,
     pub(crate) contact: ElementContact,
     pub(crate) floor: Option<FloorPoint>,
     /// Products with the operators of all levels.
     pub(crate) products: usize,
-    /// Force and indentation of every level, the coarsest first.
+    /// Force and indentation of every level, from coarse to fine.
     levels: Vec<[f64; 2]>,
-    /// Relative error of a flat punch on the finest cells; none where they are matched.
+    /// Relative error of a flat punch on the finest cells; zero if they are matched.
     punch_error: f64,
 }
 
-/// A pillar that bears pressure.
+/// A pillar that carries pressure.
 pub(crate) struct TouchedPillar {
     pub(crate) index: (i64, i64),
     pub(crate) pillar: ListedPillar,
     pub(crate) status: PillarStatus,
     pub(crate) force: f64,
-    /// That of the cell at its centre, or around it.
+    /// Pressure of the cell at the centre, or of those around it.
     pub(crate) centre_pressure: f64,
     /// Distance from the lens axis of its farthest point in contact.
     pub(crate) reach: f64,
 }
 
-/// What is summed up over the cells of a pillar.
+/// Sums over the cells of a pillar.
 #[derive(Clone, Copy, Default)]
 struct Tally {
     cells: usize,
@@ -603,17 +600,15 @@ struct Tally {
 impl ElementSolution<'_> {
     /// Estimated relative errors of force and indentation.
     ///
-    /// Halving the cells at least halves the error (by a factor of about 2.6 where they are
-    /// matched), so what is left should be less than the last difference between levels. As
-    /// squares cover discs and contact edges better by chance on one level than on another,
-    /// earlier differences count too, halved for every level since; where they are not matched
-    /// the error of a flat punch on the same cells counts as well; and all is tripled: with that
-    /// it covers the difference from the spectral method on all but two of a thousand random
-    /// systems and loads. A single difference may be small by chance, and counts twice as much. Nothing
-    /// is claimed to be better than the floor gap is closed.
+    /// Halving the cell size at least halves the error (by a factor of about 2.6 for matched cells), so that the remaining error should be
+    /// smaller than the last difference between levels. Because squares may approximate discs and contact edges better on one level than on
+    /// another by chance, earlier differences are included, halved for every level since; for unmatched cells, the error of a flat punch on
+    /// the same cells is included too. The result is multiplied by three: it then covers the difference from the spectral method on all but
+    /// two of a thousand random systems and loads. A single difference may be small by chance and is multiplied by six. The error is never
+    /// smaller than the tolerance of the floor gap.
     ///
-    /// The lens has come down far enough to touch a pillar. Where it touches no cell of it, between
-    /// the centres of cells, nothing is known.
+    /// The lens is known to touch a pillar. If it touches no cell of that pillar, because the contact is between the centres of cells, the
+    /// error is unknown.
     pub(crate) fn errors(&self) -> [f64; 2] {
         let safety = if self.levels.len() > 2 { 3.0 } else { 6.0 };
         if within(self.contact.force, 0.0) {
@@ -635,11 +630,11 @@ impl ElementSolution<'_> {
         [force, indentation]
     }
 
-    /// Error of the contact radius, pillar radii: the edge of the contact is found to two cells, and pillars
-    /// that are not touched may be between cells, or those that are may not, if a few cells bear it.
+    /// Error of the contact radius, in pillar radii: the edge of the contact is resolved to two cells; pillars that carry load on only a
+    /// few cells may be missed or added.
     pub(crate) fn reach_error(&self, radius: f64, touched: &[TouchedPillar]) -> f64 {
         const CELLS: f64 = 2.0;
-        /// Touched only just: this part of the reach of a pillar, in cells.
+        /// A contact is marginal if it extends over fewer than this many cells.
         const FEW: f64 = 3.0;
         let elements = &self.level.elements;
         let size = |touched: &TouchedPillar| match elements.layout {
@@ -660,7 +655,7 @@ impl ElementSolution<'_> {
         (CELLS * largest.unwrap_or(elements.size)).max(radius - certain)
     }
 
-    /// The pillars that bear pressure.
+    /// Pillars that carry pressure.
     pub(crate) fn touched_pillars(&self) -> Vec<TouchedPillar> {
         let sites = &self.level.sites;
         let elements = &self.level.elements;
@@ -721,7 +716,7 @@ impl ElementSolution<'_> {
     }
 }
 
-/// Solves for a target level by level, up to the mesh.
+/// Solves for a target on successive levels, up to the requested mesh.
 pub(crate) fn solve<'a>(
     scene: &'a Scene,
     target: Load,
@@ -787,10 +782,10 @@ pub(crate) fn solve<'a>(
     Ok(solved.expect("there is at least one level"))
 }
 
-/// What is known of the critical indentation before a level is solved.
+/// Start of the search for the critical indentation on a level.
 struct Search {
     indentation: f64,
-    /// Slope of the floor gap over the indentation.
+    /// Derivative of the floor gap with respect to the indentation.
     slope: Option<f64>,
 }
 
@@ -808,8 +803,7 @@ impl Level<'_> {
         Ok((contact, floor))
     }
 
-    /// Raises the indentation until the floor gap is closed: secants, kept within a bracket once
-    /// there is one.
+    /// Increases the indentation until the floor gap is closed: secant method, restricted to a bracket once that exists.
     fn close_floor(
         &mut self,
         search: &mut Search,
@@ -860,7 +854,7 @@ mod tests {
 
     #[test]
     fn displacement_of_the_floor_is_that_of_its_cells() {
-        // Against Love's rectangle, at the distance of a floor contact in a dense texture.
+        // Compared to Love's rectangle, at the distance of a floor contact in a dense pattern.
         let cells = disc_cells(16, true, 1.0);
         let [size, _] = cells.grid().cell();
         let placed: Vec<(Point, u32)> = cells.centres().map(|centre| (centre, 0)).collect();

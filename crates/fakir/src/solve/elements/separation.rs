@@ -1,8 +1,8 @@
-//! Contact of two surfaces of which the separation is known at every cell of a grid.
+//! Contact of two surfaces given by their separation at every cell of a grid.
 //!
-//! It is solved on larger and larger cells first, the largest first. Each gives pressures to start from on cells half as large, and so
-//! tells which of these are active; all others are looked at in the end. A contact that is a small part of the grid takes time and
-//! memory about as the rectangle around it on a free half-space.
+//! The contact is solved on successively smaller cells, starting with the largest. Each solution provides the initial pressures, and hence
+//! the active set, on cells of half the size; all other cells are checked at the end. For a contact that is a small part of the grid, time
+//! and memory are about those of its bounding rectangle on a free half-space.
 
 use super::active::{ActiveCells, Pressures, Surface};
 use super::solver::{ElementContact, Prescribed, Settings};
@@ -15,20 +15,21 @@ use crate::state::{Run, SolveError, Termination};
 pub struct Separation<'s> {
     /// The cells.
     pub grid: Grid,
-    /// Separation of the undeformed surfaces at the centre of every cell at no indentation, m, row by row. Cells where it is infinite are never touched.
+    /// Separation of the undeformed surfaces at the centre of every cell at zero indentation, m, row by row. Cells with infinite separation
+    /// are never touched.
     pub values: &'s [f64],
-    /// What lies around the grid.
+    /// Boundary condition of the grid.
     pub boundary: Boundary,
-    /// The sum of `(1 - nu^2)/E` of both bodies, 1/Pa.
+    /// Sum of `(1 - nu^2)/E` of both bodies, 1/Pa.
     pub compliance: f64,
 }
 
-/// A contact, with the cells that it was solved on. No others bear pressure.
+/// A contact with its active cells. All other cells carry no pressure.
 #[derive(Debug, Clone)]
 pub struct ActiveContact {
     /// The active cells.
     pub cells: Cells,
-    /// Pressures and gaps on these. The certificate is that of all cells.
+    /// Pressures and gaps of the active cells. The duality gap covers all cells.
     pub contact: ElementContact,
 }
 
@@ -36,11 +37,11 @@ impl Separation<'_> {
     /// Presses the surfaces together.
     ///
     /// # Errors
-    /// More memory than is allowed, or interruption. A solution that did not converge is not an error: see
+    /// The memory limit would be exceeded, or the run was interrupted. A solution that did not converge is not an error: see
     /// [`ElementContact::termination`].
     ///
     /// # Panics
-    /// If there is not one separation for every cell.
+    /// If the number of separations differs from the number of cells.
     pub fn press(
         &self,
         load: Prescribed,
@@ -75,7 +76,7 @@ impl Separation<'_> {
         Ok(solved)
     }
 
-    /// Presses cells of one size, starting from the contact on cells twice as large.
+    /// Solves on cells of one size, starting from the contact on cells of twice the size.
     fn press_level(
         &self,
         grid: Grid,
@@ -132,14 +133,15 @@ impl Separation<'_> {
     }
 }
 
-/// Tolerance and most products on larger cells: cells of twice the size change the contact by more.
+/// Tolerance and largest number of products on larger cells: the change from one cell size to the next exceeds it.
 const COARSE_TOLERANCE: f64 = 1e-3;
 const COARSE_PRODUCTS: usize = 200;
 
-/// Fewest cells along a side of the coarsest grid.
+/// Smallest number of cells along a side of the coarsest grid.
 const FEWEST_CELLS: usize = 16;
 
-/// The separation on cells twice as large, of which there are enough: the mean of the two middle ones of four. A last odd column or row is left out.
+/// Separation on cells of twice the size, if enough of them remain: the mean of the two middle values of four. A last odd column or row is
+/// dropped.
 fn coarsened((grid, separation): (&Grid, &[f64]), boundary: Boundary) -> Option<(Grid, Vec<f64>)> {
     let (columns, rows) = (grid.columns() / 2, grid.rows() / 2);
     let whole = grid.columns().is_multiple_of(2) && grid.rows().is_multiple_of(2);
@@ -164,7 +166,7 @@ fn coarsened((grid, separation): (&Grid, &[f64]), boundary: Boundary) -> Option<
     Some((coarse, values))
 }
 
-/// The mean of the two middle ones of four values; the lowest if these are not finite.
+/// Mean of the two middle values of four; the lowest value if they are not finite.
 fn middle([a, b]: [f64; 2], [c, d]: [f64; 2]) -> f64 {
     let (low, high) = ((a.min(b)).max(c.min(d)), (a.max(b)).min(c.max(d)));
     let mean = 0.5 * (low + high);

@@ -1,36 +1,32 @@
 //! The contact problem on elements, as a quadratic problem with bounds.
 //!
-//! Under an indentation `zeta` the pressures minimise the energy
+//! At an indentation `zeta` the pressures minimise the energy
 //!
 //! ```text
 //! E(p) = A (1/2 p·Wp + p·(s - zeta)),   p >= 0,
 //! ```
 //!
-//! `A` the area of an element, `W` its [`Operator`] and `s` the separation of the undeformed
-//! surfaces; its gradient `v = Wp + s - zeta` is the gap. Under a force `F` they minimise the
-//! same without `zeta` among all `p >= 0` with `A Σp = F`, and `zeta` is the multiplier.
+//! with `A` the area of an element, `W` its [`Operator`] and `s` the separation of the undeformed surfaces. The gradient
+//! `v = Wp + s - zeta` is the gap. Under a force `F` they minimise the same function without `zeta` among all `p >= 0` with `A Σp = F`, and
+//! `zeta` is the multiplier.
 //!
-//! # DualityGap
+//! # Duality gap
 //!
-//! For any `p >= 0` and any lower bound `m` of `v`, the energy of `p` at the indentation
-//! `zeta + m` is at most `A Σ p (v - m)` above the minimum: the duality gap, since `W` is
-//! positive definite and `v - m >= 0` makes `p` dual feasible. Under a force it is the gap of
-//! M. Frank and P. Wolfe (Nav. Res. Logist. Q. 3, 95 (1956)). At a prescribed indentation the
-//! work `-m A Σ p` over the distance by which it is missed is added. The certificate needs
-//! nothing but the gap, so it can neither be fooled by small steps nor by a wrong contact area;
-//! iteration ends when it falls below a fraction of the elastic energy, and for no other reason.
+//! For any `p >= 0` and any lower bound `m` of `v`, the energy of `p` at the indentation `zeta + m` is at most `A Σ p (v - m)` above the
+//! minimum. This is the duality gap, since `W` is positive definite and `v - m >= 0` makes `p` dual feasible. Under a force it is the gap
+//! of M. Frank and P. Wolfe (Nav. Res. Logist. Q. 3, 95 (1956)). At a prescribed indentation the work `-m A Σ p` over the distance by which
+//! the indentation is missed is added. The bound depends only on the gap, so that neither small steps nor a wrong contact area can make it
+//! too small. The iteration converges if and only if the bound falls below a fraction of the elastic energy.
 //!
 //! # Method
 //!
-//! Conjugate gradients on the elements that bear pressure or interpenetrate, projected onto
-//! `p >= 0` (I. A. Polonsky and L. M. Keer, Wear 231, 206 (1999)), preconditioned by the
-//! operator's own approximate inverse. Directions stay conjugate, after E. Polak and G. Ribiere, as
-//! elements come and go: a restart for every element that joins makes steepest descents of nearly
-//! all steps where much is in contact. Under a force, residuals and directions lose their mean
-//! over these elements, so that pressures keep their sum. What a step does to the displacement may
-//! be known to [single precision](Operator::apply_to_step) only: before it is certified, the
-//! displacement is computed anew from the pressures. Steps that fail to lower the energy, as
-//! projection can make them, are replaced by projected gradient steps, halved until they do.
+//! Conjugate gradients on the elements that carry pressure or interpenetrate, projected onto `p >= 0` (I. A. Polonsky and L. M. Keer, Wear
+//! 231, 206 (1999)) and preconditioned by the operator's own approximate inverse. Directions stay conjugate, after E. Polak and G. Ribiere,
+//! while elements enter and leave the contact: a restart for every element that enters would turn nearly all steps into steepest descents
+//! if many elements are in contact. Under a force, the mean over these elements is subtracted from residuals and directions, so that the
+//! sum of the pressures is constant. The displacement of a step may be computed in [single precision](Operator::apply_to_step); before the
+//! duality gap is accepted, the displacement is recomputed from the pressures. Steps that do not lower the energy, which projection can
+//! cause, are replaced by projected gradient steps that are halved until they do.
 
 use crate::halfspace::elements::Operator;
 use crate::numerics::convergence::{Judgement, judge, larger, largest, smaller, within};
@@ -39,18 +35,17 @@ use crate::state::{DualityGap, Termination};
 
 pub use crate::problem::load::Prescribed;
 
-/// When to stop.
+/// Stopping criteria.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Largest certified energy error accepted, relative to the elastic energy.
+    /// Largest accepted bound on the energy error, relative to the elastic energy.
     pub tolerance: f64,
-    /// Most products with the operator.
+    /// Largest number of products with the operator.
     pub product_limit: usize,
 }
 
 impl Default for Settings {
-    /// A tolerance of 1e-8, which makes forces good to about as much: below what elements
-    /// resolve.
+    /// A tolerance of 1e-8: the relative error of forces is about the same, which is below the discretisation error.
     fn default() -> Self {
         Self {
             tolerance: 1e-8,
@@ -70,18 +65,18 @@ pub struct ElementContact {
     pub indentation: f64,
     /// Force, N.
     pub force: f64,
-    /// How well the contact conditions are met.
+    /// Bound on the energy error, and largest violation of the contact conditions.
     pub certificate: DualityGap,
-    /// Why the iteration ended.
+    /// Reason for the end of the iteration.
     pub termination: Termination,
-    /// Products with the operator.
+    /// Number of products with the operator.
     pub products: usize,
 }
 
 impl ElementContact {
-    /// Widens the certificate to elements that had no part in the solution, the lowest of whose gaps is known (m).
+    /// Extends the duality gap to elements that were not part of the solution, whose lowest gap (m) is given.
     ///
-    /// `separation` is that of the elements that had.
+    /// `separation` is that of the elements of the solution.
     pub(super) fn take_in(
         &mut self,
         lowest: f64,
@@ -98,7 +93,7 @@ impl ElementContact {
             sum += p;
             work += p * (gap + self.indentation - s);
         }
-        // As in the solution: the depth, and the work over the distance by which a prescribed indentation is missed.
+        // As in the solution: the depth, plus the work over the distance by which a prescribed indentation is missed.
         let times = match load {
             Prescribed::Indentation(_) => 2.0,
             Prescribed::Force(_) => 1.0,
@@ -111,24 +106,23 @@ impl ElementContact {
     }
 }
 
-/// Products after which the certificate must have improved, or the solver has stagnated.
+/// Number of products within which the duality gap must decrease; otherwise the solver has stagnated.
 const PATIENCE: usize = 200;
 
-/// Improvement of the certificate that counts.
+/// Factor by which the duality gap must decrease.
 const IMPROVEMENT: f64 = 0.9;
 
-/// Halvings of a projected gradient step before giving up on it.
+/// Largest number of halvings of a projected gradient step.
 const HALVINGS: usize = 40;
 
 /// Solves the contact problem.
 ///
-/// `separation` is that of the undeformed surfaces at each element (m) at no indentation,
-/// `area` that of an element (m^2), `start` pressures to start from (Pa), if any are known. All
-/// are finite: elements that can never be touched have no place here. Otherwise it ends with
-/// [`Termination::NotFinite`].
+/// `separation` is that of the undeformed surfaces at each element (m) at zero indentation, `area` that of an element (m^2), `start` the
+/// initial pressures (Pa), if any. All values must be finite; elements that can never be touched must be left out. Otherwise the solution
+/// ends with [`Termination::NotFinite`].
 ///
 /// # Panics
-/// If a length is not that of the operator.
+/// If a length differs from that of the operator.
 pub fn solve<O: Operator + ?Sized>(
     operator: &mut O,
     separation: &[f64],
@@ -142,7 +136,7 @@ pub fn solve<O: Operator + ?Sized>(
     solve_from(operator, separation, area, load, start, settings, cancel)
 }
 
-/// [Solves](solve) from pressures that become those of the contact.
+/// [Solves](solve) from initial pressures, which are overwritten by the solution.
 pub(super) fn solve_from<O: Operator + ?Sized>(
     operator: &mut O,
     separation: &[f64],
@@ -159,7 +153,7 @@ pub(super) fn solve_from<O: Operator + ?Sized>(
         termination,
         Termination::IterationLimit | Termination::Stagnated
     ) {
-        // Steps in single precision may have left errors in the displacement, which the certificate is to know.
+        // Steps in single precision may have left errors in the displacement, which the duality gap must include.
         iteration.refresh_displacement();
         iteration.assess();
     }
@@ -179,14 +173,14 @@ struct Iteration<'a, O: ?Sized> {
     /// Preconditioned residual.
     search: Vec<f64>,
     direction: Vec<f64>,
-    /// The residual while a direction is found; then `W` times the direction; then, in a step
-    /// that meets a bound, the pressures to go back to.
+    /// The residual while a direction is computed; then `W` times the direction; then, in a step that reaches a bound, the pressures to
+    /// restore.
     response: Vec<f64>,
     free: Vec<bool>,
-    /// Of these, and under a prescribed force the mean of the gap there.
+    /// Number of free elements, and under a prescribed force the mean gap of these.
     free_count: usize,
     mean_gap: f64,
-    /// Residual times preconditioned residual, of the last iteration.
+    /// Residual times preconditioned residual, of the previous iteration.
     slope: f64,
     products: usize,
     certificate: DualityGap,
@@ -237,8 +231,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         iteration
     }
 
-    /// Under a prescribed force, scales the pressures to carry it; the nearest elements begin to
-    /// where there are none.
+    /// Under a prescribed force, scales the pressures to that force. If all pressures are zero, the elements with the smallest separation
+    /// are loaded.
     fn carry_the_force(&mut self) {
         let Prescribed::Force(_) = self.load else {
             return;
@@ -274,7 +268,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             match judge(self.certificate.energy_bound, settings.tolerance) {
                 Judgement::Good if fresh => return Termination::Converged,
                 Judgement::Good => {
-                    // The displacement was carried along by increments: look again without them.
+                    // The displacement was accumulated by increments: recompute it before accepting the result.
                     self.refresh_displacement();
                     fresh = true;
                     continue;
@@ -315,7 +309,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         self.displacement[element] + self.separation[element] - self.indentation
     }
 
-    /// Finds the indentation that belongs to a force, and the certificate.
+    /// Computes the indentation that belongs to a force, and the duality gap.
     fn assess(&mut self) {
         let mut weighted = 0.0;
         let mut lowest = f64::INFINITY;
@@ -338,8 +332,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             Prescribed::Force(_) => lowest,
         };
         let depth = larger(self.indentation - lowest, 0.0);
-        // A Σ p (v - m) over the elastic energy A/2 Σ p u, and the work over the distance by
-        // which a prescribed indentation is missed.
+        // A Σ p (v - m) over the elastic energy A/2 Σ p u, plus the work over the distance by which a prescribed indentation is missed.
         let missed = match self.load {
             Prescribed::Indentation(_) => depth,
             Prescribed::Force(_) => 0.0,
@@ -360,7 +353,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         };
     }
 
-    /// Finds the elements that bear pressure or interpenetrate.
+    /// Determines the elements that carry pressure or interpenetrate.
     fn find_free(&mut self) {
         let mut sum = 0.0;
         self.free_count = 0;
@@ -376,8 +369,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         self.mean_gap = self.mean_of_free(sum);
     }
 
-    /// Under a prescribed force, which directions must leave alone, the mean over the free
-    /// elements of what has this sum; otherwise zero.
+    /// Under a prescribed force, the mean over the free elements, which is subtracted from directions, of values with this sum; otherwise
+    /// zero.
     fn mean_of_free(&self, sum: f64) -> f64 {
         match self.load {
             Prescribed::Force(_) => sum / self.free_count as f64,
@@ -385,7 +378,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         }
     }
 
-    /// The negative gradient on a free element.
+    /// Negative gradient on a free element.
     fn residual(&self, element: usize) -> f64 {
         if self.free[element] {
             self.mean_gap - self.gap(element)
@@ -394,11 +387,11 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         }
     }
 
-    /// The conjugate direction, or after a `restart` the preconditioned gradient. Returns the
-    /// slope along it, the residual times the direction.
+    /// Computes the conjugate direction, or after a `restart` the preconditioned gradient. Returns the slope along it, the residual times
+    /// the direction.
     fn find_direction(&mut self, restart: bool) -> f64 {
-        // The residual times the last preconditioned one: on the same elements the last residual
-        // times the preconditioned one to come, as preconditioners are symmetric.
+        // The residual times the previous preconditioned residual. Because preconditioners are symmetric, on the same elements it equals
+        // the previous residual times the next preconditioned one.
         let mut mixed = 0.0;
         for element in 0..self.pressure.len() {
             let residual = self.residual(element);
@@ -409,7 +402,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         clear_bound(&mut self.search, &self.free);
         let mean = self.mean_of_free(sum(&self.search));
         let slope = subtract_mean(&mut self.search, mean, &self.free, &self.response);
-        // Polak and Ribiere, restarting where it is negative.
+        // Polak and Ribiere, restarting where the factor is negative.
         let memory = if restart || self.slope <= 0.0 {
             0.0
         } else {
@@ -425,7 +418,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
                 0.0
             };
         }
-        // Elements that left the contact took their part of the direction with them.
+        // Restores the mean after elements left the contact.
         let mean = self.mean_of_free(sum(&self.direction));
         let along = subtract_mean(&mut self.direction, mean, &self.free, &self.response);
         if along > 0.0 {
@@ -435,7 +428,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         slope
     }
 
-    /// The slope of the energy over the area of an element, from the pressures kept to those that are.
+    /// Slope of the energy, divided by the area of an element, from the saved pressures to the current ones.
     fn slope_from_kept(&self) -> f64 {
         let pressures = self.pressure.iter().zip(&self.response);
         pressures
@@ -444,8 +437,7 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
             .sum()
     }
 
-    /// Goes to the minimum along the direction, on which the energy falls with the given slope,
-    /// projected onto pressures that are not negative.
+    /// Moves to the minimum along the direction, on which the energy decreases with the given slope, projected onto non-negative pressures.
     fn advance(&mut self, slope: f64) -> Step {
         self.operator
             .apply_to_step(&self.direction, &mut self.response);
@@ -481,14 +473,13 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         Step::Failed
     }
 
-    /// Returns to the pressures kept.
+    /// Restores the saved pressures.
     fn go_back(&mut self) {
         self.pressure.copy_from_slice(&self.response);
         self.refresh_displacement();
     }
 
-    /// Makes the gradient the direction; returns the step to the minimum along it, without
-    /// projection.
+    /// Sets the direction to the gradient; returns the step length to the minimum along it, without projection.
     fn turn_to_gradient(&mut self) -> f64 {
         for element in 0..self.pressure.len() {
             self.direction[element] = self.residual(element);
@@ -499,8 +490,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         dot(&self.direction, &self.direction) / dot(&self.direction, &self.search)
     }
 
-    /// From the pressures kept, sets them to the positive part of a step along the direction; says
-    /// whether that lowers the energy.
+    /// Sets the pressures to the positive part of a step from the saved pressures along the direction. Returns whether the energy
+    /// decreased.
     fn project(&mut self, length: f64) -> bool {
         for ((pressure, kept), t) in self
             .pressure
@@ -513,8 +504,8 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
         self.carry_the_force();
         let before = self.slope_from_kept();
         self.refresh_displacement();
-        // The energy is quadratic: it changes by the mean of its slopes at both ends. Near the
-        // solution its own values differ by less than their rounding.
+        // The energy is quadratic: its change is the mean of the slopes at both ends. Near the solution, the difference of two energies
+        // would be lost in rounding.
         before + self.slope_from_kept() < 0.0
     }
 
@@ -541,15 +532,15 @@ impl<'a, O: Operator + ?Sized> Iteration<'a, O> {
     }
 }
 
-/// What came of a step.
+/// Result of a step.
 enum Step {
-    /// It went to the minimum, and no pressure became negative on the way.
+    /// The step reached the minimum, and no pressure became negative.
     Plain,
-    /// Negative pressures were set to zero, and the energy is lower.
+    /// Negative pressures were set to zero, and the energy decreased.
     Projected,
-    /// The projected gradient was followed instead.
+    /// The projected gradient was used instead.
     Gradient,
-    /// No step lowers the energy any more.
+    /// No step decreases the energy.
     Failed,
 }
 
@@ -567,7 +558,7 @@ fn add_scaled(sum: &mut [f64], factor: f64, values: &[f64]) {
     }
 }
 
-/// Sets what is not free to zero.
+/// Sets the values of elements that are not free to zero.
 fn clear_bound(values: &mut [f64], free: &[bool]) {
     for (value, free) in values.iter_mut().zip(free) {
         if !free {
@@ -661,7 +652,7 @@ mod tests {
 
     #[test]
     fn certificate_bounds_the_energy_error() {
-        // Against a solution ten thousand times as exact.
+        // Compared to a solution with a tolerance smaller by a factor of ten thousand.
         let energy = |contact: &ElementContact| -> f64 {
             let (_, separation, _) = sphere();
             contact
@@ -713,7 +704,7 @@ mod tests {
         assert!(contact.pressure.iter().all(|p| p.abs() < f64::MIN_POSITIVE));
     }
 
-    /// An operator that gives one displacement that is none.
+    /// Mock operator that returns one displacement that is not a number.
     struct Odd(Dense, f64);
 
     impl Operator for Odd {
@@ -756,7 +747,7 @@ mod tests {
                     let mut start = vec![1.0; separation.len()];
                     start[element] = odd;
                     let ended = solve(&mut operator, &separation, Some(start.as_slice()));
-                    // A negative start counts as none.
+                    // Negative initial pressures are set to zero.
                     assert!(
                         odd < 0.0 || ended == Termination::NotFinite,
                         "{load:?} {odd}"

@@ -1,37 +1,32 @@
-//! A lens or a plate pressed onto any surface, by elements.
+//! A lens or a plate pressed onto an arbitrary surface, with boundary elements.
 //!
-//! Every cell of a [`HeightMap`] may be touched: the floor between pillars is a part of the
-//! surface like their tops, so that the contact goes on past the transition. Both bodies are
-//! elastic half-spaces without friction, as in [`crate::problem`]; a pillar with a compliance sinks
-//! as a column besides, and floor cells do not.
+//! Every cell of a [`HeightMap`] may be touched: the floor between pillars is part of the surface like their tops, so that the contact can
+//! be computed past the transition. Both bodies are elastic half-spaces without friction, as in [`crate::problem`]; a pillar with a
+//! compliance also shortens as a column, floor cells do not.
 //!
 //! # Indentation
 //!
-//! On a half-space that stands free it counts from where the lowest point of the lens, or the
-//! plate, is level with the highest point of the surface, wherever that is. Displacements under
-//! pressure are never negative there, so that only cells with a separation of the undeformed
-//! surfaces below the indentation can be touched, and of those the ones where pressure is likely are
-//! unknowns, until no other interpenetrates. Under a
-//! prescribed force the indentation found with some of them is an upper bound of the true one;
-//! their number grows until it is below all separations left out.
+//! On a free half-space the indentation is zero where the lowest point of the lens, or the plate, is level with the highest point of the
+//! surface, wherever that is. Displacements under pressure are never negative there, so that only cells with a separation of the undeformed
+//! surfaces below the indentation can be touched. Of these, the unknowns are the cells of an active set, which grows until no other cell
+//! interpenetrates. Under a prescribed force, the indentation computed with some of the cells is an upper bound of the true one; their
+//! number increases until the bound is below all separations left out.
 //!
-//! On a periodic half-space the mean pressure would cause an infinite displacement, and the mean
-//! displacement is left out ([`PeriodicConvolution`](crate::halfspace::elements::PeriodicConvolution)): the
-//! indentation is that beyond the mean displacement of the surface. It grows from zero at first
-//! contact to the mean separation at full contact, for any pressure beyond; prescribe a force
-//! there. A force is that on one period: the mean pressure times its area.
+//! On a periodic half-space the mean pressure would cause an infinite displacement. The mean displacement is therefore left out
+//! ([`PeriodicConvolution`](crate::halfspace::elements::PeriodicConvolution)): the indentation is relative to the mean displacement of the
+//! surface. It increases from zero at first contact to the mean separation at full contact, and stays constant for higher pressures;
+//! prescribe a force in that range. A force is that on one period: the mean pressure times its area.
 //!
 //! # Error estimate
 //!
-//! The contact is solved on cells four times and twice as large first, which gives a start, and
-//! the error estimate is the difference of the last two, or that of the first two if that
-//! is larger: elements converge in proportion to their size at least, so that this is twice what is left, but
-//! pillars of a few cells do so unsteadily, and on [round tops](SurfaceSystem::with_round_tops) it is
-//! tripled. Measured heights are averaged on the larger cells, so that it contains the effect of the
-//! smallest wavelengths.
+//! The contact is first solved on cells of four times and twice the size, which provides a start. The error estimate is the larger of the
+//! last two differences between these solutions. Elements converge at least in proportion to their size, so that the estimate is twice the
+//! remaining error; on pillars of a few cells convergence is irregular, and on [round tops](SurfaceSystem::with_round_tops) the estimate is
+//! multiplied by three. Measured heights are averaged on the larger cells, so that the estimate includes the effect of the shortest
+//! wavelengths.
 //!
-//! A contact area is a number of whole cells. Its error is estimated in the same way, and is never less than
-//! a part of the cells along the edge of the contact, which are counted whole or not at all.
+//! A contact area is a number of whole cells. Its error is estimated in the same way, and is never smaller than a fraction of the cells
+//! along the edge of the contact, which are counted fully or not at all.
 
 use super::surface_level::{Level, Pressed, check_whole};
 use crate::numerics::convergence::larger;
@@ -41,17 +36,16 @@ use crate::state::{
 };
 
 impl SurfaceSystem {
-    /// The contact under what is prescribed.
+    /// Computes the contact at a prescribed load.
     ///
-    /// Under [`Load::FloorContact`] it is the state just before the floor bears pressure, with the floor touched and
-    /// not loaded. It is found with the floor taken away: the gap to where it was falls steadily with the
-    /// indentation, as no free part of the surface is moved by more than the parts in contact.
+    /// With [`Load::FloorContact`] the result is the state just before the floor carries pressure: the floor is touched and not loaded. It
+    /// is computed without the floor: the gap to the original floor decreases monotonically with the indentation, because no free part of
+    /// the surface moves farther than the parts in contact.
     ///
     /// # Errors
-    /// A load that cannot be, a contact too large for the lens, the period or the memory
-    /// allowed, [`SolveError::NoFloor`] if a floor is to be reached and no cell is one, or interruption: see
-    /// [`SolveError`]. A solution that did not converge is not an
-    /// error: it says so in [`SurfaceContact::termination`].
+    /// An invalid load, a contact too large for the lens, the period or the memory limit, [`SolveError::NoFloor`] if floor contact is
+    /// requested and no cell is floor, or interruption: see [`SolveError`]. A solution that did not converge is not an error; it is
+    /// reported by [`SurfaceContact::termination`].
     pub fn press(&self, control: Load, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
         let control = self.checked(control)?;
         let removed_floor = match control {
@@ -64,7 +58,7 @@ impl SurfaceSystem {
         for surface in self.levels() {
             let mut level = Level::new(self, surface, removed_floor, run);
             if removed_floor.is_some() && !level.has_floor() {
-                // Large cells may miss a small floor; the last level are the cells themselves.
+                // Large cells may not resolve a small floor; the last level has the original cells.
                 continue;
             }
             if let Some((last, pressed)) = &solved {
@@ -95,7 +89,7 @@ impl SurfaceSystem {
             && level.contact_area() <= 0.0
             && level.is_touched_between_centres(indentation)
         {
-            // Nothing is known of what cells miss.
+            // The error due to a contact that the cells do not resolve is unknown.
             (*force, *area) = (1.0, 1.0);
         }
         let safety = self.round_tops().map_or(1.0, |_| SAFETY_ON_DISCS);
@@ -121,8 +115,8 @@ impl SurfaceSystem {
         .checked()
     }
 
-    /// The critical state: the first indentation at which the [floor](Self::floor) bears pressure.
-    /// It is [`press`](Self::press) with [`Load::FloorContact`], and where the floor is touched.
+    /// Computes the critical state: the first indentation at which the [floor](Self::floor) carries pressure. It equals
+    /// [`press`](Self::press) with [`Load::FloorContact`], plus the position of the floor contact.
     ///
     /// # Errors
     /// As [`press`](Self::press).
@@ -140,7 +134,7 @@ impl SurfaceSystem {
         })
     }
 
-    /// The surface on larger and larger cells, largest first.
+    /// The surface on levels of decreasing cell size, coarsest first.
     fn levels(&self) -> Vec<HeightMap> {
         let mut levels = vec![self.surface.clone()];
         while levels.len() < LEVELS
@@ -161,24 +155,25 @@ impl SurfaceSystem {
         levels
     }
 
-    /// The load, relative to the size of a cell.
+    /// Validates the load, with the cell size as the length scale.
     fn checked(&self, control: Load) -> Result<Load, SolveError> {
         let [width, height] = self.surface.grid().cell();
         Ok(control.checked(0.5 * width.min(height), self.reduced_modulus())?)
     }
 }
 
-/// Levels of cells to solve on.
+/// Number of levels.
 const LEVELS: usize = 3;
 
-/// Fewest cells along a side of the surface on the coarsest level.
+/// Smallest number of cells along a side of the surface on the coarsest level.
 const FEWEST_CELLS: usize = 16;
 
-/// Factor of the changes of force and indentation on round tops: how well cells cover discs depends on where these are, so that both changes may be
-/// small by chance. Without it 7 of 100 forces on random lattices were up to 2.2 times the estimates away from the spectral method.
+/// Factor on the differences of force and indentation on round tops. How well cells cover discs depends on the positions of the discs, so
+/// that both differences may be small by chance. Without it, 7 of 100 forces on random lattices differed from the spectral method by up to
+/// 2.2 times the estimates.
 const SAFETY_ON_DISCS: f64 = 3.0;
 
-/// Relative errors of the last of some numbers on smaller and smaller cells.
+/// Relative errors of the last values of a sequence on cells of decreasing size.
 fn changes<const COUNT: usize>(history: &[[f64; COUNT]]) -> Option<[f64; COUNT]> {
     let (&last, coarser) = history.split_last()?;
     let &before = coarser.last()?;
@@ -188,7 +183,7 @@ fn changes<const COUNT: usize>(history: &[[f64; COUNT]]) -> Option<[f64; COUNT]>
         if change == 0.0 {
             0.0
         } else if last[k] == 0.0 {
-            // There is something on larger cells only: nothing is known.
+            // Contact exists only on larger cells: the error is unknown.
             1.0
         } else {
             change / last[k]
@@ -219,7 +214,7 @@ mod tests {
         system.press(load, &Run::default()).unwrap()
     }
 
-    /// The lens comes down between the centres of four cells.
+    /// The first contact is between the centres of four cells.
     #[test]
     fn a_contact_that_cells_miss_is_no_answer() {
         for (indentation, is_answer) in [(0.0, true), (1e-10, false)] {
@@ -231,7 +226,7 @@ mod tests {
         assert_eq!((found.quantity, found.error), ("force", 1.0));
     }
 
-    /// As where something is in contact on larger cells only.
+    /// As if something were in contact on larger cells only.
     #[test]
     fn an_error_of_nothing_counts() {
         let error = Some(ErrorEstimate {
@@ -285,7 +280,7 @@ mod tests {
             let history = forces.map(|force| [force, 1.0]);
             changes(&history).unwrap()[0]
         };
-        // Twice what is left where cells converge in proportion to their size, and all of an unsteady change.
+        // Twice the remaining error if cells converge in proportion to their size; the whole difference if convergence is irregular.
         assert!((of_forces([0.7, 0.9, 1.0]) - 0.2).abs() < 1e-12);
         assert!((of_forces([0.5, 1.0, 1.0]) - 0.5).abs() < 1e-12);
         assert!((of_forces([0.9, 0.9, 1.0]) - 0.1).abs() < 1e-12);
@@ -294,7 +289,7 @@ mod tests {
             forces[place] = f64::NAN;
             assert!(of_forces(forces).is_nan());
         }
-        // Touched on large cells only: nothing is known.
+        // Touched on large cells only: the error is unknown.
         assert!((of_forces([0.2, 0.1, 0.0]) - 1.0).abs() < 1e-12);
     }
 }

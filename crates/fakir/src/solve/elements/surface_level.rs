@@ -17,55 +17,53 @@ use crate::state::{
 };
 use std::f64::consts::PI;
 
-/// Relative energy error of every solution: its force is then good to about as much.
+/// Relative energy error of every solution; the force has about the same relative error.
 const TOLERANCE: f64 = 1e-9;
 
-/// The floor gap is closed to this fraction of the indentation.
+/// Tolerance of the floor gap at the critical state, as a fraction of the indentation.
 const FLOOR_TOLERANCE: f64 = 1e-6;
 
-/// Most solutions at one level in search of the critical indentation.
+/// Largest number of solutions per level in the search for the critical indentation.
 const SEARCH_LIMIT: usize = 60;
 
-/// Cells to begin with under a prescribed force, and the factor by which they grow.
+/// Initial number of cells under a prescribed force, and the factor by which it grows.
 const FIRST_CELLS: usize = 64;
 const GROWTH: usize = 4;
 
-/// Cells are sought up to this multiple of the indentation that is expected.
+/// Cells are included up to this multiple of the expected indentation.
 const MARGIN: f64 = 1.03;
 
-/// A surface that ends within reach of the lens has to be wider by this factor at the least.
+/// Smallest factor by which a surface that ends within reach of the lens must be widened.
 const GROWN: f64 = 1.25;
 
-/// Part of the indentation by which the lens may be below the surface at the border: contact
-/// conditions are met to less.
+/// Fraction of the indentation by which the lens may be below the surface at the border: larger than the tolerance of the contact
+/// conditions.
 const BORDER_TOLERANCE: f64 = 1e-6;
 
-/// Part of a cell that may be missing or too much at every side of a cell along the edge of a contact: under a sphere 0.64 cells along the radius of the
-/// disc, of which 0.14 are missing at the least and 0.47 too many at most (test of areas under a sphere).
+/// Uncertain fraction of a cell per side of a cell along the edge of a contact. Under a sphere, the contact radius is uncertain by 0.64
+/// cells, of which at least 0.14 are missing and at most 0.47 in excess (test of areas under a sphere).
 const EDGE: f64 = 0.25;
 
-/// Bytes for every cell of the surface: the heights, separation, start and the fields that are
-/// returned.
+/// Memory per cell of the surface, bytes: heights, separation, start and the returned fields.
 const BYTES_PER_CELL: usize = 60;
 
-/// Pillars whose cells cover another area than that of their round top by more than this
-/// fraction are no round tops.
+/// Pillars whose cell area differs from that of their round top by more than this fraction are not treated as round.
 const ROUND: f64 = 0.4;
 
-/// The floor cells that may be touched, among all cells that may.
+/// The floor cells that may be touched, as part of all cells that may be touched.
 struct FloorCells<'a> {
     bound: f64,
     cells: Cells,
     operator: HalfSpace<'a>,
 }
 
-/// Forces and pressures on the cells of one size.
+/// Solution on the cells of one size.
 pub(super) struct Pressed {
     pub(super) indentation: f64,
     pub(super) force: f64,
     certificate: DualityGap,
     termination: Termination,
-    /// The cell in which the floor was reached, if that was sought.
+    /// The cell in which the floor was reached, if that was the target.
     floor_cell: Option<usize>,
 }
 
@@ -74,19 +72,19 @@ pub(super) struct Level<'a> {
     system: &'a SurfaceSystem,
     run: &'a Run<'a>,
     surface: HeightMap,
-    /// Separation of the undeformed surfaces of every cell.
+    /// Separation of the undeformed surfaces at every cell.
     separation: Vec<f64>,
-    /// Whether a cell is floor, where that is taken away.
+    /// Whether a cell is floor, if the floor is removed.
     floor: Option<Vec<bool>>,
-    /// Pressure on every cell: what to start from, or the solution.
+    /// Pressure on every cell: the start, or the solution.
     pressure: Vec<f64>,
-    /// Sinking of every pillar under a unit force, m/N.
+    /// Shortening of every pillar per unit force, m/N.
     column_compliance: Vec<f64>,
-    /// Indentation that is expected.
+    /// Expected indentation.
     expected: Option<f64>,
-    /// Slope of the floor gap over the indentation, as far as it is known.
+    /// Derivative of the floor gap with respect to the indentation, if available.
     floor_slope: Option<f64>,
-    /// The largest separation of cells that may bear pressure.
+    /// Largest separation of cells that may carry pressure.
     bound: f64,
     active: ActiveCells<'a>,
     floor_cells: Option<FloorCells<'a>>,
@@ -94,7 +92,7 @@ pub(super) struct Level<'a> {
 }
 
 impl<'a> Level<'a> {
-    /// The surface; with the floor taken away, if it is named.
+    /// The surface; without the floor if `floor` is given.
     pub(super) fn new(
         system: &'a SurfaceSystem,
         surface: HeightMap,
@@ -124,14 +122,14 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// Whether the lens could reach any of the floor.
+    /// Whether the lens could reach any part of the floor.
     pub(super) fn has_floor(&self) -> bool {
         let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
         let mut reachable = floor.iter().zip(&self.separation);
         reachable.any(|(floor, separation)| *floor && separation.is_finite())
     }
 
-    /// Starts from the pressures on cells twice as large.
+    /// Starts from the pressures on cells of twice the size.
     pub(super) fn start_from(&mut self, coarse: &Level<'_>, indentation: f64) {
         self.expected = Some(indentation);
         self.floor_slope = coarse.floor_slope;
@@ -164,7 +162,7 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// Takes in cells until none that is left out can be touched.
+    /// Adds cells until none of the remaining ones can be touched.
     fn press_with_force(&mut self, force: f64) -> Result<Pressed, SolveError> {
         let mut bound = match self.expected {
             Some(expected) => MARGIN * expected,
@@ -180,14 +178,13 @@ impl<'a> Level<'a> {
             if count == self.count_up_to(farthest) || pressed.indentation <= bound {
                 return Ok(pressed);
             }
-            // With fewer cells to bear the force the indentation is larger: enough is known.
+            // With fewer cells the indentation under the same force is larger: it bounds the separation of the cells needed.
             let more = self.nearest(GROWTH * count.max(FIRST_CELLS));
             bound = pressed.indentation.min(more);
         }
     }
 
-    /// The indentation on a smooth surface, `(3 F c/(4 sqrt R))^(2/3)` after Hertz: rough ones
-    /// take more.
+    /// Indentation on a smooth surface, `(3 F c/(4 sqrt R))^(2/3)` after Hertz. Rough surfaces need more.
     fn smooth_indentation(&self, force: f64) -> f64 {
         match self.system.indenter() {
             Indenter::Lens(lens) => {
@@ -198,7 +195,7 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// The separation that this many cells do not exceed.
+    /// The separation that is not exceeded by this many cells.
     fn nearest(&self, count: usize) -> f64 {
         let mut separation: Vec<f64> = self
             .separation
@@ -217,7 +214,7 @@ impl<'a> Level<'a> {
         self.separation.iter().filter(|s| **s <= separation).count()
     }
 
-    /// A uniform pressure works against the mean separation alone, unless there are columns, or layers that it squeezes.
+    /// A uniform pressure changes only the mean separation, unless there are columns, or layers that it compresses.
     fn check_periodic_indentation(&self, indentation: f64) -> Result<(), SolveError> {
         let mean_separation = self.separation.iter().sum::<f64>() / self.separation.len() as f64;
         let limited = self.system.boundary() == Boundary::Periodic
@@ -237,20 +234,20 @@ impl<'a> Level<'a> {
         Ok(())
     }
 
-    /// Whether displacements can be negative: periodic surfaces rise between what is pressed, and layers around it.
+    /// Whether displacements can be negative: periodic surfaces and layers rise around the contact.
     fn rises(&self) -> bool {
         self.system.boundary() == Boundary::Periodic || self.system.has_layers()
     }
 
-    /// Lets cells with a separation up to `bound` bear pressure; all where displacements can be negative. None too far out for the lens: a
-    /// contact that reaches the last of those kept is refused.
+    /// Lets cells with a separation up to `bound` carry pressure, or all cells where displacements can be negative. Cells too far out for
+    /// the lens are excluded: a contact that reaches the last of the others is refused.
     fn allow(&mut self, bound: f64) {
         let bound = if self.rises() { f64::MAX } else { bound };
         self.bound = self.bound.max(bound);
     }
 
-    /// Separation beyond which a contact is too large for the lens: that of half its radius, at
-    /// the lowest point of the surface, and some more.
+    /// Separation beyond which a contact is too large for the lens: slightly more than that at the largest allowed contact radius, from the
+    /// lowest point of the surface.
     fn farthest_allowed(&self) -> f64 {
         match self.system.indenter() {
             Indenter::Lens(lens) => {
@@ -273,7 +270,7 @@ impl<'a> Level<'a> {
         HalfSpace::memory_estimate(self.system.boundary(), cells, threads)
     }
 
-    /// Whether `bytes` for `cells` of them fit the memory allowed, with the fields.
+    /// Returns an error unless `bytes` for `cells` cells, plus the fields, fit in the memory limit.
     fn check_memory(&self, cells: usize, bytes: usize) -> Result<(), SolveError> {
         let fields = BYTES_PER_CELL * self.separation.len();
         let whole = self.system.surface().grid();
@@ -288,7 +285,7 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// Solves from the pressures known.
+    /// Solves from the current pressures.
     fn solve(&mut self, load: Prescribed) -> Result<Pressed, SolveError> {
         self.check_cancelled()?;
         let settings = Settings {
@@ -353,7 +350,7 @@ impl<'a> Level<'a> {
         })
     }
 
-    /// Refuses contacts too large for the lens or the period.
+    /// Refuses contacts that are too large for the lens or the period.
     fn check_extent(&self) -> Result<(), SolveError> {
         let Indenter::Lens(lens) = self.system.indenter() else {
             return Ok(());
@@ -400,7 +397,7 @@ impl<'a> Level<'a> {
         self.loaded().count() as f64 * self.surface.grid().cell_area()
     }
 
-    /// Whether the undeformed lens is below a part of a cell at an indentation, where it may not be below its centre.
+    /// Whether the undeformed lens is below some part of a cell at an indentation, although it may be above its centre.
     pub(super) fn is_touched_between_centres(&self, indentation: f64) -> bool {
         let Indenter::Lens(lens) = self.system.indenter() else {
             return false;
@@ -418,20 +415,20 @@ impl<'a> Level<'a> {
             })
     }
 
-    /// What the floor carries, if it is known which part of the surface that is.
+    /// Load and area of the floor, if the surface defines a floor.
     pub(super) fn on_floor(&self) -> Share {
         let shares = self.system.floor().map(|floor| self.shares(floor));
         shares.unwrap_or_default().floor
     }
 
-    /// Part of the contact area that is uncertain along its edge, where cells count whole or not at all: [`EDGE`] of a cell for every side
-    /// that a cell in contact shares with one that is not.
+    /// Fraction of the contact area that is uncertain along its edge, where cells are counted fully or not at all: [`EDGE`] of a cell for
+    /// every side that a cell in contact shares with one that is not.
     pub(super) fn part_along_edge(&self) -> f64 {
         let grid = self.surface.grid();
         let (columns, rows) = (grid.columns(), grid.rows());
         let goes_on = self.system.boundary() == Boundary::Periodic;
         let is_loaded = |column: usize, row: usize| self.pressure[row * columns + column] > 0.0;
-        // Whether the edge is between a cell and the next one in a direction in which there are so many.
+        // Index of the next cell along a direction with `count` cells; `None` at a border that is not periodic.
         let next = |place: usize, count: usize| match place + 1 {
             next if next < count => Some(next),
             _ => goes_on.then_some(0),
@@ -448,7 +445,7 @@ impl<'a> Level<'a> {
         EDGE * sides as f64 / loaded as f64
     }
 
-    /// Raises the indentation until the gap to the floor that was taken away is closed.
+    /// Increases the indentation until the gap to the removed floor is closed.
     pub(super) fn close_floor(&mut self) -> Result<Pressed, SolveError> {
         let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
         let lowest = self
@@ -458,8 +455,8 @@ impl<'a> Level<'a> {
             .filter(|(_, floor)| **floor)
             .map(|(separation, _)| *separation)
             .fold(f64::INFINITY, f64::min);
-        // The nearest point of the floor is touched at this indentation
-        // under no pressure, and later under any, unless it rises as the tops sink.
+        // The nearest point of the floor is touched at this indentation without pressure, and at a larger one with any pressure, unless it
+        // rises as the tops sink.
         let least = if self.rises() { 0.0 } else { lowest };
         let start = self.expected.unwrap_or(lowest).max(least);
         let mut closing = Closing::new(start, least, self.floor_slope);
@@ -491,7 +488,7 @@ impl<'a> Level<'a> {
         })
     }
 
-    /// The smallest gap to the floor, and the cell that has it.
+    /// The smallest gap to the floor, and its cell.
     fn floor_gap(&mut self, indentation: f64) -> Result<(f64, usize), SolveError> {
         let reusable = self.floor_cells.take();
         let known = match reusable.filter(|known| known.bound >= indentation) {
@@ -516,8 +513,8 @@ impl<'a> Level<'a> {
         }))
     }
 
-    /// The lowest point near a floor cell whose gap is the smallest: that of the parabola through it and its neighbours, along x and along y.
-    /// The centre of the cell where these are no floor of its height, on which the gap is not smooth.
+    /// The lowest point near the floor cell with the smallest gap: that of the parabola through it and its neighbours, along x and along y.
+    /// The centre of the cell if the neighbours are not floor at the same height, where the gap is not smooth.
     fn lowest_near(
         &self,
         cell: usize,
@@ -544,7 +541,7 @@ impl<'a> Level<'a> {
             let [before, after] = sides.map(|side| gap[side]);
             let (slope, curvature) = (0.5 * (after - before), before - 2.0 * gap[cell] + after);
             let shift = -slope / curvature;
-            // Neighbours may be so far from the lens that nothing is known of them.
+            // Neighbours may be so far from the lens that their gap is unknown.
             if shift.abs() < 1.0 {
                 lowest += 0.5 * slope * shift;
                 point[axis] += shift * grid.cell()[axis];
@@ -553,7 +550,7 @@ impl<'a> Level<'a> {
         (lowest, point)
     }
 
-    /// All cells with a separation up to `bound`, floor or not; where displacements can be negative all.
+    /// All cells with a separation up to `bound`, floor or not; all cells where displacements can be negative.
     fn floor_cells_up_to(&self, bound: f64) -> Result<FloorCells<'a>, SolveError> {
         let bound = if self.rises() { f64::MAX } else { bound };
         let grid = self.surface.grid();
@@ -567,7 +564,7 @@ impl<'a> Level<'a> {
         })
     }
 
-    /// What the floor bears, and the rest of the surface.
+    /// Load and area of the floor and of the rest of the surface.
     fn shares(&self, floor: Floor) -> LoadSharing {
         let mut shares = LoadSharing::default();
         let area = self.surface.grid().cell_area();
@@ -583,7 +580,7 @@ impl<'a> Level<'a> {
         shares
     }
 
-    /// The smallest gap to the floor, and where it is.
+    /// The smallest gap to the floor, and its position.
     fn nearest_floor(&self, floor: Floor, pressed: &Pressed, gap: &[f64]) -> Option<(f64, Point)> {
         let floor_cells = (0..gap.len()).filter(|cell| floor.contains(&self.surface, *cell));
         let nearest = floor_cells.min_by(|a, b| gap[*a].total_cmp(&gap[*b]));
@@ -593,7 +590,7 @@ impl<'a> Level<'a> {
         lowest.is_finite().then_some((lowest, point))
     }
 
-    /// The fields on the whole grid; errors are estimated by others.
+    /// Computes the fields on the whole grid. Error estimates are added by the caller.
     pub(super) fn finish(mut self, pressed: &Pressed) -> Result<SurfaceContact, SolveError> {
         self.active = ActiveCells::default();
         self.floor_cells = None;
@@ -650,11 +647,10 @@ impl<'a> Level<'a> {
         Ok(displacement)
     }
 
-    /// Refuses a lens that could touch more of the surface than the grid has of it.
+    /// Refuses a lens that could touch the surface beyond the grid.
     ///
-    /// On a free half-space no displacement is negative, so that nothing is touched where the
-    /// separation of the undeformed surfaces is larger than the indentation: a grid as wide as that
-    /// has all of the contact. On layers displacements are looked at alone.
+    /// On a free half-space no displacement is negative, so that nothing is touched where the separation of the undeformed surfaces exceeds
+    /// the indentation: a grid as wide as that contains the whole contact. On layers only the displacements are checked.
     fn check_border(&self, displacement: &[f64], indentation: f64) -> Result<(), SolveError> {
         let (Indenter::Lens(lens), Boundary::FreeSpace) =
             (self.system.indenter(), self.system.boundary())
@@ -677,7 +673,7 @@ impl<'a> Level<'a> {
         let reach = (depth * (2.0 * lens.radius - depth)).sqrt();
         let reach = if self.rises() { RISING * reach } else { reach };
         let most = LARGEST_CONTACT * lens.radius;
-        // Wider in any case: the reach is found with the contact cut off.
+        // Always wider than now: the reach was computed with a truncated contact.
         let needed = (2.0 * MARGIN * reach.min(most)).max(GROWN * sides[0].max(sides[1]));
         Err(SolveError::SurfaceEnds { sides, needed })
     }
@@ -701,7 +697,7 @@ impl<'a> Level<'a> {
                 warnings.push(Warning::LargeContact { ratio });
             }
         }
-        // A plate is low everywhere, but bears on nothing where there is no surface.
+        // A plate is low everywhere, but carries no load where there is no surface.
         let level = match self.system.indenter() {
             Indenter::Lens(_) => self.system.surface().highest(),
             Indenter::Flat(_) => f64::NEG_INFINITY,
@@ -715,8 +711,7 @@ impl<'a> Level<'a> {
     }
 }
 
-/// Height of the highest cell in a band along the border, an eighth of the surface wide: what the
-/// surface is like outside, as far as it tells.
+/// Height of the highest cell in a band along the border, an eighth of the surface wide: the estimate of the surface outside the grid.
 fn highest_near_border(surface: &HeightMap) -> f64 {
     let grid = surface.grid();
     let band = |count: usize| count.div_ceil(8);
@@ -741,7 +736,7 @@ fn is_on_border(grid: &Grid, cell: usize) -> bool {
     at_end(column, grid.columns()) || at_end(row, grid.rows())
 }
 
-/// The centre of a cell as seen from the lens axis; in a periodic surface from the nearest one.
+/// Centre of a cell relative to the lens axis; on a periodic surface, relative to the nearest image of the axis.
 fn from_axis(system: &SurfaceSystem, grid: &Grid, cell: usize) -> [f64; 2] {
     let mut centre = grid.centre(cell % grid.columns(), cell / grid.columns());
     if system.boundary() == Boundary::Periodic {
@@ -754,8 +749,7 @@ fn from_axis(system: &SurfaceSystem, grid: &Grid, cell: usize) -> [f64; 2] {
     centre
 }
 
-/// Separation of the undeformed surfaces when the lowest point of the indenter is level with the
-/// highest of the surface as it was given.
+/// Separation of the undeformed surfaces with the lowest point of the indenter level with the highest point of the original surface.
 fn separation(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
     let highest = system.surface().highest();
     surface
@@ -775,8 +769,7 @@ fn separation(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
         .collect()
 }
 
-/// How far each pillar sinks under a unit force, with what its cells lack of the compliance of a
-/// round top.
+/// Shortening of each pillar per unit force, plus the difference between the compliance of a round top and that of its cells.
 fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
     let Some(pillars) = surface.pillars() else {
         return Vec::new();
@@ -812,13 +805,13 @@ fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
         .collect()
 }
 
-/// Whether the fields of a surface on a grid fit the memory allowed.
+/// Returns an error unless the fields of a surface on a grid fit in the memory limit.
 pub(super) fn check_fields(grid: &Grid, run: &Run<'_>) -> Result<(), SolveError> {
     let cells = grid.cell_count();
     check_memory(grid, grid, cells, BYTES_PER_CELL * cells, run)
 }
 
-/// Whether these fit, with the operator that makes them in the end.
+/// The same, including the operator that computes them at the end.
 pub(super) fn check_whole(system: &SurfaceSystem, run: &Run<'_>) -> Result<(), SolveError> {
     let grid = system.surface().grid();
     let threads = run.pool.map_or(1, rayon::ThreadPool::current_num_threads);
@@ -828,7 +821,7 @@ pub(super) fn check_whole(system: &SurfaceSystem, run: &Run<'_>) -> Result<(), S
     check_memory(grid, grid, cells.len(), fields + operator, run)
 }
 
-/// Whether `bytes` for `cells` of the surface on a level fit the memory allowed.
+/// Returns an error unless `bytes` for `cells` cells of a level fit in the memory limit.
 fn check_memory(
     whole: &Grid,
     level: &Grid,
@@ -846,7 +839,7 @@ fn check_memory(
         bytes,
         limit,
         cell: side(whole),
-        // Memory goes as the number of cells; a tenth to spare.
+        // Memory is proportional to the number of cells; with a margin of a tenth.
         suggested_cell: 1.1 * side(level) * (bytes as f64 / limit as f64).sqrt(),
     })
 }

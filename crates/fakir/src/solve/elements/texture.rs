@@ -1,4 +1,4 @@
-//! A texture with its floor, by elements: for a second opinion past the transition.
+//! A pillar pattern with its floor, with boundary elements: an independent check past the transition.
 //!
 //! The cells cover pillar tops and floor alike, and the discs are matched to flat punches.
 
@@ -14,7 +14,7 @@ use crate::state::{
 };
 use std::collections::HashMap;
 
-/// The contact on so many cells across a pillar, on a grid that holds all within `reach` (m) of the lens axis.
+/// The contact with a given number of cells across a pillar, on a grid that contains all points within `reach` (m) of the lens axis.
 ///
 /// Single pillars and fields are not returned.
 ///
@@ -35,10 +35,10 @@ pub(crate) fn press_with_floor(
         what: "cell of the surface",
     };
     let grid = grid(system, cells_per_diameter, reach).map_err(|_| impossible.clone())?;
-    // Better known before the surface is drawn.
+    // Check before the surface is drawn.
     check_fields(&grid, run)?;
     let surface = surface_system(system, sphere, &pillars, &grid).map_err(|_| impossible)?;
-    // Elements count the indentation from the highest pillar, others from the common height.
+    // Boundary elements measure the indentation from the highest pillar, other methods from the common height.
     let raised = surface.surface().highest() - system.pillar().height;
     let control = control.map(|indentation| indentation + raised, |force| force);
     let contact = surface.press(control, run)?;
@@ -55,15 +55,15 @@ pub(crate) fn press_with_floor(
     ))
 }
 
-/// Cells that hold all within `reach` (m) of the lens axis.
+/// Grid that contains all points within `reach` (m) of the lens axis.
 fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, InvalidGrid> {
     let cell = system.pillar().diameter / cells_per_diameter as f64;
-    // Three levels of cells.
+    // A multiple of 8 for three levels of cells.
     let count = 8 * (reach / (4.0 * cell)).ceil() as usize;
     Grid::centred(count, count, cell)
 }
 
-/// The texture on cells.
+/// The pattern on cells.
 fn surface_system(
     system: &System,
     sphere: Lens,
@@ -77,7 +77,7 @@ fn surface_system(
     let surface = surface.with_layers(layers[0], layers[1])?;
     let surface = surface.with_round_tops(system.pillar().diameter)?;
     let surface = surface.with_floor(Floor::OffPillars);
-    // Where pillars differ, or end, what goes on around the grid is not like what is highest in it.
+    // If pillars differ or end, the surroundings of the grid do not resemble its highest part.
     let arrangement = system.arrangement();
     Ok(
         if arrangement.is_finite() || !arrangement.has_equal_pillars() {
@@ -88,7 +88,7 @@ fn surface_system(
     )
 }
 
-/// Heights of the cells and the pillars that they belong to.
+/// Heights of the cells, and the pillars that they belong to.
 fn drawn(
     system: &System,
     pillars: &[PlacedPillar],
@@ -124,7 +124,7 @@ fn drawn(
     HeightMap::new(*grid, heights)?.with_pillars(PillarColumns { labels, compliance })
 }
 
-/// A contact on cells as one of pillars and floor.
+/// Converts a contact on cells to a state of pillars and floor.
 fn state(
     system: &System,
     pillars: &[PlacedPillar],
@@ -141,7 +141,7 @@ fn state(
         let label = labels.map_or(HeightMap::NO_PILLAR, |labels| labels[cell]);
         (label != HeightMap::NO_PILLAR).then_some(label)
     };
-    // For every touched pillar, how many of its cells are, and how many are not.
+    // Number of loaded and of unloaded cells of every touched pillar.
     let mut touched: HashMap<u32, [usize; 2]> = HashMap::new();
     for (cell, pressure) in contact.pressure.iter().enumerate() {
         if let Some(pillar) = pillar_of(cell) {

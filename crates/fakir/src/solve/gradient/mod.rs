@@ -1,4 +1,4 @@
-//! Derivatives of a contact with respect to the quantities of its system: those of its [scene] by the chain rule.
+//! Derivatives of a contact with respect to the quantities of its system, from those of its [scene] by the chain rule.
 
 pub(crate) mod scene;
 #[cfg(test)]
@@ -20,7 +20,7 @@ use crate::state::{
 };
 use std::f64::consts::PI;
 
-/// The contact of the spectral method under what is prescribed, which has been checked, with its derivatives.
+/// Computes the contact of the spectral method at a prescribed load, which must have been validated, and its derivatives.
 pub(crate) fn gradient(
     system: &System,
     control: Load,
@@ -72,7 +72,7 @@ pub(crate) fn gradient(
     let floor = OfFloor::Lowest(lowest);
     let mut contact = assemble(system, &scene, target, method, &solution, floor, error)?;
     if target == Load::FloorContact {
-        contact.smallest_floor_gap = 0.0; // but for rounding
+        contact.smallest_floor_gap = 0.0; // exact up to rounding
     }
     let units = Units {
         system,
@@ -108,7 +108,7 @@ pub(crate) fn gradient(
     })
 }
 
-/// Whether all places are in proportion to the pitch.
+/// Whether all positions are proportional to the pitch.
 fn has_one_pitch(arrangement: &Arrangement) -> bool {
     match arrangement {
         Arrangement::Hexagonal(_) => true,
@@ -124,21 +124,21 @@ fn refused(why: &'static str) -> SolveError {
     SolveError::NoGradient { why }
 }
 
-/// What takes derivatives to SI units.
+/// Converts derivatives to SI units.
 struct Units<'u, 'n> {
     system: &'u System,
     scene: &'u Scene,
     newton: &'u Newton<'n>,
     derivatives: &'u SceneDerivatives,
-    /// The quantities of the changes of layers.
+    /// Quantities that correspond to the changes of layers.
     with_layers: &'u [Quantity],
     contact: &'u ContactState,
 }
 
 impl Units<'_, '_> {
-    /// Of the force, the indentation kept.
+    /// Derivatives of the force at constant indentation.
     fn of_force(&self) -> Derivatives {
-        // It is `E*` times a number that depends on moduli by the column compliance ratio alone.
+        // The force is `E*` times a number that depends on the moduli only through the column compliance ratio.
         self.converted(
             &self.derivatives.force,
             self.scene.force(),
@@ -146,12 +146,12 @@ impl Units<'_, '_> {
         )
     }
 
-    /// Of the indentation at which the floor is reached.
+    /// Derivatives of the indentation at which the floor is reached.
     fn of_indentation(&self, of_scene: &OfScene) -> Derivatives {
         self.converted(of_scene, self.scene.length, 0.0)
     }
 
-    /// `unit` is that of the result, `by_modulus` its derivative with the logarithm of `E*`, the column compliance ratio kept.
+    /// `unit` is that of the result, `by_modulus` its derivative with respect to the logarithm of `E*` at constant column compliance ratio.
     fn converted(&self, of_scene: &OfScene, unit: f64, by_modulus: f64) -> Derivatives {
         let (system, length) = (self.system, self.scene.length);
         let pillar = system.pillar();
@@ -166,7 +166,7 @@ impl Units<'_, '_> {
             let times = (1.0 + body.raised / self.scene.height) / body.radius;
             law.slopes(body.column, times)
         };
-        // By what all columns depend on.
+        // Sum over the columns for one quantity that all columns depend on.
         let by = |of: fn(&ColumnSlopes) -> Column| -> f64 {
             let each = touched().map(|(body, _, column)| column.times(of(&slopes(body))));
             unit * each.sum::<f64>()
@@ -205,11 +205,11 @@ impl Units<'_, '_> {
                 None => quantities.push((*quantity, unit * by)),
             }
         }
-        // Listed pillars have heights, diameters and places of their own.
+        // The pillars of a list have individual heights, diameters and positions.
         if !matches!(system.arrangement(), Arrangement::Listed(_)) {
             let by_diameter = (unit * of_scene.all_radii - columns) / pillar.diameter;
             quantities.push((Quantity::PillarDiameter, by_diameter));
-            // Heights that scatter do so in proportion.
+            // The scatter of heights is proportional to the height.
             let above = |(body, raised, _): (&PillarBody, &f64, &Column)| raised * body.raised;
             let above: f64 = touched().map(above).sum::<f64>() / self.scene.height;
             let by_height = unit * (of_scene.depth + above) / length + columns / pillar.height;
@@ -243,7 +243,7 @@ impl Units<'_, '_> {
         }
     }
 
-    /// Of the area of contact: no more than the area of every top, as long as all are touched in full.
+    /// Derivatives of the contact area: determined by the areas of the tops, if all touched tops are fully touched.
     fn of_area(&self) -> Option<Derivatives> {
         let pillars = &self.contact.pillars;
         let all_in_full = pillars

@@ -1,26 +1,29 @@
-//! Derivatives of a solved state with respect to what its scene is made of, exact as long as no pillar changes its state.
+//! Derivatives of a solved state with respect to the parameters of its scene, exact as long as no pillar changes its state.
 //!
-//! With the states linearized the moments obey `A m = b` with a symmetric `A = S + C`, on tops touched in part within the moments that leave their
-//! nodes without pressure at zero. So a change of the scene that changes the load by `db` and the operator by `dA` changes a result `w·m` by
+//! With the states linearized, the moments satisfy `A m = b` with a symmetric `A = S + C`; on partially touched tops, within the subspace
+//! of moments for which the nodes without pressure stay at zero. A change of the scene that changes the load by `db` and the operator by
+//! `dA` therefore changes a result `w·m` by
 //!
 //! ```text
 //! v·(db - dA m),      A v = w.
 //! ```
 //!
-//! The force is `b1·m`, and its `v` is the response `m1` to a unit indentation. The floor is reached where
-//! `zeta = h + f(x) + W(x)·m`, and as `zeta` is smallest at that `x` its motion drops out:
+//! The force is `b1·m`, and its `v` is the response `m1` to a unit indentation. The floor is reached where `zeta = h + f(x) + W(x)·m`;
+//! since `zeta` is minimal at that `x`, the motion of the point drops out:
 //!
 //! ```text
 //! d zeta_c = (dh + df + dW·m + v·(db - dA m))/(1 - W·m1),      A v = W.
 //! ```
 //!
-//! On layers `C` and `W` change with these too: what they add is linear in `Phi - 1`, and so is its change in that of `Phi`.
+//! On layers `C` and `W` depend on these too: the contribution of layers is linear in `Phi - 1`, so that its change is linear in the change
+//! of `Phi`.
 //!
-//! On tops touched in part `m` and `v` have all moments, not only those that act on other pillars: the lens shape works on them too.
-//! As `S` goes as the inverse radius `a`, and constraints do no work, `v·dS m = -v·l da/a` on each top with the load `l` that it feels.
+//! On partially touched tops `m` and `v` include all moments, not only those that act on other pillars, because the lens shape works on all
+//! of them. Since `S` is proportional to the inverse radius `1/a`, and constraints do no work, `v·dS m = -v·l da/a` on each top with the
+//! total load `l`.
 //!
-//! A sliver of contact along a rim is solved on cells that move with its load `l`. There `dm = (P + E) dl` with the [motion](Motion) `E`, which is not
-//! symmetric, and `v = (P + E')(w - C v)`. That is iterated: `E` is a hundredth of `P`.
+//! A narrow contact at a rim is solved on cells that move with its load `l`. There `dm = (P + E) dl` with the [motion](Motion) `E`, which
+//! is not symmetric, and `v = (P + E')(w - C v)`. This is solved by iteration: `E` is of the order of a hundredth of `P`.
 
 use crate::halfspace::coupling::derivative::CouplingChange;
 use crate::halfspace::coupling::lattice::LatticeCoupling;
@@ -40,23 +43,23 @@ use crate::solve::rules::unilateral::LocalSolver;
 use crate::state::{PillarStatus, SolveError};
 use std::f64::consts::PI;
 
-/// Derivatives of one result, in the units of the solvers. Lists are of the touched pillars.
+/// Derivatives of one result, in solver units. Vectors refer to the touched pillars.
 #[derive(Debug, Clone)]
 pub(crate) struct OfScene {
-    /// By the height of every touched pillar, its column compliance kept.
+    /// With respect to the height of every touched pillar, at constant column compliance.
     pub(crate) raised: Vec<f64>,
-    /// By how much every touched pillar is shortened, as a ratio, and by how much it leans.
+    /// With respect to the shortening ratio and the tilt of the column of every touched pillar.
     pub(crate) column: Vec<Column>,
-    /// By the radius of every touched pillar, its column kept; not on a hexagonal lattice.
+    /// With respect to the radius of every touched pillar, at constant column; `None` on a hexagonal lattice.
     pub(crate) radii: Option<Vec<f64>>,
-    /// By the logarithm of all radii at once, the columns kept.
+    /// With respect to the logarithm of all radii together, at constant columns.
     pub(crate) all_radii: f64,
-    /// By the logarithm of all distances of the pillars from the lens axis.
+    /// With respect to the logarithm of all distances of the pillars from the lens axis.
     pub(crate) distances: f64,
     pub(crate) lens_radius: f64,
-    /// By the depth of the floor under the tops, these kept.
+    /// With respect to the depth of the floor below the tops, with the tops fixed.
     pub(crate) depth: f64,
-    /// By every change of the layers.
+    /// With respect to every change of the layers.
     pub(crate) layers: Vec<f64>,
 }
 
@@ -65,11 +68,11 @@ pub(crate) struct OfScene {
 pub(crate) struct SceneDerivatives {
     /// The touched pillars.
     pub(crate) places: Vec<usize>,
-    /// By the indentation.
+    /// Derivative of the force with respect to the indentation.
     pub(crate) stiffness: f64,
-    /// Of the force, the indentation kept.
+    /// Derivatives of the force at constant indentation.
     pub(crate) force: OfScene,
-    /// Of the indentation at which the floor is reached, if that is prescribed.
+    /// Derivatives of the indentation at which the floor is reached, if that is the target.
     pub(crate) floor: Option<OfScene>,
 }
 
@@ -80,22 +83,22 @@ struct Adjoint {
     load: Vec<f64>,
 }
 
-/// Steps of the iteration for slivers before giving up; three to six are typical.
+/// Largest number of iterations for narrow contacts at rims; three to six are typical.
 const STEP_LIMIT: usize = 40;
 
-/// Change of the response by its last step, relative to its largest coefficient.
+/// Change of the response in the last step, relative to its largest coefficient.
 const TOLERANCE: f64 = 1e-10;
 
-/// The pillars that are touched on a sliver, with how that moves.
+/// Pillars with a narrow contact at the rim, and the motion of that contact.
 type Slivers = Vec<(usize, Vec<Motion>)>;
 
-/// The derivatives of a solution that converged, those by changes of the layers too.
+/// Derivatives of a converged solution, including those with respect to changes of the layers.
 pub(crate) fn scene_derivatives(
     newton: &mut Newton<'_>,
     floor: Option<FloorPoint>,
     of_layers: &[Vec<WeightedLayer>],
 ) -> Result<SceneDerivatives, SolveError> {
-    // The last is that by the logarithm of all thicknesses.
+    // The last entry is the derivative with respect to the logarithm of all thicknesses.
     let mut of_layers = of_layers.to_vec();
     of_layers.extend(by_thickness(&newton.scene.layers));
     let slivers = slivers(newton)?;
@@ -154,7 +157,7 @@ pub(crate) fn scene_derivatives(
     })
 }
 
-/// The change of layers by the logarithm of their thicknesses, if there are any: by central differences, to 1e-9.
+/// Change of layers with the logarithm of their thicknesses, if there are layers: by central differences, with an error of 1e-9.
 fn by_thickness(layers: &[WeightedLayer]) -> Option<Vec<WeightedLayer>> {
     const CHANGE: f64 = 1e-5;
     let sides = [-CHANGE, CHANGE].map(|by| {
@@ -184,7 +187,7 @@ fn slivers(newton: &Newton<'_>) -> Result<Slivers, SolveError> {
 impl Adjoint {
     fn new(newton: &mut Newton<'_>, slivers: &Slivers, source: &[f64]) -> Result<Self, SolveError> {
         let modes = newton.contact.modes();
-        // `v = P (w - C v) + k` with `k = E' (w - C v)`: the response to `w - C k`, and `k`.
+        // `v = P (w - C v) + k` with `k = E' (w - C v)`: the response to `w - C k`, plus `k`.
         let mut moved = vec![0.0; source.len()];
         for _ in 0..STEP_LIMIT {
             let mut source_left = source.to_vec();
@@ -214,7 +217,7 @@ impl Adjoint {
     }
 }
 
-/// Adds `E'` times a load, in as many modes as there is room for.
+/// Adds `E'` times a load, in as many modes as `response` has.
 fn add_motions(motions: &[Motion], load: &[f64], response: &mut [f64]) {
     for Motion {
         coefficients,
@@ -316,25 +319,25 @@ fn by_load_and_operator(
             }
             let leading = &adjoint.coefficients[own.clone()];
             let by_coupling = dot(leading, &change.by_distance[own.clone()]);
-            // The derivatives by the logarithms of all distances and of all radii add up to the negative coupling.
+            // The derivatives with respect to the logarithms of all distances and of all radii add up to the negative coupling.
             let far = &newton.contact.present.far[own.clone()];
             let all_radii = dot(leading, far) + by_coupling;
             let layers: Vec<f64> = by_layers
                 .iter()
                 .map(|loads| -dot(leading, &loads[own.clone()]))
                 .collect();
-            // On layers so does that by the logarithm of all thicknesses, which is the last of these.
+            // On layers, so does the derivative with respect to the logarithm of all thicknesses, the last of these.
             let all_radii = all_radii - layers.last().copied().unwrap_or(0.0);
             let own_radius = work(&response, &load) + work(&response, &by_radius);
             let radius = change.by_receiver.as_ref().map(|of_sets| {
-                // The first set is that of the present moments.
+                // The first set belongs to the present moments.
                 let feels = dot(leading, &of_sets[0][own.clone()]);
                 let makes = dot(&present[own.clone()], &of_sets[number + 1][own.clone()]);
                 (own_radius - feels - makes) / body.radius
             });
             OfPillar {
                 raised: UNIT_FORCE * response[0],
-                // The column gives way under a sliver without moving that.
+                // The column deforms under a narrow contact without moving it.
                 column: Column {
                     shortening: -PI / body.radius * held[0] * moments[0],
                     rocking: -TILT_COMPLIANCE / body.radius * work(&held[1..3], &moments[1..3]),
@@ -369,7 +372,7 @@ fn by_load_and_operator(
     sums
 }
 
-/// What one pillar has in the derivatives.
+/// Contributions of one pillar to the derivatives.
 struct OfPillar {
     raised: f64,
     column: Column,
@@ -414,7 +417,7 @@ fn add_floor(
         };
         let [field, _] = disc.displacement(point);
         let along = |[x, y]: Point| x * field.gradient[0] + y * field.gradient[1];
-        // At D from a disc of radius a moments m make a field m·w(D/a)/a.
+        // At a distance D from a disc of radius a, moments m cause a displacement m·w(D/a)/a.
         let away = [0, 1].map(|k| point[k] - centre[k]);
         let mut by_radius = -field.value - along(away);
         for (number, exterior) in exteriors.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Derivatives beside central differences of the solutions themselves, solved to rounding, whose states are all the same.
+//! Derivatives compared to central differences of solutions that converged to rounding and have identical contact states.
 
 use super::*;
 use crate::problem::column::Column;
@@ -12,7 +12,7 @@ use crate::solve::spectral::Solution;
 use crate::theory::reference;
 use std::sync::Arc;
 
-/// Errors up to this of derivatives relative to central differences.
+/// Largest relative error of derivatives compared to central differences.
 const TOLERANCE: f64 = 1e-6;
 
 /// Reproducible numbers between 0 and 1.
@@ -33,7 +33,7 @@ impl Dice {
     }
 }
 
-/// The states of all pillars of a solution.
+/// The contact states of all pillars of a solution.
 #[derive(PartialEq)]
 struct States {
     status: Vec<((i64, i64), PillarStatus)>,
@@ -77,7 +77,7 @@ fn solve<'a>(scene: &Scene, target: Load, run: &'a Run<'a>) -> Option<Solution<'
     Some(solution)
 }
 
-/// A solution to rounding, and the states; `None` if they do not settle.
+/// A solution that converged to rounding, and its states; `None` if the states do not settle.
 fn sharp<'a>(scene: &Scene, target: Load, run: &'a Run<'a>) -> Option<(Solution<'a>, States)> {
     let mut solution = solve(scene, target, run)?;
     let settled = solution
@@ -88,8 +88,8 @@ fn sharp<'a>(scene: &Scene, target: Load, run: &'a Run<'a>) -> Option<(Solution<
     settled.then_some((solution, states))
 }
 
-/// The central difference of force and indentation along a change of the scene, of slivers extrapolated to no step; `None` if a state changes on the
-/// way.
+/// Central difference of force and indentation along a change of the scene, extrapolated to zero step for narrow contacts at rims; `None`
+/// if a state changes within the step.
 fn difference(
     scene: &dyn Fn(f64) -> Scene,
     target: Load,
@@ -116,7 +116,7 @@ fn difference(
     Some([0, 1].map(|k| (4.0 * half[k] - whole[k]) / 3.0))
 }
 
-/// What a scene of listed pillars is changed by.
+/// Parameter of a scene of listed pillars that is changed.
 #[derive(Debug, Clone, Copy)]
 enum Along {
     Raised(usize),
@@ -139,7 +139,7 @@ struct Listed {
 }
 
 impl Listed {
-    /// Pillars on a disturbed square lattice around the axis, of any radii, heights and columns.
+    /// Pillars on a perturbed square lattice around the axis, with random radii, heights and columns.
     fn random(dice: &mut Dice) -> Self {
         let side = 3 + (3.0 * dice.roll()) as i32;
         let pitch = dice.between(3.4, 7.0);
@@ -238,7 +238,7 @@ fn derivative(of_scene: &OfScene, along: Along, places: &[usize]) -> f64 {
     }
 }
 
-/// Largest of some relative errors, those of states with pillars touched in part apart.
+/// Largest relative errors, separately for states with partially touched pillars.
 #[derive(Default)]
 struct Errors {
     full: f64,
@@ -270,7 +270,7 @@ fn many_arrangements() {
     compare_arrangements(100);
 }
 
-/// Any pillars: at a fixed indentation, at a fixed force, and where the floor is reached.
+/// Arbitrary pillars: at a fixed indentation, at a fixed force, and at first contact with the floor.
 fn compare_arrangements(count: usize) {
     let mut dice = Dice(7);
     let run = Run::default();
@@ -293,7 +293,7 @@ fn compare_arrangements(count: usize) {
         systems += 1;
         let mut found =
             scene_derivatives(&mut solution.newton, solution.outcome.floor, &[]).unwrap();
-        // Pillars of a list are known by their numbers in it.
+        // Pillars of a list are identified by their index in it.
         for place in &mut found.places {
             *place = solution.newton.tops.sites.index(*place).0 as usize;
         }
@@ -311,14 +311,14 @@ fn compare_arrangements(count: usize) {
             Along::LensRadius,
             Along::Depth,
         ] {
-            // So small a change of the height as changes the contact by as much as one of the others.
+            // The step in height changes the contact about as much as that of another parameter.
             let step = 1e-4
                 * match along {
                     Along::Raised(_) | Along::AllRaised | Along::Depth => listed.depth,
                     Along::LensRadius => listed.lens,
                     _ => 1.0,
                 };
-            // A sliver may double its depth over a small part of the pitch.
+            // A narrow contact at a rim may double its depth within a small fraction of the pitch.
             let step = if states.has_sliver() {
                 0.1 * step
             } else {
@@ -330,7 +330,7 @@ fn compare_arrangements(count: usize) {
             };
             let of_force = derivative(&found.force, along, &found.places);
             let mut compare = |what: &str, found: f64, expected: f64, unit: f64| {
-                // A derivative that vanishes has no relative error: beside what a change of a per cent would do.
+                // A derivative that vanishes has no relative error: compare with the effect of a change of one per cent.
                 let error = (found - expected).abs() / expected.abs().max(1e-2 * unit);
                 let kind = format!("{what} by {along:?}");
                 let kind = kind.split('(').next().unwrap().to_owned();
@@ -376,7 +376,7 @@ fn compare_arrangements(count: usize) {
     check(&errors);
 }
 
-/// Errors by what was compared.
+/// Errors by compared quantity.
 type Table = Vec<(String, Errors)>;
 
 fn add(table: &mut Table, kind: &str, states: &States, error: f64) {
@@ -401,7 +401,8 @@ fn check(table: &Table) {
     }
 }
 
-/// Everything `s` times as large bears `s^2` the force at `s` times the indentation: `E* = 1`. The relative errors of Euler's identity.
+/// Scaling all lengths by `s` scales the force by `s^2` and the indentation by `s`, with `E* = 1`. Returns the relative errors of Euler's
+/// identity.
 fn euler(
     listed: &Listed,
     found: &SceneDerivatives,
@@ -433,11 +434,11 @@ struct Hexagonal {
     values: [f64; 8],
     offset: [f64; 2],
     compliance: PillarCompliance,
-    /// If the lattice is square and its heights scatter: from what they are drawn.
+    /// Seed of the scattered heights of a square lattice; `None` for a hexagonal lattice.
     scatter: Option<u64>,
 }
 
-/// Those that derivatives are known of, in the order of [`Hexagonal::values`].
+/// Quantities with derivatives, in the order of [`Hexagonal::values`].
 const QUANTITIES: [Quantity; 8] = [
     Quantity::LensRadius,
     Quantity::LensYoungModulus,
@@ -526,7 +527,7 @@ impl Hexagonal {
     }
 }
 
-/// In the units of the solvers.
+/// Converts a load to solver units.
 fn target(control: Load, scene: &Scene) -> Load {
     match control {
         Load::Indentation(indentation) => Load::Indentation(indentation / scene.length),
@@ -535,7 +536,7 @@ fn target(control: Load, scene: &Scene) -> Load {
     }
 }
 
-/// Force and indentation, N and m, and the states; `None` if they do not settle.
+/// Force (N) and indentation (m), and the states; `None` if the states do not settle.
 fn answer(system: &System, control: Load) -> Option<([f64; 2], States)> {
     let (scene, run) = (Scene::new(system), Run::default());
     let (solution, states) = sharp(&scene, target(control, &scene), &run)?;
@@ -543,8 +544,9 @@ fn answer(system: &System, control: Load) -> Option<([f64; 2], States)> {
     Some(([force, solution.outcome.indentation * scene.length], states))
 }
 
-/// By central differences with respect to the logarithm of a quantity; `None` if a state changes on the way, or if differences over two steps
-/// are not the same: the influence of a sliver's cells on each other goes by one formula or another, and jumps a little between them.
+/// Central differences with respect to the logarithm of a quantity; `None` if a state changes within the step, or if the differences over
+/// two steps disagree: the influence between cells of a narrow contact at a rim is computed by one of two formulas, with a small jump
+/// between them.
 fn answer_difference(
     hexagonal: &Hexagonal,
     which: usize,
@@ -601,8 +603,8 @@ fn many_scattered_square_lattices() {
     compare_systems(30, 4, true);
 }
 
-/// The public gradient beside differences for every quantity: at an indentation, at a force, and where the floor is reached. On hexagonal lattices, or on turned
-/// square ones with scattered heights and missing pillars.
+/// The public gradient compared to differences for every quantity: at an indentation, at a force, and at first contact with the floor. On
+/// hexagonal lattices, or on rotated square ones with scattered heights and missing pillars.
 fn compare_systems(count: usize, seed: u64, scatters: bool) {
     let mut dice = Dice(seed);
     let run = Run::default();
@@ -627,7 +629,7 @@ fn compare_systems(count: usize, seed: u64, scatters: bool) {
         };
         systems += 1;
         let values = [found.contact.force, found.contact.indentation];
-        // A sliver may double its depth over a small part of the pitch.
+        // A narrow contact at a rim may double its depth within a small fraction of the pitch.
         let step = if states.has_sliver() { 1e-5 } else { 1e-4 };
         for (which, quantity) in QUANTITIES.into_iter().enumerate() {
             let Some(expected) = answer_difference(&hexagonal, which, control, &states, step)
@@ -651,7 +653,7 @@ fn compare_systems(count: usize, seed: u64, scatters: bool) {
             }
         }
         for (kind, error) in identities(&hexagonal, control, &found) {
-            // Heights that scatter do so in proportion, and not all by as much.
+            // Scattered heights change in proportion, not all by the same amount.
             if scatters && kind == "heights" {
                 continue;
             }
@@ -661,7 +663,7 @@ fn compare_systems(count: usize, seed: u64, scatters: bool) {
     check(&errors);
 }
 
-/// What follows from scaling lengths, moduli, and from raising all pillars at once: relative errors.
+/// Identities that follow from scaling of lengths and moduli, and from raising all pillars together: relative errors.
 fn identities(hexagonal: &Hexagonal, control: Load, found: &Gradient) -> Vec<(&'static str, f64)> {
     let sum = |derivatives: &Derivatives, of: &[Quantity]| -> f64 {
         let term = |(quantity, value): (Quantity, f64)| {
@@ -723,7 +725,7 @@ fn very_many_pillars() {
     compare_texture(0.2);
 }
 
-/// The paper's textures, of many pillars: there the coupling is a convolution.
+/// The paper's patterns with many pillars, where the coupling is a convolution.
 fn compare_texture(phi: f64) {
     let run = Run::default();
     let lattice = reference::lattice(phi).offset_by(0.2);
@@ -750,7 +752,7 @@ fn compare_texture(phi: f64) {
     let force = found.force.as_ref().unwrap();
     let mut compared = 0;
     for which in [0, 5, 6, 7] {
-        // Of many nodes some soon change their states.
+        // With many nodes, some change their states within a small step.
         let steps = [1e-4, 1e-5, 1e-6];
         let mut differences = steps.into_iter().filter_map(|step| {
             answer_difference(&hexagonal, which, Load::FloorContact, &states, step)

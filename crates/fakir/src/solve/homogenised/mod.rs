@@ -1,4 +1,4 @@
-//! The homogenised lattice: many pillars seen as a layer of springs.
+//! The homogenised lattice: many pillars modelled as a layer of springs.
 #![doc = ""]
 #![doc = include_str!("../../../doc/rendered/homogenised.md")]
 
@@ -16,37 +16,36 @@ use crate::theory::lattice_potential::{hollow_potential, site_potential};
 use spring_layer::{LayerModes, UnitContact};
 use std::f64::consts::PI;
 
-/// Beyond this fraction of the lens radius a contact is refused.
+/// Contact radius, as a fraction of the lens radius, above which a contact is refused.
 const LARGEST_CONTACT: f64 = 0.5;
 
-/// Relative difference between the two resolutions below which a solution is called
-/// converged. They differ by 2e-7 at most, for springs that hardly give way.
+/// Relative difference between the two resolutions below which a solution is converged. They differ by 2e-7 at most, for nearly rigid
+/// springs.
 const CONVERGED: f64 = 1e-6;
 
-/// Wave number times thickness from which a layer is a half-space, to rounding.
+/// Product of wave number and thickness above which a layer acts as a half-space, up to rounding.
 const LAST_WAVE: f64 = 20.0;
 
-/// Accumulated rounding of a solution, the least error claimed.
+/// Accumulated rounding of a solution: lower bound of the error estimate.
 const ROUNDING: f64 = 1e-13;
 
-/// The constants of the model for one system.
+/// Constants of the model for one system.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HomogenisedLattice {
-    /// `beta`, how far the layer of springs gives way per pressure, m/Pa; positive.
+    /// `beta`, compliance of the layer of springs (displacement per pressure), m/Pa; positive.
     pub layer_compliance: f64,
     /// `F_0`, force on the central pillar when the floor is reached, N.
     pub critical_central_force: f64,
-    /// `p_0 = F_0/A`, the mean pressure that goes with it, Pa.
+    /// `p_0 = F_0/A`, the corresponding mean pressure, Pa.
     pub critical_central_pressure: f64,
 }
 
 impl HomogenisedLattice {
-    /// Derives the constants.
+    /// Computes the constants.
     ///
     /// # Errors
-    /// [`SolveError::TextureTooDense`] where `beta` is not positive: at and above the
-    /// [`largest_surface_fraction`]. [`Unsupported`] of any but equal pillars on the endless hexagonal lattice, and of a lens that is
-    /// no sphere.
+    /// [`SolveError::TextureTooDense`] if `beta` is not positive: at and above the [`largest_surface_fraction`]. [`Unsupported`] unless
+    /// equal pillars form the infinite hexagonal lattice and the lens is a sphere.
     pub fn new(system: &System) -> Result<Self, SolveError> {
         if system.lens().sphere().is_none() {
             return Err(Unsupported::BUT_FOR_A_SPHERE.into());
@@ -74,7 +73,7 @@ impl HomogenisedLattice {
         })
     }
 
-    /// Indentation (m), force (N) or, where the floor is to be reached, central pressure (Pa).
+    /// Indentation (m), force (N) or, if floor contact is the target, central pressure (Pa).
     fn wanted(&self, control: Load) -> f64 {
         match control {
             Load::Indentation(value) | Load::Force(value) => value,
@@ -83,14 +82,14 @@ impl HomogenisedLattice {
     }
 }
 
-/// `gamma_ext/(2e)`: what a force on a pillar does one pitch away, m/N.
+/// `gamma_ext/(2e)`: displacement one pitch away from a pillar per unit force on it, m/N.
 fn neighbour_compliance(system: &System) -> f64 {
     system.external_compliance() / (2.0 * system.pitch())
 }
 
-/// What layers add to that, at a pillar and at a hollow site, from forces on all pillars less the same spread evenly, m/N: over the reciprocal lattice,
-/// `c/pi Σ_G (2 pi/(A G)) (Phi(G) - 1) j_0(G a) {j_0(G a) | cos G x_h}`, with the pressure of flat punches. Next to nothing where layers are thicker
-/// than two pitches.
+/// Contribution of layers to that, at a pillar and at a hollow site, from forces on all pillars minus the same force distributed uniformly,
+/// m/N: over the reciprocal lattice, `c/pi Σ_G (2 pi/(A G)) (Phi(G) - 1) j_0(G a) {j_0(G a) | cos G x_h}`, with the pressure of flat
+/// punches. Negligible for layers thicker than two pitches.
 fn added_by_layers(system: &System) -> [f64; 2] {
     let layers = system.weighted_layers(1.0);
     let Some(thinnest) = WeightedLayer::thinnest(&layers) else {
@@ -101,7 +100,7 @@ fn added_by_layers(system: &System) -> [f64; 2] {
         .map(|layer| (layer, LayerResponse::of(layer)))
         .collect();
     let first = 4.0 * PI / (3f64.sqrt() * system.pitch());
-    // Beyond that `Phi` is 1.
+    // `Phi` is 1 beyond this wave number.
     let largest = LAST_WAVE / thinnest;
     let reach = (largest / first * 2.0 / 3f64.sqrt()).floor() as i64;
     let radius = 0.5 * system.pillar().diameter;
@@ -117,7 +116,7 @@ fn added_by_layers(system: &System) -> [f64; 2] {
                 .map(|(layer, response)| layer.weight * response.deficit(wave * layer.thickness));
             let spread = (wave * radius).sin() / (wave * radius);
             let term = deficit.sum::<f64>() / wave * spread;
-            // Three hollow sites see a wave in three phases, or in one.
+            // The three hollow sites have three different phases of a wave, or the same one.
             let phase = if (i + j) % 3 == 0 { 1.0 } else { -0.5 };
             sums[0] += term * spread;
             sums[1] += term * phase;
@@ -127,11 +126,10 @@ fn added_by_layers(system: &System) -> [f64; 2] {
     sums.map(|sum| factor * sum)
 }
 
-/// Surface fraction from which the model does not apply: neighbours help a pillar down by more
-/// than it gives way itself.
+/// Surface fraction at and above which the model does not apply: neighbours lower a pillar by more than its own compliance.
 ///
-/// `(pi/(2 sqrt3)) (2 gamma_int/(gamma_ext |v_s|))^2`: 0.504 without column compliance. More than
-/// pi/(2 sqrt3) if the columns are soft enough for the model to apply always. On half-spaces: layers thinner than a pitch stretch it.
+/// `(pi/(2 sqrt3)) (2 gamma_int/(gamma_ext |v_s|))^2`: 0.504 without column compliance. Larger than pi/(2 sqrt3) if the columns are so
+/// compliant that the model always applies. Valid on half-spaces; layers thinner than a pitch extend the range.
 #[must_use]
 pub fn largest_surface_fraction(system: &System) -> f64 {
     let ratio = 2.0 * system.internal_compliance()
@@ -139,13 +137,11 @@ pub fn largest_surface_fraction(system: &System) -> f64 {
     MAXIMUM_SURFACE_FRACTION * ratio * ratio
 }
 
-/// The explicit limit of the model for dense textures: `F_0`, and Hertz's contact without the
-/// layer.
+/// Explicit limit of the model for dense patterns: `F_0`, and Hertz's contact without the layer.
 ///
-/// `S = F_0 gamma_int/(h d) = 1/(1 - 1.4025 (gamma_ext/gamma_int) sqrt(phi))`, where 1.4025 is
-/// `eta (v_h - v_s)` with `d/(2e) = eta sqrt(phi)`; then `a_c = 2 R h phi S c/(d gamma_int)`,
-/// `F_c = 4 a_c^3/(3 R c)` and `zeta_c = a_c^2/R`. Only for dense textures: the force is 2 % to
-/// 7 % low at a surface fraction of 0.2, 16 % to 30 % at 0.1.
+/// `S = F_0 gamma_int/(h d) = 1/(1 - 1.4025 (gamma_ext/gamma_int) sqrt(phi))`, where 1.4025 is `eta (v_h - v_s)` with
+/// `d/(2e) = eta sqrt(phi)`; then `a_c = 2 R h phi S c/(d gamma_int)`, `F_c = 4 a_c^3/(3 R c)` and `zeta_c = a_c^2/R`. Only for dense
+/// patterns: the force is too low by 2 % to 7 % at a surface fraction of 0.2, and by 16 % to 30 % at 0.1.
 #[must_use]
 pub fn dense_limit(system: &System) -> TransitionEstimate {
     let (c, radius) = (system.contact_compliance(), system.lens().sphere_radius());
@@ -162,9 +158,8 @@ pub fn dense_limit(system: &System) -> TransitionEstimate {
     }
 }
 
-/// `S = F_0 gamma_int/(h d) = 1/(1 - eta (v_h - v_s) (gamma_ext/gamma_int) sqrt(phi))`: the force
-/// on the central pillar at the transition, over that under which a lone pillar gives way by
-/// its height.
+/// `S = F_0 gamma_int/(h d) = 1/(1 - eta (v_h - v_s) (gamma_ext/gamma_int) sqrt(phi))`: the force on the central pillar at the transition,
+/// relative to the force that shortens a single pillar by its height.
 #[must_use]
 pub fn central_force_amplification(system: &System) -> f64 {
     let own = system.internal_compliance() / system.pillar().diameter;
@@ -174,11 +169,11 @@ pub fn central_force_amplification(system: &System) -> f64 {
     1.0 / (1.0 - lift / own)
 }
 
-/// The contact of the homogenised lattice under what is prescribed, which has been checked. Pillars are not
-/// resolved: their list is empty, and their number is that of lattice cells in the contact circle. The floor is
-/// nearest at the hollow site nearest to the lens axis.
+/// Computes the contact of the homogenised lattice at a prescribed load, which must have been validated. Pillars are not resolved: their
+/// list is empty, and their number is that of lattice cells in the contact circle. The smallest floor gap is at the hollow site closest to
+/// the lens axis.
 ///
-/// Where the lens meets the floor before any pillar, the critical state is exact: no force.
+/// If the lens reaches the floor before any pillar, the critical state is exact: the force is zero.
 pub(crate) fn press(
     system: &System,
     control: Load,
@@ -199,9 +194,9 @@ pub(crate) fn press(
     }
     let mut contact = solve(system, &HomogenisedLattice::new(system)?, control)?;
     if control == Load::FloorContact {
-        contact.smallest_floor_gap = 0.0; // by what is prescribed, but for rounding
+        contact.smallest_floor_gap = 0.0; // prescribed, up to rounding
     } else if bottom_first {
-        // No pillar carries a force before the lens has come down to the nearest one.
+        // No pillar carries a force before the lens has reached the nearest one.
         let under_axis = system.pillar().height - first_touch.max(contact.indentation);
         if under_axis < contact.smallest_floor_gap {
             contact.smallest_floor_gap = under_axis;
@@ -211,8 +206,8 @@ pub(crate) fn press(
     Ok(contact)
 }
 
-/// Contact radius under what is prescribed, to three digits, m: a first guess for other methods. None where the
-/// model does not apply. Layers count as half-spaces, as they take more time here than a better guess would save.
+/// Contact radius at a prescribed load, to three digits, m: an initial guess for other methods. `None` if the model does not apply. Layers
+/// are replaced by half-spaces: they would take more time here than a better guess saves.
 pub(crate) fn rough_contact_radius(system: &System, control: Load) -> Option<f64> {
     let system = &system.with_layers(None, None).ok()?;
     let lattice = HomogenisedLattice::new(system).ok()?;
@@ -251,7 +246,7 @@ impl LayerContact {
         }
     }
 
-    /// By how much it is beyond what is prescribed.
+    /// Difference between the reached value and the prescribed one.
     fn excess(&self, lattice: &HomogenisedLattice, control: Load) -> Result<f64, SolveError> {
         let reached = match control {
             Load::Indentation(_) => self.indentation,
@@ -266,9 +261,9 @@ impl LayerContact {
     }
 }
 
-/// The contact that just reaches what is prescribed, and the number of contacts that were looked at.
+/// The contact that reaches the prescribed value, and the number of evaluated contacts.
 ///
-/// Indentation, force and central pressure all grow with the contact radius.
+/// Indentation, force and central pressure all increase with the contact radius.
 fn contact_at(
     system: &System,
     lattice: &HomogenisedLattice,
@@ -311,7 +306,7 @@ fn solve(
         indentation: contact.indentation,
         force: contact.force,
         contact_radius: contact.radius,
-        // The lattice, with its pillars, is left out: nothing is told within a pitch.
+        // The lattice is not resolved: positions within a pitch are unknown.
         contact_radius_error: system.pitch(),
         pillars_in_contact: (pillars.round() as usize).max(1),
         smallest_floor_gap: system.pillar().height * gap,
@@ -332,8 +327,8 @@ fn relative_difference(coarse: f64, fine: f64) -> f64 {
     larger((coarse / fine - 1.0).abs(), ROUNDING)
 }
 
-/// The hollow site nearest to the lens axis: one of the six around the nearest pillar, at
-/// `e/sqrt3` in the directions of multiples of 60 degrees from x. Folded.
+/// The hollow site closest to the lens axis: one of the six around the nearest pillar, at a distance of `e/sqrt3` in directions at
+/// multiples of 60 degrees from x. Folded.
 fn nearest_hollow(system: &System) -> Point {
     let Some(lattice) = system.hexagonal_lattice() else {
         return [0.0; 2];
@@ -411,8 +406,8 @@ mod tests {
 
     #[test]
     fn critical_state_in_other_words() {
-        // Pressing to the critical indentation or with the critical force gives the critical
-        // state; less of either leaves a gap, more goes beyond.
+        // Pressing to the critical indentation or with the critical force gives the critical state; less leaves a gap, more is beyond the
+        // transition.
         let system = intermediate(0.1);
         let state = critical(&system).contact;
         let h = system.pillar().height;
@@ -490,7 +485,7 @@ mod tests {
     #[test]
     fn explicit_limit_is_the_model_without_its_layer() {
         let system = with_height(&paper(0.5, RIGID, PillarCompliance::None), 0.05);
-        // The layer vanishes at 0.504: a little above 0.5 the two agree.
+        // The layer vanishes at 0.504: slightly above 0.5 the two agree.
         assert!((largest_surface_fraction(&system) - 0.504).abs() < 5e-4);
         let (limit, state) = (dense_limit(&system), critical(&system).contact);
         assert!(percent(limit.force, state.force).abs() < 0.5);
@@ -527,7 +522,7 @@ mod tests {
         assert!(!pressed(Load::Indentation(0.9 * h)).beyond_transition());
         assert!(pressed(Load::Indentation(1.1 * h)).beyond_transition());
         assert!(pressed(Load::Force(1e-9)).beyond_transition());
-        // phi = 0.002 there has a top contact first.
+        // At phi = 0.002 the first contact is on a top.
         let denser = offset_by(&intermediate(0.002), 0.75f64.sqrt());
         assert_eq!(critical(&denser).regime, Regime::TopFirst);
     }

@@ -1,29 +1,24 @@
 //! A paraboloid pressed on an elastic half-space covered by a layer of springs.
 //!
-//! On the unit disc, with `K p (x) = (1/pi) ∫ p(x')/|x - x'| dA'` and the spring compliance
-//! `b`, everything relative to contact radius and half-space, the pressure solves
+//! On the unit disc, with `K p (x) = (1/pi) ∫ p(x')/|x - x'| dA'` and the spring compliance `b`, in units of the contact radius and the
+//! half-space compliance, the pressure satisfies
 //!
 //! ```text
 //! K p + b p = Z - rho^2  for rho < 1,   p(1) = 0,
 //! ```
 //!
-//! in which the edge condition decides `Z`. Hertz's contact is `b = 0`, a Winkler foundation
-//! `b -> infinity`.
+//! where the edge condition determines `Z`. Hertz's contact is `b = 0`, a Winkler foundation `b -> infinity`.
 //!
-//! *Operator.* Copson's transform `g(t) = (2/pi) ∫_t^1 p(r) r/sqrt(r^2 - t^2) dr` turns the
-//! energy into `∫ p K p dA = 2 pi^2 ∫_0^1 g^2 dt`, the load terms into `∫ p dA = 2 pi ∫ g dt` and
-//! `∫ p rho^2 dA = 4 pi ∫ g t^2 dt` (I. N. Sneddon, Mixed Boundary Value Problems in Potential
-//! Theory, 1966, chapters 3 and 4).
+//! *Operator.* Copson's transform `g(t) = (2/pi) ∫_t^1 p(r) r/sqrt(r^2 - t^2) dr` converts the energy to
+//! `∫ p K p dA = 2 pi^2 ∫_0^1 g^2 dt`, and the load terms to `∫ p dA = 2 pi ∫ g dt` and `∫ p rho^2 dA = 4 pi ∫ g t^2 dt` (I. N. Sneddon,
+//! Mixed Boundary Value Problems in Potential Theory, 1966, chapters 3 and 4).
 //!
-//! *Basis.* Polynomials in `s = (1 - rho^2)^(1/6)`: they hold Hertz's pressure (`s^3`) and
-//! Winkler's (`s^6`) exactly, and the power resolves the logarithms and the boundary layer, of
-//! width `b`, at the edge. Taken orthonormal on the disc, they are Jacobi polynomials. The
-//! singular values of `p -> sqrt2 pi g` diagonalise `K` once and for all; after that a contact
-//! costs one pass over the modes, whatever `b`.
+//! *Basis.* Polynomials in `s = (1 - rho^2)^(1/6)`: they represent Hertz's pressure (`s^3`) and Winkler's (`s^6`) exactly, and the power
+//! resolves the logarithms and the boundary layer, of width `b`, at the edge. Orthonormalised on the disc, they are Jacobi polynomials. The
+//! singular values of `p -> sqrt2 pi g` diagonalise `K` once for all `b`; a contact then costs one pass over the modes.
 //!
-//! *Edge condition.* `p(1)` itself converges slowly. Under a dilation, `K` scales as a length;
-//! with `(K + b) q_1 = 1`, `(K + b) q_2 = rho^2` and `p = Z q_1 - q_2`, testing the dilated
-//! equation with `q_1` gives, exactly when `p(1) = 0`,
+//! *Edge condition.* `p(1)` itself converges slowly. Under a dilation, `K` scales as a length; with `(K + b) q_1 = 1`,
+//! `(K + b) q_2 = rho^2` and `p = Z q_1 - q_2`, testing the dilated equation with `q_1` gives, exactly when `p(1) = 0`,
 //!
 //! ```text
 //! Z = (3 ∫ q_2 dA + b ∫ q_1 q_2 dA) / (∫ q_1 dA + b ∫ q_1^2 dA),
@@ -31,9 +26,9 @@
 //!
 //! in which every term converges fast.
 //!
-//! *Layers.* Where bodies are [layers](crate::halfspace::layer) `D` comes to `K`. With `P(k) = ∫ g cos(k t) dt`, the transform of the pressure,
-//! `∫ p D p dA = 4 pi ∫ (Phi(k t/a) - 1) P^2 dk`, a full matrix in the modes of `K`. It changes with the contact radius by `D' = a dD/da`, so that
-//! under a dilation
+//! *Layers.* If bodies are [layers](crate::halfspace::layer), an operator `D` is added to `K`. With `P(k) = ∫ g cos(k t) dt`, the transform
+//! of the pressure, `∫ p D p dA = 4 pi ∫ (Phi(k t/a) - 1) P^2 dk`, a full matrix in the modes of `K`. It depends on the contact radius,
+//! with `D' = a dD/da`, so that under a dilation
 //!
 //! ```text
 //! Z = (3 ∫ q_2 dA + b ∫ q_1 q_2 dA - ∫ q_1 D' q_2 dA) / (∫ q_1 dA + b ∫ q_1^2 dA - ∫ q_1 D' q_1 dA).
@@ -51,18 +46,18 @@ use std::sync::OnceLock;
 /// The basis is polynomials in `(1 - rho^2)^(1/(2 EDGE_POWER))`.
 const EDGE_POWER: i32 = 3;
 
-/// Modes used for results; 2e-9 in force and indentation, 1e-8 in central pressure, for any
-/// spring compliance, and 1e-12 from `b = 0.1` on.
+/// Number of modes for results: errors of 2e-9 in force and indentation and 1e-8 in central pressure for any spring compliance, and 1e-12
+/// for `b >= 0.1`.
 const MODES: usize = 28;
 
-/// Modes of the coarser solution that the error is estimated with.
+/// Number of modes of the coarser solution, for the error estimate.
 const COARSE_MODES: usize = 24;
 
-/// Polynomials for a first guess.
+/// Number of polynomials for an initial guess.
 const ROUGH_MODES: usize = 8;
 
-/// A contact of unit radius: lengths, forces and pressures scaled so that neither the
-/// contact radius `a`, nor the lens radius `R`, nor the half-space compliance `c` appear.
+/// A contact of unit radius: lengths, forces and pressures are scaled so that neither the contact radius `a`, nor the lens radius `R`, nor
+/// the half-space compliance `c` appears.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct UnitContact {
     /// `zeta R/a^2`: 1 for Hertz, 1/2 for Winkler.
@@ -73,8 +68,7 @@ pub(super) struct UnitContact {
     pub(super) central_pressure: f64,
 }
 
-/// A mode of `K`: an eigenfunction, orthonormal on the unit disc, seen through what a
-/// contact needs of it.
+/// A mode of `K`: an eigenfunction, orthonormal on the unit disc, represented by the quantities that a contact needs.
 #[derive(Debug, Clone, Copy)]
 struct Mode {
     eigenvalue: f64,
@@ -90,26 +84,26 @@ struct Mode {
 #[derive(Debug)]
 pub(super) struct LayerModes {
     modes: Vec<Mode>,
-    /// `t`, and the factor by which the columns are parts of `∫ g dt`.
+    /// `t`, and the factor that converts the columns to terms of `∫ g dt`.
     nodes: Vec<[f64; 2]>,
-    /// `sqrt2 pi g` of every mode at the nodes, times the root of the weights.
+    /// `sqrt2 pi g` of every mode at the nodes, times the square root of the weights.
     columns: Matrix,
 }
 
 impl LayerModes {
-    /// The table that results are computed with, made on first use.
+    /// The table for results, created on first use.
     pub(super) fn fine() -> &'static Self {
         static TABLE: OnceLock<LayerModes> = OnceLock::new();
         TABLE.get_or_init(|| Self::new(MODES))
     }
 
-    /// The table that errors are estimated with, made on first use.
+    /// The table for error estimates, created on first use.
     pub(super) fn coarse() -> &'static Self {
         static TABLE: OnceLock<LayerModes> = OnceLock::new();
         TABLE.get_or_init(|| Self::new(COARSE_MODES))
     }
 
-    /// The table for a first guess: four digits, at a fiftieth of the time to make it.
+    /// The table for an initial guess: four digits, at a fiftieth of the time to create it.
     pub(super) fn rough() -> &'static Self {
         static TABLE: OnceLock<LayerModes> = OnceLock::new();
         TABLE.get_or_init(|| Self::new(ROUGH_MODES))
@@ -142,7 +136,7 @@ impl LayerModes {
         }
     }
 
-    /// The contact on layers, given in contact radii.
+    /// The contact on layers, with thicknesses in contact radii.
     pub(super) fn contact_on_layers(
         &self,
         relative_compliance: f64,
@@ -178,7 +172,7 @@ impl LayerModes {
         }
     }
 
-    /// `D`, and `D'`, in the modes.
+    /// `D` and `D'` in the basis of the modes.
     fn layer_matrices(&self, layers: &[WeightedLayer]) -> [Matrix; 2] {
         let count = self.modes.len();
         let mut matrices = [0, 1].map(|_| Matrix::zeros(count, count));
@@ -207,7 +201,7 @@ impl LayerModes {
         matrices
     }
 
-    /// The contact whose springs have the compliance `b = relative_compliance`, at least 0.
+    /// The contact with springs of the compliance `b = relative_compliance`, at least 0.
     pub(super) fn contact(&self, relative_compliance: f64) -> UnitContact {
         let b = relative_compliance;
         let mut q1_sum = 0.0; // ∫ q_1 dA; likewise below
@@ -246,8 +240,8 @@ impl LayerModes {
     }
 }
 
-/// `sqrt2 pi g` of every basis function at the nodes, times the root of the weights, so that
-/// products of columns are `∫ phi_i K phi_j dA`; and the load integrals.
+/// `sqrt2 pi g` of every basis function at the nodes, times the square root of the weights, so that products of columns are
+/// `∫ phi_i K phi_j dA`; and the load integrals.
 struct Discretised {
     nodes: Vec<[f64; 2]>,
     columns: Matrix,
@@ -291,8 +285,8 @@ impl Discretised {
     }
 }
 
-/// Nodes `v` in (0, 1) and weights of `∫ f(v) k v^(2k-1)/sqrt(1 - v^(2k)) dv`, `k` the edge
-/// power: Gauss-Legendre in `sqrt(1 - v)`, where the integrand is smooth.
+/// Nodes `v` in (0, 1) and weights of `∫ f(v) k v^(2k-1)/sqrt(1 - v^(2k)) dv`, `k` the edge power: Gauss-Legendre in `sqrt(1 - v)`, where
+/// the integrand is smooth.
 fn arc_rule(count: usize) -> Vec<[f64; 2]> {
     gauss_legendre(count)
         .into_iter()
@@ -306,8 +300,8 @@ fn arc_rule(count: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The basis at `s`: Jacobi polynomials `P_j^(0, 2k-1)(2s - 1)`, orthonormal with the area
-/// element `2 pi k s^(2k-1) ds` of the disc, `k` the edge power.
+/// The basis at `s`: Jacobi polynomials `P_j^(0, 2k-1)(2s - 1)`, orthonormal with the area element `2 pi k s^(2k-1) ds` of the disc, `k`
+/// the edge power.
 ///
 /// Recurrence: NIST Digital Library of Mathematical Functions, 18.9.2.
 fn basis_values(s: f64, values: &mut [f64]) {
@@ -336,7 +330,7 @@ fn basis_values(s: f64, values: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// From no springs to springs only, twenty decades.
+    /// Compliances from zero (no springs) over twenty decades to springs alone.
     fn compliances() -> impl Iterator<Item = f64> {
         std::iter::once(0.0).chain((-50..=30).map(|step| 10f64.powf(0.2 * f64::from(step))))
     }
@@ -363,7 +357,8 @@ mod tests {
 
     #[test]
     fn hertz_on_layers() {
-        // A sphere on a layer without springs, by the equation of `theory::layer`, which shares `phi` alone. The modes are good to 2e-9 on half-spaces.
+        // A sphere on a layer without springs, by the equation of `theory::layer`, which shares only `phi`. The error of the modes is 2e-9
+        // on half-spaces.
         use crate::problem::layer::WeightedLayer;
         use crate::problem::{Base, Layer, Material};
         use crate::theory::layer::Layers;
@@ -377,7 +372,7 @@ mod tests {
             for lens in [None, Some(frictionless(1.3))] {
                 let bodies = [(rubber, Some(Layer::new(thickness))), (soft, lens)];
                 let compliance = rubber.plane_strain_compliance() + soft.plane_strain_compliance();
-                // Of radius 1 under a lens of radius 1e3.
+                // Contact radius 1 under a lens of radius 1e3.
                 let exact = Layers::new(bodies).sphere(1e3, 1.0);
                 let layers = WeightedLayer::among(&bodies, 1.0);
                 let found = LayerModes::fine().contact_on_layers(0.0, &layers);
@@ -387,7 +382,7 @@ mod tests {
                 assert!(indentation.abs() < 3e-8, "{thickness} {indentation:e}");
             }
         }
-        // Far off backs.
+        // Layers so thick that their backing has no effect.
         let bodies = [(rubber, Some(Layer::new(1e9))), (soft, None)];
         let layers = WeightedLayer::among(&bodies, 1.0);
         for b in [0.0, 0.3, 10.0] {
@@ -398,8 +393,8 @@ mod tests {
 
     #[test]
     fn pressure_ends_at_the_edge_on_layers() {
-        // What is prescribed is linear in the radius beyond the contact: at fixed indentation the force has a maximum over the contact radius, as a
-        // wider contact would pull. It is found by springs alone on the layer, from two radii around the contact.
+        // At fixed indentation, the force has a maximum with respect to the contact radius at the true contact, because a wider contact
+        // would be in tension at its edge. The maximum is computed with springs alone on the layer, from two radii around the contact.
         use crate::problem::layer::WeightedLayer;
         use crate::problem::{Layer, Material};
         let rubber = Material::new(1.0, 0.5);
@@ -408,7 +403,8 @@ mod tests {
             WeightedLayer::among(&bodies, 1.0)
         };
         let modes = LayerModes::fine();
-        // dF/dzeta at the contact is that of the flat punch as wide: the whole derivative along contacts of growing radius is the partial one.
+        // dF/dzeta at the contact is that of the flat punch of the same radius: the total derivative along contacts of growing radius
+        // equals the partial one.
         let at = |radius: f64| {
             let contact = modes.contact_on_layers(0.2 / radius, &layers(radius));
             [
@@ -466,8 +462,8 @@ mod tests {
 
     #[test]
     fn force_grows_with_indentation_by_the_punch_stiffness() {
-        // An increment of a contact whose pressure vanishes at the edge is a flat punch:
-        // dF/dzeta = (a/c) stiffness(b), with b = b_1/a. This does not use the edge identity.
+        // An increment of a contact whose pressure vanishes at the edge is a flat punch: dF/dzeta = (a/c) stiffness(b), with b = b_1/a.
+        // This does not use the edge identity.
         let modes = LayerModes::fine();
         for b in [1e-4, 1e-2, 0.3, 1.0, 7.0, 1e3] {
             let at = |a: f64| {

@@ -1,4 +1,4 @@
-//! The disc of contact inside the rim of one top, and its edge in equilibrium.
+//! A contact disc inside the rim of one top, with its edge in equilibrium.
 
 use super::records::{CENTRED, Change, ChangedTop, HeldTop};
 use crate::halfspace::disc::exterior::Exterior;
@@ -11,22 +11,23 @@ use crate::state::Run;
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
-/// The smallest radius at which a disc is followed, over the largest: without adhesion it bears the third power of that then.
+/// Smallest radius of a disc that is followed, relative to the largest: without adhesion its force is proportional to the third power of
+/// the radius.
 const SMALLEST: f64 = 1e-6;
 
-/// Golden sections in the logarithm of the radius where the disc is about to detach.
+/// Golden-section steps in the logarithm of the radius where the disc is about to detach.
 const SECTIONS: usize = 60;
 
-/// The disc of contact and the top that it is on.
+/// The contact disc and its top.
 pub(crate) struct InsideTop {
     pub(super) solver: PatchSolver,
     pub(super) exterior: Exterior,
     pub(super) index: (i64, i64),
     pub(super) centre: Point,
     pub(super) raised: f64,
-    /// Radius at which it comes to the rim.
+    /// Radius at which the disc reaches the rim.
     pub(super) largest: f64,
-    /// The disc, its indentation from the height of the top.
+    /// The disc, with the indentation relative to the height of the top.
     pub(super) patch: Patch,
 }
 
@@ -39,7 +40,7 @@ impl InsideTop {
         self.patch.radius
     }
 
-    /// The disc as the one that bears a load.
+    /// Passes the disc as the loaded one to a function.
     pub(super) fn with_discs<R>(
         &self,
         run: &Run<'_>,
@@ -70,7 +71,7 @@ impl InsideTop {
         self.solver.energy(&self.patch)
     }
 
-    /// As a top in contact.
+    /// The disc as a top in contact.
     pub(super) fn held_top(&self) -> HeldTop {
         HeldTop {
             index: self.index,
@@ -82,7 +83,7 @@ impl InsideTop {
         }
     }
 
-    /// What changes where so large parts of the top are in contact before and after.
+    /// The change between these fractions of the top in contact, before and after.
     pub(super) fn changed(&self, [before, after]: [f64; 2]) -> Change {
         Change {
             gained: PI * (after - before).max(0.0),
@@ -100,13 +101,13 @@ impl InsideTop {
         self.centre[0].hypot(self.centre[1]) < CENTRED
     }
 
-    /// Indentation from the common height.
+    /// Indentation relative to the common height.
     pub(super) fn indentation(&self, patch: &Patch) -> f64 {
         patch.indentation - self.raised
     }
 }
 
-/// What holds the disc of a top in equilibrium.
+/// Equilibrium of the edge of a disc on a top.
 #[derive(Clone, Copy)]
 pub(super) struct Edge<'a> {
     pub(super) inside: &'a InsideTop,
@@ -120,7 +121,7 @@ impl Edge<'_> {
         self.inside.solver.with_edge(radius, self.sag, edge)
     }
 
-    /// The radius at which a measure is least.
+    /// The radius that minimises a measure.
     pub(super) fn least(&self, measure: impl Fn(&Patch) -> f64) -> f64 {
         let largest = self.inside.largest;
         let of_logarithm = |logarithm: f64| measure(&self.at(logarithm.exp()));
@@ -128,7 +129,7 @@ impl Edge<'_> {
         roots::least(ends, SECTIONS, of_logarithm).exp()
     }
 
-    /// The radius between two at which a measure that rises with it takes a value.
+    /// The radius in an interval at which an increasing measure has a value.
     pub(super) fn find(
         &self,
         [low, high]: [f64; 2],

@@ -1,9 +1,9 @@
-//! One top in contact inside its rim: a disc around the lens axis that grows and shrinks as the contact of a sphere on a flat does.
+//! Contact inside the rim of one top: a disc around the lens axis that grows and shrinks like the contact of a sphere on a flat.
 //!
-//! The pressure is expanded on the disc itself ([`PatchSolver`]), whose edge bears `q = -q_c`, `q_c = sqrt(2 w/(pi a))`, while it advances or
-//! recedes (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). Where the works of adhesion differ it is pinned in between.
-//! The path goes on with fronts as soon as the disc comes to the rim of the top or another top is touched, and comes from fronts when
-//! the rim of the last top in contact detaches.
+//! The pressure is expanded on the disc itself ([`PatchSolver`]), at whose edge `q = -q_c`, `q_c = sqrt(2 w/(pi a))`, while it advances or
+//! recedes (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). If the works of adhesion differ, the edge is pinned
+//! in between. The path continues with fronts as soon as the disc reaches the rim of the top or another top is touched; it switches from
+//! fronts to the disc when the rim of the last top in contact detaches.
 
 use super::Path;
 use super::disc::{Edge, InsideTop};
@@ -18,29 +18,29 @@ use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::{SolveError, Stage};
 use std::convert::Infallible;
 
-/// A disc is followed so much beyond the largest contact that a lens may have.
+/// Factor on the largest contact of a lens up to which a disc is followed.
 const FARTHER: f64 = 1.01;
 
-/// A smaller change of the part of a top in contact is none.
+/// Smallest change of the bonded fraction of a top that counts.
 const NO_CHANGE: f64 = 1e-4;
 
-/// A step changes the radius by this part of itself at the most, or of a top's at a start from nothing.
+/// Largest relative change of the radius in a step, and that in top radii for a first contact.
 const STEP: f64 = 0.05;
 const FIRST_STEP: f64 = 0.02;
 
-/// Relative tolerance of the place where the floor is reached.
+/// Relative tolerance of the radius at which the floor is reached.
 const FLOOR_TOLERANCE: f64 = 1e-9;
 
 impl Path<'_> {
-    /// The top under the lens axis, if a disc may be in contact inside it.
+    /// The top under the lens axis, if a contact disc inside it is possible.
     fn top_under_axis(&self) -> Option<InsideTop> {
         let (index, ListedPillar { centre, body }) = self.scene.field.under([0.0, 0.0])?;
         let from_centre = centre[0].hypot(centre[1]);
         if body.column.rocking > 0.0 && from_centre > CENTRED {
-            // It leans, which moves the disc off the axis.
+            // The top tilts, which moves the disc off the axis.
             return None;
         }
-        // A contact that is too large for the lens is refused before it comes to the rim.
+        // A contact that is too large for the lens is refused before it reaches the rim.
         let too_large = FARTHER * LARGEST_CONTACT * self.scene.lens.sphere_radius();
         let largest = (1.0 - from_centre).min(too_large);
         let solver = PatchSolver::new(body.column.shortening, &[]);
@@ -55,7 +55,7 @@ impl Path<'_> {
         })
     }
 
-    /// What the drive holds, of a disc.
+    /// The quantity that the drive keeps fixed, for a disc.
     fn held_by(&self, inside: &InsideTop, patch: &Patch) -> f64 {
         let [alpha, beta] = self.held.weights();
         alpha * inside.indentation(patch) + beta * patch.force
@@ -79,12 +79,12 @@ impl Path<'_> {
         |radius: f64| self.scene.lens.sag([radius, 0.0])
     }
 
-    /// The radius at which a disc detaches as a whole: there what the drive holds is least.
+    /// Radius at which a disc detaches completely: the minimum of the quantity that the drive keeps fixed.
     fn detaching_radius(&self, edge: Edge<'_>) -> f64 {
         edge.least(|patch| self.held_by(edge.inside, patch))
     }
 
-    /// Where the lens first touches a top inside its rim: the disc to which it snaps, if that is inside too. Returns whether it is.
+    /// Jump-in where the lens first touches a top inside its rim, if the disc after jump-in is inside the rim too. Returns whether it is.
     pub(super) fn snap_inside(&mut self, end: End) -> Result<bool, SolveError> {
         if self.counts()[0] > 0 || self.floor.is_some() {
             return Ok(false);
@@ -108,7 +108,7 @@ impl Path<'_> {
         let least = self.detaching_radius(edge);
         let snaps_to_rim = measure(&edge.at(inside.largest)) <= held;
         if snaps_to_rim && least > (1.0 - AT_RIM) * inside.largest {
-            // A top too small for a disc inside it.
+            // The top is too small for a disc inside it.
             return Ok(false);
         }
         let patch = if snaps_to_rim {
@@ -130,7 +130,7 @@ impl Path<'_> {
         Ok(true)
     }
 
-    /// The largest disc where the drive holds so much, whose edge does not bear what would move it.
+    /// The largest disc at a fixed quantity of the drive, with an edge that is not loaded enough to move.
     fn pinned_at_rim(&self, inside: &InsideTop, sag: &impl Fn(f64) -> f64, held: f64) -> Patch {
         let [alpha, beta] = self.held.weights();
         let own = held + alpha * inside.raised;
@@ -139,8 +139,8 @@ impl Path<'_> {
             .with_held(inside.largest, sag, [alpha, beta], own)
     }
 
-    /// Where the rim of the one top in contact is about to detach, and a disc inside it would not: that disc. A front gives way to the disc as soon as that
-    /// is nowhere at the rim. Returns whether it is so.
+    /// Replaces the front by a disc where the rim of the only top in contact is about to detach and a disc inside it would not: as soon as
+    /// that disc does not touch the rim. Returns whether it does.
     pub(super) fn recede_inside(&mut self) -> Result<bool, SolveError> {
         if self.counts()[0] != 1 || self.floor.is_some() {
             return Ok(false);
@@ -152,7 +152,7 @@ impl Path<'_> {
             return Ok(false);
         };
         let before = self.tops.domains[pillar];
-        // The energy is that of the present loads.
+        // The energy belongs to the current loads.
         self.find_loads();
         let sag = self.sag_at();
         let edge = self.edge_of(&inside, &sag, Course::Unloading);
@@ -161,7 +161,8 @@ impl Path<'_> {
         let (start, energy) = ([self.indentation(), self.force()], self.elastic_energy());
         let held = alpha * start[0] + beta * start[1];
         let measure = |patch: &Patch| self.held_by(&inside, patch);
-        // A whole rim that detaches leaves a disc, or nothing where that is not stable. A rim that does so on one side leaves a front.
+        // A rim that detaches on all sides leaves a disc, or no contact if the disc is unstable. A rim that detaches on one side leaves a
+        // front.
         let is_stable = least < (1.0 - AT_RIM) * inside.largest && measure(&edge.at(least)) <= held;
         let is_at_rim = measure(&edge.at(inside.largest)) < held;
         let recedes = if before.is_full() {
@@ -199,13 +200,13 @@ impl Path<'_> {
         Ok(true)
     }
 
-    /// Takes a disc with its indentation.
+    /// Moves to a disc and its indentation.
     fn move_disc(&mut self, inside: InsideTop) {
         self.contact.move_to(inside.indentation(&inside.patch));
         self.inside = Some(inside);
     }
 
-    /// Adds an event by which the disc came, or went: with the part of the top in contact before and after it.
+    /// Records the event in which the disc appeared or disappeared, with the bonded fractions of the top before and after.
     fn account_disc(&mut self, course: Course, start: [f64; 2], energy: f64, parts: [f64; 2]) {
         let Some(inside) = &self.inside else { return };
         let mut change = inside.changed(parts);
@@ -220,7 +221,7 @@ impl Path<'_> {
         self.account(course, start, energy, &change);
     }
 
-    /// One step with a disc inside a top. What it ended at, if it is the end.
+    /// Performs one step with a disc inside a top. Returns the reason for stopping, if any.
     pub(super) fn step_inside(
         &mut self,
         course: Course,
@@ -282,7 +283,7 @@ impl Path<'_> {
             };
             let (lowest, past) = reached(next);
             if past >= 0.0 {
-                // The way past the floor rises with the radius.
+                // The overshoot past the floor increases with the radius.
                 let ends = [(radius, reached(radius).1), (next, past)];
                 let ends = ends.map(|(position, value)| roots::Point { position, value });
                 let find = |radius| Ok::<_, Infallible>(reached(radius).1);
@@ -321,7 +322,7 @@ impl Path<'_> {
         let target = farthest.max(present - self.longest_step(Course::Unloading));
         let stop = |at: f64| (at <= farthest).then_some(Stop::End);
         let depth = |patch: &Patch| inside.indentation(patch);
-        // It is pinned until its edge bears what detaches it.
+        // The edge is pinned until it carries the tension at which it detaches.
         let recedes_at = depth(&edge.at(radius));
         if present > recedes_at + f64::EPSILON * present.abs() {
             let at = target.max(recedes_at);
@@ -331,7 +332,7 @@ impl Path<'_> {
             self.move_to_patch(Course::Unloading, patch);
             return Ok(stop(at));
         }
-        // A station is where the pull is strongest.
+        // A load step is placed at the strongest pull.
         let detaching = self.detaching_radius(edge).min(radius);
         let strongest = edge.least(|patch| patch.force);
         let mut next = detaching.max((1.0 - STEP) * radius);
@@ -350,7 +351,7 @@ impl Path<'_> {
         Ok(stop(self.indentation()))
     }
 
-    /// The disc detaches as a whole, and nothing is in contact.
+    /// Detaches the disc completely; nothing is in contact afterwards.
     fn detach_disc(&mut self) -> Result<(), SolveError> {
         let start = [self.indentation(), self.force()];
         let energy = self.elastic_energy();
@@ -360,7 +361,7 @@ impl Path<'_> {
         let change = inside.changed([inside.patch.radius * inside.patch.radius, 0.0]);
         let [alpha, beta] = self.held.weights();
         if alpha > 0.0 {
-            // A machine moves the lens until it bears nothing.
+            // A testing machine moves the lens until the force is zero.
             let held = alpha * start[0] + beta * start[1];
             self.contact.move_to(held / alpha);
         }
@@ -370,7 +371,7 @@ impl Path<'_> {
         Ok(())
     }
 
-    /// Moves to another disc in equilibrium, along which the force counts as linear.
+    /// Moves to another disc in equilibrium; the force is interpolated linearly in between.
     fn move_to_patch(&mut self, course: Course, patch: Patch) {
         let start = [self.indentation(), self.force()];
         let Some(inside) = &mut self.inside else {
@@ -418,7 +419,7 @@ impl Path<'_> {
         })
     }
 
-    /// Goes on with a front in place of the disc, or with the whole top if the disc fills it.
+    /// Replaces the disc by a front, or by full contact if the disc fills the top.
     fn leave_inside(&mut self, at_rim: bool) -> Result<(), SolveError> {
         let start = [self.indentation(), self.force()];
         let energy = self.elastic_energy();

@@ -1,27 +1,29 @@
-//! What the levels of fronts leave open of the force where one contact is all that there is.
+//! Force error due to the finite number of front levels in a single contact.
 //!
-//! A front has one of a few areas. Where many tops are in contact what that rounds is little of the force. A first contact is smaller than the
-//! lowest level for a while, and a disc is no shape that a front can take: what the force differs by then is there in the same size as long as
-//! some top is in contact in part.
+//! A front has one of a few areas. If many tops are in contact, the effect of this rounding on the force is small. A first contact,
+//! however, is smaller than the lowest level for a while, and a disc is not among the shapes of fronts: the resulting difference of the
+//! force remains as long as some top is partially bonded.
 
 use super::Path;
 use crate::solve::rules::fronts::LEVELS;
 
-/// What half a level changes of the adhesive force of a contact, which goes with the power 3/4 of the area, times the level.
+/// Relative change of the adhesive force of a contact by half a level, times the level number: the force is proportional to the area to the
+/// power 3/4.
 const HALF_LEVEL: f64 = 0.4;
 
-/// A lens that touched a top by this much of its indentation, or of the unit of length, may touch it by rounding alone.
+/// Overlap of the lens with a top, relative to the indentation or the unit of length, up to which contact may be due to rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl Path<'_> {
-    /// Whether the lens is down on a top and nothing is in contact: even the lowest level takes more.
+    /// Whether the lens overlaps with a top although nothing is in contact, because the lowest level needs more overlap.
     pub(crate) fn is_below_first_level(&self) -> bool {
         let first = self.scene.first_touch();
         let rounding = ROUNDING * first.abs().max(self.indentation().abs());
         self.counts()[0] == 0 && self.floor.is_none() && self.indentation() > first + rounding
     }
 
-    /// Adds what the first contact leaves open: what smaller ones would bear before it, half of what punches of the lowest level do, and half a level.
+    /// Adds the force error due to the first contact: the force of smaller contacts before it, half the force of punches of the lowest
+    /// level, and half a level.
     pub(super) fn open_by_first_contact(&mut self) {
         let fronts = &self.tops.fronts;
         let held = self.tops.domains.iter().filter(|domain| !domain.is_out());
@@ -36,8 +38,8 @@ impl Path<'_> {
         self.left_open = self.left_open.max(before).max(of_level);
     }
 
-    /// Adds what the force differs by at one indentation as a disc takes the place of a front or of a whole top, or these of a disc. Before that it had an
-    /// indentation and a force.
+    /// Adds the change of the force, at one indentation, when a disc replaces a front or a full contact, or vice versa. The arguments are
+    /// indentation and force before the change.
     pub(super) fn open_by_change(&mut self, [indentation, force]: [f64; 2]) {
         let stiffness = match &self.inside {
             Some(inside) => 2.0 * inside.radius(),

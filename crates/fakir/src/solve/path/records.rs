@@ -1,4 +1,4 @@
-//! What a path holds, where it ends, and what it records on the way.
+//! Quantities that a path keeps fixed, its ends, and its records.
 
 use crate::problem::Point;
 use crate::solve::floor::FloorPoint;
@@ -6,23 +6,23 @@ use crate::solve::rules::fronts::{Course, Domain};
 use crate::solve::rules::stuck_floor::FloorStation;
 use crate::state::Termination;
 
-/// A lens axis so near the middle of a top, in its radii, is there: the disc fills the top.
+/// Distance of the lens axis from the centre of a top, in top radii, below which the contact is centred: the disc fills the top.
 pub(super) const CENTRED: f64 = 1e-6;
 
-/// A disc that detaches within this part of the radius at which it comes to the rim detaches there.
+/// Relative distance from the rim within which a detaching disc counts as detaching at the rim.
 pub(super) const AT_RIM: f64 = 1e-3;
 
-/// What is held while tops change.
+/// Quantity that is fixed while tops change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Held {
     Indentation,
-    /// The crosshead of a machine of this stiffness, in units of the solvers.
+    /// The crosshead position of a testing machine of this stiffness, in solver units.
     Crosshead(f64),
     Force,
 }
 
 impl Held {
-    /// What is held is `alpha zeta + beta F`.
+    /// Weights of the fixed quantity `alpha zeta + beta F`.
     pub(super) fn weights(self) -> [f64; 2] {
         match self {
             Self::Indentation => [1.0, 0.0],
@@ -32,21 +32,21 @@ impl Held {
     }
 }
 
-/// A state on the path, in units of the solvers.
+/// A state on the path, in solver units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LoadStep {
     pub(crate) course: Course,
     pub(crate) indentation: f64,
     pub(crate) force: f64,
-    /// Tops in contact, and those in contact in part.
+    /// Number of tops in contact, and of partially bonded ones.
     pub(crate) touched: [usize; 2],
-    /// Area in contact.
+    /// Contact area.
     pub(crate) area: f64,
     /// Distance of the farthest point in contact from the lens axis.
     pub(crate) radius: f64,
-    /// Events so far.
+    /// Number of events so far.
     pub(crate) events: usize,
-    /// What of the floor is in contact, if it sticks.
+    /// The part of the floor in contact, if it is adhesive.
     pub(crate) floor: Option<FloorStation>,
 }
 
@@ -58,65 +58,64 @@ pub(crate) struct TopEvent {
     pub(crate) force: f64,
     pub(crate) index: (i64, i64),
     pub(crate) centre: Point,
-    /// The parts of the top in contact before and after it.
+    /// Fractions of the top in contact before and after the event.
     pub(crate) parts: [f64; 2],
 }
 
-/// Where a part of the path ends.
+/// End of a segment of the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum End {
-    /// At an indentation.
+    /// A prescribed indentation.
     Indentation(f64),
-    /// Where a force is borne by something in contact.
+    /// A prescribed force with something in contact.
     Force(f64),
-    /// Nowhere before the floor.
+    /// No end before the floor.
     Floor,
-    /// Where nothing is in contact any more.
+    /// Nothing is in contact.
     Separation,
 }
 
-/// What a part of the path ended at.
+/// Reason for the end of a segment of the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Stop {
-    /// What was asked.
+    /// The requested end.
     End,
-    /// The floor is reached.
+    /// The floor was reached.
     Floor(FloorPoint),
     /// There is no solution.
     Failed(Termination),
 }
 
-/// What the path has added up.
+/// Energies accumulated along the path.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Energies {
     /// `∫ F d zeta` along the path.
     pub(crate) work: f64,
-    /// What of that was done against pulls on unloading.
+    /// Separation work: the tensile part of `∫ F d zeta` during unloading.
     pub(crate) separation: f64,
-    /// Energy dissipated by what changed.
+    /// Energy dissipated by changes of contact.
     pub(crate) dissipation: f64,
-    /// What of that was dissipated by fronts that went from one level to the next and stayed there: without levels
-    /// they would go there gradually.
+    /// Part of the dissipation due to fronts that move by a single level and stop: without levels they would move gradually.
     pub(crate) between_levels: f64,
-    /// Area that came out of contact.
+    /// Detached area.
     pub(crate) receded: f64,
 }
 
-/// A top in contact with what it bears.
+/// A top in contact, with its load.
 #[derive(Debug, Clone)]
 pub(crate) struct HeldTop {
     pub(crate) index: (i64, i64),
     pub(crate) centre: Point,
-    /// By how much it is higher than the common one.
+    /// Height above the common level.
     pub(crate) raised: f64,
     pub(crate) domain: Domain,
     pub(crate) coefficients: Vec<f64>,
-    /// The radius of the disc around the lens axis that the coefficients are of, if that is in contact and not a part up to a front.
+    /// Radius of the disc around the lens axis that the coefficients refer to, if a disc and not a region up to a front is in contact.
     pub(crate) disc: Option<f64>,
 }
 
 impl HeldTop {
-    /// Whether a disc inside the rim is in contact that is nowhere at the rim, or all around.
+    /// Whether a disc inside the rim is in contact that touches the rim nowhere, or all around.
     pub(crate) fn has_free_disc(&self) -> bool {
         let from_centre = self.centre[0].hypot(self.centre[1]);
         self.disc.is_some_and(|radius| {
@@ -125,14 +124,14 @@ impl HeldTop {
     }
 }
 
-/// The strongest pull so far on unloading.
+/// The largest tensile force so far on unloading.
 #[derive(Debug, Clone)]
 pub(crate) struct StrongestPull {
     pub(crate) station: usize,
     pub(crate) tops: Vec<HeldTop>,
 }
 
-/// A top of which another part is in contact, with both parts and the levels between them.
+/// A top whose bonded region changed, with the fractions before and after and the number of levels between them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ChangedTop {
     pub(super) index: (i64, i64),
@@ -141,10 +140,10 @@ pub(super) struct ChangedTop {
     pub(super) levels: usize,
 }
 
-/// What a cascade changed.
+/// Changes made by a cascade.
 #[derive(Debug, Default)]
 pub(super) struct Change {
-    /// Area that came into contact, and out of it.
+    /// Area that attached, and area that detached.
     pub(super) gained: f64,
     pub(super) lost: f64,
     pub(super) tops: Vec<ChangedTop>,

@@ -1,8 +1,8 @@
-//! How the mean pressures of all tops in contact go together: a preconditioner for the [linearized contact](super::super::linearized) of
-//! tops that change a few at a time.
+//! Coarse preconditioner for the mean pressures of all tops in contact, for the [linearized contact](super::super::linearized) of tops of
+//! which few change at a time.
 //!
-//! With `D` the compliances `P_00` of the tops and `B_00` what a force on one does to the mean displacement of another, the mean
-//! pressures follow from `K = 1 + D^1/2 B_00 D^1/2`. Its Cholesky factor is kept, in single precision, while few tops change.
+//! With `D` the compliances `P_00` of the tops and `B_00` the mean displacement of one top per force on another, the mean pressures follow
+//! from `K = 1 + D^1/2 B_00 D^1/2`. Its Cholesky factor, in single precision, is reused while few tops change.
 
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::sites::Sites;
@@ -13,20 +13,20 @@ use crate::numerics::vector::widest;
 use crate::problem::HexagonalLattice;
 use std::f64::consts::PI;
 
-/// Numbers of tops from which on and up to which it pays.
+/// Smallest and largest number of tops for which the preconditioner is used.
 const FEWEST: usize = 12;
 const MOST: usize = 1500;
 
-/// The factor is made anew after this part of the tops has come in or out of contact, and this many at the least.
+/// The factor is recomputed after this fraction of the tops, and at least this many, have attached or detached.
 const STALE: f64 = 0.04;
 const FEW_CHANGES: usize = 8;
 
-/// Numbers that are added up side by side.
+/// Number of terms that are summed in parallel.
 const LANES: usize = 16;
 
-/// `B_00` between all places of a window by the difference of their indices.
+/// `B_00` between all positions of a window as a function of the difference of their indices.
 struct MeanCoupling {
-    /// Places along the second index on either side.
+    /// Number of positions along the second index on either side.
     reach: (i64, i64),
     values: Vec<f64>,
 }
@@ -58,20 +58,20 @@ impl MeanCoupling {
     }
 }
 
-/// `B_00` between two tops at a distance in their radii, by the terms of [`F4`](crate::halfspace::coupling::pair) up to the second degree:
-/// 2 % too small where tops touch.
+/// `B_00` between two tops at a distance in units of their radius, by the terms of [`F4`](crate::halfspace::coupling::pair) up to the
+/// second degree: 2 % too small if the tops touch each other.
 fn mean_coupling(distance: f64) -> f64 {
     let square = distance.powi(-2);
     UNIT_FORCE * UNIT_FORCE / (PI * distance) * (1.0 + square / 3.0 + 0.4 * square * square)
 }
 
-/// The factor of `K` for the tops that were in contact when it was made.
+/// Factor of `K` for the tops that were in contact when it was computed.
 pub(crate) struct Coarse {
-    /// Of the places of a window; tops that stand otherwise are looked at one by one.
+    /// Coupling between the positions of a window; for other arrangements it is computed pair by pair.
     coupling: Option<MeanCoupling>,
-    /// The tops, by their places among the sites.
+    /// The tops, as indices of the sites.
     pub(crate) tops: Vec<usize>,
-    /// Columns of the factor from their diagonals down, one after the other.
+    /// Columns of the factor from the diagonal down, one after the other.
     factor: Vec<f32>,
 }
 
@@ -85,7 +85,7 @@ impl Coarse {
         }
     }
 
-    /// Makes the factor anew if many tops have come in or out of contact. `compliance` is `P_00`, zero out of contact.
+    /// Recomputes the factor if many tops have attached or detached. `compliance` is `P_00`, zero out of contact.
     pub(crate) fn refresh(&mut self, sites: &Sites, compliance: impl Fn(usize) -> f64) {
         let touched: Vec<usize> = (0..sites.len())
             .filter(|top| compliance(*top) > 0.0)
@@ -169,7 +169,7 @@ impl Coarse {
     }
 }
 
-/// How many numbers are in one of two sorted lists and not in the other.
+/// Number of elements that are in only one of two sorted lists.
 fn difference(a: &[usize], b: &[usize]) -> usize {
     let common = a.iter().filter(|x| b.binary_search(x).is_ok()).count();
     a.len() + b.len() - 2 * common

@@ -1,10 +1,10 @@
-//! Floor cells that are pressed and not pulled: the second rule of the [linearized contact](super::super::linearized).
+//! Floor cells without adhesion: the second rule of the [linearized contact](super::super::linearized).
 //!
-//! The state of a cell is whether it bears pressure. With these linearized the cells that do follow the lens, and the others bear nothing.
-//! [`update`](FloorCells::update) lets go of cells that are pulled, and takes in those that the lens would enter.
+//! The state of a cell is whether it carries pressure. At fixed states, cells that do follow the lens, and the others carry no load.
+//! [`update`](FloorCells::update) removes cells in tension and adds those that the lens would penetrate.
 //!
-//! What one cell does to the others has an inverse of positive diagonal and, nearly, negative entries beside it. So after one step that
-//! takes in too many, the set shrinks onto the solution without going back.
+//! The matrix of interactions between cells has an inverse with positive diagonal and almost entirely negative off-diagonal entries. After
+//! one step that adds too many cells, the set therefore shrinks monotonically to the solution.
 
 use crate::halfspace::elements::periodic::PeriodicInverse;
 use crate::halfspace::floor::grid::{FloorGrid, Folding};
@@ -15,29 +15,29 @@ use crate::problem::{Cells, LensShape, Point};
 use crate::solve::linearized::Rule;
 use rayon::ThreadPool;
 
-/// Pressure below zero, relative to the largest, and gap below zero, relative to the sides of a cell, that are rounding.
+/// Negative pressure, relative to the largest pressure, and negative gap, relative to the sides of a cell, that are attributed to rounding.
 const TOLERANCE: f64 = 1e-9;
 
-/// The cells of the floor and their states.
+/// The floor cells and their states.
 pub(crate) struct FloorCells<'a> {
     pub(crate) grid: FloorGrid,
-    /// Whether a cell bears pressure.
+    /// Whether a cell carries pressure.
     bears: Vec<bool>,
     inverse: PeriodicInverse<'a, f32>,
     masked: Vec<f64>,
     folding: Folding,
 }
 
-/// What an update changed.
+/// Result of an update.
 pub(crate) struct FloorChange {
-    /// Cells whose state is another.
+    /// Number of cells whose state changed.
     pub(crate) cells: usize,
-    /// Largest gap of a cell that bears pressure, relative to the indentation.
+    /// Largest gap of a cell that carries pressure, relative to the indentation.
     pub(crate) mismatch: f64,
 }
 
 impl<'a> FloorCells<'a> {
-    /// No cell bears pressure.
+    /// Starts without pressure on any cell.
     pub(crate) fn new(grid: FloorGrid, pool: Option<&'a ThreadPool>) -> Self {
         Self {
             bears: vec![false; grid.len()],
@@ -51,13 +51,15 @@ impl<'a> FloorCells<'a> {
         }
     }
 
-    /// The lens over every cell: the mean over it, below the tops of the pillars, times the root of its area.
+    /// Load of the lens over every cell: its mean height over the cell, below the tops of the pillars, times the square root of the cell
+    /// area.
     pub(crate) fn lens_load(&self, scene: &Scene) -> impl Iterator<Item = f64> {
         let [width, height] = self.grid.division.cell;
         let root = self.unit_cell();
         let apex = scene.lens.apex_radius();
         let varies = matches!(scene.lens.shape, LensShape::Profile(_));
-        // What the mean of a curved surface over a cell is higher than its centre by; of a table of heights where that is.
+        // Difference between the mean of a curved surface over a cell and its value at the centre; for a height table, at the position of
+        // the cell.
         let mean = move |centre: Point| {
             let jet = scene.lens.jet(centre).filter(|_| varies);
             let [along_x, _, along_y] =
@@ -69,17 +71,17 @@ impl<'a> FloorCells<'a> {
         })
     }
 
-    /// The root of the area of a cell.
+    /// Square root of the area of a cell.
     pub(crate) fn unit_cell(&self) -> f64 {
         self.grid.division.cell_area().sqrt()
     }
 
-    /// Whether every cell bears pressure.
+    /// Whether each cell carries pressure.
     pub(crate) fn bears(&self) -> &[bool] {
         &self.bears
     }
 
-    /// The cells that do.
+    /// The cells that carry pressure.
     pub(crate) fn bearing(&self) -> Cells {
         let grid = self.grid.cells.grid();
         let mut bears = vec![false; grid.cell_count()];
@@ -89,7 +91,7 @@ impl<'a> FloorCells<'a> {
         Cells::where_true(grid, |index| bears[index])
     }
 
-    /// Says which cells bear pressure.
+    /// Sets which cells carry pressure.
     pub(crate) fn set(&mut self, bears: impl Iterator<Item = bool>) {
         for (state, bears) in self.bears.iter_mut().zip(bears) {
             *state = bears;
@@ -97,19 +99,19 @@ impl<'a> FloorCells<'a> {
         self.mirror();
     }
 
-    /// Mirror images are in the same state, whatever rounding says.
+    /// Gives mirror images the same state, regardless of rounding.
     fn mirror(&mut self) {
         if let Some(mirrors) = &self.grid.mirrors {
             mirrors.mirror(&mut self.bears);
         }
     }
 
-    /// Says whether one of them does.
+    /// Sets whether one cell carries pressure.
     pub(crate) fn set_one(&mut self, cell: usize, bears: bool) {
         self.bears[cell] = bears;
     }
 
-    /// Takes over the states under the present loads (positive ones ask a cell to come down farther) and coefficients.
+    /// Updates the states from the current loads (positive if a cell must be displaced further) and coefficients.
     pub(crate) fn update(
         &mut self,
         loads: impl Iterator<Item = f64>,
@@ -137,7 +139,7 @@ impl<'a> FloorCells<'a> {
         change
     }
 
-    /// Takes the values of cells that bear no pressure away.
+    /// Sets the values of cells without pressure to zero.
     fn mask(bears: &[bool], values: &mut [f64]) {
         for (value, bears) in values.iter_mut().zip(bears) {
             *value = if *bears { *value } else { 0.0 };
@@ -145,14 +147,14 @@ impl<'a> FloorCells<'a> {
     }
 }
 
-/// All places of contact: pillar tops by a rule of theirs, and the floor where it is touched.
+/// All contact places: pillar tops with their own rule, and the floor if it is touched.
 pub(crate) struct Places<'n, 'a, T> {
     pub(crate) tops: T,
     pub(crate) floor: Option<&'n mut FloorCells<'a>>,
 }
 
 impl<T> Places<'_, '_, T> {
-    /// Number of coefficients of pillar tops, of so many.
+    /// Number of coefficients of pillar tops, given the total number.
     fn split(&self, size: usize) -> usize {
         size - self.floor.as_ref().map_or(0, |floor| floor.bears.len())
     }
@@ -166,7 +168,7 @@ impl<T: Rule> Rule for Places<'_, '_, T> {
         if let Some(floor) = &self.floor {
             FloorCells::mask(&floor.bears, of_floor);
             if let Some(mirrors) = &floor.grid.mirrors {
-                // By what images differ in nothing would be moved, so that it would stay for ever.
+                // Otherwise rounding differences between images, which no other step reduces, would persist.
                 mirrors.average(of_floor);
             }
         }

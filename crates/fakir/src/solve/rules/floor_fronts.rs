@@ -1,23 +1,24 @@
-//! Floor cells that stick to the lens: which come into contact and which out of it.
+//! Adhesive floor cells: which ones attach and detach.
 //!
-//! The cells in contact, whatever they bear, are one set: a cell of it follows the lens, one outside bears nothing. Its border is a crack
-//! front, which moves by the energy that it releases (Griffith), `G = K^2/2` with the stress intensity `K`, in units of the reduced modulus.
-//! `K` is read from what is near the front. At a distance `x` from it the pressure inside is `-K/sqrt(2 pi x)` and the gap outside
-//! `4 K sqrt(x/(2 pi))`. On cells these are `-K phi(d)/sqrt h` and `K psi(d) sqrt h`, with `h` the root of the area of a cell, `d` the distance in
-//! cells, and `phi` and `psi` from [tables](PRESSURE) made on flat round punches.
+//! The cells in contact, of either sign of pressure, are one set: a cell of the set follows the lens, one outside carries no load. The
+//! border of the set is a crack front, which moves according to its energy release rate (Griffith), `G = K^2/2` with the stress intensity
+//! factor `K`, in units of the reduced modulus. `K` is computed from the solution near the front. At a distance `x` from it, the pressure
+//! inside is `-K/sqrt(2 pi x)` and the gap outside `4 K sqrt(x/(2 pi))`. On cells these are `-K phi(d)/sqrt h` and `K psi(d) sqrt h`, with
+//! `h` the square root of the area of a cell, `d` the distance in cells, and `phi` and `psi` from [tables](PRESSURE) computed on flat round
+//! punches.
 //!
-//! The distance follows from the set smoothed by a Gaussian of 1.2 cells, of which the set behind a straight front would make
-//! the normal distribution of `d/1.2`. Of the pressures those of cells at 1 to 2.6 cells are used, as those nearer depend on the corners of the
-//! front; of the gaps those at 0.25 to 2.6 cells. The next term of the series at the front changes pressures by `1 + c x` and gaps by `1 - c x/3`: a line is
-//! laid through all values in a Gaussian window of 1.5 cells over `x` inside and `-x/3` outside, in which pressures count by the weight [`INNER`], and `K` is
-//! its value at zero.
+//! The distance follows from the indicator function of the set, smoothed by a Gaussian of 1.2 cells: behind a straight front this is the
+//! normal distribution of `d/1.2`. Pressures are used at 1 to 2.6 cells, because those closer depend on the corners of the front; gaps at
+//! 0.25 to 2.6 cells. The next term of the series at the front changes pressures by `1 + c x` and gaps by `1 - c x/3`. Therefore a line is
+//! fitted to all values in a Gaussian window of 1.5 cells as a function of `x` inside and `-x/3` outside, with the weight [`INNER`] for
+//! pressures, and `K` is its value at zero.
 //!
-//! Along a front of the curvature `c`, positive round a patch, the Gaussian puts the front `0.72 c` cells too far inside, and the gap grows less by `1 - c x/3`
-//! beside what the next term does to it (as round a flat punch, whose pressure changes by `1 + c x/4` and gap by `1 - 5 c x/12`). Both are taken away to
-//! first order in the curvature, which the smoothed set tells.
+//! Along a front of the curvature `c`, positive around a patch, the smoothing places the front `0.72 c` cells too far inside, and the gap
+//! increases less by `1 - c x/3` in addition to the effect of the next term (around a flat punch, the pressure changes by `1 + c x/4` and
+//! the gap by `1 - 5 c x/12`). Both effects are removed to first order in the curvature, which is computed from the smoothed set.
 //!
-//! Where a front faces a pillar across a free ring a few cells wide, the ring changes `K` within the window: a correction fitted to the
-//! exact ring ([`RING`]) takes that away.
+//! If a front faces a pillar across a detached ring a few cells wide, the ring changes `K` within the window: a correction fitted to the
+//! exact ring ([`RING`]) removes this effect.
 
 use super::floor::FloorCells;
 use super::fronts::Works;
@@ -27,33 +28,34 @@ use crate::numerics::neighbours::{Nearest, Neighbours};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Standard deviations of the Gaussians of the distance and of the average, cells.
+/// Standard deviations of the Gaussians of the distance and of the average, in cells.
 const SMOOTHING: f64 = 1.2;
 const AVERAGE: f64 = 1.5;
 
-/// Cells to which both reach.
+/// Half-width of both Gaussians, in cells.
 const REACH: usize = 5;
 const WIDTH: usize = 2 * REACH + 1;
 
-/// Distances from the front of the data, cells, inside and outside.
+/// Range of distances from the front of the data, in cells, inside and outside.
 const INSIDE: [f64; 2] = [1.0, 2.6];
 const OUTSIDE: [f64; 2] = [0.25, 2.6];
 
-/// Cells farther from the front than this are not on it.
+/// Distance from the front, in cells, above which a cell is not on the front.
 const ON_FRONT: f64 = 1.1;
 
-/// Weight of a pressure beside a gap.
+/// Weight of a pressure relative to a gap.
 const INNER: f64 = 0.38;
 
-/// A line through values that lie closer together than this, cells, is laid the flatter.
+/// Regularisation of the slope of the line, in cells: values that are closer together than this give a smaller slope.
 const SPREAD: f64 = 0.15;
 
-/// Round a few cells alone and along narrow bridges there are gaps alone, of which a line says nothing: it counts where the mean of `u` is above the second of
-/// these, and below the first the mean of the values does.
+/// Around single cells and along narrow bridges only gaps are available, which do not determine a line. The line is used if the mean of `u`
+/// is above the second value, the mean of the data below the first; in between both are blended.
 const ONE_SIDED: [f64; 2] = [-0.35, -0.2];
 
-/// `phi(d) sqrt(2 pi d)` at 1.0, 1.2, ... 2.6 cells inside, and `psi(d) sqrt(2 pi/d)/4` at 0.2, 0.4, ... 2.6 cells outside: means on flat round
-/// punches of 18 to 31 cells radius, what the curvature of their fronts does taken away. The test `tables_are_those_of_flat_punches` makes them again.
+/// `phi(d) sqrt(2 pi d)` at 1.0, 1.2, ... 2.6 cells inside, and `psi(d) sqrt(2 pi/d)/4` at 0.2, 0.4, ... 2.6 cells outside: averages on
+/// flat round punches of 18 to 31 cells radius, without the effect of the curvature of their fronts. The test
+/// `tables_are_those_of_flat_punches` recomputes them.
 const PRESSURE: [f64; 9] = [
     0.817, 0.874, 0.872, 0.887, 0.966, 1.010, 1.020, 1.035, 1.020,
 ];
@@ -62,93 +64,95 @@ const GAP: [f64; 13] = [
 ];
 const TABLE_STEP: f64 = 0.2;
 
-/// `K` at a front that faces a pillar across `x` cells is too high by this over `x`, of which there are 3 at the least: on rings of 3 to 20 cells `K` is then
-/// right to 1.5 % against the closed form (the test `rings_round_a_pillar`).
+/// Relative overestimate of `K` at a front that faces a pillar across `x` cells, times `x`, with a lower bound of 3 for `x`: with this
+/// correction `K` on rings of 3 to 20 cells is within 1.5 % of the closed form (the test `rings_round_a_pillar`).
 const RING: f64 = 0.2;
 const RING_LEAST: f64 = 3.0;
 
-/// `G` on both sides of a front differs by `2/x` a cell across such a ring: what is compared is half a cell on.
+/// Across such a ring, `G` changes by `2/x` from one cell to the next; the criterion is evaluated half a cell ahead. Lower bound of `x`.
 const HALF_CELL_LEAST: f64 = 2.0;
 
-/// A cell of which nothing is known comes into contact where this part of its surroundings is.
+/// A cell without data attaches if this fraction of its surroundings is in contact.
 const ENCLOSED: f64 = 0.75;
 
-/// Cells taken back after an advance release so much more than what keeps them.
+/// Factor on the work of adhesion above which cells are removed again after an advance.
 const TAKE_BACK: f64 = 1.1;
 
-/// `K` is too high by this along the grid, and too low by as much across its diagonals (the tests `intensities_of_flat_punches` and `intensities_of_spheres`).
+/// Relative overestimate of `K` along the grid directions, and underestimate along the diagonals (the tests `intensities_of_flat_punches`
+/// and `intensities_of_spheres`).
 const ANISOTROPY: f64 = 0.021;
 
-/// A front of the curvature `c`, over cells, leaves rows of the grid by pieces of the length `2 sqrt(2/c)`, the chord one cell high. Such a piece one cell
-/// ahead changes `K` at its middle by `2/pi` over its length (Rice), and `G` by twice that: what is compared is half a cell on, by `0.225 sqrt c`. Pieces
-/// are shorter where a front runs between the directions of the grid: 0.8 of that makes the pull-off force of spheres of 8 to 50 cells radius, without load,
-/// right in the mean, to 2.5 % each.
+/// A front of the curvature `c` (per cell) advances from one row of the grid to the next by pieces of the length `2 sqrt(2/c)`, the chord
+/// one cell high. Such a piece one cell ahead changes `K` at its centre by `2/pi` divided by its length (Rice), and `G` by twice that; half
+/// a cell ahead, where the criterion is evaluated, by `0.225 sqrt c`. Pieces are shorter if a front is inclined to the grid directions: a
+/// factor of 0.8 makes the pull-off force of spheres with a radius at zero load of 8 to 50 cells correct on average, and each one to 2.5 %.
 const PIECE: f64 = 0.18;
 
-/// Largest curvature of a front that is taken away, over cells.
+/// Largest curvature of a front that is corrected for, per cell.
 const CURVATURE_LIMIT: f64 = 0.2;
 
-/// Gaps nearer than this to the front, cells, do not follow its root.
+/// Distance from the front, in cells, below which gaps deviate from the square root.
 const ROOT_FROM: f64 = 0.5;
 
 const NONE: u32 = u32::MAX;
 
-/// Where a front goes.
+/// Motion of a front.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FloorMove {
     Advance,
     Recede,
-    /// After an advance: of what has come too far.
+    /// Removes cells that have attached too far after an advance.
     TakeBack,
 }
 
-/// The fronts on the floor.
+/// Fronts on the floor.
 pub(crate) struct FloorFronts {
     works: Works,
-    /// Grid with a margin: its row length, the place of every cell, the cell at every place.
+    /// Grid with a margin: row length, position of every cell, and cell at every position.
     stride: usize,
     places: Vec<u32>,
     cells: Vec<u32>,
-    /// The set in contact, smoothed.
+    /// The smoothed indicator function of the set in contact.
     smooth: Vec<f32>,
     stamp: [[f32; WIDTH]; WIDTH],
     window: [[f32; WIDTH]; WIDTH],
-    /// Derivatives of the window: by x, y, twice by x, by both, twice by y.
+    /// Derivatives of the window: x, y, xx, xy, yy.
     slopes: Box<[[[f32; WIDTH]; WIDTH]; 5]>,
-    /// Of every cell: cells between it and the nearest rim, and the direction away from that.
+    /// For every cell: distance to the nearest rim in cells, and the direction away from it.
     rims: Vec<[f32; 3]>,
     bounds: Bounds,
-    /// Data at every place.
+    /// Data at every position.
     data: Vec<Datum>,
-    /// Places that have some.
+    /// Positions with data.
     known: Vec<u32>,
-    /// What makes `K` of a pressure, and of a gap, by the value of the smoothed set, by how much the curvature of the front changes each, and `u`.
+    /// As a function of the smoothed set: the factor from a pressure, or a gap, to `K`, the effect of the front's curvature on it, and `u`.
     factors: [Vec<[f64; 3]>; 2],
-    /// `phi` by the value of the smoothed set.
+    /// `phi` as a function of the smoothed set.
     pressures: Vec<f64>,
     /// The smoothed set before the last moves.
     before: Vec<f32>,
     /// Gap of every cell out of contact.
     gaps: Vec<f64>,
-    /// Cells not to be taken in again.
+    /// Cells that must not attach again.
     banned: Vec<bool>,
-    /// Which cells are mirror images of each other: those move together, whatever rounding says.
+    /// Cells that are mirror images of each other and move together, regardless of rounding.
     mirrors: Option<Arc<Mirrors>>,
 }
 
-/// A value `k` of `K` at `u`, with its weight: the weight times `1, u, u^2, k, k u`, and the change of both last ones with the curvature of the front.
+/// A value `k` of `K` at `u`, with its weight: the weight times `1, u, u^2, k, k u`, and the change of the last two with the curvature of
+/// the front.
 type Datum = [f32; 7];
 
-/// How a front runs.
+/// Shape of a front.
 #[derive(Debug, Clone, Copy, Default)]
 struct Bend {
-    /// Over cells, positive round a patch.
+    /// Curvature per cell, positive around a patch.
     curvature: f64,
-    /// Cosine of four times the angle with the grid.
+    /// Cosine of four times the angle to the grid.
     direction: f64,
 }
 
-/// Values of the smoothed set at distances.
+/// Values of the smoothed set at the limits of distances.
 struct Bounds {
     inside: [f32; 2],
     outside: [f32; 2],
@@ -167,7 +171,7 @@ fn normal(x: f64) -> f64 {
     0.5 * (1.0 + erf.copysign(x))
 }
 
-/// The distance from the front that a value of the smoothed set means, cells; by bisection.
+/// Distance from the front, in cells, for a value of the smoothed set; by bisection.
 fn distance_of(smooth: f64) -> f64 {
     let (mut low, mut high) = (-4.0, 4.0);
     for _ in 0..40 {
@@ -181,7 +185,7 @@ fn distance_of(smooth: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Between the values of a table from a first distance on.
+/// Linear interpolation in a table that starts at a given distance.
 fn between(table: &[f64], first: f64, distance: f64) -> f64 {
     let at = clamped(
         (distance - first) / TABLE_STEP,
@@ -193,7 +197,7 @@ fn between(table: &[f64], first: f64, distance: f64) -> f64 {
     table[place] * (1.0 - part) + table[place + 1] * part
 }
 
-/// `phi` at any distance inside, about: a cell at the front has the mean over it, which is `2/sqrt(2 pi)`.
+/// Approximate `phi` at any distance inside: a cell at the front carries the mean over its area, which is `2/sqrt(2 pi)`.
 fn pressure_near(distance: f64) -> f64 {
     let (at_front, table_end) = (2.0 / TAU.sqrt(), INSIDE[1]);
     if distance < INSIDE[0] {
@@ -213,7 +217,7 @@ fn gap_at(distance: f64) -> f64 {
     4.0 * between(&GAP, 0.2, distance) * (distance / TAU).sqrt()
 }
 
-/// A Gaussian on cells, of sum 1.
+/// A Gaussian on cells, normalised to the sum 1.
 fn gaussian(deviation: f64) -> [[f32; WIDTH]; WIDTH] {
     let of = |k: usize| (-0.5 * ((k as f64 - REACH as f64) / deviation).powi(2)).exp();
     let sum: f64 = (0..WIDTH).map(of).sum();
@@ -222,7 +226,7 @@ fn gaussian(deviation: f64) -> [[f32; WIDTH]; WIDTH] {
     })
 }
 
-/// Derivatives of a function on cells that are taken by sums with these: of its mean by a Gaussian. By x, y, twice by x, by both, twice by y.
+/// Weights for the derivatives of a function on cells, smoothed by a Gaussian: x, y, xx, xy, yy.
 fn slopes(deviation: f64) -> [[[f32; WIDTH]; WIDTH]; 5] {
     let mean = gaussian(deviation);
     let scaled = |k: usize| (k as f64 - REACH as f64) / deviation;
@@ -242,14 +246,14 @@ fn slopes(deviation: f64) -> [[[f32; WIDTH]; WIDTH]; 5] {
     ]
 }
 
-/// Steps of the values of the smoothed set by which factors are kept.
+/// Number of intervals of the smoothed set in the tables of factors.
 const STEPS: usize = 1024;
 
-/// Changes of those values below this change no pressure.
+/// Smallest change of the smoothed set that changes a pressure.
 const LEAST_CHANGE: f32 = 1e-4;
 
 impl FloorFronts {
-    /// Of cells none of which is in contact.
+    /// Fronts without any cell in contact.
     pub(crate) fn new(grid: &FloorGrid, works: Works) -> Self {
         let shape = grid.cells.grid();
         let stride = shape.columns() + 2 * REACH;
@@ -323,7 +327,7 @@ impl FloorFronts {
         }
     }
 
-    /// Takes a cell into contact, or out of it.
+    /// Attaches or detaches a cell.
     pub(crate) fn set(&mut self, cells: &mut FloorCells<'_>, cell: usize, bonded: bool) {
         if cells.bears()[cell] == bonded {
             return;
@@ -339,7 +343,7 @@ impl FloorFronts {
         }
     }
 
-    /// Takes cells into contact, or out of it. Returns cells in contact beside them with the factors by which their pressures change, about.
+    /// Attaches or detaches cells. Returns neighbouring cells in contact with the approximate factors by which their pressures change.
     pub(crate) fn shift(
         &mut self,
         cells: &mut FloorCells<'_>,
@@ -363,12 +367,12 @@ impl FloorFronts {
         changed.collect()
     }
 
-    /// All cells may be taken in again.
+    /// Allows all cells to attach again.
     pub(crate) fn lift_bans(&mut self) {
         self.banned.fill(false);
     }
 
-    /// Takes the data from how far cells are asked to come down more than they do, and from their pressures.
+    /// Collects the data from the residual displacements and the pressures of the cells.
     pub(crate) fn measure(
         &mut self,
         bonded: &[bool],
@@ -423,7 +427,7 @@ impl FloorFronts {
         }
     }
 
-    /// The stress intensity at a cell of the front by the data around it, and the curvature of the front there.
+    /// Stress intensity factor at a cell of the front from the data around it, and curvature of the front there.
     fn intensity(&self, cell: usize, which: FloorMove) -> Option<(f64, f64)> {
         let corner = self.places[cell] as usize - REACH * (self.stride + 1);
         let mut sums = Datum::default();
@@ -444,7 +448,7 @@ impl FloorFronts {
             let [u, uu, k, ku] =
                 [u, uu, k + curvature * bent, ku + curvature * bent_u].map(|sum| sum / weight);
             let slope = (ku - k * u) / (uu - u * u + SPREAD * SPREAD);
-            // A patch that has just been taken in is not taken back because of the gaps beside it, which the lens alone makes.
+            // A newly attached patch is not removed because of the gaps beside it, which are determined by the lens shape alone.
             let known = match which {
                 FloorMove::TakeBack => 1.0,
                 _ => ((u - ONE_SIDED[0]) / (ONE_SIDED[1] - ONE_SIDED[0])).clamp(0.0, 1.0),
@@ -454,7 +458,7 @@ impl FloorFronts {
         })
     }
 
-    /// How the line through a cell runs along which the smoothed set, smoothed once more, is the same.
+    /// Curvature and direction of the contour line of the smoothed set through a cell, after another smoothing.
     fn bend(&self, corner: usize) -> Bend {
         let slope = |of: &[[f32; WIDTH]; WIDTH]| -> f64 {
             let rows = of.iter().enumerate().map(|(row, of)| {
@@ -476,7 +480,7 @@ impl FloorFronts {
         }
     }
 
-    /// How much a front faces a pillar, 0 to 1, and cells between them.
+    /// How directly a front faces a pillar, from 0 to 1, and the number of cells between them.
     fn facing(&self, cell: usize) -> [f64; 2] {
         let place = self.places[cell] as usize;
         let [distance, x, y] = self.rims[cell].map(f64::from);
@@ -491,7 +495,7 @@ impl FloorFronts {
         [cosine * cosine, distance + 0.5]
     }
 
-    /// `K` at a front, what a ring does to it taken away, and the factor by which `G` changes half a cell on.
+    /// `K` at a front without the effect of a ring, and the factor by which `G` changes half a cell ahead.
     fn corrected(&self, cell: usize, which: FloorMove) -> Option<[f64; 2]> {
         let (intensity, curvature) = self.intensity(cell, which)?;
         let [facing, across] = self.facing(cell);
@@ -512,7 +516,7 @@ impl FloorFronts {
         .map(|at| self.cells[at])
     }
 
-    /// Cells that come into contact, or out of it, by the data. A gap below `entered` is none.
+    /// Cells that attach or detach according to the data. Gaps of less than `-entered` count as contact.
     pub(crate) fn moves(&mut self, bonded: &[bool], which: FloorMove, entered: f64) -> Vec<usize> {
         let mut moves = Vec::new();
         let [low, high] = self.bounds.on_front;
@@ -535,7 +539,7 @@ impl FloorFronts {
                 let neighbours = self.neighbours(cell);
                 if !neighbours.iter().any(is_bonded) {
                     if touched {
-                        // A new spot: with all around it.
+                        // A new spot: attach all surrounding cells too.
                         moves.extend(self.around(cell));
                     }
                     continue;
@@ -574,7 +578,7 @@ impl FloorFronts {
         moves
     }
 
-    /// A cell and those around it.
+    /// A cell and its neighbours.
     pub(crate) fn around(&self, cell: usize) -> impl Iterator<Item = usize> + '_ {
         let place = self.places[cell] as usize;
         let rows = [place - self.stride, place, place + self.stride];
@@ -591,13 +595,13 @@ pub(crate) mod tests {
     use super::*;
 
     impl FloorFronts {
-        /// Of every cell the distance from the front by the smoothed set, inside positive.
+        /// Distance of every cell from the front according to the smoothed set, positive inside.
         pub(crate) fn distances(&self) -> Vec<f64> {
             let of = |place: &u32| distance_of(f64::from(self.smooth[*place as usize]));
             self.places.iter().map(of).collect()
         }
 
-        /// `K` at every cell of the front, by the last data.
+        /// `K` at every cell of the front, from the last data.
         pub(crate) fn intensities(&self, bonded: &[bool]) -> Vec<(usize, f64)> {
             let on_front = |cell: &usize| {
                 bonded[*cell]

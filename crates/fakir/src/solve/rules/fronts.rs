@@ -1,17 +1,16 @@
-//! Pillar tops that stick: what part of a top is in contact, and what it does next.
+//! Adhesive pillar tops: bonded region of a top, and its evolution.
 //!
-//! A top is out of contact, in contact in full, or in part, up to a front: the part `x < s - b y^2` of the unit disc, with `x`
-//! along the direction in which the load falls. Fronts are at one of 16 levels of area, with one of five curvatures `b`. On
-//! the part in contact the pressure may be of either sign, so that the top answers linearly to its load, `c = P l`, with
-//! a matrix `P` from a table (`front_table.csv`, made by the example `front_table`).
+//! A top is out of contact, in full contact, or bonded up to a front: the part `x < s - b y^2` of the unit disc, with `x` along the
+//! direction in which the load decreases. A front has one of 16 levels of area and one of five curvatures `b`. The pressure on the bonded
+//! region may have either sign, so that the top responds linearly to its load, `c = P l`, with a matrix `P` from a table
+//! (`front_table.csv`, created by the example `front_table`).
 //!
-//! A front moves by the energy that it releases (Griffith): from level `k` to the next one, of area larger by `dA`, that
-//! is `G = (e_{k+1} - e_k)/dA` with `e = l'P l/2`, at the curvature that makes `e` smallest. It advances where `G` is below
-//! the work of adhesion and recedes where it exceeds it. Where the next strip would be pressed rather than pulled, `G` counts as
-//! negative: the front has to advance. Without adhesion fronts then stop where the edge is neither pressed nor
-//! pulled, as they should. The rim of a top in full contact holds up to the edge coefficient `q = -q_c`,
-//! `q_c = sqrt(2 w/pi)`: the stress intensity there is `-q sqrt(pi a)` (K. Kendall, J. Phys. D 4, 1186 (1971), for the lone
-//! punch).
+//! A front moves according to its energy release rate (Griffith): from level `k` to the next one, with an area larger by `dA`, this is
+//! `G = (e_{k+1} - e_k)/dA` with `e = l'P l/2`, at the curvature that minimises `e`. The front advances if `G` is below the work of
+//! adhesion and recedes if `G` exceeds it. If the next strip would be under compression rather than tension, `G` counts as negative: the
+//! front must advance. Without adhesion, fronts then stop where the edge is under neither compression nor tension, as required. The rim of
+//! a top in full contact is stable up to the edge coefficient `q = -q_c`, `q_c = sqrt(2 w/pi)`: the stress intensity factor there is
+//! `-q sqrt(pi a)` (K. Kendall, J. Phys. D 4, 1186 (1971), for the single punch).
 //!
 //! Lengths are in pillar radii, pressures in `E*`, so that works of adhesion are in `E* a`.
 
@@ -23,29 +22,29 @@ use crate::problem::column::Column;
 use crate::state::fields::{Front, HeldPart};
 use std::f64::consts::{PI, TAU};
 
-/// Levels of area, the empty one not counted; the last is the whole top.
+/// Number of area levels, not counting the empty one; the last is the whole top.
 pub(crate) const LEVELS: usize = 16;
 
-/// Curvatures of the fronts.
+/// Number of front curvatures.
 const CURVATURES: usize = 5;
 
-/// Modes to which tops in partial contact answer: those up to degree 2.
+/// Number of modes of the response of partially bonded tops: those up to degree 2.
 const MODES: usize = 6;
 
-/// Modes of the highest degree that there is.
+/// Number of modes of the highest degree available.
 const MOST_MODES: usize = mode_count(MAXIMUM_DEGREE);
 
-/// Angles at which the edge of a top is looked at.
+/// Number of angles at which the edge of a top is evaluated.
 const RIM_ANGLES: usize = 360;
 
-/// Points around the part of a top in contact: the farthest one is found to 6e-4 pillar radii.
+/// Number of points around the bonded region of a top: the farthest point is found to 6e-4 pillar radii.
 const OUTLINE_ANGLES: usize = 90;
 
-/// Rings of points at which the lens may touch a top, and points on each.
+/// Radii of the circles on which contact with a top is checked, and number of points on each.
 const RINGS: [f64; 4] = [0.3, 0.6, 0.85, 1.0];
 const RING_POINTS: usize = 72;
 
-/// The direction of a front follows its load when they differ by more than this, rad.
+/// Angle between a front and its load above which the front is rotated, rad.
 const DIRECTION_TOLERANCE: f64 = 0.02;
 
 /// Entries of the table in its order: modes 0, 1, 3, 4 are even across the direction of the front, 2 and 5 odd.
@@ -68,13 +67,13 @@ const ENTRIES: [(usize, usize); 13] = [
 /// `P` of one front, in its own frame: the entries of the table.
 type Entries = [f64; ENTRIES.len()];
 
-/// What part of a top is in contact.
+/// Bonded region of a top.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Domain {
-    /// 0 is none, [`LEVELS`] all of it.
+    /// 0 is no contact, [`LEVELS`] full contact.
     pub(crate) level: usize,
     curvature: usize,
-    /// Direction from x in which the load falls, rad.
+    /// Direction relative to x in which the load decreases, rad.
     direction: f64,
 }
 
@@ -106,14 +105,14 @@ impl Domain {
 /// Works of adhesion, in `E* a`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Works {
-    /// When contact is made.
+    /// On attachment.
     pub(crate) advancing: f64,
-    /// When it is broken.
+    /// On detachment.
     pub(crate) receding: f64,
 }
 
 impl Works {
-    /// So many times these.
+    /// Multiplies both by a factor.
     pub(crate) fn times(self, factor: f64) -> Self {
         Self {
             advancing: factor * self.advancing,
@@ -122,12 +121,12 @@ impl Works {
     }
 }
 
-/// `q_c` of a work of adhesion: the edge coefficient that the rim of a top holds.
+/// `q_c` for a work of adhesion: the edge coefficient at which the rim of a top detaches.
 pub(crate) fn critical_edge_coefficient(work: f64) -> f64 {
     (2.0 * work / PI).sqrt()
 }
 
-/// Which way the indentation goes.
+/// Direction of the indentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Course {
     Loading,
@@ -143,7 +142,7 @@ impl Course {
     }
 }
 
-/// A load that goes along a straight line: `l(t) = start + t along`.
+/// A load along a straight line: `l(t) = start + t along`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Line<'l> {
     pub(crate) start: &'l [f64],
@@ -151,7 +150,7 @@ pub(crate) struct Line<'l> {
 }
 
 impl<'l> Line<'l> {
-    /// A load that stays.
+    /// A constant load.
     fn at(load: &'l [f64]) -> Self {
         Self {
             start: load,
@@ -160,32 +159,32 @@ impl<'l> Line<'l> {
     }
 }
 
-/// How all tops answer, and when they change.
+/// Responses of all tops, and their criteria of change.
 pub(crate) struct Fronts {
     works: Works,
     /// Area of the levels.
     area: [f64; LEVELS + 1],
     /// `b` and `s` of every front, by level and curvature.
     shapes: Vec<[[f64; 2]; CURVATURES]>,
-    /// Points around the part in contact, in the frame of the front, by level and curvature.
+    /// Points around the bonded region, in the frame of the front, by level and curvature.
     outlines: Vec<[Vec<[f64; 2]>; CURVATURES]>,
-    /// `P` by level and curvature, columns included.
+    /// `P` by level and curvature, including columns.
     responses: Vec<[Entries; CURVATURES]>,
-    /// `1/lambda` of the coupling's modes.
+    /// `1/lambda` of the modes of the coupling.
     full: Vec<f64>,
     /// Edge coefficient at every angle of a top in full contact per unit load in every mode.
     rim: Vec<f64>,
-    /// The modes at the points where a top may be touched.
+    /// The modes at the points where contact is checked.
     points: Vec<f64>,
     /// Bounds of the modes at those points, and of the edge coefficients.
     bounds: Vec<f64>,
     rim_bounds: Vec<f64>,
-    /// Whether fronts stop at levels in between; otherwise tops are out of contact or in full.
+    /// Whether fronts may stop at intermediate levels; otherwise tops are out of contact or in full contact.
     partial: bool,
 }
 
 impl Fronts {
-    /// For tops whose pressure has the modes up to `degree`, 2 at the least.
+    /// For tops whose pressure has the modes up to `degree`, at least 2.
     pub(crate) fn new(
         degree: usize,
         column: impl Into<Column>,
@@ -277,12 +276,12 @@ impl Fronts {
             })
     }
 
-    /// Area in contact, in squares of the pillar radius.
+    /// Contact area, in squares of the pillar radius.
     pub(crate) fn area(&self, domain: Domain) -> f64 {
         self.area[domain.level]
     }
 
-    /// The front, of one level at the least, whose contact has about an area under a load.
+    /// The front, of level 1 at least, whose contact area is closest to an area under a load.
     pub(crate) fn nearest(&self, area: f64, load: &[f64]) -> Domain {
         let off = |level: &usize| (self.area[*level] - area).abs();
         let level = (1..LEVELS)
@@ -297,18 +296,18 @@ impl Fronts {
         }
     }
 
-    /// Part of the top that is in contact at a level.
+    /// Bonded fraction of the top at a level.
     pub(crate) fn part(&self, level: usize) -> f64 {
         self.area[level] / PI
     }
 
-    /// Whether the middle of the top is in contact.
+    /// Whether the centre of the top is in contact.
     pub(crate) fn holds_centre(&self, domain: Domain) -> bool {
         domain.is_full()
             || domain.is_partial() && self.shapes[domain.level][domain.curvature][1] > 0.0
     }
 
-    /// What of a top that is not out of contact is held.
+    /// Bonded region of a top in contact.
     pub(crate) fn held_part(&self, domain: Domain) -> HeldPart {
         if domain.is_full() {
             return HeldPart::All;
@@ -322,7 +321,7 @@ impl Fronts {
         })
     }
 
-    /// Distance of the farthest point in contact from a point, in pillar radii from the centre of the top.
+    /// Distance of the farthest point in contact from a point, both relative to the centre of the top, in pillar radii.
     pub(crate) fn farthest_from(&self, domain: Domain, [x, y]: [f64; 2]) -> f64 {
         if domain.is_full() {
             return 1.0 + x.hypot(y);
@@ -354,7 +353,7 @@ impl Fronts {
         }
     }
 
-    /// `P_00`: what a top answers with in the mean to a mean load; none out of contact.
+    /// `P_00`: mean response of a top to a mean load; zero out of contact.
     pub(crate) fn mean_compliance(&self, domain: Domain) -> f64 {
         if domain.is_out() {
             0.0
@@ -378,7 +377,7 @@ impl Fronts {
         rows.any(|row| sum(row, load) >= 0.0)
     }
 
-    /// A bound above all points of a top, of its load at a place of a line.
+    /// Upper bound of the load at all points of a top, at a position of a line.
     fn highest_point(&self, load: Line<'_>, t: f64) -> f64 {
         let loads = load
             .start
@@ -390,7 +389,7 @@ impl Fronts {
         mean + terms.map(|(l, bound)| l.abs() * bound).sum::<f64>()
     }
 
-    /// A bound below the edge coefficient all around, of the load at a place of a line.
+    /// Lower bound of the edge coefficient at all angles, for the load at a position of a line.
     fn lowest_edge(&self, load: Line<'_>, t: f64) -> f64 {
         let loads = load
             .start
@@ -402,7 +401,7 @@ impl Fronts {
         mean - terms.map(|(l, bound)| l.abs() * bound).sum::<f64>()
     }
 
-    /// Whether the whole rim of a top in full contact holds.
+    /// Whether the whole rim of a top in full contact stays attached.
     fn holds(&self, load: &[f64], work: f64) -> bool {
         let critical = critical_edge_coefficient(work);
         if self.lowest_edge(Line::at(load), 0.0) > -critical {
@@ -412,7 +411,7 @@ impl Fronts {
         rows.all(|row| sum(row, load) >= -critical)
     }
 
-    /// What a top does under its load, all others linearized: its front goes on until it neither advances nor recedes.
+    /// State of a top under its load with all others linearized: the front moves until it neither advances nor recedes.
     pub(crate) fn march(&self, domain: Domain, load: &[f64]) -> Domain {
         if !self.partial {
             return self.march_whole(domain, load);
@@ -480,7 +479,7 @@ impl Fronts {
         }
     }
 
-    /// The same where tops are out of contact or in full.
+    /// The same if tops are out of contact or in full contact.
     fn march_whole(&self, domain: Domain, load: &[f64]) -> Domain {
         if domain.is_out() && self.is_touched(load) && self.holds(load, self.works.advancing) {
             Domain::FULL
@@ -491,8 +490,7 @@ impl Fronts {
         }
     }
 
-    /// The front of a partial contact as it would be now, if it is another: its direction follows the load, and its curvature
-    /// takes the least energy.
+    /// The updated front of a partial contact, if it differs: its direction follows the load, and its curvature minimises the energy.
     pub(crate) fn adjusted(&self, domain: Domain, load: &[f64]) -> Option<Domain> {
         if !domain.is_partial() {
             return None;
@@ -522,8 +520,7 @@ impl Fronts {
         (level, curvature)
     }
 
-    /// Energy released per area from a front to one further on, with its sign: negative where the strip in between would
-    /// be pressed.
+    /// Energy release rate from one front to the next, with its sign: negative if the strip in between would be under compression.
     fn release(&self, domain: Domain, next: (usize, usize), local: &[f64; MODES]) -> f64 {
         let (level, curvature) = next;
         let change = difference(&self.responses[level][curvature], self.response(domain));
@@ -536,8 +533,8 @@ impl Fronts {
         }
     }
 
-    /// How far the load of a top goes along its line before the top changes in the sense of the course; `None` if it does not, or if
-    /// that is surely farther than `within`.
+    /// Position along the line of loads at which the top first changes in the direction of the course; `None` if it does not, or if that is
+    /// certainly beyond `within`.
     pub(crate) fn next_event(
         &self,
         domain: Domain,
@@ -585,7 +582,7 @@ impl Fronts {
         if domain.level == LEVELS - 1 {
             return self.holding(load, self.works.advancing);
         }
-        // The direction is that of where the top is first touched.
+        // The direction is that at the position where the top is first touched.
         let frame = if domain.is_out() {
             let at = |(start, along): (&f64, &f64)| start + touched * along;
             let there: Vec<f64> = load.start.iter().zip(load.along).map(at).collect();
@@ -626,7 +623,7 @@ impl Fronts {
         event.min_by(f64::total_cmp)
     }
 
-    /// Where along its line the top is first touched.
+    /// Position along the line at which the top is first touched.
     fn touching(&self, load: Line<'_>) -> Option<f64> {
         let rows = self.points.chunks_exact(self.count());
         let times = rows.filter_map(|row| {
@@ -640,7 +637,7 @@ impl Fronts {
         times.min_by(f64::total_cmp)
     }
 
-    /// Where along its line the first point of the rim is pulled beyond what it holds.
+    /// Position along the line at which the first point of the rim exceeds the critical tension.
     fn releasing(&self, load: Line<'_>, work: f64) -> Option<f64> {
         let critical = critical_edge_coefficient(work);
         let rows = self.rim.chunks_exact(self.count());
@@ -655,7 +652,7 @@ impl Fronts {
         times.min_by(f64::total_cmp)
     }
 
-    /// Where along its line the whole rim would hold.
+    /// Position along the line from which the whole rim would stay attached.
     fn holding(&self, load: Line<'_>, work: f64) -> Option<f64> {
         let critical = critical_edge_coefficient(work);
         let mut last = 0.0_f64;
@@ -673,24 +670,24 @@ impl Fronts {
     }
 }
 
-/// Points around the part of the disc that lies before the front `x < s - b y^2`.
+/// Points around the part of the disc that is behind the front `x < s - b y^2`.
 fn outline([curvature, place]: [f64; 2]) -> Vec<[f64; 2]> {
     (0..OUTLINE_ANGLES)
         .map(|number| {
             let (y, x) = (TAU * number as f64 / OUTLINE_ANGLES as f64).sin_cos();
-            // The rim, or the front where that is nearer.
+            // The rim, or the front where that is closer.
             [x.min(place - curvature * y * y), y]
         })
         .filter(|[x, y]| x * x + y * y <= 1.0 + 1e-9)
         .collect()
 }
 
-/// The direction in which a load falls: against its gradient at the centre.
+/// Direction in which a load decreases: opposite to its gradient at the centre.
 fn direction(load: &[f64]) -> f64 {
     (-load[2]).atan2(-load[1])
 }
 
-/// The leading modes of a load in a frame turned by an angle.
+/// The leading modes of a load in a frame rotated by an angle.
 fn turned(load: &[f64], angle: f64) -> [f64; MODES] {
     let (sin, cos) = angle.sin_cos();
     let (double_sin, double_cos) = (2.0 * sin * cos, cos * cos - sin * sin);
@@ -746,7 +743,7 @@ fn shifted(polynomial: Quadratic, by: f64) -> Quadratic {
     [polynomial[0] - by, polynomial[1], polynomial[2]]
 }
 
-/// Energy released per area, and the force on the strip, along a line of loads.
+/// Energy release rate, and the force on the strip, along a line of loads.
 fn polynomials(change: &Entries, line: &[[f64; MODES]; 2], area: f64) -> [Quadratic; 2] {
     let [start, along] = line;
     let energy = [
@@ -758,7 +755,7 @@ fn polynomials(change: &Entries, line: &[[f64; MODES]; 2], area: f64) -> [Quadra
     [energy, pressed]
 }
 
-/// The first time from `start` on at which a condition holds that can change only where one of the polynomials vanishes.
+/// First time from `start` at which a condition holds that can change only at the zeros of the polynomials.
 fn first_time(
     start: f64,
     polynomials: &[Quadratic; 2],
@@ -788,7 +785,7 @@ fn first_time(
         .map(|(begin, _)| begin)
 }
 
-/// The real roots of a polynomial, infinite or undefined where there is none.
+/// The real roots of a polynomial, infinite or NaN if there is none.
 fn roots(&[constant, linear, square]: &Quadratic) -> [f64; 2] {
     if square == 0.0 {
         return [-constant / linear, f64::NAN];
@@ -798,7 +795,7 @@ fn roots(&[constant, linear, square]: &Quadratic) -> [f64; 2] {
     [half / square, constant / half]
 }
 
-/// What `front_table.csv` says, by level and curvature.
+/// Content of `front_table.csv`, by level and curvature.
 struct Table {
     area: [f64; LEVELS + 1],
     shapes: Vec<[[f64; 2]; CURVATURES]>,
@@ -806,8 +803,8 @@ struct Table {
 }
 
 impl Table {
-    /// With columns, which are springs in series: `K` for the mean and for both tilts, `pi kappa` and `pi/2` times the rocking. `P` becomes
-    /// `P - P E (1 + K E'P E)^-1 K E'P` with `E` these modes.
+    /// Includes columns as springs in series: `K` for the mean and for both tilts, `pi kappa` and `pi/2` times the rocking.
+    /// `P` becomes `P - P E (1 + K E'P E)^-1 K E'P` with `E` these modes.
     fn read(column: Column) -> Self {
         let springs = [PI * column.shortening, TILT_COMPLIANCE * column.rocking];
         let mut table = Self {
@@ -829,7 +826,7 @@ impl Table {
             entries.fill_with(next);
             let unit = |mode: usize| std::array::from_fn(|k| f64::from(u8::from(k == mode)));
             let [mean, tilt, across] = [0, 1, 2].map(|mode| product(&entries, &unit(mode)));
-            // The tilt across the front is odd, and goes with neither of the others.
+            // The tilt across the front is odd and decouples from the other two.
             let softening = softening(springs, [mean[0], mean[1], tilt[1]]);
             let of_across = springs[1] / (1.0 + springs[1] * across[2]);
             for (entry, (i, j)) in entries.iter_mut().zip(ENTRIES) {
@@ -853,18 +850,18 @@ fn softening([k, l]: [f64; 2], [a, b, c]: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// Made by the example `front_table`, which says how.
+/// Created by the example `front_table`, which documents the method.
 const TABLE: &str = include_str!("front_table.csv");
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Answers of an independent program on 256 elements across the disc, not extrapolated: 0.5 % of a response of up to one, as narrow strips are
-    /// only 16 elements wide.
+    /// Results of an independent program on 256 elements across the disc, not extrapolated: accurate to 0.5 % of a response of up to one,
+    /// because narrow strips are only 16 elements wide.
     const INDEPENDENT: &str = include_str!("../../../tests/reference/front_table.csv");
 
-    /// Springs in series with a top: its load is what they leave of the load, `c = P (l - K c)`, in every direction of the front.
+    /// Springs in series with a top reduce its load, `c = P (l - K c)`, in every direction of the front.
     #[test]
     fn columns_are_springs_in_series() {
         let column = Column {

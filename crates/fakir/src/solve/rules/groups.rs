@@ -1,10 +1,11 @@
-//! Pillars that stand together answer together to a load that hardly changes from one to the next.
+//! Groups of neighbouring pillars respond jointly to a load that hardly changes from one pillar to the next.
 //!
-//! Each by itself gives way as if the others did not push back, which takes the more iterations the more there are. Beside
-//! that, groups of pillars under one load for all in each solve the small system of their answers: `E y = Z' r` with `Z` the answers of the
-//! groups to unit loads and `E` about `Z' (P^-1 + B) Z`, in which groups act on each other as forces in their middle. That takes the place of the
-//! answer of each group by itself, `D y' = Z' r` with `D = Z' P^-1 Z`, which has one entry for each. Of a load `r` it is then `r + y - y'` that is
-//! answered to, with those of the group of each pillar. Symmetric and positive, so that the iteration finds the same solution.
+//! A preconditioner that treats each pillar separately neglects their interaction, so that the number of iterations increases with the
+//! number of pillars. In addition, the small system of the responses of groups, each under a uniform load, is solved: `E y = Z' r` with `Z`
+//! the responses of the groups to unit loads and `E` an approximation of `Z' (P^-1 + B) Z`, in which groups interact as point forces at
+//! their centroids. This replaces the separate response of each group, `D y' = Z' r` with `D = Z' P^-1 Z`, which is diagonal. The pillars
+//! thus respond to the load `r + y - y'`, with the values of their group. The preconditioner is symmetric and positive definite, so that
+//! the iteration converges to the same solution.
 
 use super::tops::Tops;
 use crate::halfspace::disc::basis::UNIT_FORCE;
@@ -14,19 +15,19 @@ use crate::problem::Point;
 use crate::solve::linearized::Rule;
 use std::f64::consts::PI;
 
-/// Pillars of a group at the most, if all groups are to be no more than that.
+/// Largest number of pillars per group, unless that would exceed the largest number of groups.
 const PILLARS: usize = 24;
 const GROUPS: usize = 3000;
 
-/// With fewer pillars each by itself does.
+/// Number of pillars below which groups are not used.
 const FEW: usize = 400;
 
 /// The groups of the pillars with their states linearized.
 pub(crate) struct Groups {
-    /// Of every pillar.
+    /// Group of every pillar.
     group: Vec<u32>,
     count: usize,
-    /// Of `E`.
+    /// Factor of `E`.
     factor: Vec<f64>,
     /// `D`
     own: Vec<f64>,
@@ -34,14 +35,14 @@ pub(crate) struct Groups {
     alone: Vec<f64>,
 }
 
-/// All tops with their groups, if these help.
+/// All tops with their groups, if groups are used.
 pub(crate) struct GroupedTops<'n> {
     tops: &'n Tops,
     groups: Option<&'n mut Groups>,
 }
 
 impl<'n> GroupedTops<'n> {
-    /// With groups made with the present states; each by itself without.
+    /// With groups for the current states, or without groups.
     pub(crate) fn new(tops: &'n Tops, groups: Option<&'n mut Groups>) -> Self {
         Self { tops, groups }
     }
@@ -72,22 +73,22 @@ impl Rule for GroupedTops<'_> {
     }
 }
 
-/// Pillars of a group.
+/// A group of pillars.
 #[derive(Debug, Clone, Copy, Default)]
 struct Group {
-    /// Its answer to its own load, each pillar by itself.
+    /// Response to its own load with the pillars treated separately.
     own: f64,
-    /// Its force.
+    /// Total force.
     force: f64,
-    /// Where that acts.
+    /// Point of application of the force.
     middle: Point,
     touched: f64,
-    /// Radius of a disc as large.
+    /// Radius of a disc of the same area.
     radius: f64,
 }
 
 impl Groups {
-    /// None where they would not help.
+    /// `None` if groups are not useful.
     pub(crate) fn new(tops: &Tops, workers: Workers<'_>) -> Option<Self> {
         let (sites, modes) = (&tops.sites, tops.modes());
         if sites.window().is_some() || tops.touched() < FEW {
@@ -127,7 +128,7 @@ impl Groups {
                     one.itself()
                 } else if one.touched > 0.0 && other.touched > 0.0 {
                     let [x, y] = [0, 1].map(|k| one.middle[k] - other.middle[k]);
-                    // Middles may be nearer than the groups are wide, as the pillars of each are not.
+                    // Centroids may be closer than the groups are wide, unlike the pillars of the groups.
                     let distance = x.hypot(y).max(0.5 * (one.radius + other.radius));
                     one.force * other.force / (PI * distance)
                 } else {
@@ -148,7 +149,7 @@ impl Groups {
         })
     }
 
-    /// Adds to the load on every pillar that of its group. `response` is the answer of each to the load.
+    /// Adds to the load on every pillar that of its group. `response` is the separate response of each pillar to the load.
     pub(crate) fn add(&mut self, response: &[f64], load: &mut [f64]) {
         let modes = load.len() / self.group.len();
         self.answers.fill(0.0);
@@ -169,7 +170,7 @@ impl Groups {
 }
 
 impl Group {
-    /// With the mean of `1/(pi r)` over a disc, `16/(3 pi^2 R)`, between its pillars.
+    /// Interaction within the group, with the mean of `1/(pi r)` over a disc, `16/(3 pi^2 R)`, between its pillars.
     fn itself(&self) -> f64 {
         if self.touched == 0.0 {
             return 1.0;

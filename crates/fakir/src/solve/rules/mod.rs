@@ -1,4 +1,4 @@
-//! What a pillar top, and a cell of the floor, does next under the load on it.
+//! Rules for the next state of a pillar top, and of a floor cell, under its load.
 
 mod coarse;
 pub(crate) mod floor;

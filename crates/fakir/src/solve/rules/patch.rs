@@ -1,11 +1,9 @@
-//! A contact that lies wholly inside one pillar top: the lens touches it in a circle around the
-//! lens axis and nothing else.
+//! A contact inside one pillar top: the lens touches it in a circle around the lens axis and nothing else.
 //!
-//! The pressure is expanded on the disc of contact itself instead of the pillar top (any disc
-//! inside the top will do; its edge is then irrelevant), and the radius of contact is the one at
-//! which the edge coefficient of the pressure vanishes. For a paraboloid on half-spaces this is Hertz's solution
-//! with two modes; further modes carry the shape of the sphere, and on layers the pressure that a layer much thinner than the contact
-//! concentrates around the axis.
+//! The pressure is expanded on the contact disc itself instead of the pillar top (any disc inside the top would do; its edge is then
+//! irrelevant). The contact radius is that at which the edge coefficient of the pressure vanishes. For a paraboloid on half-spaces this is
+//! Hertz's solution with two modes; further modes represent the shape of the sphere and, on layers, the pressure that a layer much thinner
+//! than the contact concentrates around the axis.
 
 use crate::halfspace::disc::basis::{
     BasisEvaluator, UNIT_FORCE, compliances, equator_value, mode_count,
@@ -20,32 +18,32 @@ use crate::problem::layer::WeightedLayer;
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
-/// Degree of the modes on half-spaces: those of the sphere fall by `(radius/2R)^2` for each step of two.
+/// Degree of the modes on half-spaces: those of the sphere decrease by `(radius/2R)^2` per two degrees.
 const DEGREE: usize = 8;
 
-/// Degree of the modes on layers, the highest that the displacement outside the disc is computed for.
+/// Degree of the modes on layers, the highest for which the displacement outside the disc is available.
 const LAYERED_DEGREE: usize = 16;
 
-/// Degree by which the error of that is estimated.
+/// Lower degree for the error estimate on layers.
 const LOWER_DEGREE: usize = 12;
 
 /// Relative error of a value to which the bracket of its radius may close.
 const PATCH_TOLERANCE: f64 = 1e-10;
 
-/// A circular contact in equilibrium, in scaled units.
+/// A circular contact in equilibrium, in solver units.
 #[derive(Debug, Clone)]
 pub(crate) struct Patch {
-    /// Radius of contact, pillar radii.
+    /// Contact radius, in pillar radii.
     pub(crate) radius: f64,
-    /// Coefficients of `q` on the disc of contact.
+    /// Coefficients of `q` on the contact disc.
     pub(crate) coefficients: Vec<f64>,
-    /// Indentation, the shortening of the pillar included.
+    /// Indentation, including the shortening of the pillar.
     pub(crate) indentation: f64,
     pub(crate) force: f64,
 }
 
 impl Patch {
-    /// The same with lengths in another unit, given in the old one.
+    /// Converts lengths to another unit, given in the previous unit.
     pub(crate) fn scaled(&self, unit: f64) -> Self {
         Self {
             radius: self.radius * unit,
@@ -56,15 +54,15 @@ impl Patch {
     }
 }
 
-/// The quantities that do not depend on the radius of contact. Lengths are in the radius of the pillar top.
+/// Quantities that do not depend on the contact radius. Lengths are in units of the radius of the pillar top.
 pub(crate) struct PatchSolver {
     degree: usize,
     rule: Vec<([f64; 2], f64)>,
-    /// Places of the modes without an angle among all modes of the degree. A contact around the axis has no others.
+    /// Indices of the axisymmetric modes among all modes of the degree. A contact around the axis has no others.
     places: Vec<usize>,
-    /// These modes at the points of the rule, row by row.
+    /// These modes at the points of the quadrature rule, row by row.
     values: Vec<f64>,
-    /// The same at the edge.
+    /// These modes at the edge.
     edge: Vec<f64>,
     compliance: Vec<f64>,
     layers: Vec<(WeightedLayer, LayerResponse)>,
@@ -115,14 +113,14 @@ impl PatchSolver {
         }
     }
 
-    /// Degree of the coefficients of its patches.
+    /// Degree of the coefficients of the patches.
     pub(crate) fn degree(&self) -> usize {
         self.degree
     }
 
-    /// The displacement of every mode by every other, over the radius of contact, the lower triangle column by column: `lambda`, and on layers
-    /// `4 pi y_l y_l' (-1)^((l - l')/2) sum_b w_b ∫ (phi_b(k t_b) - 1) j_l(k) j_l'(k) dk` with thicknesses in that radius, as of
-    /// [two discs](crate::halfspace::coupling::pair) at the distance 0.
+    /// Displacement of every mode by every other, divided by the contact radius, as a lower triangle column by column: `lambda`, and on
+    /// layers `4 pi y_l y_l' (-1)^((l - l')/2) sum_b w_b ∫ (phi_b(k t_b) - 1) j_l(k) j_l'(k) dk` with thicknesses in units of that radius,
+    /// as for [two discs](crate::halfspace::coupling::pair) at the distance 0.
     fn influence(&self, radius: f64) -> Vec<f64> {
         let count = self.places.len();
         let mut matrix = vec![0.0; count * count];
@@ -155,7 +153,7 @@ impl PatchSolver {
         self.with_edge(radius, sag, 0.0)
     }
 
-    /// The same with an edge coefficient: `-q_c` where the rim is about to detach.
+    /// The same with a given edge coefficient: `-q_c` if the rim is about to detach.
     pub(crate) fn with_edge(&self, radius: f64, sag: impl Fn(f64) -> f64, edge: f64) -> Patch {
         let answers = self.answers(radius, sag);
         let [of_shape, of_unit] = [&answers[0], &answers[1]].map(|answer| {
@@ -165,7 +163,8 @@ impl PatchSolver {
         self.at_depth(radius, &answers, (edge * radius - of_shape) / of_unit)
     }
 
-    /// The contact of a given radius at which `alpha` times its indentation and `beta` times its force add up to `held`, whatever its edge bears.
+    /// The contact of a given radius at which `alpha` times its indentation plus `beta` times its force equals `held`, for any edge
+    /// coefficient.
     pub(crate) fn with_held(
         &self,
         radius: f64,
@@ -183,7 +182,7 @@ impl PatchSolver {
         self.at_depth(radius, &answers, (held - start) / (measure(1.0) - start))
     }
 
-    /// Answers, times the radius, to the shape of the lens and to a unit depth: the influence times these is `shape` and `b1`.
+    /// Responses, times the radius, to the lens shape and to a unit depth: the influence matrix times these is `shape` and `b1`.
     fn answers(&self, radius: f64, sag: impl Fn(f64) -> f64) -> [Vec<f64>; 2] {
         let count = self.edge.len();
         let mut shape = vec![0.0; count];
@@ -221,7 +220,7 @@ impl PatchSolver {
         }
     }
 
-    /// The elastic energy of a contact: half the pressure times the displacement it causes, that of the column too.
+    /// Elastic energy of a contact: half the work of the pressure on the displacement that it causes, including that of the column.
     pub(crate) fn energy(&self, patch: &Patch) -> f64 {
         let count = self.places.len();
         let influence = self.influence(patch.radius);
@@ -237,8 +236,8 @@ impl PatchSolver {
         0.5 * (patch.radius.powi(3) * twice + column)
     }
 
-    /// Relative errors of force and radius at an indentation by the degree of the modes on layers: by how much fewer modes change the contact.
-    /// A force goes with the square of the indentation at the most.
+    /// Relative errors of force and radius at an indentation due to the degree of the modes on layers: the change with fewer modes. The
+    /// force is at most proportional to the square of the indentation.
     pub(crate) fn errors(&self, patch: &Patch, sag: impl Fn(f64) -> f64) -> [f64; 2] {
         if self.layers.is_empty() {
             return [0.0; 2];
@@ -249,8 +248,8 @@ impl PatchSolver {
         [force + 2.0 * deeper, deeper]
     }
 
-    /// The contact in which a monotone `measure` (indentation, force, ...) takes a value; `None`
-    /// if that needs a radius beyond `largest`, or is not found.
+    /// The contact at which a monotone `measure` (indentation, force, ...) has a value; `None` if that needs a radius beyond `largest`, or
+    /// is not found.
     pub(crate) fn find(
         &self,
         largest: f64,
@@ -260,7 +259,7 @@ impl PatchSolver {
     ) -> Option<Patch> {
         let at = |square: f64| self.with_radius(square.max(f64::MIN_POSITIVE).sqrt(), &sag);
         let excess = |square: f64| measure(&at(square)) - value;
-        // In the square of the radius indentation is all but linear.
+        // The indentation is almost linear in the square of the radius.
         let largest_square = largest * largest;
         let ends = [(0.0, -value), (largest_square, excess(largest_square))];
         let ends = ends.map(|(position, value)| roots::Point { position, value });
@@ -279,8 +278,7 @@ mod tests {
 
     #[test]
     fn paraboloid_is_hertz() {
-        // Johnson, Contact Mechanics, eq. 4.22 to 4.24 with E* = 1: a^2 = R zeta,
-        // F = 4 a^3/(3R), q = p0 mu^2 with p0 = 2a/(pi R).
+        // Johnson, Contact Mechanics, eq. 4.22 to 4.24 with E* = 1: a^2 = R zeta, F = 4 a^3/(3R), q = p0 mu^2 with p0 = 2a/(pi R).
         let lens: f64 = 700.0;
         let solver = PatchSolver::new(0.0, &[]);
         for radius in [0.2, 0.5, 0.8] {
@@ -290,7 +288,7 @@ mod tests {
         }
     }
 
-    /// The influence of the modes against that of a pillar on itself, which is tabulated for lattices on layers.
+    /// The influence of the modes compared to that of a pillar on itself, which is tabulated for lattices on layers.
     #[test]
     fn layers_act_on_the_patch_as_on_a_pillar() {
         let film = film();
@@ -316,7 +314,7 @@ mod tests {
         }
     }
 
-    /// Clapeyron's theorem: `dU/dzeta = F` along contacts that are in equilibrium without adhesion.
+    /// Clapeyron's theorem: `dU/dzeta = F` along contacts in equilibrium without adhesion.
     #[test]
     fn energy_is_the_work_of_the_force() {
         let film = film();
@@ -334,8 +332,8 @@ mod tests {
         }
     }
 
-    /// A contact much larger than the thickness of a compressible layer is as on independent springs: `F = pi M zeta^2 R/t`, `a^2 = 2 R zeta`, with the confined
-    /// modulus `M` (K. L. Johnson, Contact Mechanics, section 5.8).
+    /// A contact much larger than the thickness of a compressible layer behaves like independent springs: `F = pi M zeta^2 R/t`,
+    /// `a^2 = 2 R zeta`, with the confined modulus `M` (K. L. Johnson, Contact Mechanics, section 5.8).
     #[test]
     fn a_thin_layer_is_a_bed_of_springs() {
         let layer = (Material::new(1.0, 0.3), Some(Layer::new(0.02)));
@@ -368,7 +366,7 @@ mod tests {
         for odd in [f64::NAN, f64::NEG_INFINITY] {
             assert!(find(&|_| odd, 1e-4).is_none());
             assert!(find(&|patch| patch.force, odd).is_none());
-            // Only small contacts have the odd value.
+            // Only small contacts have the non-finite value.
             let small = |patch: &Patch| if patch.radius < 0.5 { odd } else { patch.force };
             assert!(find(&small, 1e-9).is_none());
         }

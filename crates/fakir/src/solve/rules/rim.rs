@@ -1,11 +1,10 @@
-//! A sliver of contact at the rim of a pillar top, by elements.
+//! A narrow contact at the rim of a pillar top, with boundary elements.
 //!
-//! A lens that stands beside a pillar touches its rim first, and for a while no more than a sliver along
-//! it: too little for the nodes of [`unilateral`](super::unilateral) to see. The sliver lies within the part
-//! of the top that is asked to come down, which is divided into rings and sectors. Along the covered rim the
-//! pressure is infinite as the inverse root of the distance, so rings are graded quadratically
-//! towards it. Every cell bears a constant pressure, and none pulls: with `f` the forces on the cells, `H` the
-//! mean displacement of one cell per force on another and `V` the modes at the cells,
+//! A lens beside a pillar first touches its rim and, for a range of loads, only a narrow region along it, too small for the nodes of
+//! [`unilateral`](super::unilateral) to resolve. The contact is inside the part of the top with a positive required displacement, which is
+//! divided into rings and sectors. Along the covered rim the pressure is singular as the inverse square root of the distance; rings are
+//! therefore graded quadratically towards it. Every cell carries a constant, non-negative pressure. With `f` the forces on the cells, `H`
+//! the mean displacement of one cell per force on another and `V` the modes at the cells,
 //!
 //! ```text
 //! f >= 0,   gap = H f - V b >= 0,   f·gap = 0,   c = V' f,
@@ -13,9 +12,8 @@
 //!
 //! where `b` is the load and `c` are the coefficients of the pressure, `c_i = ∫ p Y_i dA`.
 //!
-//! `H` is a Galerkin mean over both cells. Seen from each other, cells are rectangles at the true distance of
-//! their centres; the mean of `1/r` over two aligned rectangles is a fourth difference of
-//! `x^2 y ln(y + r)/2 + x y^2 ln(x + r)/2 - r^3/6`.
+//! `H` is a Galerkin mean over both cells. For their interaction, cells are treated as aligned rectangles at the true distance of their
+//! centres; the mean of `1/r` over two such rectangles is a fourth difference of `x^2 y ln(y + r)/2 + x y^2 ln(x + r)/2 - r^3/6`.
 
 use crate::halfspace::disc::basis::{BasisEvaluator, TILT_COMPLIANCE, TILT_MODE, mode_count};
 use crate::halfspace::disc::nodes::Resolution;
@@ -27,38 +25,38 @@ use crate::state::fields::SliverEdge;
 use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
 
-/// Places around the rim at which a sliver is looked for.
+/// Number of positions around the rim that are checked for contact.
 const RIM_PLACES: usize = 48;
 
-/// Largest half angle of a sliver, rad, and largest depth from the rim inwards, in pillar radii.
+/// Largest half angle of a narrow contact, rad, and its largest depth from the rim inwards, in pillar radii.
 const LARGEST: [f64; 2] = [1.5, 0.7];
 
-/// A sliver that is one stays one up to this much larger, so that no pillar goes back and forth.
+/// Factor on these limits for a contact that was narrow before, so that no pillar alternates between both treatments.
 const HYSTERESIS: f64 = 1.1;
 
-/// Depth below which nothing is resolved: rounding of the cells' mean displacements.
+/// Depth below which nothing is resolved, due to rounding of the mean displacements of cells.
 const SHALLOWEST: f64 = 1e-9;
 
-/// Where a pillar top is asked to come down: a part along its rim.
+/// The region along the rim of a pillar top with a positive required displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sliver {
-    /// Direction of its middle from the centre of the pillar, rad.
+    /// Direction of its centre from the centre of the pillar, rad.
     direction: f64,
     half_angle: f64,
     depth: f64,
 }
 
-/// How the contact on a sliver changes with one of its measures, and that with the load.
+/// Change of the contact on a narrow region with one of its measures, and change of that measure with the load.
 #[derive(Debug, Clone)]
 pub(crate) struct Motion {
-    /// Change of the leading coefficients with the measure, the load and the cells in contact kept.
+    /// Derivative of the leading coefficients with respect to the measure, at constant load and cells in contact.
     pub(crate) coefficients: Vec<f64>,
-    /// Change of the measure with the load.
+    /// Derivative of the measure with respect to the load.
     pub(crate) by_load: Vec<f64>,
 }
 
 impl Sliver {
-    /// The same with one of its measures another by a part of the half angle, or of the depth.
+    /// Changes one measure by a fraction of the half angle, or of the depth.
     fn moved(&self, measure: usize, part: f64) -> (Self, f64) {
         let mut moved = *self;
         let (value, size) = match measure {
@@ -71,10 +69,10 @@ impl Sliver {
     }
 }
 
-/// Step of differences, relative to what they are of: their error goes as its fourth power.
+/// Step of finite differences, relative to the size of the argument: their error is proportional to its fourth power.
 const STEP: f64 = 1e-3;
 
-/// The derivative at zero from values at four places.
+/// Derivative at zero from values at four points.
 fn derivative<E>(mut function: impl FnMut(f64) -> Result<Vec<f64>, E>) -> Result<Vec<f64>, E> {
     let mut sum = Vec::new();
     for (place, weight) in [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)] {
@@ -91,9 +89,9 @@ fn derivative<E>(mut function: impl FnMut(f64) -> Result<Vec<f64>, E>) -> Result
 pub(crate) struct Rim {
     basis: BasisEvaluator,
     values: Vec<f64>,
-    /// The modes at the places around the rim, place by place.
+    /// The modes at the positions around the rim, position by position.
     places: Vec<f64>,
-    /// By how much each mode can be larger between two places than at the larger of them.
+    /// Upper bound of the amount by which each mode between two positions exceeds the larger of both values.
     between: Vec<f64>,
 }
 
@@ -128,7 +126,7 @@ impl Rim {
         TAU * place as f64 / RIM_PLACES as f64
     }
 
-    /// What a point is asked to come down by.
+    /// Required displacement of a point.
     fn wanted(&mut self, load: &[f64], angle: f64, depth: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let mu = (depth * (2.0 - depth)).sqrt();
@@ -137,7 +135,7 @@ impl Rim {
         self.values.iter().zip(load).map(|(y, b)| y * b).sum()
     }
 
-    /// The highest of the places that are looked at, and by how much it is asked to come down.
+    /// The position with the largest required displacement, and that displacement.
     fn highest_place(&self, load: &[f64]) -> (f64, f64) {
         let count = self.values.len();
         let of_place =
@@ -156,20 +154,20 @@ impl Rim {
         (Self::angle(place), wanted)
     }
 
-    /// Change of what the rim is asked to come down by with the angle.
+    /// Derivative of the required displacement of the rim with respect to the angle.
     fn slope(&mut self, load: &[f64], angle: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         self.basis
             .evaluate_polar(0.0, 1.0, [cos, sin], &mut self.values);
         let (modes, values) = (self.basis.modes(), &self.values);
-        // A cosine comes just before its sine.
+        // A cosine mode directly precedes its sine mode.
         (1..load.len().min(values.len()))
             .filter(|&k| modes[k].sine)
             .map(|k| modes[k].order as f64 * (load[k] * values[k - 1] - load[k - 1] * values[k]))
             .sum()
     }
 
-    /// The maximum next to a place, where the slope changes its sign.
+    /// The maximum next to a position, where the derivative changes its sign.
     fn maximum_near(&mut self, load: &[f64], angle: f64) -> (f64, f64) {
         let step = Self::angle(1);
         let start = angle - step;
@@ -178,7 +176,7 @@ impl Rim {
         (start + along, self.wanted(load, start + along, 0.0))
     }
 
-    /// Whether any place of the rim is asked to come down.
+    /// Whether the required displacement is positive anywhere on the rim.
     pub(crate) fn is_touched(&mut self, load: &[f64]) -> bool {
         let (angle, wanted) = self.highest_place(load);
         let between = self.between.iter().zip(load);
@@ -186,8 +184,8 @@ impl Rim {
         wanted > 0.0 || (wanted + between > 0.0 && self.maximum_near(load, angle).1 > 0.0)
     }
 
-    /// The sliver along the rim that is asked to come down, if that is all that is. It may be a little larger
-    /// where it was one `before`.
+    /// The narrow region along the rim with a positive required displacement, if that is the whole contact. The limits are slightly larger
+    /// if it was narrow `before`.
     pub(crate) fn sliver(&mut self, load: &[f64], before: bool) -> Option<Sliver> {
         let [direction, left, right, depth] = self.ends(load, before)?;
         Some(Sliver {
@@ -197,12 +195,12 @@ impl Rim {
         })
     }
 
-    /// Its direction, how far it reaches from there to either side, and its depth.
+    /// Direction, angular extent to either side, and depth of the region.
     fn ends(&mut self, load: &[f64], before: bool) -> Option<[f64; 4]> {
         let slack = if before { HYSTERESIS } else { 1.0 };
         let [largest_angle, largest_depth] = LARGEST.map(|largest| largest * slack);
         let (place, _) = self.highest_place(load);
-        // Most contacts reach farther inwards.
+        // Most contacts extend farther inwards.
         if self.wanted(load, place, largest_depth) > 0.0 {
             return None;
         }
@@ -221,10 +219,10 @@ impl Rim {
 }
 
 impl Rim {
-    /// The sliver of a load, and how its measures change with that; `None` where it is only just there.
+    /// The narrow region of a load, and the derivatives of its measures; `None` if it has only just formed.
     fn moving_sliver(&mut self, load: &[f64]) -> Option<(Sliver, [Vec<f64>; 3])> {
         let sliver = self.sliver(load, true)?;
-        // The same side decides, as far as steps go.
+        // The wider side is the same for all steps.
         let [_, left, right, _] = self.ends(load, true)?;
         let side = if left > right { 1 } else { 2 };
         let (place, _) = self.highest_place(load);
@@ -246,8 +244,7 @@ impl Rim {
     }
 }
 
-/// Where a function that is positive at zero and falls ends to be; `None` if it is positive at the largest
-/// argument.
+/// The zero of a function that is positive at zero and decreases; `None` if it is positive at the largest argument.
 fn first_zero(largest: f64, mut function: impl FnMut(f64) -> f64) -> Option<f64> {
     let ends = [0.0, largest].map(|position| roots::Point {
         position,
@@ -260,9 +257,9 @@ fn first_zero(largest: f64, mut function: impl FnMut(f64) -> f64) -> Option<f64>
     root.map(|root| root.below.position)
 }
 
-/// The contact on the cells of a sliver.
+/// Solver for the contact on the cells of a narrow region.
 pub(crate) struct RimSolver {
-    /// Sectors and rings.
+    /// Numbers of sectors and rings.
     shape: [usize; 2],
     column: Column,
     basis: BasisEvaluator,
@@ -271,15 +268,15 @@ pub(crate) struct RimSolver {
     influence: Vec<f64>,
     /// `V`, cell by cell.
     values: Vec<f64>,
-    /// Modes, and those by which pillars act on each other.
+    /// Number of modes, and number of modes by which pillars interact.
     count: usize,
     lead: usize,
     cells: Vec<Cell>,
-    /// Whether cells of two rings some sectors apart count as far from each other.
+    /// Whether cells of two rings some sectors apart are treated as distant.
     far: Vec<bool>,
 }
 
-/// A cell, by its middle in polar coordinates of the pillar and its extents.
+/// A cell, given by its centre in polar coordinates of the pillar and its extents.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     angle: f64,
@@ -289,8 +286,7 @@ struct Cell {
 }
 
 impl RimSolver {
-    /// As finely as `resolution` says, for a pillar top of as many modes as its nodes have, the leading `lead` of which
-    /// act on other pillars.
+    /// With the given resolution, for a pillar top with as many modes as its nodes have, the leading `lead` of which act on other pillars.
     pub(crate) fn new(resolution: Resolution, lead: usize, column: Column) -> Self {
         let shape = [2 * resolution.rings, resolution.rings];
         let size = shape[0] * shape[1];
@@ -309,7 +305,8 @@ impl RimSolver {
         }
     }
 
-    /// Divides a sliver into cells, ring by ring. What is near and far may be as of the sliver before: influences change smoothly then.
+    /// Divides a region into cells, ring by ring. If `as_before` is set, the classification of near and distant cells is kept, so that
+    /// influences change smoothly.
     fn divide(&mut self, sliver: &Sliver, as_before: bool) {
         let [along, across] = self.shape;
         let step = 2.0 * sliver.half_angle / along as f64;
@@ -338,10 +335,11 @@ impl RimSolver {
             self.basis
                 .evaluate_polar(mu, cell.radius, [cos, sin], values);
         }
-        // The same for all pairs of sectors equally far apart.
+        // The same for all pairs of sectors at equal distance.
         let size = along * across;
         let shortening = 0.5 * self.column.shortening;
-        // A force at a distance `s` from the centre tilts the top, which sinks at a distance `r` by `lambda_11 Y(r) Y(s)` of both tilts.
+        // A force at a distance `s` from the centre tilts the top, whose displacement at a distance `r` is `lambda_11 Y(r) Y(s)` for both
+        // tilts.
         let rocking = TILT_COMPLIANCE * TILT_MODE * TILT_MODE * self.column.rocking;
         let mut pairs = self.far.iter_mut();
         for ring in 0..across {
@@ -366,8 +364,8 @@ impl RimSolver {
         }
     }
 
-    /// Solves for a load. `active` marks the cells in contact: the first guess on entry, if it is of as many
-    /// cells, the solution on return.
+    /// Solves for a load. `active` marks the cells in contact: the initial guess on entry, if the number of cells matches, the solution on
+    /// return.
     pub(crate) fn solve(
         &mut self,
         sliver: &Sliver,
@@ -382,15 +380,15 @@ impl RimSolver {
         self.pivot.solve(&self.influence, active)
     }
 
-    /// Coefficients under another load on the cells of the last solution, those in contact held.
+    /// Coefficients at another load for the cells of the last solution, with those in contact held fixed.
     pub(crate) fn respond_held(&mut self, load: &[f64], active: &[bool], coefficients: &mut [f64]) {
         self.prepare(load);
         self.pivot.solve_active(&self.influence, active);
         self.coefficients(coefficients);
     }
 
-    /// How the contact on the sliver of a load moves with the load, the cells in contact held; `None` where it is only just there. Afterwards the
-    /// cells are those of another sliver.
+    /// Motion of the contact region of a load with the load, with the cells in contact held fixed; `None` if it has only just formed.
+    /// Afterwards the cells are those of another region.
     pub(crate) fn motions(
         &mut self,
         rim: &mut Rim,
@@ -438,8 +436,8 @@ impl RimSolver {
         }
     }
 
-    /// Derivative of the leading coefficients with respect to the leading load with the cells in contact
-    /// held, `V' H^-1 V` over these, row by row.
+    /// Derivative of the leading coefficients with respect to the leading load with the cells in contact held fixed, `V' H^-1 V` over
+    /// these, row by row.
     pub(crate) fn derivative(&mut self, derivative: &mut [f64]) {
         let (values, count) = (&self.values, self.count);
         self.pivot
@@ -448,7 +446,7 @@ impl RimSolver {
             });
     }
 
-    /// Where the contact ends, and how far it reaches from an axis given from the centre of the pillar.
+    /// The edge of the contact, and its largest distance from an axis given relative to the centre of the pillar.
     pub(crate) fn edge(&self, [x, y]: Point) -> SliverEdge {
         let [along, _] = self.shape;
         let mut edge = SliverEdge {
@@ -506,15 +504,15 @@ fn across_pairs(rings: usize) -> usize {
     rings * (rings + 1) / 2
 }
 
-/// How far apart the centres of two cells are, whose sectors are `angle` apart, along the rim and across.
+/// Distance between the centres of two cells, whose sectors are `angle` apart, along the rim and across.
 fn apart(one: &Cell, other: &Cell, angle: f64) -> Point {
     let along = 2.0 * (one.radius * other.radius).sqrt() * (0.5 * angle).sin();
     [along, one.radius - other.radius]
 }
 
-/// Whether the second moments of the cells are enough.
+/// Whether the second moments of the cells are sufficient.
 fn are_far(one: &Cell, other: &Cell, angle: f64) -> bool {
-    /// Distance over the longest side from which they are.
+    /// Distance, relative to the longest side, above which they are.
     const FAR: f64 = 4.0;
     let [x, y] = apart(one, other, angle);
     let sides = [one, other].into_iter().flat_map(|cell| cell.sides);
@@ -526,7 +524,7 @@ fn mean_influence(one: &Cell, other: &Cell, angle: f64, far: bool) -> f64 {
     let [x, y] = apart(one, other, angle);
     let mean = if far {
         let distance = x.hypot(y);
-        // 1/r and its second derivatives times the variances of the differences of coordinates.
+        // 1/r plus its second derivatives times the variances of the coordinate differences.
         let [x_variance, y_variance] =
             [0, 1].map(|axis| (one.sides[axis].powi(2) + other.sides[axis].powi(2)) / 12.0);
         let inverse_square = distance.powi(-2);
@@ -565,7 +563,7 @@ fn mean_inverse_distance([x, y]: [f64; 2], one: [f64; 2], other: [f64; 2]) -> f6
 /// A function whose second derivative along both axes is `1/r`, even in both.
 fn fourth_integral(x: f64, y: f64) -> f64 {
     let r = x.hypot(y);
-    // asinh differs from the logarithm of y + r by what the difference does not see.
+    // asinh differs from the logarithm of y + r by terms that cancel in the difference.
     let along = |a: f64, b: f64| {
         if a > 0.0 {
             0.5 * a * a * b * (b / a).asinh()
@@ -584,8 +582,8 @@ mod tests {
     use crate::numerics::quadrature::hemisphere;
     use crate::solve::rules::unilateral::{LocalSolver, PillarTop};
 
-    /// The load of a paraboloid of radius `lens` whose axis is `distance` from the pillar, which has come down
-    /// by `depth` more than to the rim.
+    /// Load of a paraboloid of radius `lens` whose axis is `distance` from the pillar and which is lower by `depth` than at first contact
+    /// with the rim.
     fn beside(lens: f64, distance: f64, depth: f64) -> Vec<f64> {
         let mut basis = BasisEvaluator::new(2);
         let mut values = vec![0.0; 6];
@@ -619,8 +617,8 @@ mod tests {
 
     #[test]
     fn mean_over_rectangles_by_quadrature() {
-        // Gauss-Legendre points of rectangles apart from each other, and the square on itself: its mean of
-        // 1/r is 4 (ln(1 + sqrt 2) + (1 - sqrt 2)/3) over its side.
+        // Gauss-Legendre points of rectangles apart from each other, and a square with itself: its mean of 1/r is 4 (ln(1 + sqrt 2) + (1 -
+        // sqrt 2)/3) divided by its side.
         let own = mean_inverse_distance([0.0, 0.0], [1.0, 1.0], [1.0, 1.0]);
         let root = 2.0_f64.sqrt();
         let expected = 4.0 * (root.ln_1p() + (1.0 - root) / 3.0);
@@ -646,8 +644,8 @@ mod tests {
 
     #[test]
     fn slivers_converge_and_join_the_nodes() {
-        // The depth of the lens at the rim sets the size of the sliver; the largest one is resolved by
-        // nodes too, as well as they can.
+        // The depth of the lens at the rim determines the size of the region; the largest one is also resolved by nodes, within their
+        // accuracy.
         for depth in [1e-10, 1e-7, 1e-5, 1e-4] {
             let load = beside(700.0, 4.0, depth);
             let [coarse, middle, fine] = [6, 10, 20].map(|rings| force(rings, &load));

@@ -1,4 +1,4 @@
-//! Pillar tops that stick, all of some sites, as a rule of the [linearized contact](super::super::linearized): each with its
+//! All adhesive pillar tops of some sites as a rule of the [linearized contact](super::super::linearized), each with its
 //! [front](super::fronts).
 
 use super::coarse::Coarse;
@@ -8,17 +8,17 @@ use crate::halfspace::disc::basis::mode_count;
 use crate::numerics::workers::Workers;
 use crate::solve::linearized::Rule;
 
-/// Pillars a thread takes at a time, at the least.
+/// Smallest number of pillars per thread.
 const PILLARS: usize = 400;
 
-/// The tops and what part of each is in contact.
+/// The tops and the bonded region of each.
 pub(crate) struct StickyTops {
     pub(crate) fronts: Fronts,
     pub(crate) domains: Vec<Domain>,
-    /// Modes per pillar.
+    /// Number of modes per pillar.
     modes: usize,
     coarse: Coarse,
-    /// Room for the preconditioner.
+    /// Work space of the preconditioner.
     means: Vec<f64>,
     room: Vec<f32>,
 }
@@ -36,13 +36,13 @@ impl StickyTops {
         }
     }
 
-    /// Takes other sites with the domains of their tops.
+    /// Changes to other sites with the domains of their tops.
     pub(crate) fn move_to(&mut self, sites: &Sites, domains: Vec<Domain>) {
         self.coarse = Coarse::new(sites);
         self.domains = domains;
     }
 
-    /// Prepares for solving with the present domains.
+    /// Prepares a solution at the current domains.
     pub(crate) fn prepare(&mut self, sites: &Sites) {
         let Self {
             coarse,
@@ -53,27 +53,27 @@ impl StickyTops {
         coarse.refresh(sites, |top| fronts.mean_compliance(domains[top]));
     }
 
-    /// Number of tops in contact, and of those in contact in part.
+    /// Number of tops in contact, and of partially bonded ones.
     pub(crate) fn counts(&self) -> [usize; 2] {
         let touched = self.domains.iter().filter(|domain| !domain.is_out());
         let partial = self.domains.iter().filter(|domain| domain.is_partial());
         [touched.count(), partial.count()]
     }
 
-    /// Area in contact, in squares of the pillar radius.
+    /// Contact area, in squares of the pillar radius.
     pub(crate) fn area(&self) -> f64 {
         let areas = self.domains.iter().map(|domain| self.fronts.area(*domain));
         areas.sum()
     }
 
-    /// What every top would be next under these loads, those that change.
+    /// Next state of every top that changes under these loads.
     pub(crate) fn marched(&self, loads: &[f64], workers: Workers<'_>) -> Vec<(usize, Domain)> {
         self.changed(loads, workers, |domain, load| {
             self.fronts.march(domain, load)
         })
     }
 
-    /// Fronts that turn or bend under these loads.
+    /// Fronts that rotate or bend under these loads.
     pub(crate) fn adjusted(&self, loads: &[f64], workers: Workers<'_>) -> Vec<(usize, Domain)> {
         self.changed(loads, workers, |domain, load| {
             self.fronts.adjusted(domain, load).unwrap_or(domain)
@@ -95,8 +95,8 @@ impl StickyTops {
             .collect()
     }
 
-    /// How far the indentation goes before the first top changes in the sense of the course, if that is within `longest`. `loads` are
-    /// present ones and those of a unit indentation along the course.
+    /// Change of the indentation up to the first change of a top in the direction of the course, if that is within `longest`. `loads` are
+    /// the current ones and their derivatives along the course.
     pub(crate) fn next_event(
         &self,
         [loads, along]: [&[f64]; 2],
@@ -132,7 +132,7 @@ impl Rule for StickyTops {
 
     fn add_constants(&self, _: &mut [f64]) {}
 
-    /// Besides the answer to the residual, that of the mean pressures as they go together.
+    /// Adds the coarse correction for the mean pressures to the response to the residual.
     fn precondition(
         &mut self,
         residual: &[f64],

@@ -1,31 +1,31 @@
-//! The floor as far as it sticks: its cells and the fronts on them.
+//! The adhesive floor: its cells and the fronts on them.
 
 use super::floor::FloorCells;
 use super::floor_fronts::{FloorFronts, FloorMove};
 use super::fronts::Course;
 use crate::halfspace::floor::coupling::FloorKernels;
 
-/// Rounds in which cells are taken back after an advance.
+/// Largest number of rounds in which cells are removed again after an advance.
 pub(crate) const TAKE_BACKS: usize = 12;
 
-/// The floor where it sticks.
+/// The adhesive floor in contact.
 pub(crate) struct StuckFloor<'a> {
     pub(crate) cells: FloorCells<'a>,
     pub(crate) fronts: FloorFronts,
     /// Pillars up to this distance from the lens axis are coupled with it.
     pub(crate) reach: f64,
-    /// Of its grid.
+    /// Kernels of its grid.
     pub(crate) kernels: Option<FloorKernels>,
 }
 
-/// What of the floor is in contact.
+/// State of the floor contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct FloorStation {
     pub(crate) force: f64,
     pub(crate) area: f64,
     /// Distance of the farthest cell in contact from the lens axis.
     pub(crate) radius: f64,
-    /// Middles between three pillars of a hexagonal lattice that are in contact.
+    /// Number of centres between three pillars of a hexagonal lattice that are in contact.
     pub(crate) holes: usize,
 }
 
@@ -35,7 +35,7 @@ impl StuckFloor<'_> {
         self.cells.bears().iter().filter(|bonded| **bonded).count()
     }
 
-    /// Area in contact.
+    /// Contact area.
     pub(crate) fn area(&self) -> f64 {
         self.bonded() as f64 * self.cells.grid.division.cell_area()
     }
@@ -48,7 +48,7 @@ impl StuckFloor<'_> {
     }
 }
 
-/// How fronts go on a course.
+/// Motion of fronts in the direction of the course.
 pub(crate) fn natural(course: Course) -> FloorMove {
     match course {
         Course::Loading => FloorMove::Advance,

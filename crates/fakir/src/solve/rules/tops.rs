@@ -1,8 +1,8 @@
-//! Pillar tops that are pressed and not pulled, all sites: the first rule of the [linearized contact](super::super::linearized).
+//! Pillar tops without adhesion, for all sites: the first rule of the [linearized contact](super::super::linearized).
 //!
-//! The state of a top is whether it is untouched, touched in full, or in part; in part, also which of its nodes or cells bear
-//! pressure. With these linearized the top answers linearly to its load. [`update`](Tops::update) solves every top under its load as it is and
-//! takes over its state.
+//! The state of a top is untouched, fully touched, or partially touched; in the last case it includes which of its nodes or cells carry
+//! pressure. At fixed states the top responds linearly to its load. [`update`](Tops::update) solves every top under its current load and
+//! adopts its new state.
 
 use super::rim::{Motion, Rim};
 use super::unilateral::{LocalSolver, PillarTop};
@@ -19,27 +19,27 @@ use crate::state::PillarStatus;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Pillars a thread takes at a time, at the least, where little is done for each ...
+/// Smallest number of pillars per thread for cheap operations.
 const PILLARS: usize = 4000;
 
-/// ... and where more is.
+/// The same for expensive operations.
 pub(crate) const COSTLY_PILLARS: usize = 200;
 
-/// A pillar that is touched in part.
+/// A partially touched pillar.
 #[derive(Debug, Clone)]
 struct Partial {
     pillar: usize,
-    /// Nodes without pressure, or cells with it.
+    /// Nodes without pressure, or cells with pressure.
     active: Vec<bool>,
     /// `P`, row by row.
     derivative: Vec<f64>,
-    /// `cb`: the leading coefficients without leading load.
+    /// `cb`: the leading coefficients at zero leading load.
     constant: Vec<f64>,
     converged: bool,
 }
 
 impl Partial {
-    /// Of a computation that is to stop.
+    /// Placeholder after cancellation.
     fn unsolved(pillar: usize, modes: usize) -> Self {
         Self {
             pillar,
@@ -56,44 +56,44 @@ pub(crate) type Incident<'l> = dyn Fn(usize, &mut [f64]) + Sync + 'l;
 
 /// The pillar tops of all sites and their states.
 ///
-/// A top of radius `a` gives way as one of radius 1, but that its moments are `a` times as large.
+/// A top of radius `a` responds like one of radius 1, with moments larger by a factor of `a`.
 pub(crate) struct Tops {
     lens: ShapedLens,
     pub(crate) sites: Sites,
-    /// Of unit radius, on the column that is common.
+    /// Top of unit radius on the common column.
     pub(crate) top: Arc<PillarTop>,
     projector: LensProjector,
-    /// Moments of a top of the common body under unit loads in the leading modes, touched in full.
+    /// Moments of a fully touched top of the common body under unit loads in the leading modes.
     answers_in_full: Vec<f64>,
-    /// Leading modes per pillar, and their degree.
+    /// Number of leading modes per pillar, and their degree.
     modes: usize,
     degree: usize,
     pub(crate) status: Vec<PillarStatus>,
     partial: Vec<Partial>,
-    /// Index into `partial` of every pillar that is there.
+    /// Index into `partial` for every partially touched pillar.
     partial_of: Vec<u32>,
 }
 
-/// What an update changed.
+/// Result of an update.
 pub(crate) struct Change {
-    /// Pillars whose state is another, and floor cells.
+    /// Number of pillars and of floor cells whose state changed.
     pub(crate) pillars: usize,
     pub(crate) cells: usize,
-    /// Largest difference between the coefficients of the tops' own solutions and those of the linearized contact, relative to
-    /// the largest coefficient.
+    /// Largest difference between the coefficients of the tops' own solutions and those of the linearized contact, relative to the largest
+    /// coefficient.
     pub(crate) mismatch: f64,
-    /// Pillars without a solution.
+    /// Number of pillars without a solution.
     pub(crate) failures: usize,
 }
 
 impl Change {
-    /// Places whose state is another.
+    /// Number of places whose state changed.
     pub(crate) fn places(&self) -> usize {
         self.pillars + self.cells
     }
 }
 
-/// `b`: the lens shape over a pillar top and the height of that, in as many modes as `load` holds.
+/// `b`: the lens shape over a pillar top and the height of the top, in as many modes as `load` holds.
 pub(crate) fn lens_over(
     lens: &ShapedLens,
     projector: &LensProjector,
@@ -109,7 +109,7 @@ pub(crate) fn lens_over(
 const NOT_PARTIAL: u32 = u32::MAX;
 
 impl Tops {
-    /// All pillars untouched; they act on each other by the modes up to a degree.
+    /// All pillars untouched; they interact through the modes up to a degree.
     pub(crate) fn new(lens: &ShapedLens, sites: Sites, top: Arc<PillarTop>, degree: usize) -> Self {
         let common = sites.common_body();
         let ratios = top.ratios(common.column);
@@ -141,7 +141,7 @@ impl Tops {
         lens_over(&self.lens, &self.projector, &self.sites, pillar, load);
     }
 
-    /// Turns the load on a pillar that is touched in full into its moments.
+    /// Converts the load on a fully touched pillar to its moments.
     fn respond_in_full(&self, pillar: usize, load: &mut [f64]) {
         if self.sites.are_alike() {
             for (value, answer) in load.iter_mut().zip(&self.answers_in_full) {
@@ -159,7 +159,7 @@ impl Tops {
         }
     }
 
-    /// `bs`: the lens shape over every pillar top, in the leading modes; the same over images.
+    /// `bs`: the lens shape over every pillar top, in the leading modes; computed once for symmetric images.
     pub(crate) fn lens_load(&self, copies: Option<&Copies>, workers: Workers<'_>) -> Vec<f64> {
         let own = copies.map(Copies::own);
         let count = own.map_or(self.sites.len(), <[u32]>::len);
@@ -174,7 +174,7 @@ impl Tops {
         }
     }
 
-    /// Leading modes per pillar.
+    /// Number of leading modes per pillar.
     pub(crate) fn modes(&self) -> usize {
         self.modes
     }
@@ -198,7 +198,7 @@ impl Tops {
             .fold(0.0, f64::max)
     }
 
-    /// Distance of the farthest touched pillar centre from where the lens is lowest.
+    /// Distance of the farthest touched pillar centre from the lowest point of the lens.
     pub(crate) fn reach_from_lowest(&self) -> f64 {
         self.sites
             .centres()
@@ -209,7 +209,7 @@ impl Tops {
             .fold(0.0, f64::max)
     }
 
-    /// Marks the pillars as touched whose middle the undeformed lens enters at an indentation, and at least the first.
+    /// Marks the pillars as touched whose centre the undeformed lens penetrates at an indentation, or at least the first one.
     pub(crate) fn touch_entered(&mut self, indentation: f64) {
         let mut first = (f64::INFINITY, 0);
         for (pillar, centre) in self.sites.centres().iter().enumerate() {
@@ -226,7 +226,7 @@ impl Tops {
         }
     }
 
-    /// Marks the pillars within a radius of the lens axis as touched, and at least the nearest.
+    /// Marks the pillars within a radius of the lens axis as touched, or at least the nearest one.
     pub(crate) fn touch_within(&mut self, radius: f64) {
         let mut nearest = (f64::INFINITY, 0);
         for (pillar, [x, y]) in self.sites.centres().iter().enumerate() {
@@ -241,7 +241,7 @@ impl Tops {
         self.status[nearest.1] = PillarStatus::Full;
     }
 
-    /// Takes statuses from a coarser solution; partly touched pillars count as touched in full at first.
+    /// Takes statuses from a coarser solution; partially touched pillars count as fully touched at first.
     pub(crate) fn start_from(&mut self, coarse: &Self) {
         for pillar in 0..self.sites.len() {
             if let Some(from) = coarse.sites.find(self.sites.index(pillar)) {
@@ -267,7 +267,7 @@ impl Tops {
         load
     }
 
-    /// Of every pillar touched in part, its nodes without pressure, or its cells with it.
+    /// For every partially touched pillar, its nodes without pressure, or its cells with pressure.
     #[cfg(test)]
     pub(crate) fn partial_states(&self) -> Vec<(usize, Vec<bool>)> {
         let of = |partial: &Partial| (partial.pillar, partial.active.clone());
@@ -284,7 +284,7 @@ impl Tops {
         self.held_responses(pillar, load, &[], solver).0
     }
 
-    /// The same, and by how much changes of the leading load change all moments with the state of the pillar held.
+    /// The same, and the changes of all moments due to changes of the leading load with the state of the pillar held fixed.
     pub(crate) fn held_responses(
         &self,
         pillar: usize,
@@ -306,7 +306,7 @@ impl Tops {
         (coefficients, changes.iter().map(&mut respond).collect())
     }
 
-    /// The top of a partially touched pillar with its state, solved under a load from that on.
+    /// The top of a partially touched pillar with its state, solved under a load starting from that state.
     fn solve_again(
         &self,
         pillar: usize,
@@ -320,7 +320,7 @@ impl Tops {
         (top, active)
     }
 
-    /// The pillars that are touched on a sliver of their rim.
+    /// Pillars with a narrow contact at their rim.
     pub(crate) fn slivers(&self) -> impl Iterator<Item = usize> {
         let on_cells = |partial: &&Partial| partial.active.len() != self.top.count();
         self.partial
@@ -329,7 +329,8 @@ impl Tops {
             .map(|partial| partial.pillar)
     }
 
-    /// How the moments of a pillar that is touched on a sliver change as that moves with its load; `None` of one that is only just there.
+    /// Change of the moments of a pillar with a narrow contact at the rim as that contact moves with its load; `None` if it has only just
+    /// formed.
     pub(crate) fn sliver_motions(
         &self,
         pillar: usize,
@@ -344,8 +345,8 @@ impl Tops {
         Some(motions)
     }
 
-    /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` holds, of a function of the places on it, from the lens axis and on
-    /// the unit disc.
+    /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` holds, for a function of the position relative to the lens
+    /// axis and on the unit disc.
     pub(crate) fn project_function(
         &self,
         pillar: usize,
@@ -375,8 +376,8 @@ impl Tops {
         gap
     }
 
-    /// Solves every pillar under its incident load, and takes over its state. `coefficients` are those of the linearized contact. Pillars farther from the lens
-    /// axis than `farthest`, if there is such a distance, are not touched, whatever is asked of them.
+    /// Solves every pillar under its incident load and adopts its state. `coefficients` are those of the linearized contact. Pillars
+    /// farther from the lens axis than `farthest`, if given, stay untouched regardless of their load.
     pub(crate) fn update(
         &mut self,
         incident: &Incident<'_>,
@@ -449,8 +450,7 @@ impl Tops {
             .unwrap_or_else(|| self.top_of(pillar).status(load, rim))
     }
 
-    /// Whether a pillar counts as touched, or as untouched, only because the modes of the coupling
-    /// leave out a part of the lens shape.
+    /// Whether the touched status of a pillar depends on the part of the lens shape that the modes of the coupling omit.
     pub(crate) fn has_marginal_pillars(
         &self,
         incident: &Incident<'_>,
@@ -469,8 +469,7 @@ impl Tops {
         marginal.contains(&true)
     }
 
-    /// The unilateral problem of one pillar: its new state, its leading moments, and
-    /// whether its active nodes changed.
+    /// Solves the unilateral problem of one pillar. Returns its new state, its leading moments, and whether its active nodes changed.
     fn solve_partial(
         &self,
         incident: &Incident<'_>,
@@ -509,8 +508,8 @@ impl Tops {
         (partial, coefficients, moved)
     }
 
-    /// Largest difference between the coefficients of the local problems and those of the
-    /// linear solution, relative to the largest coefficient.
+    /// Largest difference between the coefficients of the local problems and those of the linear solution, relative to the largest
+    /// coefficient.
     fn mismatch(
         &self,
         incident: &Incident<'_>,

@@ -1,13 +1,11 @@
-//! The pressure on one pillar top that is pressed but not pulled.
+//! Non-negative pressure on one pillar top.
 //!
-//! With coefficients `c` of `q` and the load `b` (the displacement that is asked for,
-//! projected on the modes), the pressure minimises `1/2 c' Lam c - c' b` under `q >= 0` at the
-//! nodes of [`bos_array`]. With `V` the modes at the nodes the dual problem is a linear
-//! complementarity problem with the matrix `G = V Lam^-1 V'`, the same for every pillar:
-//! `c = Lam^-1 (b + V' s)`, `q = V Lam^-1 b + G s`, `q >= 0`, `s >= 0`, `q's = 0`, solved by
-//! [block principal pivoting](super::pivoting).
+//! With coefficients `c` of `q` and the load `b` (the required displacement, projected on the modes), the pressure minimises
+//! `1/2 c' Lam c - c' b` under `q >= 0` at the nodes of [`bos_array`]. With `V` the modes at the nodes, the dual problem is a linear
+//! complementarity problem with the matrix `G = V Lam^-1 V'`, the same for every pillar: `c = Lam^-1 (b + V' s)`,
+//! `q = V Lam^-1 b + G s`, `q >= 0`, `s >= 0`, `q's = 0`, solved by [block principal pivoting](super::pivoting).
 //!
-//! A sliver of contact along the rim lies between the nodes; it is solved on [cells](super::rim) instead.
+//! A narrow contact along the rim is not resolved by the nodes; it is solved on [cells](super::rim) instead.
 
 use super::rim::{Motion, Rim, RimSolver, Sliver};
 use crate::halfspace::disc::basis::{
@@ -22,26 +20,25 @@ use crate::state::PillarStatus;
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A pressure may be this far below zero at a node, relative to the largest unconstrained
-/// value: rounding of the node values, not tension.
+/// Largest tension at a node that is attributed to rounding of the node values, relative to the largest unconstrained value.
 const PRESSURE_TOLERANCE: f64 = 1e-11;
 
-/// Where the pressure without the condition is less than this part of the largest there will be none, about: without the tension beside it there would be
-/// less. On the edge of a contact it saves one factorisation in four.
+/// Fraction of the largest unconstrained pressure below which a node is initially assumed to be without pressure: the adjacent tension,
+/// which the constraint removes, reduces it further. Saves one factorisation in four on the edge of a contact.
 const LOW_PRESSURE: f64 = 0.15;
 
-/// Tops that were made last, to be asked for again, and how many numbers all of them may have.
+/// Recently created tops, for reuse, and the largest total number of values that they may have.
 static KEPT: Mutex<Vec<Arc<PillarTop>>> = Mutex::new(Vec::new());
 const MOST_KEPT: usize = 1 << 21;
 
-/// A pillar top of unit radius with a node array: what pillars of one column compliance share.
+/// A pillar top of unit radius with a node array: data shared by pillars of one column compliance.
 #[derive(Debug, Clone)]
 pub(crate) struct PillarTop {
     resolution: Resolution,
     column: Column,
-    /// Number of modes, and of nodes.
+    /// Number of modes, equal to the number of nodes.
     count: usize,
-    /// Number of leading modes by which pillars act on each other.
+    /// Number of leading modes by which pillars interact.
     lead: usize,
     /// `Lam`.
     compliance: Vec<f64>,
@@ -55,19 +52,19 @@ pub(crate) struct PillarTop {
     bounds: Vec<f64>,
 }
 
-/// Working storage of the local problem, and its solution.
+/// Work space of the local problem, and its solution.
 pub(crate) struct LocalSolver {
     pivot: PivotSolver,
-    /// The rim and its cells are made when the first load needs them, the cells for every column.
+    /// The rim and its cells are created when the first load needs them; the cells depend on the column.
     rim: Option<Rim>,
     cells: Option<Box<RimSolver>>,
     column: Option<Column>,
-    /// Whether the solution is that of a sliver, on cells.
+    /// Whether the solution is that of a narrow contact, on cells.
     on_cells: bool,
 }
 
 impl PillarTop {
-    /// As [`new`](Self::new) makes it; one that was made before is taken again.
+    /// The same as [`new`](Self::new), with reuse of tops created before.
     pub(crate) fn shared(
         resolution: Resolution,
         lead: usize,
@@ -133,12 +130,12 @@ impl PillarTop {
         }
     }
 
-    /// How finely it is resolved.
+    /// Resolution of the top.
     pub(crate) fn resolution(&self) -> Resolution {
         self.resolution
     }
 
-    /// Number of modes and of nodes.
+    /// Number of modes, equal to the number of nodes.
     pub(crate) fn count(&self) -> usize {
         self.count
     }
@@ -153,13 +150,13 @@ impl PillarTop {
         &self.compliance
     }
 
-    /// By what the answers of the first modes are multiplied on another column than its own.
+    /// Factors on the responses of the first modes on another column.
     pub(crate) fn ratios(&self, column: Column) -> [f64; 3] {
         let [own, other] = [self.column, column].map(column_factors);
         std::array::from_fn(|mode| own[mode] / other[mode])
     }
 
-    /// The same top on another column: its mean gives way otherwise, by as much at all nodes, and its tilts may.
+    /// The same top on another column: the compliance of its mean changes, by the same amount at all nodes, and that of its tilts may.
     pub(crate) fn on_column(&self, column: Column) -> Cow<'_, Self> {
         let ratios = self.ratios(column);
         let is_same = |ratio: &f64| ratio.to_bits() == 1.0_f64.to_bits();
@@ -176,7 +173,7 @@ impl PillarTop {
         Cow::Owned(top)
     }
 
-    /// Multiplies the answer of a mode.
+    /// Multiplies the response of a mode by a factor.
     fn scale_mode(&mut self, mode: usize, ratio: f64) {
         self.compliance[mode] /= ratio;
         let pressures = &mut self.pressures[mode * self.count..(mode + 1) * self.count];
@@ -201,7 +198,7 @@ impl PillarTop {
         &self.values[node * self.count..(node + 1) * self.count]
     }
 
-    /// The pressure without the condition at all nodes, `V Lam^-1 b`.
+    /// The unconstrained pressure at all nodes, `V Lam^-1 b`.
     fn pressures(&self, load: &[f64], pressures: &mut [f64]) {
         widest(
             #[inline(always)]
@@ -216,7 +213,7 @@ impl PillarTop {
         );
     }
 
-    /// The status on some column where the mean load outweighs all that differs over the top, whatever its sign.
+    /// The status on a column, if the mean load exceeds all variations over the top, for either sign.
     pub(crate) fn plain_status(&self, load: &[f64], column: Column) -> Option<PillarStatus> {
         let (mut wanted, mut pressure) = (0.0, 0.0);
         let [of_mean, of_tilts, _] = self.ratios(column);
@@ -237,11 +234,10 @@ impl PillarTop {
         }
     }
 
-    /// Status of a pillar under `load`, the displacement it is asked for; `rim` is of as many modes.
+    /// Status of a pillar under `load`, the required displacement; `rim` must have the same number of modes.
     ///
-    /// Where it is asked to come down nowhere it is not touched; where the pressure without
-    /// the condition is nowhere negative it is touched in full. Under a load that is no number
-    /// it counts as partial, and has no solution.
+    /// It is untouched if the required displacement is positive nowhere, and fully touched if the unconstrained pressure is negative
+    /// nowhere. With a NaN load it counts as partial, and has no solution.
     pub(crate) fn status(&self, load: &[f64], rim: &mut Rim) -> PillarStatus {
         if let Some(status) = self.plain_status(load, self.column) {
             return status;
@@ -279,7 +275,7 @@ impl LocalSolver {
         }
     }
 
-    /// The sliver that is all that a load asks to come down, if it is one.
+    /// The narrow region of contact of a load, if that is the whole contact.
     fn sliver(&mut self, top: &PillarTop, load: &[f64], active: &[bool]) -> Option<Sliver> {
         if top.resolution.rings == 0 {
             return None;
@@ -290,10 +286,10 @@ impl LocalSolver {
         rim.sliver(load, !active.is_empty() && active.len() != top.count)
     }
 
-    /// Finds the pressure under `load` (leading modes suffice; the rest counts as zero).
+    /// Computes the pressure under `load` (leading modes suffice; the others count as zero).
     ///
-    /// `active` marks the nodes without pressure: a first guess on entry, or nothing, the solution on
-    /// return; or, of a sliver, the cells with pressure.
+    /// `active` marks the nodes without pressure: an initial guess on entry, or empty, and the solution on return. For a narrow contact it
+    /// marks the cells with pressure.
     pub(crate) fn solve(
         &mut self,
         top: &PillarTop,
@@ -313,7 +309,7 @@ impl LocalSolver {
         self.on_cells = false;
         top.pressures(load, &mut self.pivot.constant);
         if active.len() != top.count {
-            // Nodes that would be in tension without the condition, or under little pressure.
+            // Nodes that would be in tension without the constraint, or under low pressure.
             let pressures = &self.pivot.constant;
             let low = LOW_PRESSURE * largest(pressures.iter().copied());
             active.clear();
@@ -322,7 +318,7 @@ impl LocalSolver {
         self.pivot.solve(&top.response, active)
     }
 
-    /// The cells of the sliver that was solved last, if it was one.
+    /// The cells of the last solution, if it was a narrow contact.
     pub(crate) fn cells(&self) -> Option<&RimSolver> {
         self.cells.as_deref().filter(|_| self.on_cells)
     }
@@ -345,7 +341,7 @@ impl LocalSolver {
         }
     }
 
-    /// Coefficients under another load, of any sign, with the nodes or cells of the last solution held as they are.
+    /// Coefficients at another load, of any sign, with the nodes or cells of the last solution held fixed.
     pub(crate) fn respond_held(
         &mut self,
         top: &PillarTop,
@@ -363,8 +359,8 @@ impl LocalSolver {
         self.coefficients(top, load, coefficients);
     }
 
-    /// How the sliver that was solved last moves with its load: nothing does on nodes. `None` of one that is only just there. Solve again before
-    /// asking for anything else.
+    /// Motion of the narrow contact of the last solution with its load; empty on nodes. `None` if it has only just formed. Solve again
+    /// before other calls.
     pub(crate) fn motions(&mut self, load: &[f64], active: &[bool]) -> Option<Vec<Motion>> {
         match (&mut self.cells, &mut self.rim) {
             (Some(cells), Some(rim)) if self.on_cells => cells.motions(rim, load, active),
@@ -372,8 +368,8 @@ impl LocalSolver {
         }
     }
 
-    /// Derivative of the leading coefficients with respect to the leading load with the active
-    /// nodes held, `Lam^-1 - Lam^-1 V_I' G_II^-1 V_I Lam^-1`, row by row into `derivative`.
+    /// Derivative of the leading coefficients with respect to the leading load with the active nodes held fixed,
+    /// `Lam^-1 - Lam^-1 V_I' G_II^-1 V_I Lam^-1`, row by row into `derivative`.
     pub(crate) fn derivative(&mut self, top: &PillarTop, derivative: &mut [f64]) {
         if self.on_cells
             && let Some(cells) = &mut self.cells
@@ -404,7 +400,7 @@ mod tests {
     use crate::numerics::quadrature::hemisphere;
     use crate::numerics::vector::dot;
 
-    /// Projects a wanted displacement on the modes.
+    /// Projects a required displacement on the modes.
     fn project(degree: usize, wanted: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
         let mut basis = BasisEvaluator::new(degree);
         let mut values = vec![0.0; mode_count(degree)];
@@ -469,8 +465,8 @@ mod tests {
 
     #[test]
     fn half_covered_tilted_punch_converges_and_is_complementary() {
-        // A plane at x = 0 level with the top, rising to both sides: half of the disc is asked
-        // to come down. Reference: the same at degree 32, differences as documented.
+        // A plane at x = 0 level with the top, rising to both sides: the required displacement is positive on half of the disc. Reference:
+        // the same at degree 32, differences as documented.
         let force = |degree| {
             let load = project(2, |[x, _]| x);
             let (coefficients, active, pivoting) = solve(degree, &load);
@@ -495,7 +491,7 @@ mod tests {
 
     #[test]
     fn derivative_is_that_of_the_solution() {
-        // Linear as long as the active nodes stay: a central difference is exact.
+        // Linear as long as the active nodes stay the same: a central difference is exact.
         let top = PillarTop::new(Resolution::of_nodes(12), 2, 0.3);
         let mut solver = LocalSolver::new(&top);
         let mut load = project(2, |[x, y]| 0.4 + x - 0.2 * y - 0.1 * x * x);

@@ -1,4 +1,5 @@
-//! The contact with the tops of pillars of any arrangement, of any radii and heights, beside the numbers of the prototype in the units of the solvers.
+//! Contact with pillar tops in arbitrary arrangements, with arbitrary radii and heights, compared to the numbers of the prototype in solver
+//! units.
 
 use super::{degrees, solve_punch, solve_spectral};
 use crate::halfspace::disc::nodes::Resolution;
@@ -22,25 +23,26 @@ use crate::theory::reference;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// What becomes of a scene under a load, in its units.
+/// Result of a scene under a load, in its units.
 #[derive(Debug, Clone)]
 struct Arranged {
     force: f64,
     indentation: f64,
-    /// Relative errors of these.
+    /// Relative errors of force and indentation.
     error: ErrorEstimate,
     termination: Termination,
     /// Newton steps of all stages.
     steps: usize,
-    /// The lowest point of the floor with its gap; none under a plate.
+    /// The lowest point of the floor with its gap; `None` under a plate.
     lowest: Option<(Point, f64)>,
     /// Distance of the farthest point in contact from the lens axis.
     reach: Reach,
-    /// Those touched, nearest to the lens axis first.
+    /// The touched pillars, sorted by distance from the lens axis.
     pillars: Vec<PillarState>,
 }
 
-/// The contact of the pillar tops where some are touched. A force is the sum over all tops; the floor is looked at and bears nothing.
+/// Solves the contact with the pillar tops if some are touched. A force is the sum over all tops; the floor gap is computed, but the floor
+/// carries no load.
 fn solve(
     scene: &Scene,
     target: Load,
@@ -82,7 +84,7 @@ const RIGID: PillarBody = PillarBody {
     },
 };
 
-/// In units of a length, all given in um.
+/// A scene in units of a length; all arguments in um.
 fn scene(field: PillarField, lens: f64, height: f64, unit: f64) -> Scene {
     Scene {
         layers: Vec::new(),
@@ -104,7 +106,8 @@ fn papers(field: PillarField) -> Scene {
     scene(field, 2200.0, 2.2, RADIUS)
 }
 
-/// Lattice vectors along x and y, of pillars that cover `phi`, the lens axis at `offset` (in these) from one of them.
+/// Lattice vectors along x and y for pillars with a surface fraction `phi`, with the lens axis at `offset` (in these vectors) from one of
+/// them.
 fn rectangular(phi: f64, ratio: f64, offset: f64) -> PlaneLattice {
     let pitch = (PI / phi).sqrt();
     let vectors = [[pitch * ratio.sqrt(), 0.0], [0.0, pitch / ratio.sqrt()]];
@@ -127,7 +130,7 @@ fn solved(scene: &Scene, target: Load, accuracy: Accuracy) -> Arranged {
     state
 }
 
-/// A number of the reference, to less than its own error of 1e-6 and more.
+/// Compares a number to the reference, with a tolerance below the reference's own error of 1e-6.
 #[track_caller]
 fn assert_is(found: f64, expected: f64) {
     let difference = found / expected - 1.0;
@@ -135,8 +138,8 @@ fn assert_is(found: f64, expected: f64) {
     assert!(difference.abs() < 1e-7, "{found} {expected}");
 }
 
-/// As finely as the prototype, whose errors are those of other nodes but not of more modes: these change the force on the rectangular lattice
-/// by 1.4e-6, and more than 24 nodes that on nine pillars under a sphere by 2.5e-6.
+/// Solves with the resolution of the prototype, whose error estimates include other nodes but not more modes: more modes change the force
+/// on the rectangular lattice by 1.4e-6, and more than 24 nodes that on nine pillars under a sphere by 2.5e-6.
 fn as_finely(scene: &Scene, coupling: usize, target: Load) -> Arranged {
     let tops = Resolution::of_nodes(24);
     let degrees = Degrees { coupling, tops };
@@ -166,7 +169,7 @@ fn square_lattice_with_the_axis_on_a_pillar() {
 fn square_lattice_with_the_axis_on_a_hole() {
     let scene = papers(on(rectangular(0.03, 1.0, 0.5)));
     let state = assert_critical(&scene, 429.130970456, 4.77461172008);
-    // Symmetric arrangements have symmetric answers: four pillars around the axis, then eight.
+    // Symmetric arrangements have symmetric solutions: four pillars around the axis, then eight.
     let (point, _) = state.lowest.unwrap();
     assert!(point[0].hypot(point[1]) < 1e-6, "{point:?}");
     for ring in [0..4, 4..12] {
@@ -199,7 +202,7 @@ fn accurate_on_a_rectangular_lattice() {
         change < state.error.force && state.error.force < 1e-5,
         "{change:e}"
     );
-    // Four points of the floor are alike.
+    // Four points of the floor are equivalent.
     let quadrant = |state: &Arranged| state.lowest.unwrap().0.map(f64::abs);
     let (one, other) = (quadrant(&state), quadrant(&finer));
     assert!((one[0] - other[0]).hypot(one[1] - other[1]) < 1e-3);
@@ -207,7 +210,7 @@ fn accurate_on_a_rectangular_lattice() {
 
 #[test]
 fn a_missing_pillar() {
-    // Those far off are not touched.
+    // Distant pillars are not touched.
     let (mut pillars, _) = on(rectangular(0.03, 1.0, 0.0)).listed_within(200.0);
     pillars.retain(|(index, _)| *index != (0, 0));
     let scene = papers(listed(
@@ -218,7 +221,7 @@ fn a_missing_pillar() {
     assert!(point[0].hypot(point[1]) < 1e-3, "{point:?}");
 }
 
-/// Columns: x and y, a radius if there is one, and the height over the common one, um.
+/// Columns: x and y, an optional radius, and the height above the common level, um.
 fn table(text: &str, unit: f64) -> Vec<ListedPillar> {
     let pillar = |line: &str| {
         let numbers: Vec<f64> = line
@@ -241,7 +244,7 @@ fn table(text: &str, unit: f64) -> Vec<ListedPillar> {
     text.lines().skip(1).map(pillar).collect()
 }
 
-/// Heights on a square lattice of phi = 0.03, scattered by 1 and 5 % of the height: inputs of the prototype.
+/// Heights on a square lattice of phi = 0.03 with a scatter of 1 and 5 % of the height: inputs of the prototype.
 const HEIGHTS: [&str; 2] = [
     include_str!("../../../tests/any/heights_0.01.csv"),
     include_str!("../../../tests/any/heights_0.05.csv"),
@@ -308,13 +311,13 @@ fn turned_and_mirrored_copies_agree() {
     let straight = critical(pillars.clone());
     for copy in [moved(&pillars, turn), moved(&pillars, mirror)] {
         let copy = critical(copy);
-        // Where all are touched in full nothing prefers a direction; nodes do.
+        // If all pillars are fully touched no direction is preferred; with nodes there is a preferred direction.
         let claimed = (straight.error.force + copy.error.force).max(1e-9);
         println!("{claimed:e} {} {}", copy.force, straight.force);
         assert!((copy.force / straight.force - 1.0).abs() < claimed);
         assert!((copy.indentation / straight.indentation - 1.0).abs() < claimed);
     }
-    // One lattice in two bases and two directions.
+    // One lattice in two bases and two orientations.
     let [a, b] = [[9.0, 1.0], [2.0, 8.0]];
     let lattice = |vectors: [Point; 2], origin: Point| {
         let scene = papers(on(PlaneLattice::new(vectors, origin, RIGID).unwrap()));
@@ -340,7 +343,7 @@ fn dense_hexagonal_lattices_are_what_they_were() {
     compare_descriptions(&[(0.2, 0.4)]);
 }
 
-/// The paper's lattice as one of its kind, and as any.
+/// Compares the paper's lattice as a hexagonal lattice and as a general one.
 fn compare_descriptions(lattices: &[(f64, f64)]) {
     for &(phi, offset) in lattices {
         let hexagonal = reference::lattice(phi).offset_by(offset);
@@ -395,7 +398,8 @@ fn compare_descriptions(lattices: &[(f64, f64)]) {
     }
 }
 
-/// Pillars that are all higher by as much are met so much earlier, and columns of their own compliance are those of the common one.
+/// Pillars that are all higher by the same amount are touched earlier by that amount, and individual columns with the common compliance are
+/// equivalent to a common column.
 #[test]
 fn heights_and_columns_are_those_of_each() {
     let with = |raised: f64, columns: [f64; 2]| {
@@ -419,8 +423,8 @@ fn heights_and_columns_are_those_of_each() {
     assert!(softer < 0.98 * level);
 }
 
-/// Where pillars act on each other by their force alone, a tilted plate is a level one on pillars whose heights differ by the tilt: the mean of a
-/// plane over a disc, by any weight that is as heavy at opposite places, is that in its middle.
+/// If pillars interact by their total force only, a tilted plate is equivalent to a level one on pillars whose heights differ by the tilt:
+/// the mean of a plane over a disc, with any weight that is symmetric about the centre, is its value at the centre.
 #[test]
 fn a_tilted_plate_is_a_level_one_on_pillars_of_other_heights() {
     let (tilt, direction) = (0.02, 0.6);
@@ -458,7 +462,7 @@ fn a_tilted_plate_is_a_level_one_on_pillars_of_other_heights() {
     }
 }
 
-/// `F = 2 E* a zeta/(1 + kappa)` (Johnson, Contact Mechanics, eq. 3.36), and the column by Hooke.
+/// `F = 2 E* a zeta/(1 + kappa)` (Johnson, Contact Mechanics, eq. 3.36), and the column by Hooke's law.
 #[test]
 fn a_single_flat_punch() {
     let pillar = ListedPillar {
@@ -472,6 +476,6 @@ fn a_single_flat_punch() {
     let scene = scene(listed(vec![pillar]), f64::INFINITY, 2.2, 1.0);
     let state = solved(&scene, Load::Indentation(0.4), Accuracy::Default);
     assert!((state.force / (5.0 * 0.5 / 1.25) - 1.0).abs() < 1e-12);
-    // A lens that stays higher than that touches nothing.
+    // A lens above that height touches nothing.
     assert!((scene.first_touch() + 0.1).abs() < 1e-15);
 }
