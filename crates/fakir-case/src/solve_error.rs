@@ -39,9 +39,7 @@ pub(crate) fn keys_of(unsupported: &Unsupported) -> impl Iterator<Item = Key> {
 /// The keys by which a case has a feature.
 fn keys_with(feature: Feature) -> &'static [Key] {
     match feature {
-        Feature::Paraboloid | Feature::Profile | Feature::Cylinder | Feature::Plate => {
-            &[Key::LensShape]
-        }
+        Feature::Lens(_) => &[Key::LensShape],
         Feature::TiltedPlate => &[Key::LensTilt],
         Feature::OtherArrangement => &[
             Key::Lattice,

@@ -3,9 +3,9 @@
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
-use crate::parts::{Parts, ShapeForm};
+use crate::parts::Parts;
 use crate::solve_error::keys_of;
-use fakir::problem::{Feature, PillarCompliance, Question, Solver, Unsupported};
+use fakir::problem::{Feature, LensForm, PillarCompliance, Question, Solver, Unsupported};
 use std::fmt::Write;
 
 /// A kind of surface that a case can have.
@@ -75,12 +75,9 @@ impl CaseFile {
         let texture = &parts.texture;
         let is_of_layers = |key: &Key| key.is_of_layers();
         let has = |feature: &Feature| match feature {
-            Feature::Paraboloid => parts.shape.form == ShapeForm::Paraboloid,
-            Feature::Profile => parts.shape.form == ShapeForm::Profile,
-            Feature::Cylinder => parts.shape.form == ShapeForm::Cylinder,
-            Feature::Plate => parts.shape.form == ShapeForm::Plate,
+            Feature::Lens(form) => parts.shape.form == *form,
             Feature::TiltedPlate => {
-                parts.shape.form == ShapeForm::Plate && parts.shape.tilt.abs() > 0.0
+                parts.shape.form == LensForm::Plate && parts.shape.tilt.abs() > 0.0
             }
             Feature::Layer => self.entries.keys.keys().any(is_of_layers),
             Feature::ElasticPillars => texture.pillar.compliance == PillarCompliance::Elastic,
@@ -135,10 +132,8 @@ fn asked(question: Question) -> String {
 /// What the table calls a feature.
 fn named(feature: Feature) -> &'static str {
     match feature {
-        Feature::Paraboloid => "paraboloid",
-        Feature::Profile => "lens with a table of heights",
-        Feature::Cylinder => "cylinder",
-        Feature::Plate => "plate",
+        Feature::Lens(LensForm::Profile) => "lens with a table of heights",
+        Feature::Lens(form) => form.name(),
         Feature::TiltedPlate => "tilted plate",
         Feature::OtherArrangement => "other arrangement than the endless hexagonal lattice",
         Feature::SeveralDiameters => "pillars of several diameters",
@@ -159,13 +154,7 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
         Feature::SeveralDiameters,
         Feature::SeveralColumns,
     ];
-    let lenses = [
-        Feature::Paraboloid,
-        Feature::Profile,
-        Feature::Cylinder,
-        Feature::Plate,
-    ];
-    let is_lens = |feature: &&Feature| lenses.contains(feature);
+    let is_lens = |feature: &&Feature| matches!(feature, Feature::Lens(_));
     let is_other_surface = matches!(solver, Solver::Asperities | Solver::HeightMap);
     let of_flat_pillars = is_other_surface && of_pillars.into_iter().any(has);
     // The floor under rounded tops is left out.
@@ -177,7 +166,7 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
 fn whole(features: &[Feature]) -> Vec<Feature> {
     let mut all = features.to_vec();
     for (one, other) in [
-        (Feature::TiltedPlate, Feature::Plate),
+        (Feature::TiltedPlate, Feature::Lens(LensForm::Plate)),
         (Feature::AdhesiveFloor, Feature::AdhesiveTops),
     ] {
         if all.contains(&one) && !all.contains(&other) {

@@ -1,6 +1,7 @@
 //! What is pressed: lenses of several shapes.
 
 use super::lens_profile::LensProfile;
+use super::listed::listed;
 use super::point::{Point, turned};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use crate::numerics::convergence::smaller;
@@ -99,6 +100,35 @@ pub enum LensShape {
     Profile(Arc<LensProfile>),
 }
 
+listed! {
+    /// A [`LensShape`] without its sizes.
+    LensForm {
+        /// A sphere.
+        Sphere = "sphere",
+        /// A paraboloid of revolution.
+        Paraboloid = "paraboloid",
+        /// A cylinder that lies on its side.
+        Cylinder = "cylinder",
+        /// A plate, level or tilted.
+        Plate = "plate",
+        /// A table of heights.
+        Profile = "profile",
+    }
+}
+
+impl LensForm {
+    /// All but the sphere, which is the paper's.
+    pub(super) const OTHERS: [Self; Self::ALL.len() - 1] = {
+        let mut others = [Self::Sphere; Self::ALL.len() - 1];
+        let mut place = 0;
+        while place < others.len() {
+            others[place] = Self::ALL[place + 1];
+            place += 1;
+        }
+        others
+    };
+}
+
 /// Contact radius over lens radius up to which a contact is solved.
 pub(crate) const LARGEST_CONTACT: f64 = 0.5;
 
@@ -144,16 +174,22 @@ impl ShapedLens {
         Self { shape, material }
     }
 
+    /// Its shape without its sizes.
+    #[must_use]
+    pub fn form(&self) -> LensForm {
+        match self.shape {
+            LensShape::Sphere { .. } => LensForm::Sphere,
+            LensShape::Paraboloid { .. } => LensForm::Paraboloid,
+            LensShape::Cylinder { .. } => LensForm::Cylinder,
+            LensShape::Plate { .. } => LensForm::Plate,
+            LensShape::Profile(_) => LensForm::Profile,
+        }
+    }
+
     /// `"sphere"`, `"paraboloid"`, `"cylinder"`, `"plate"` or `"profile"`.
     #[must_use]
     pub fn shape_name(&self) -> &'static str {
-        match self.shape {
-            LensShape::Sphere { .. } => "sphere",
-            LensShape::Paraboloid { .. } => "paraboloid",
-            LensShape::Cylinder { .. } => "cylinder",
-            LensShape::Plate { .. } => "plate",
-            LensShape::Profile(_) => "profile",
-        }
+        self.form().name()
     }
 
     /// The lens, if it is a sphere.
@@ -248,6 +284,25 @@ impl ShapedLens {
             self.shape,
             LensShape::Cylinder { .. } | LensShape::Plate { .. }
         )
+    }
+
+    /// The table of heights, if it has one.
+    #[must_use]
+    pub fn profile(&self) -> Option<&Arc<LensProfile>> {
+        match &self.shape {
+            LensShape::Profile(profile) => Some(profile),
+            _ => None,
+        }
+    }
+
+    /// Whether its curvature differs by far between places, so that no number describes it everywhere.
+    pub(crate) fn bends_unevenly(&self) -> bool {
+        self.profile().is_some()
+    }
+
+    /// Whether it is a tilted plate.
+    pub(crate) fn is_tilted(&self) -> bool {
+        matches!(self.shape, LensShape::Plate { tilt, .. } if tilt.abs() > 0.0)
     }
 
     /// Whether it is a plate.
