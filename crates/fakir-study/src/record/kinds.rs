@@ -1,53 +1,25 @@
-//! The tables of all kinds of answers.
+//! The rows of all kinds of answers.
 
 use super::asperities::AsperityAnswer;
 use super::loading::LoadingState;
 use super::named::{Entry, Kind, Recorded};
 use super::surface::SurfaceAnswer;
+use fakir_case::study::Asked;
+use fakir_case::{Study, SurfaceKind};
 use std::sync::LazyLock;
 
 impl Kind {
-    /// All of them.
-    pub const ALL: [Self; 9] = [
-        Self::Press,
-        Self::Transition,
-        Self::SurfacePress,
-        Self::SurfaceTransition,
-        Self::AsperityPress,
-        Self::Cycle,
-        Self::Loading,
-        Self::SurfaceLoading,
-        Self::AsperityLoading,
-    ];
-
-    /// Its name in journals and in the schema.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Press => "press",
-            Self::Transition => "transition",
-            Self::SurfacePress => "surface_press",
-            Self::SurfaceTransition => "surface_transition",
-            Self::AsperityPress => "asperity_press",
-            Self::Cycle => "cycle",
-            Self::Loading => "loading",
-            Self::SurfaceLoading => "surface_loading",
-            Self::AsperityLoading => "asperity_loading",
-        }
-    }
-
-    /// What the reference calls it.
-    pub(super) fn heading(self) -> &'static str {
-        match self {
-            Self::Press => "A contact",
-            Self::Transition => "A critical state",
-            Self::SurfacePress => "A contact with a height map",
-            Self::SurfaceTransition => "A critical state with a height map",
-            Self::AsperityPress => "A contact with rounded tops",
-            Self::Cycle => "A cycle",
-            Self::Loading => "A state of a loading",
-            Self::SurfaceLoading => "A state of a loading of a height map",
-            Self::AsperityLoading => "A state of a loading of rounded tops",
+    /// Which numbers a study asks for; none of a collapse.
+    pub(crate) fn of(study: &Study) -> Option<Self> {
+        use SurfaceKind::{Asperities, HeightMap, Pillars};
+        match (study.asked(), study.surface_kind()) {
+            (Asked::Transition, Pillars | Asperities) => Some(Self::Transition),
+            (Asked::Transition, HeightMap) => Some(Self::SurfaceTransition),
+            (Asked::Press, Asperities) => Some(Self::AsperityPress),
+            (Asked::Press, Pillars) => Some(Self::Press),
+            (Asked::Press, HeightMap) => Some(Self::SurfacePress),
+            (Asked::Cycle, _) => Some(Self::Cycle),
+            (Asked::Collapse, _) => None,
         }
     }
 
@@ -66,7 +38,7 @@ impl Kind {
         fn of<T: Recorded>() -> Vec<Entry> {
             T::rows().iter().map(|row| row.entry).collect()
         }
-        static ALL: LazyLock<[Vec<Entry>; 9]> = LazyLock::new(|| {
+        static ALL: LazyLock<[Vec<Entry>; Kind::ALL.len()]> = LazyLock::new(|| {
             Kind::ALL.map(|kind| match kind {
                 Kind::Press => of::<fakir::state::ContactState>(),
                 Kind::Transition => of::<fakir::state::CriticalState>(),
