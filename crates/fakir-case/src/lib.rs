@@ -87,6 +87,7 @@ mod case;
 mod columns;
 mod entries;
 mod error;
+mod feature;
 mod file;
 pub mod height_map;
 mod height_table;

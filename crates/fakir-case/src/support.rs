@@ -1,11 +1,10 @@
 //! What a case can be asked, in the words of case files: the table of [`fakir::problem::Question`] with the keys that are in the way.
 
 use crate::error::CaseError;
+use crate::feature::{keys_of, named};
 use crate::file::CaseFile;
 use crate::key::Key;
-use crate::parts::Parts;
-use crate::solve_error::keys_of;
-use fakir::problem::{Feature, LensForm, PillarCompliance, Question, Solver, Unsupported};
+use fakir::problem::{Feature, LensForm, Question, Solver, Unsupported};
 use std::fmt::Write;
 
 /// A kind of surface that a case can have.
@@ -69,31 +68,6 @@ impl CaseFile {
             None => self.refuse_surface(&why, instead),
         }
     }
-
-    /// What a case has that not every solver knows, by its keys.
-    pub(crate) fn features(&self, parts: &Parts) -> Vec<Feature> {
-        let texture = &parts.texture;
-        let is_of_layers = |key: &Key| key.is_of_layers();
-        let has = |feature: &Feature| match feature {
-            Feature::Lens(form) => parts.shape.form == *form,
-            Feature::TiltedPlate => {
-                parts.shape.form == LensForm::Plate && parts.shape.tilt.abs() > 0.0
-            }
-            Feature::Layer => self.entries.keys.keys().any(is_of_layers),
-            Feature::ElasticPillars => texture.pillar.compliance == PillarCompliance::Elastic,
-            Feature::AdhesiveTops => {
-                texture.adhesion.work.abs() > 0.0
-                    || self.entry(Key::RecedingWorkOfAdhesion).is_some()
-            }
-            Feature::AdhesiveFloor => texture.adhesion.floor.0,
-            // These are looked at in a system, or have a meaning of their own on other surfaces.
-            Feature::OtherArrangement
-            | Feature::SeveralDiameters
-            | Feature::SeveralColumns
-            | Feature::IgnoredFloor => false,
-        };
-        Feature::ALL.into_iter().filter(has).collect()
-    }
 }
 
 /// What the table calls a solver.
@@ -126,23 +100,6 @@ fn asked(question: Question) -> String {
         Question::FloorShare | Question::VerifyFloor => question.name().to_owned(),
         Question::Spread => "`design` with tolerances".to_owned(),
         command => format!("`{}`", command.name()),
-    }
-}
-
-/// What the table calls a feature.
-fn named(feature: Feature) -> &'static str {
-    match feature {
-        Feature::Lens(LensForm::Profile) => "lens with a table of heights",
-        Feature::Lens(form) => form.name(),
-        Feature::TiltedPlate => "tilted plate",
-        Feature::OtherArrangement => "other arrangement than the endless hexagonal lattice",
-        Feature::SeveralDiameters => "pillars of several diameters",
-        Feature::SeveralColumns => "columns of several heights",
-        Feature::Layer => "lens or substrate of finite thickness",
-        Feature::ElasticPillars => "elastic pillars",
-        Feature::IgnoredFloor => "floor ignored",
-        Feature::AdhesiveTops => "adhesive tops",
-        Feature::AdhesiveFloor => "adhesive floor",
     }
 }
 
