@@ -140,7 +140,7 @@ class PressNumbers(Contact):
     method: Number[str]
     '`spectral`, `love`, `punch` or `homogenised`.'
     lens_shape: Number[str]
-    '`sphere`, `paraboloid`, `cylinder`, `plate` or `profile`.'
+    'Shape of the lens, as `lens.shape` in case files.'
     contact_radius: Number[float]
     'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
     top_contact_radius: Number[float]
@@ -162,7 +162,7 @@ class TransitionNumbers(Critical):
     method: Number[str]
     '`spectral`, `love`, `punch` or `homogenised`.'
     lens_shape: Number[str]
-    '`sphere`, `paraboloid`, `cylinder`, `plate` or `profile`.'
+    'Shape of the lens, as `lens.shape` in case files.'
     surface_fraction: Number[float]
     'Surface fraction of the pillar tops, φ.'
     pitch: Number[float]

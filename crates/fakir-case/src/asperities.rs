@@ -4,12 +4,12 @@ use crate::case::{Spacing, write_toml};
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
-use crate::parts::{MethodName, Parts, ShapeForm};
+use crate::parts::{MethodName, Parts};
 use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
-    Accuracy, Asperity, AsperityArray, Indenter, InvalidCaps, Material, PillarCompliance, Point,
-    Question, Solver,
+    Accuracy, Asperity, AsperityArray, Indenter, InvalidCaps, LensForm, Material, PillarCompliance,
+    Point, Question, Solver,
 };
 use std::f64::consts::PI;
 
@@ -59,7 +59,7 @@ impl AsperityCase {
         match field.indenter() {
             Indenter::Lens(lens) => parts.lens = *lens,
             Indenter::Flat(material) => {
-                parts.shape.form = ShapeForm::Plate;
+                parts.shape.form = LensForm::Plate;
                 parts.lens.material = material.unwrap_or(RIGID);
             }
         }
@@ -88,7 +88,7 @@ impl AsperityCase {
             keys.push(Key::PillarCompliance);
         }
         keys.push(match parts.shape.form {
-            ShapeForm::Plate => Key::LensShape,
+            LensForm::Plate => Key::LensShape,
             _ => Key::LensRadius,
         });
         let settings = keys.into_iter();
@@ -245,7 +245,7 @@ impl CaseFile {
             ),
         };
         let indenter = match parts.shape.form {
-            ShapeForm::Plate => Indenter::Flat(Some(parts.lens.material)),
+            LensForm::Plate => Indenter::Flat(Some(parts.lens.material)),
             _ => Indenter::Lens(parts.lens),
         };
         let field = |pillars: &[[f64; 4]], common: f64| {

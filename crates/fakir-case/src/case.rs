@@ -1,11 +1,10 @@
 //! A system with its method, and its canonical text.
 
 use crate::key::{Key, Setting};
-use crate::parts::{ArrangementName, BaseForm, OfTexture, Parts, ShapeForm};
+use crate::parts::{ArrangementName, OfTexture, Parts};
 use crate::table::Range;
 use fakir::problem::{
-    Adhesion, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, Point, System,
-    Texture,
+    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, Point, System, Texture,
 };
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -112,24 +111,7 @@ impl Case {
             Spacing::SurfaceFraction(_) => Key::Pitch,
         };
         let mut parts = self.parts();
-        let adhesion = self.system.adhesion();
-        let does_without = match key {
-            Key::WorkOfAdhesion => adhesion == Adhesion::NONE,
-            Key::RecedingWorkOfAdhesion => adhesion.work_receding.is_none(),
-            Key::FloorSticks => !adhesion.floor,
-            Key::Columns => parts.texture.arrangement.columns.is_nan(),
-            Key::Pillars => parts.texture.pillars.is_empty(),
-            Key::LensShape => parts.shape.form == ShapeForm::Sphere,
-            Key::LensProfile => parts.shape.profile.is_empty(),
-            Key::LensThickness => parts.lens_layer.thickness.is_nan(),
-            Key::LensBase => parts.lens_layer.base == BaseForm::Rigid,
-            Key::SubstrateThickness => parts.substrate_layer.thickness.is_nan(),
-            Key::SubstrateBase => parts.substrate_layer.base == BaseForm::Rigid,
-            // Flat tops have no radius.
-            Key::TopRadius => true,
-            _ if key.is_of_scatter() => parts.texture.arrangement.is_plain(),
-            _ => key == not_given,
-        };
+        let does_without = key == not_given || (key.row().unwritten)(&parts);
         let is_absent = does_without || key.is_of_surface() || key.idle_with(&mut parts).is_some();
         (!is_absent).then(|| key.get(&mut parts))
     }
@@ -144,7 +126,7 @@ impl Case {
         if let Spacing::SurfaceFraction(fraction) = self.spacing {
             parts.texture.arrangement.surface_fraction = fraction;
         }
-        if parts.shape.form == ShapeForm::Profile {
+        if self.system.lens().profile().is_some() {
             parts.shape.profile = text(&self.profile);
         }
         if let (OfTexture(ArrangementName::Listed), Some(origin)) =

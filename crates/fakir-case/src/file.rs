@@ -9,14 +9,14 @@ use crate::entries::{
 use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting, is_table};
-use crate::parts::{ArrangementName, OfTexture, Parts, ShapeForm, TRUE_OR_FALSE, TextureParts};
+use crate::parts::{ArrangementName, OfTexture, Parts, TRUE_OR_FALSE, TextureParts};
 use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
 use crate::table::{Field, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
-    Adhesion, Arrangement, Feature, FloorModel, InvalidQuantity, LensProfile, LensShape, Method,
-    PillarList, Quantity, Question, Requirement, ShapedLens, System, Texture,
+    Adhesion, Arrangement, Feature, FloorModel, InvalidQuantity, LensForm, LensProfile, LensShape,
+    Method, PillarList, Quantity, Question, Requirement, Texture,
 };
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ impl Case {
     /// Only if the case contains values that no file can have.
     pub fn to_file(&self, name: &str) -> Result<CaseFile, CaseError> {
         let mut file = CaseFile::parse(name, &self.to_toml())?;
-        if let (LensShape::Profile(profile), None) = (&self.system.lens().shape, &self.profile) {
+        if let (Some(profile), None) = (self.system.lens().profile(), &self.profile) {
             file.profile = Some(Arc::clone(profile));
         }
         let from_file = self.pillars.as_ref().is_some_and(|it| it.path.is_some());
@@ -289,26 +289,17 @@ impl CaseFile {
         };
         let texture = Texture::new(pillar, arrangement);
         let (shape, profile) = self.lens_shape(&parts)?;
-        let lens = ShapedLens::new(shape, parts.lens.material);
-        let system = System::new(lens, parts.substrate, texture)
-            .map_err(|invalid| self.impossible(&invalid))?
-            .with_floor(parts.texture.floor);
+        let (method, adhesion) = (parts.method.method(), self.adhesion(&parts));
+        self.check_adhesion(adhesion, method)?;
+        self.check_floor_that_sticks(adhesion, parts.texture.floor)?;
+        self.check_bases(&parts)?;
+        let system = parts
+            .system(shape, texture, adhesion)
+            .map_err(|invalid| self.impossible(&invalid))?;
         let spacing = match spacing {
             Spacing::Pitch(_) => Spacing::Pitch(system.pitch()),
             fraction => fraction,
         };
-        let method = parts.method.method();
-        let adhesion = self.adhesion(&parts);
-        let system = system
-            .with_adhesion(adhesion)
-            .map_err(|invalid| self.impossible(&invalid))?;
-        self.check_adhesion(adhesion, method)?;
-        self.check_floor_that_sticks(adhesion, parts.texture.floor)?;
-        self.check_bases(&parts)?;
-        let [substrate, lens] = [&parts.substrate_layer, &parts.lens_layer];
-        let system = system
-            .with_layers(substrate.layer(), lens.layer())
-            .map_err(|invalid| self.impossible(&invalid))?;
         Ok(Case {
             system,
             method,
@@ -544,7 +535,7 @@ impl CaseFile {
         }
         // A table of heights determines the shape of the lens.
         if self.entry(Key::LensProfile).is_some() && self.entry(Key::LensShape).is_none() {
-            parts.shape.form = ShapeForm::Profile;
+            parts.shape.form = LensForm::Profile;
         }
         // A table of pillars determines the arrangement.
         if self.entry(Key::Pillars).is_some() && self.entry(Key::Lattice).is_none() {

@@ -129,17 +129,6 @@ impl Key {
         self.part() == Part::Bodies
     }
 
-    /// Whether it rotates a lattice, or makes its pillars different.
-    pub(crate) fn is_of_scatter(self) -> bool {
-        matches!(
-            self,
-            Self::Rotation
-                | Self::HeightStandardDeviation
-                | Self::TextureMissing
-                | Self::TextureSeed
-        )
-    }
-
     /// Whether a table of pillars may contain it for every pillar, so that it is not required.
     pub(crate) fn is_of_listed_pillars(self) -> bool {
         matches!(self, Self::PillarHeight | Self::PillarDiameter)

@@ -87,6 +87,7 @@ mod case;
 mod columns;
 mod entries;
 mod error;
+mod feature;
 mod file;
 mod flat;
 pub mod height_map;

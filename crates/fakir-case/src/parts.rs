@@ -3,9 +3,10 @@
 //! The key table assigns a field to each key.
 
 use fakir::problem::{
-    Accuracy, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel, HexagonalLattice,
-    LatticeForm, Layer, Lens, LensShape, Material, MeshLayout, Method, Pillar, PillarCompliance,
-    PlaneLattice, Point, PunchForm, Scatter, ShapedLens, System,
+    Accuracy, Adhesion, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel,
+    HexagonalLattice, InvalidQuantity, LatticeForm, Layer, Lens, LensForm, LensShape, Material,
+    MeshLayout, Method, Pillar, PillarCompliance, PlaneLattice, Point, PunchForm, Scatter,
+    ShapedLens, System, Texture,
 };
 
 /// Values of all keys. Required values are NaN until they are set; all others have their defaults.
@@ -26,7 +27,7 @@ pub(crate) struct Parts {
 /// Parameters of a lens shape other than the radius.
 #[derive(Debug, Clone)]
 pub(crate) struct ShapeParts {
-    pub(crate) form: ShapeForm,
+    pub(crate) form: LensForm,
     pub(crate) angle: f64,
     pub(crate) tilt: f64,
     pub(crate) tilt_direction: f64,
@@ -76,10 +77,19 @@ pub(crate) struct TextureParts {
 pub(crate) struct AdhesionParts {
     pub(crate) work: f64,
     pub(crate) work_receding: f64,
-    pub(crate) floor: Flag,
+    /// Whether the receding work is given.
+    pub(crate) recedes: bool,
+    pub(crate) floor: FloorSticks,
 }
 
-/// A key that is true or false.
+impl AdhesionParts {
+    /// Whether nothing of adhesion is given.
+    pub(crate) fn is_none(&self) -> bool {
+        self.work == 0.0 && !self.recedes && !self.floor.0
+    }
+}
+
+/// Whether the floor is adhesive too.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Flag(pub(crate) bool);
 
@@ -154,7 +164,7 @@ impl Default for Parts {
                 material,
             },
             shape: ShapeParts {
-                form: ShapeForm::Sphere,
+                form: LensForm::Sphere,
                 angle: 0.0,
                 tilt: 0.0,
                 tilt_direction: 0.0,
@@ -178,7 +188,8 @@ impl Default for Parts {
                 adhesion: AdhesionParts {
                     work: 0.0,
                     work_receding: NOT_GIVEN,
-                    floor: Flag::default(),
+                    recedes: false,
+                    floor: FloorSticks::default(),
                 },
             },
             method: MethodParts {
@@ -230,10 +241,10 @@ impl Parts {
             substrate: *system.substrate(),
             ..Self::default()
         };
-        let ShapedLens { shape, material } = system.lens();
-        parts.lens.material = *material;
-        parts.lens.radius = system.lens().radius().unwrap_or(NOT_GIVEN);
-        parts.shape.set(shape);
+        let lens = system.lens();
+        parts.lens.material = lens.material;
+        parts.lens.radius = lens.radius().unwrap_or(NOT_GIVEN);
+        parts.shape.set(lens);
         parts.lens_layer.set(system.lens_layer());
         parts.substrate_layer.set(system.substrate_layer());
         parts.texture.set_arrangement(system.arrangement());
@@ -243,7 +254,8 @@ impl Parts {
         parts.texture.adhesion = AdhesionParts {
             work: adhesion.work,
             work_receding: adhesion.receding(),
-            floor: Flag(adhesion.floor),
+            recedes: adhesion.work_receding.is_some(),
+            floor: FloorSticks(adhesion.floor),
         };
         parts.texture.arrangement.surface_fraction = system.texture().surface_fraction();
         let values = &mut parts.method;
@@ -269,40 +281,49 @@ impl Parts {
     }
 }
 
+impl Parts {
+    /// The system of these values, with what files add to them: the shape of the lens and the pattern of the pillars.
+    pub(crate) fn system(
+        &self,
+        shape: LensShape,
+        texture: Texture,
+        adhesion: Adhesion,
+    ) -> Result<System, InvalidQuantity> {
+        let lens = ShapedLens::new(shape, self.lens.material);
+        System::new(lens, self.substrate, texture)?
+            .with_floor(self.texture.floor)
+            .with_adhesion(adhesion)?
+            .with_layers(self.substrate_layer.layer(), self.lens_layer.layer())
+    }
+}
+
 impl ShapeParts {
-    fn set(&mut self, shape: &LensShape) {
-        self.form = match shape {
-            LensShape::Sphere { .. } => ShapeForm::Sphere,
-            LensShape::Paraboloid { .. } => ShapeForm::Paraboloid,
-            LensShape::Cylinder { angle, .. } => {
-                self.angle = *angle;
-                ShapeForm::Cylinder
-            }
+    fn set(&mut self, lens: &ShapedLens) {
+        self.form = lens.form();
+        match lens.shape {
+            LensShape::Cylinder { angle, .. } => self.angle = angle,
             LensShape::Plate { tilt, direction } => {
-                self.tilt = *tilt;
-                self.tilt_direction = *direction;
-                ShapeForm::Plate
+                self.tilt = tilt;
+                self.tilt_direction = direction;
             }
-            LensShape::Profile(_) => ShapeForm::Profile,
-            other => unreachable!("case files have no lens of shape {other:?}"),
-        };
+            _ => {}
+        }
     }
 
     /// Lens shape with the given radius; `None` for a table of heights.
     pub(crate) fn shape(&self, radius: f64) -> Option<LensShape> {
         Some(match self.form {
-            ShapeForm::Sphere => LensShape::Sphere { radius },
-            ShapeForm::Paraboloid => LensShape::Paraboloid { radius },
-            ShapeForm::Cylinder => LensShape::Cylinder {
+            LensForm::Sphere => LensShape::Sphere { radius },
+            LensForm::Paraboloid => LensShape::Paraboloid { radius },
+            LensForm::Cylinder => LensShape::Cylinder {
                 radius,
                 angle: self.angle,
             },
-            ShapeForm::Plate => LensShape::Plate {
+            LensForm::Plate => LensShape::Plate {
                 tilt: self.tilt,
                 direction: self.tilt_direction,
             },
-            // No lens on pillars is a punch: it is refused before.
-            ShapeForm::Profile | ShapeForm::Punch => return None,
+            LensForm::Profile => return None,
         })
     }
 }
@@ -511,25 +532,16 @@ impl<T: Words> Choice for T {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum ShapeForm {
-    Sphere,
-    Paraboloid,
-    Cylinder,
-    Plate,
-    Profile,
-    Punch,
-}
-
-impl Words for ShapeForm {
-    const WORDS: &'static [(&'static str, Self)] = &[
-        ("sphere", Self::Sphere),
-        ("paraboloid", Self::Paraboloid),
-        ("cylinder", Self::Cylinder),
-        ("plate", Self::Plate),
-        ("profile", Self::Profile),
-        ("punch", Self::Punch),
-    ];
+impl Words for LensForm {
+    const WORDS: &'static [(&'static str, Self)] = &{
+        let mut words = [("", Self::Sphere); Self::ALL.len()];
+        let mut place = 0;
+        while place < words.len() {
+            words[place] = (Self::ALL[place].name(), Self::ALL[place]);
+            place += 1;
+        }
+        words
+    };
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

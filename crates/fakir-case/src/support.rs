@@ -1,11 +1,10 @@
 //! What a case can be asked, in the words of case files: the table of [`fakir::problem::Question`] with the keys that are in the way.
 
 use crate::error::CaseError;
+use crate::feature::{keys_of, named};
 use crate::file::CaseFile;
 use crate::key::Key;
-use crate::parts::{Parts, ShapeForm};
-use crate::solve_error::keys_of;
-use fakir::problem::{Feature, PillarCompliance, Question, Solver, Unsupported};
+use fakir::problem::{Feature, LensForm, Question, Solver, Unsupported};
 use std::fmt::Write;
 
 /// A kind of surface that a case can have.
@@ -73,35 +72,6 @@ impl CaseFile {
             None => self.refuse_surface(&why, instead),
         }
     }
-
-    /// What a case has that not every solver knows, by its keys.
-    pub(crate) fn features(&self, parts: &Parts) -> Vec<Feature> {
-        let texture = &parts.texture;
-        let is_of_layers = |key: &Key| key.is_of_layers();
-        let has = |feature: &Feature| match feature {
-            Feature::Paraboloid => parts.shape.form == ShapeForm::Paraboloid,
-            Feature::Profile => parts.shape.form == ShapeForm::Profile,
-            Feature::Punch => parts.shape.form == ShapeForm::Punch,
-            Feature::Cylinder => parts.shape.form == ShapeForm::Cylinder,
-            Feature::Plate => parts.shape.form == ShapeForm::Plate,
-            Feature::TiltedPlate => {
-                parts.shape.form == ShapeForm::Plate && parts.shape.tilt.abs() > 0.0
-            }
-            Feature::Layer => self.entries.keys.keys().any(is_of_layers),
-            Feature::ElasticPillars => texture.pillar.compliance == PillarCompliance::Elastic,
-            Feature::AdhesiveTops => {
-                texture.adhesion.work.abs() > 0.0
-                    || self.entry(Key::RecedingWorkOfAdhesion).is_some()
-            }
-            Feature::AdhesiveFloor => texture.adhesion.floor.0,
-            // These are looked at in a system, or have a meaning of their own on other surfaces.
-            Feature::OtherArrangement
-            | Feature::SeveralDiameters
-            | Feature::SeveralColumns
-            | Feature::IgnoredFloor => false,
-        };
-        Feature::ALL.into_iter().filter(has).collect()
-    }
 }
 
 /// What the table calls a solver.
@@ -138,26 +108,6 @@ fn asked(question: Question) -> String {
     }
 }
 
-/// What the table calls a feature.
-fn named(feature: Feature) -> &'static str {
-    match feature {
-        Feature::Paraboloid => "paraboloid",
-        Feature::Profile => "lens with a table of heights",
-        Feature::Punch => "flat punch",
-        Feature::Cylinder => "cylinder",
-        Feature::Plate => "plate",
-        Feature::TiltedPlate => "tilted plate",
-        Feature::OtherArrangement => "other arrangement than the endless hexagonal lattice",
-        Feature::SeveralDiameters => "pillars of several diameters",
-        Feature::SeveralColumns => "columns of several heights",
-        Feature::Layer => "lens or substrate of finite thickness",
-        Feature::ElasticPillars => "elastic pillars",
-        Feature::IgnoredFloor => "floor ignored",
-        Feature::AdhesiveTops => "adhesive tops",
-        Feature::AdhesiveFloor => "adhesive floor",
-    }
-}
-
 /// Whether a surface that this solver is for can have these features at all, together.
 fn can_have(solver: Solver, features: &[Feature]) -> bool {
     let has = |feature| features.contains(&feature);
@@ -169,20 +119,9 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
         Feature::AdhesiveFloor,
         Feature::IgnoredFloor,
     ];
-    let lenses = [
-        Feature::Paraboloid,
-        Feature::Profile,
-        Feature::Punch,
-        Feature::Cylinder,
-        Feature::Plate,
-    ];
-    let is_lens = |feature: &&Feature| lenses.contains(feature);
-    let missing = match solver {
-        Solver::Asperities | Solver::HeightMap => &of_pillars[..3],
-        Solver::Flat => &of_pillars[..],
-        _ => &[],
-    };
-    let of_flat_pillars = missing.iter().copied().any(has);
+    let is_lens = |feature: &&Feature| matches!(feature, Feature::Lens(_));
+    let is_other_surface = matches!(solver, Solver::Asperities | Solver::HeightMap);
+    let of_flat_pillars = is_other_surface && of_pillars.into_iter().any(has);
     // The floor under rounded tops is left out.
     let ignored = solver == Solver::Asperities && has(Feature::IgnoredFloor);
     features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !ignored
@@ -192,7 +131,7 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
 fn whole(features: &[Feature]) -> Vec<Feature> {
     let mut all = features.to_vec();
     for (one, other) in [
-        (Feature::TiltedPlate, Feature::Plate),
+        (Feature::TiltedPlate, Feature::Lens(LensForm::Plate)),
         (Feature::AdhesiveFloor, Feature::AdhesiveTops),
     ] {
         if all.contains(&one) && !all.contains(&other) {

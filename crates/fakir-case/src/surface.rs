@@ -14,8 +14,8 @@ use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::pattern::{CrossSection, InvalidPattern, Pattern, PillarShape, Top};
 use fakir::problem::{
-    Arrangement, Boundary, Feature, Floor, Grid, HeightMap, Indenter, LatticeForm, Point, Question,
-    RandomPlaces, Solver, SurfaceSystem, Unsupported,
+    Arrangement, Boundary, Feature, Floor, Grid, HeightMap, Indenter, LatticeForm, LensForm, Point,
+    Question, RandomPlaces, Solver, SurfaceSystem, Unsupported,
 };
 use std::path::{Path, PathBuf};
 
@@ -234,7 +234,7 @@ impl CaseFile {
         };
         let feature = match key.table() {
             "adhesion" => Feature::AdhesiveTops,
-            "lens" => Feature::Profile,
+            "lens" => Feature::Lens(LensForm::Profile),
             table => {
                 return Err(self
                     .problem(key, format!("[{table}] belongs to a [texture]"))
@@ -247,7 +247,7 @@ impl CaseFile {
             return Ok(());
         };
         let accepted = match feature {
-            Feature::Profile => format!(
+            Feature::Lens(_) => format!(
                 "leave it out; {} = \"plate\" is a level plate",
                 Key::Indenter
             ),

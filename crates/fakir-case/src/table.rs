@@ -3,10 +3,10 @@
 //! It controls reading and writing of files, overrides, requests and error messages, and the
 //! [reference](crate::reference) is generated from it. To add a key, add a row.
 
-use crate::parts::{Choice, Parts};
+use crate::parts::{BaseForm, Choice, Parts};
 use crate::unit::{Dimension, format_quantity};
 use fakir::problem::pattern::{PatternQuantity, PatternQuantity as Q};
-use fakir::problem::{LARGEST_TILT, MAXIMUM_SURFACE_FRACTION, Quantity, Requirement};
+use fakir::problem::{LARGEST_TILT, LensForm, MAXIMUM_SURFACE_FRACTION, Quantity, Requirement};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use std::fmt;
 use std::ops::Bound::{self, Excluded, Included, Unbounded};
@@ -91,8 +91,9 @@ keys! {
     }
     Shape {
         LensShape = "lens.shape" is
-            word("shape of the lens; under a cylinder or a plate there are finitely many pillars, under a punch none", |p| &mut p.shape.form)
-                .optional();
+            word("shape of the lens; under a cylinder or a plate there are finitely many pillars", |p| &mut p.shape.form)
+                .optional()
+                .unwritten(|p| p.shape.form == LensForm::Sphere);
         LensAngle = "lens.angle" is
             angle("direction of the lowest line of a cylinder, relative to x", |p| &mut p.shape.angle)
                 .optional().with(Key::LensShape, &["cylinder"]).of(Quantity::LensAngle);
@@ -105,16 +106,19 @@ keys! {
                 .optional().with(Key::LensShape, &["plate"]).of(Quantity::LensTiltDirection);
         LensProfile = "lens.profile" is
             text("table of the heights of a lens: columns radius_m, height_m", |p| &mut p.shape.profile)
-                .with(Key::LensShape, &["profile"]);
+                .with(Key::LensShape, &["profile"])
+                .unwritten(|p| p.shape.profile.is_empty());
     }
     Bodies {
         LensThickness = "lens.thickness" is
             length("thickness of a flat layer; indentations are then the approach of the backs", |p| &mut p.lens_layer.thickness)
                 .label("thickness of the lens").symbol("t").usual(1e-5, 1e-2)
-                .positive().otherwise("it is a half-space").of(Quantity::LensThickness);
+                .positive().otherwise("it is a half-space").of(Quantity::LensThickness)
+                .unwritten(|p| p.lens_layer.thickness.is_nan());
         LensBase = "lens.base" is
-            word("base: bonded to a rigid or elastic base, or frictionless on a rigid base", |p| &mut p.lens_layer.base)
-                .label("base of the lens").optional();
+            word("what its back is bonded to: rigid or elastic; or frictionless: it lies on something rigid", |p| &mut p.lens_layer.base)
+                .label("base of the lens").optional()
+                .unwritten(|p| p.lens_layer.base == BaseForm::Rigid);
         LensBaseYoungModulus = "lens.base_young_modulus" is
             pressure("Young's modulus of an elastic base", |p| &mut p.lens_layer.material.young_modulus)
                 .label("Young's modulus of the base").positive().with(Key::LensBase, &["elastic"]).of(Quantity::LensBaseYoungModulus);
@@ -132,10 +136,12 @@ keys! {
         SubstrateThickness = "substrate.thickness" is
             length("thickness of a film; indentations are then the approach of the backs", |p| &mut p.substrate_layer.thickness)
                 .label("thickness of the substrate").symbol("t").usual(1e-5, 1e-2)
-                .positive().otherwise("it is a half-space").of(Quantity::SubstrateThickness);
+                .positive().otherwise("it is a half-space").of(Quantity::SubstrateThickness)
+                .unwritten(|p| p.substrate_layer.thickness.is_nan());
         SubstrateBase = "substrate.base" is
-            word("base: bonded to a rigid or elastic base, or frictionless on a rigid base", |p| &mut p.substrate_layer.base)
-                .label("base of the substrate").optional();
+            word("what its back is bonded to: rigid or elastic; or frictionless: it lies on something rigid", |p| &mut p.substrate_layer.base)
+                .label("base of the substrate").optional()
+                .unwritten(|p| p.substrate_layer.base == BaseForm::Rigid);
         SubstrateBaseYoungModulus = "substrate.base_young_modulus" is
             pressure("Young's modulus of an elastic base", |p| &mut p.substrate_layer.material.young_modulus)
                 .label("Young's modulus of the base").positive().with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBaseYoungModulus);
@@ -148,8 +154,9 @@ keys! {
             word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.name)
                 .optional();
         Pillars = "texture.pillars" is
-            text("table of pillars: columns x_m, y_m, and if they vary height_m, diameter_m", |p| &mut p.texture.pillars)
-                .with(Key::Lattice, &["listed"]);
+            text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m", |p| &mut p.texture.pillars)
+                .with(Key::Lattice, &["listed"])
+                .unwritten(|p| p.texture.pillars.is_empty());
         AxisX = "texture.axis_x" is
             length("position of the lens axis among listed pillars, along x", |p| &mut p.texture.axis[0])
                 .optional().with(Key::Lattice, &["listed"]);
@@ -183,25 +190,31 @@ keys! {
         Rotation = "texture.rotation" is
             angle("rotation of the lattice about the lens axis, anticlockwise", |p| &mut p.texture.arrangement.rotation)
                 .usual(0.0, FRAC_PI_2)
-                .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Rotation);
+                .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Rotation)
+                .unwritten(|p| p.texture.arrangement.is_plain());
         Columns = "texture.columns" is
-            number("number of pillars along each side of a finite lattice", |p| &mut p.texture.arrangement.columns)
-                .range(Range::Whole(1, 10_000)).otherwise("the lattice is infinite").with(Key::Lattice, PLANE_LATTICES);
+            number("pillars along each side of a finite lattice", |p| &mut p.texture.arrangement.columns)
+                .range(Range::Whole(1, 10_000)).otherwise("the lattice has no end").with(Key::Lattice, PLANE_LATTICES)
+                .unwritten(|p| p.texture.arrangement.columns.is_nan());
         HeightStandardDeviation = "texture.height_standard_deviation" is
             fraction("standard deviation of the normally distributed pillar heights, relative to the height", |p| &mut p.texture.arrangement.disorder.heights.parameter)
                 .formerly("texture.height_spread").label("standard deviation of heights").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
-                .of(Quantity::HeightSpread);
+                .of(Quantity::HeightSpread)
+                .unwritten(|p| p.texture.arrangement.is_plain());
         TextureMissing = "texture.missing" is
             fraction("probability that a pillar is missing", |p| &mut p.texture.arrangement.disorder.missing)
                 .label("vacancy fraction").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
-                .of(Quantity::Missing);
+                .of(Quantity::Missing)
+                .unwritten(|p| p.texture.arrangement.is_plain());
         TextureSeed = "texture.seed" is
             number("seed of random heights and missing pillars (whole number)", |p| &mut p.texture.arrangement.seed)
                 .usual(0.0, 100.0)
-                .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES);
+                .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES)
+                .unwritten(|p| p.texture.arrangement.is_plain());
         TopRadius = "texture.top_radius" is
-            length("radius of curvature of rounded pillar tops; the diameter is then optional", |p| &mut p.texture.top_radius)
-                .label("top radius").positive().otherwise("tops are flat");
+            length("radius of curvature of rounded pillar tops, which then need no diameter; fakir press and fakir design --free heights know them", |p| &mut p.texture.top_radius)
+                .label("top radius").positive().otherwise("tops are flat")
+                .unwritten(|_| true);
         PillarDiameter = "texture.pillar.diameter" is
             length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)
                 .symbol("d").usual(1e-7, 1e-4)
@@ -221,17 +234,18 @@ keys! {
         WorkOfAdhesion = "adhesion.work" is
             energy_per_area("work of adhesion between lens and pillar tops, or a flat surface; on pillars only the method spectral has it", |p| &mut p.texture.adhesion.work)
                 .label("work of adhesion").symbol("w").usual(1e-3, 0.5)
-                .range(Range::Between(Included(0.0), Unbounded)).optional().of(Quantity::WorkOfAdhesion);
+                .range(Range::Between(Included(0.0), Unbounded)).optional().of(Quantity::WorkOfAdhesion)
+                .unwritten(|p| p.texture.adhesion.is_none());
         RecedingWorkOfAdhesion = "adhesion.work_receding" is
             energy_per_area("work of adhesion on detachment, if larger", |p| &mut p.texture.adhesion.work_receding)
                 .label("work of adhesion on unloading")
                 .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
-                .of(Quantity::RecedingWorkOfAdhesion);
-    }
-    Texture {
+                .of(Quantity::RecedingWorkOfAdhesion)
+                .unwritten(|p| !p.texture.adhesion.recedes);
         FloorSticks = "adhesion.floor" is
-            word("true: the floor is adhesive too; jump-in at first contact with it", |p| &mut p.texture.adhesion.floor)
-                .label("adhesive floor").optional();
+            word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.texture.adhesion.floor)
+                .label("adhesive floor").optional()
+                .unwritten(|p| !p.texture.adhesion.floor.0);
     }
     Flat {
         Flat = "surface.flat" is
@@ -391,6 +405,8 @@ pub(crate) struct Row {
     pub(crate) goes_with: Option<(Key, &'static [&'static str])>,
     /// And if this one has one of these.
     pub(crate) goes_also_with: Option<(Key, &'static [&'static str])>,
+    /// Whether a case of pillars with flat tops is written without it.
+    pub(crate) unwritten: fn(&Parts) -> bool,
     /// Name of the quantity in the solver, if the solver checks its value.
     pub(crate) quantity: Option<Quantity>,
     /// Name of the quantity in the patterns of pillars, if they check its value.
@@ -541,6 +557,7 @@ impl Row {
             presence: Presence::Required,
             goes_with: None,
             goes_also_with: None,
+            unwritten: |_| false,
             quantity: None,
             pattern_quantity: None,
         }
@@ -634,6 +651,12 @@ impl Row {
     /// It is accepted only if a further key has one of these words.
     const fn also_with(mut self, choice: Key, words: &'static [&'static str]) -> Self {
         self.goes_also_with = Some((choice, words));
+        self
+    }
+
+    /// Cases of pillars with flat tops that have these values are written without it.
+    const fn unwritten(mut self, when: fn(&Parts) -> bool) -> Self {
+        self.unwritten = when;
         self
     }
 

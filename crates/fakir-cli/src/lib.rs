@@ -178,9 +178,7 @@ fn answer_of_pillars(
 fn texture(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
     match file.any_case(&[question])? {
         AnyCase::Pillars(case) => Ok(case),
-        AnyCase::Asperities(_) | AnyCase::HeightMap(_) | AnyCase::Flat(_) => {
-            Err(failure::not_answered(question))
-        }
+        _ => Err(failure::not_answered(question)),
     }
 }
 

@@ -8,7 +8,8 @@ use crate::VERSION;
 use crate::error::StudyError;
 use crate::names::JOURNAL;
 use crate::plan::{Plan, Shard};
-use crate::row::{Row, RowAnswer, kind_of};
+use crate::record::Kind;
+use crate::row::{Row, RowAnswer};
 use crate::sweep::Options;
 use fakir::state::Run;
 use fakir_case::Study;
@@ -446,7 +447,7 @@ impl Plan {
 fn is_complete(study: &Study, line: &Line) -> bool {
     match &line.answer {
         None => line.problem.is_some(),
-        Some(RowAnswer::Numbers(record)) => Some(record.kind()) == kind_of(study),
+        Some(RowAnswer::Numbers(record)) => Some(record.kind()) == Kind::of(study),
         Some(RowAnswer::Collapse(_)) => study.asked() == Asked::Collapse,
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! A chain is a block of consecutive cases along the last axis: the unit of work of a shard or a thread.
 
-use fakir::problem::{Method, System};
+use crate::answer;
+use fakir_case::Study;
 use fakir_case::study::{Axis, Combine};
-use fakir_case::{AnyCase, Study};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
@@ -162,42 +162,13 @@ pub(crate) fn longest_first(
 ) -> Vec<Costed> {
     let costed = |cases: Range<usize>| {
         let middle = usize::midpoint(cases.start, cases.end);
-        let cost = match study.case(middle).case {
-            AnyCase::Pillars(case) => cost(&case.system, case.method),
-            AnyCase::Asperities(case) => case.field.asperities().len() as f64,
-            AnyCase::Flat(_) => 1.0,
-            AnyCase::HeightMap(_) => study.cells(middle).max(1) as f64,
-        };
+        let cost = answer::cost(&study.case(middle).case, study.cells(middle));
         Costed { cases, cost }
     };
     let mut chains: Vec<Costed> = chains.into_iter().map(costed).collect();
     let total = |chain: &Costed| chain.cost * chain.cases.len() as f64;
     chains.sort_by(|a, b| total(b).total_cmp(&total(a))); // stable sort
     chains
-}
-
-/// Rough cost of the critical state of a case: the number of touched pillars plus a constant overhead, in pillars. The contact radius is
-/// the paper's for large contacts, `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but at most half the lens radius. With adhesive tops
-/// every pillar is followed through its own events.
-fn cost(system: &System, method: Method) -> f64 {
-    const OVERHEAD: f64 = 20.0;
-    const SOME_PILLARS: f64 = 500.0;
-    let pillar = system.pillar();
-    let lens = system.lens().widest();
-    if lens.is_infinite() {
-        // A plate touches all pillars.
-        return OVERHEAD + SOME_PILLARS;
-    }
-    let growth = 4.0 * lens * pillar.height / pillar.diameter.powi(2);
-    let radius = (growth * system.texture().surface_fraction()).hypot(1.0); // in pitches
-    let radius = radius.min(0.5 * lens / system.pitch());
-    let pillars = radius * radius;
-    match method {
-        Method::Love(mesh) => OVERHEAD + pillars * (mesh.cells_per_diameter as f64).powi(2),
-        Method::Homogenised => OVERHEAD,
-        _ if !system.adhesion().is_none() => OVERHEAD + pillars * pillars,
-        _ => OVERHEAD + pillars,
-    }
 }
 
 #[cfg(test)]

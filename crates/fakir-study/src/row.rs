@@ -1,9 +1,8 @@
 //! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
 
 use crate::collapsed::Collapsed;
-use crate::record::{Kind, Record};
-use fakir_case::study::{Asked, Coordinate};
-use fakir_case::{Study, SurfaceKind};
+use crate::record::Record;
+use fakir_case::study::Coordinate;
 use serde::{Deserialize, Serialize};
 
 /// One case of a sweep, with its answer or the reason why there is none.
@@ -29,20 +28,4 @@ pub enum RowAnswer {
     Numbers(Record),
     /// How a floor that sticks collapses and lets go.
     Collapse(Box<Collapsed>),
-}
-
-/// Which numbers a study asks for; none of a collapse.
-pub(crate) fn kind_of(study: &Study) -> Option<Kind> {
-    use SurfaceKind::{Asperities, Flat, HeightMap, Pillars};
-    match (study.asked(), study.surface_kind()) {
-        (Asked::Transition, Pillars | Asperities | Flat) => Some(Kind::Transition),
-        (Asked::Transition, HeightMap) => Some(Kind::SurfaceTransition),
-        (Asked::Press, Asperities) => Some(Kind::AsperityPress),
-        (Asked::Press, Pillars) => Some(Kind::Press),
-        (Asked::Press, HeightMap) => Some(Kind::SurfacePress),
-        (Asked::Press, Flat) => Some(Kind::FlatPress),
-        (Asked::Cycle, Flat) => Some(Kind::FlatCycle),
-        (Asked::Cycle, _) => Some(Kind::Cycle),
-        (Asked::Collapse, _) => None,
-    }
 }

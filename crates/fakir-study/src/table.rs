@@ -3,7 +3,7 @@
 use crate::collapsed::{Collapsed, FloorJump, FloorLoss};
 use crate::output::File;
 use crate::record::{Entry, Kind, Record, Type, Value as Recorded};
-use crate::row::{Row, RowAnswer, kind_of};
+use crate::row::{Row, RowAnswer};
 use fakir_case::Study;
 use fakir_case::study::Coordinate;
 use serde_json::{Map, Value, json};
@@ -53,7 +53,7 @@ impl Table {
                 values: coordinate_values(axis.is_numeric(), coordinates),
             });
         }
-        match kind_of(study) {
+        match Kind::of(study) {
             Some(kind) => number_columns(rows, kind, &mut columns),
             None => collapse_columns(rows, &mut columns),
         }

@@ -1,8 +1,7 @@
 //! Dispatches questions to methods.
 
-use crate::problem::lens::LARGEST_CONTACT;
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, CyclePlan, Feature, LensShape, Load, Method, Question, System};
+use crate::problem::{Accuracy, CyclePlan, Feature, Load, Method, Question, System};
 use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
@@ -238,11 +237,11 @@ fn with_layer_warnings(mut state: ContactState) -> ContactState {
     };
     let mut warnings = Vec::new();
     let (lens, force) = (system.lens(), state.force);
-    if let (Some(layer), LensShape::Sphere { radius }) = (system.lens_layer(), &lens.shape) {
+    if let (Some(layer), Some(sphere)) = (system.lens_layer(), lens.sphere()) {
         let response = theory::layer::LayerResponse::new(&lens.material, layer);
         let shift = -response.shift() * lens.material.plane_strain_compliance() * force
             / (std::f64::consts::PI * layer.thickness);
-        let reduction = theory::layer::asperity_reduction(layer.thickness / radius);
+        let reduction = theory::layer::asperity_reduction(layer.thickness / sphere.radius);
         if shift > 0.0 {
             let deeper = reduction.map(|reduction| reduction * shift);
             warnings.push(Warning::FlatLens { deeper });
@@ -263,24 +262,17 @@ fn with_layer_warnings(mut state: ContactState) -> ContactState {
 /// Refuses a state that extends too far from the axis of the lens: a contact beyond half its radius, or a lowest floor gap beyond its table
 /// of heights, where the gap is undefined.
 fn check_reach(state: &ContactState) -> Result<(), SolveError> {
-    match &state.system.lens().shape {
-        LensShape::Profile(profile) => {
-            let ([x, y], end) = (state.smallest_gap_position, profile.range());
-            let reach = x.hypot(y);
-            if reach > end {
-                return Err(SolveError::ProfileEnds { reach, end });
-            }
+    let lens = state.system.lens();
+    let reach = match lens.profile() {
+        Some(_) => {
+            let [x, y] = state.smallest_gap_position;
+            x.hypot(y)
         }
-        LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => {
-            let (contact_radius, lens_radius) = (state.contact_radius, *radius);
-            if contact_radius > LARGEST_CONTACT * lens_radius {
-                return Err(SolveError::ContactExceedsLens {
-                    contact_radius,
-                    lens_radius,
-                });
-            }
-        }
-        LensShape::Cylinder { .. } | LensShape::Plate { .. } => {}
+        None if lens.is_axisymmetric() => state.contact_radius,
+        None => return Ok(()),
+    };
+    if reach > lens.largest_contact() {
+        return Err(SolveError::beyond(lens, reach, 1.0));
     }
     Ok(())
 }

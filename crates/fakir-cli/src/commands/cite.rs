@@ -4,11 +4,11 @@ use crate::arguments::{Cite, CitedMethod};
 use crate::failure::{DONE, Failure, Status};
 use crate::standard::print;
 use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm};
-use fakir::state::Run;
 use fakir_case::input::{self, LARGEST_STUDY};
-use fakir_case::{CaseFile, StudyFile, SurfaceKind};
+use fakir_case::{CaseFile, StudyFile};
+use fakir_study::answer::cited;
 use fakir_study::citations::{Citation, Topic, citations};
-use fakir_study::provenance::{FILE_NAME, Provenance, method_words, study_words};
+use fakir_study::provenance::{FILE_NAME, Provenance, study_words};
 use fakir_study::result::json;
 use serde::Serialize;
 use std::fmt::Write;
@@ -69,30 +69,8 @@ fn of_file(path: &Path) -> Result<CiteJson, Failure> {
         return Ok(CiteJson::new(study_words(&study), &Topic::of_study(&study)));
     }
     let file = CaseFile::read(path)?;
-    Ok(match file.surface_kind() {
-        SurfaceKind::HeightMap => {
-            let case = file.surface_case(Run::default().memory_limit())?;
-            CiteJson::new("elements on a surface", &[Topic::of_surface(&case)])
-        }
-        SurfaceKind::Asperities => {
-            file.asperity_case()?;
-            CiteJson::new(
-                "the spectral method on rounded pillar tops",
-                &[Topic::Asperities],
-            )
-        }
-        SurfaceKind::Flat => {
-            let case = file.flat_case()?;
-            CiteJson::new(
-                "one disc of contact on a flat surface",
-                &Topic::of_flat(&case, None),
-            )
-        }
-        SurfaceKind::Pillars => {
-            let case = file.case()?;
-            CiteJson::new(method_words(case.method), &Topic::of_case(&case))
-        }
-    })
+    let (method, topics) = cited(&file.any_case(&[])?)?;
+    Ok(CiteJson::new(method, &topics))
 }
 
 /// Whether a file can be read and has a table that only studies have.

@@ -33,7 +33,7 @@ pub(crate) fn run(
     match case {
         AnyCase::Pillars(case) => of_pillars(case, load, cells_per_diameter, session),
         AnyCase::HeightMap(file) => of_surface(file, load, cells_per_diameter, session),
-        AnyCase::Asperities(_) | AnyCase::Flat(_) => Err(not_answered(Question::Verify)),
+        _ => Err(not_answered(Question::Verify)),
     }
 }
 

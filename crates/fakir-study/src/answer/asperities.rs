@@ -43,6 +43,10 @@ impl Kind for AsperityCase {
         vec![Topic::Asperities]
     }
 
+    fn cited_as(&self) -> String {
+        "the spectral method on rounded pillar tops".to_owned()
+    }
+
     fn text(&self) -> String {
         self.to_toml()
     }

@@ -49,6 +49,10 @@ impl Kind for SurfaceCase {
         vec![Topic::of_surface(self)]
     }
 
+    fn cited_as(&self) -> String {
+        "elements on a surface".to_owned()
+    }
+
     fn text(&self) -> String {
         self.to_toml()
     }

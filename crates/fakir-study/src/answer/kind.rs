@@ -31,6 +31,11 @@ pub(super) trait Kind: Clone + 'static {
     /// The method in words, for the provenance.
     fn method(&self) -> String;
 
+    /// The method in words, for what is to be cited.
+    fn cited_as(&self) -> String {
+        self.method()
+    }
+
     /// What is to be cited.
     fn topics(&self, range: Option<f64>) -> Vec<Topic>;
 

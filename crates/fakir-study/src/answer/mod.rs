@@ -28,12 +28,14 @@ mod request;
 pub use cycle::turn_and_pull_off;
 pub use request::{AnswerError, Details, Maps, Request, Running};
 
+use crate::citations::Topic;
 use crate::provenance::Provenance;
 use crate::record::Record;
 use crate::report::Report;
 use crate::report::state::strained_words;
 use crate::surfaces::on_wide_enough_a_grid;
-use fakir_case::AnyCase;
+use fakir::state::Run;
+use fakir_case::{AnyCase, CaseError};
 use kind::{Context, Found, Kind, Saved};
 use std::borrow::Cow;
 use std::time::Instant;
@@ -91,6 +93,30 @@ pub fn answer<'a>(
                 wall_time: start.elapsed().as_secs_f64(),
             })))
         }
+    }
+}
+
+/// The method of a case in words, and what is to be cited for its answers.
+///
+/// # Errors
+/// [`CaseError`] for a general surface that cannot be read or drawn.
+pub fn cited(case: &AnyCase) -> Result<(String, Vec<Topic>), CaseError> {
+    fn of(case: &impl Kind) -> (String, Vec<Topic>) {
+        (case.cited_as(), case.topics(None))
+    }
+    Ok(match case {
+        AnyCase::Pillars(case) => of(&**case),
+        AnyCase::Asperities(case) => of(&**case),
+        AnyCase::HeightMap(file) => of(&file.surface_case(Run::default().memory_limit())?),
+    })
+}
+
+/// What a contact of a case takes, very roughly, in a unit that depends on the kind of surface; a general surface has so many cells.
+pub(crate) fn cost(case: &AnyCase, cells: usize) -> f64 {
+    match case {
+        AnyCase::Pillars(case) => pillars::cost(&case.system, case.method),
+        AnyCase::Asperities(case) => case.field.asperities().len() as f64,
+        AnyCase::HeightMap(_) => cells.max(1) as f64,
     }
 }
 

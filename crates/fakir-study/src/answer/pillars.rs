@@ -10,7 +10,7 @@ use crate::provenance::{Provenance, method_words};
 use crate::record::{GradientObject, Record};
 use crate::report::state::{QuantityList, radius_digits, texture_line};
 use crate::result::pillars;
-use fakir::problem::{CyclePlan, FloorModel, Load, Method, Solver};
+use fakir::problem::{CyclePlan, FloorModel, Load, Method, Solver, System};
 use fakir::state::{ContactState, CriticalState, Limit, Normalized, Regime, Run, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
@@ -272,4 +272,29 @@ fn place(critical: &CriticalState) -> String {
         with_unit(value, Dimension::Length, 5)
     });
     format!("at x = {x}, y = {y}")
+}
+
+/// What the critical state of a case takes, very roughly: the number of pillars touched and what
+/// any case takes, in pillars. The contact radius is the paper's for large contacts,
+/// `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but half the lens radius at most. Where tops stick every pillar is followed
+/// through its own events.
+pub(super) fn cost(system: &System, method: Method) -> f64 {
+    const OVERHEAD: f64 = 20.0;
+    const SOME_PILLARS: f64 = 500.0;
+    let pillar = system.pillar();
+    let lens = system.lens().widest();
+    if lens.is_infinite() {
+        // A plate, which touches all pillars there are.
+        return OVERHEAD + SOME_PILLARS;
+    }
+    let growth = 4.0 * lens * pillar.height / pillar.diameter.powi(2);
+    let radius = (growth * system.texture().surface_fraction()).hypot(1.0); // in pitches
+    let radius = radius.min(0.5 * lens / system.pitch());
+    let pillars = radius * radius;
+    match method {
+        Method::Love(mesh) => OVERHEAD + pillars * (mesh.cells_per_diameter as f64).powi(2),
+        Method::Homogenised => OVERHEAD,
+        _ if !system.adhesion().is_none() => OVERHEAD + pillars * pillars,
+        _ => OVERHEAD + pillars,
+    }
 }

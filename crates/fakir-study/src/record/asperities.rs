@@ -1,6 +1,6 @@
 //! The numbers of contacts with rounded pillar tops.
 
-use super::contact::{ending, load};
+use super::contact::{common, load};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
 use super::surface::indenter_name;
@@ -118,7 +118,7 @@ fn solution() -> Vec<Named<AsperityContact>> {
         )
         .always(),
     ];
-    rows.extend(ending());
+    rows.extend(common());
     rows.push(Named::count(
         "iterations",
         "solver iterations",

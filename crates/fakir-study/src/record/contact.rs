@@ -55,15 +55,10 @@ pub(super) fn critical_load<C: Contact + 'static>() -> [Named<Critical<C>>; 5] {
     ]
 }
 
-/// How any solution ended.
-pub(super) fn ending<T: Solution + 'static>() -> [Named<T>; 2] {
-    [
-        Named::flag(
-            "converged",
-            "whether the solver converged",
-            T::converged,
-        )
-        .in_objects(),
+/// Numbers of every answer. To give all contacts, critical states, cycles and states of loadings one more number is to add a row here.
+pub(super) fn common<T: Solution + 'static>() -> Vec<Named<T>> {
+    vec![
+        Named::flag("converged", "whether the solver converged", T::converged).in_objects(),
         Named::word(
             "unresolved",
             "a quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1",
@@ -72,6 +67,18 @@ pub(super) fn ending<T: Solution + 'static>() -> [Named<T>; 2] {
         .optional()
         .in_objects(),
     ]
+}
+
+/// Numbers of every state of a loading: a single flag for whether its numbers are an answer, and what is [common](common).
+pub(super) fn common_of_states<T: Solution + 'static>() -> Vec<Named<T>> {
+    let mut rows = vec![Named::flag(
+        "converged",
+        "whether the solver converged and all numbers are resolved",
+        T::is_answer,
+    )];
+    let further = common().into_iter();
+    rows.extend(further.filter(|row| !matches!(row.entry.path, "converged" | "unresolved")));
+    rows
 }
 
 /// A number of what the floor bears: zero before it is touched, none past that if it was to be ignored.
@@ -114,7 +121,7 @@ fn solution() -> [Named<ContactState>; 2] {
         ),
         Named::word(
             "lens_shape",
-            "`sphere`, `paraboloid`, `cylinder`, `plate` or `profile`",
+            "shape of the lens, as `lens.shape` in case files",
             |it: &ContactState| Some(it.system.lens().shape_name()),
         )
         .in_objects(),
@@ -244,7 +251,7 @@ impl Recorded for ContactState {
             Self::relative_whole_contact_radius_error,
         ));
         rows.extend(floor_errors());
-        rows.extend(ending());
+        rows.extend(common());
         rows.push(iterations());
         rows
     }
@@ -318,7 +325,7 @@ impl Recorded for CriticalState {
             )
             .in_objects(),
         );
-        rows.extend(contact(Vec::from(ending())));
+        rows.extend(contact(common()));
         rows.extend(contact(vec![iterations()]));
         rows
     }

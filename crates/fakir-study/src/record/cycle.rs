@@ -1,6 +1,6 @@
 //! The numbers of cycles of loading and unloading.
 
-use super::contact::ending;
+use super::contact::common;
 use super::named::{Kind, Named, Recorded};
 use fakir::problem::Method;
 use fakir::state::{Critical, Cycle, CycleError, CycleLoadStep, FloorResolution, HeldFloor};
@@ -354,7 +354,7 @@ impl Recorded for Cycle {
         rows.extend(errors!("hysteresis", |it| {
             it.certificate().map(|_| it.errors.loop_area)
         }));
-        rows.extend(ending());
+        rows.extend(common());
         rows
     }
 }

@@ -1,12 +1,10 @@
 //! The states of a loading: the rows of its table.
 
 use super::asperities::{AsperityAnswer, largest};
-use super::contact::of_floor;
+use super::contact::{common_of_states, of_floor};
 use super::named::{Kind, Named, Recorded};
 use super::surface::SurfaceAnswer;
-use fakir::state::{
-    AsperityContact, AsperityErrors, ContactState, FloorContact, Solution, SurfaceContact,
-};
+use fakir::state::{AsperityContact, AsperityErrors, ContactState, FloorContact, SurfaceContact};
 
 /// A state of a loading.
 #[derive(Debug, Clone, Copy)]
@@ -40,14 +38,6 @@ fn force<C: 'static>(of: fn(&C) -> f64) -> Named<C> {
 
 fn indentation<C: 'static>(of: fn(&C) -> f64) -> Named<C> {
     Named::number("indentation_m", "indentation", of).symbol("ζ")
-}
-
-fn converged<C: Solution + 'static>() -> Named<C> {
-    Named::flag(
-        "converged",
-        "whether the solver converged and all numbers are resolved",
-        C::is_answer,
-    )
 }
 
 fn place() -> [Named<Place>; 2] {
@@ -137,7 +127,7 @@ impl Recorded for LoadingState<&ContactState> {
         )
         .collect();
         rows.extend(place().map(|row| row.of_part(|it: &Self| &it.place)));
-        rows.extend(contact(vec![converged()]));
+        rows.extend(contact(common_of_states()));
         rows
     }
 }
@@ -203,7 +193,7 @@ impl Recorded for LoadingState<SurfaceAnswer<'_, SurfaceContact>> {
         ])
         .collect();
         rows.extend(place().map(|row| row.of_part(|it: &Self| &it.place)));
-        rows.extend(contact(vec![converged()]));
+        rows.extend(contact(common_of_states()));
         rows
     }
 }
@@ -265,7 +255,7 @@ impl Recorded for LoadingState<AsperityAnswer<'_>> {
             "whether the floor is certainly not reached",
             |it: &Self| it.answer.floor_is_out_of_reach(),
         ));
-        rows.extend(contact(vec![converged()]));
+        rows.extend(contact(common_of_states()));
         rows
     }
 }

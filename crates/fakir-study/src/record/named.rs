@@ -289,36 +289,57 @@ impl Entry {
     }
 }
 
-/// Which numbers an answer has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
+/// Defines the enum of kinds, their list, their names and headings.
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $kind:ident = $name:literal, $heading:literal;)+) => {
+        /// Which numbers an answer has.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Kind {
+            $($(#[$doc])* $kind,)+
+        }
+
+        impl Kind {
+            /// All of them.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$kind),+];
+
+            /// Its name in journals and in the schema.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$kind => $name,)+
+                }
+            }
+
+            /// What the reference calls it.
+            pub(super) fn heading(self) -> &'static str {
+                match self {
+                    $(Self::$kind => $heading,)+
+                }
+            }
+        }
+    };
+}
+
+kinds! {
     /// A contact with pillars.
-    Press,
+    Press = "press", "A contact";
     /// The critical state with pillars.
-    Transition,
+    Transition = "transition", "A critical state";
     /// A contact with a height map.
-    SurfacePress,
+    SurfacePress = "surface_press", "A contact with a height map";
     /// The critical state with a height map.
-    SurfaceTransition,
+    SurfaceTransition = "surface_transition", "A critical state with a height map";
     /// A contact with rounded tops.
-    #[serde(alias = "rounded_press")]
-    AsperityPress,
+    AsperityPress = "asperity_press", "A contact with rounded tops";
     /// A cycle of loading and unloading.
-    Cycle,
+    Cycle = "cycle", "A cycle";
     /// A state of a loading of pillars.
-    Loading,
+    Loading = "loading", "A state of a loading";
     /// A state of a loading of a height map.
-    SurfaceLoading,
+    SurfaceLoading = "surface_loading", "A state of a loading of a height map";
     /// A state of a loading of rounded tops.
-    #[serde(alias = "rounded_loading")]
-    AsperityLoading,
-    /// A contact with a flat surface.
-    FlatPress,
-    /// A cycle with a flat surface.
-    FlatCycle,
-    /// A state of a loading of a flat surface.
-    FlatLoading,
+    AsperityLoading = "asperity_loading", "A state of a loading of rounded tops";
 }
 
 impl Type {

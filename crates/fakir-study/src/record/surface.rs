@@ -1,6 +1,6 @@
 //! The numbers of contacts and critical states with height maps.
 
-use super::contact::{critical_load, ending, load};
+use super::contact::{common, critical_load, load};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
 use fakir::problem::{Boundary, Grid, Indenter, SurfaceSystem};
@@ -132,7 +132,7 @@ fn solution() -> Vec<Named<SurfaceContact>> {
         )
         .in_objects(),
     ];
-    rows.extend(ending());
+    rows.extend(common());
     rows.push(Named::count(
         "iterations",
         "solver iterations on the last grid",

@@ -2,102 +2,97 @@
 //! supported.
 
 use super::column::PillarCompliance;
-use super::lens::LensShape;
+use super::lens::LensForm;
+use super::listed::listed;
 use super::method::Method;
 use super::scaled::Scene;
 use super::system::{FloorModel, System};
 
-/// A computation that can be requested for a problem.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Question {
-    /// The contact under a load.
-    Press,
-    /// The critical state.
-    Transition,
-    /// Loading step by step.
-    Approach,
-    /// Loading and unloading with adhesion.
-    Cycle,
-    /// Exact derivatives of a contact.
-    Gradient,
-    /// The contact in which the floor carries a given fraction of the load.
-    FloorShare,
-    /// A contact computed with a second method or mesh.
-    Verify,
-    /// The same past the transition, with tops and floor together.
-    VerifyFloor,
-    /// Validity limits of the model.
-    Limits,
-    /// The Tabor number of an attraction of a given range.
-    AttractionRange,
-    /// Maps of pressure, gap and displacement.
-    Fields,
-    /// The closed forms.
-    Theory,
-    /// The critical state by every method.
-    Compare,
-    /// The value of a parameter that achieves a target result.
-    Design,
-    /// The scatter of the critical state between samples.
-    Spread,
-    /// Least-squares fit to a measured curve.
-    Fit,
-    /// Many cases.
-    Sweep,
-    /// The interactive page.
-    Explore,
+listed! {
+    /// What can be asked of a problem.
+    Question {
+        /// The contact under a load.
+        Press = "press",
+        /// The critical state.
+        Transition = "transition",
+        /// Loading step by step.
+        Approach = "approach",
+        /// Loading and unloading with adhesion.
+        Cycle = "cycle",
+        /// Exact derivatives of a contact.
+        Gradient = "gradient",
+        /// The contact in which the floor bears a given part of the force.
+        FloorShare = "floor share",
+        /// A contact by a second method or mesh.
+        Verify = "verify",
+        /// The same past the transition, tops and floor together.
+        VerifyFloor = "verify past the transition",
+        /// Validity limits of the model.
+        Limits = "validity limits",
+        /// The Tabor number of an attraction of a given range.
+        AttractionRange = "attraction range",
+        /// Maps of pressure, gap and displacement.
+        Fields = "maps",
+        /// The closed forms.
+        Theory = "theory",
+        /// The critical state by every method.
+        Compare = "compare",
+        /// The value of a quantity that gives a wanted result.
+        Design = "design",
+        /// The scatter of a critical state among samples.
+        Spread = "spread",
+        /// Least squares on a measured curve.
+        Fit = "fit",
+        /// Many cases.
+        Sweep = "sweep",
+        /// The page with sliders.
+        Explore = "explore",
+    }
 }
 
-/// The solver of a problem: one of the [methods](Method) on pillars with flat tops, or the solver for another kind of surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Solver {
-    /// Spectral expansion on flat pillar tops.
-    Spectral,
-    /// One flat punch per pillar.
-    Punch,
-    /// Elements on flat pillar tops.
-    Elements,
-    /// The homogenised lattice.
-    Homogenised,
-    /// Pillars with rounded tops, each of which has a contact with an unknown radius.
-    Asperities,
-    /// Elements on a height map.
-    HeightMap,
-    /// One disc of contact on a flat surface.
-    Flat,
+listed! {
+    /// What solves a problem: one of the [methods](Method) on pillars with flat tops, or that of another surface.
+    Solver {
+        /// Spectral expansion on flat pillar tops.
+        Spectral,
+        /// One flat punch per pillar.
+        Punch,
+        /// Elements on flat pillar tops.
+        Elements,
+        /// The homogenised lattice.
+        Homogenised,
+        /// Pillars with rounded tops, each of which has a contact of unknown extent.
+        Asperities,
+        /// Elements on a height map.
+        HeightMap,
+    }
 }
 
-/// A feature of a problem that some solvers do not support.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Feature {
-    /// The lens is a paraboloid.
-    Paraboloid,
-    /// The lens is a table of heights.
-    Profile,
-    /// The lens is a flat circular punch.
-    Punch,
-    /// The lens is a cylinder.
-    Cylinder,
-    /// The lens is a plate.
-    Plate,
-    /// The lens is a tilted plate.
-    TiltedPlate,
-    /// The arrangement of pillars differs from the infinite hexagonal lattice of the paper without rotation.
-    OtherArrangement,
-    /// Pillars differ in diameter.
-    SeveralDiameters,
-    /// Columns of pillars differ in compliance. Evaluated only for adhesive tops.
-    SeveralColumns,
-    /// The lens or the substrate has a finite thickness.
-    Layer,
-    /// Pillars are elastic bodies, which tilt and whose tops deform, instead of columns.
-    ElasticPillars,
-    /// The floor is ignored.
-    IgnoredFloor,
-    /// Pillar tops are adhesive.
-    AdhesiveTops,
-    /// The floor is adhesive as well.
-    AdhesiveFloor,
+listed! {
+    /// What a problem can have that not every solver knows.
+    Feature {
+        /// The lens is a plate that is not level.
+        TiltedPlate,
+        /// Pillars are on another arrangement than the paper's, the endless hexagonal lattice that is not turned.
+        OtherArrangement,
+        /// Pillars differ in diameter.
+        SeveralDiameters,
+        /// Columns of pillars differ in compliance. This is looked at only where tops stick.
+        SeveralColumns,
+        /// The lens or the substrate has a finite thickness.
+        Layer,
+        /// Pillars are elastic bodies, which lean and whose tops deform, not columns.
+        ElasticPillars,
+        /// The floor is ignored.
+        IgnoredFloor,
+        /// Pillar tops stick.
+        AdhesiveTops,
+        /// The floor sticks too.
+        AdhesiveFloor,
+    } and {
+        /// The lens is no sphere.
+        Lens(LensForm),
+    }
 }
 
 /// The reason why a combination is not supported.
@@ -121,54 +116,7 @@ struct Rule {
 }
 
 impl Question {
-    /// All questions.
-    pub const ALL: [Self; 18] = [
-        Self::Press,
-        Self::Transition,
-        Self::Approach,
-        Self::Cycle,
-        Self::Gradient,
-        Self::FloorShare,
-        Self::Verify,
-        Self::VerifyFloor,
-        Self::Limits,
-        Self::AttractionRange,
-        Self::Fields,
-        Self::Theory,
-        Self::Compare,
-        Self::Design,
-        Self::Spread,
-        Self::Fit,
-        Self::Sweep,
-        Self::Explore,
-    ];
-
-    /// The name of the question: that of the command or function, if there is one.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Press => "press",
-            Self::Transition => "transition",
-            Self::Approach => "approach",
-            Self::Cycle => "cycle",
-            Self::Gradient => "gradient",
-            Self::FloorShare => "floor share",
-            Self::Verify => "verify",
-            Self::VerifyFloor => "verify past the transition",
-            Self::Limits => "validity limits",
-            Self::AttractionRange => "attraction range",
-            Self::Fields => "maps",
-            Self::Theory => "theory",
-            Self::Compare => "compare",
-            Self::Design => "design",
-            Self::Spread => "spread",
-            Self::Fit => "fit",
-            Self::Sweep => "sweep",
-            Self::Explore => "explore",
-        }
-    }
-
-    /// Refuses the question if the solver does not support it for a problem with these features.
+    /// Refuses what has no answer by a solver for a problem with these features.
     ///
     /// # Errors
     /// [`Unsupported`]: the reason and the alternative.
@@ -178,19 +126,6 @@ impl Question {
             .find(|rule| rule.applies(self, solver, features));
         in_the_way.map_or(Ok(()), |rule| Err(rule.reason))
     }
-}
-
-impl Solver {
-    /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Spectral,
-        Self::Punch,
-        Self::Elements,
-        Self::Homogenised,
-        Self::Asperities,
-        Self::HeightMap,
-        Self::Flat,
-    ];
 }
 
 impl From<Method> for Solver {
@@ -206,22 +141,19 @@ impl From<Method> for Solver {
 
 impl Feature {
     /// All of them.
-    pub const ALL: [Self; 14] = [
-        Self::Paraboloid,
-        Self::Profile,
-        Self::Punch,
-        Self::Cylinder,
-        Self::Plate,
-        Self::TiltedPlate,
-        Self::OtherArrangement,
-        Self::SeveralDiameters,
-        Self::SeveralColumns,
-        Self::Layer,
-        Self::ElasticPillars,
-        Self::IgnoredFloor,
-        Self::AdhesiveTops,
-        Self::AdhesiveFloor,
-    ];
+    pub const ALL: [Self; OTHER_LENS.len() + Self::PLAIN.len()] = {
+        let mut all = [Self::TiltedPlate; OTHER_LENS.len() + Self::PLAIN.len()];
+        let mut place = 0;
+        while place < all.len() {
+            all[place] = if place < OTHER_LENS.len() {
+                OTHER_LENS[place]
+            } else {
+                Self::PLAIN[place - OTHER_LENS.len()]
+            };
+            place += 1;
+        }
+        all
+    };
 
     /// The features of a system.
     #[must_use]
@@ -229,15 +161,8 @@ impl Feature {
         let sticks = !system.adhesion().is_none();
         let (lens, floor) = (system.lens(), system.floor_model());
         let has = |feature: &Self| match feature {
-            Self::Paraboloid => matches!(lens.shape, LensShape::Paraboloid { .. }),
-            Self::Profile => matches!(lens.shape, LensShape::Profile(_)),
-            // No lens on pillars is one.
-            Self::Punch => false,
-            Self::Cylinder => matches!(lens.shape, LensShape::Cylinder { .. }),
-            Self::Plate => matches!(lens.shape, LensShape::Plate { .. }),
-            Self::TiltedPlate => {
-                matches!(lens.shape, LensShape::Plate { tilt, .. } if tilt.abs() > 0.0)
-            }
+            Self::Lens(form) => lens.form() == *form,
+            Self::TiltedPlate => lens.is_tilted(),
             Self::OtherArrangement => system.hexagonal_lattice().is_none(),
             Self::SeveralDiameters => !system.has_common_diameter(),
             Self::SeveralColumns => sticks && !Scene::new(system).field.has_common_columns(),
@@ -304,15 +229,34 @@ const ASPERITIES: &[Solver] = &[Solver::Asperities];
 const HEIGHT_MAP: &[Solver] = &[Solver::HeightMap];
 const FLAT: &[Solver] = &[Solver::Flat];
 
-/// Lenses that are not spheres.
-const OTHER_LENS: &[Feature] = &[
-    Feature::Paraboloid,
-    Feature::Profile,
-    Feature::Cylinder,
-    Feature::Plate,
+/// Lenses that are no spheres.
+const OTHER_LENS: &[Feature] = &{
+    let mut lenses = [Feature::TiltedPlate; LensForm::OTHERS.len()];
+    let mut place = 0;
+    while place < lenses.len() {
+        lenses[place] = Feature::Lens(LensForm::OTHERS[place]);
+        place += 1;
+    }
+    lenses
+};
+/// Lenses that are neither spheres nor level plates.
+const NOT_LEVEL: &[Feature] = &{
+    // The tilted plate takes the place of the level one.
+    let mut lenses = [Feature::TiltedPlate; LensForm::OTHERS.len()];
+    let mut place = 0;
+    while place < lenses.len() {
+        if !matches!(LensForm::OTHERS[place], LensForm::Plate) {
+            lenses[place] = OTHER_LENS[place];
+        }
+        place += 1;
+    }
+    lenses
+};
+/// Lenses that come nearest to the floor beyond the pillars.
+const WITHOUT_AXIS: &[Feature] = &[
+    Feature::Lens(LensForm::Cylinder),
+    Feature::Lens(LensForm::Plate),
 ];
-/// Lenses that come closest to the floor outside the pillars.
-const WITHOUT_AXIS: &[Feature] = &[Feature::Cylinder, Feature::Plate];
 const STICKS: &[Feature] = &[Feature::AdhesiveTops];
 const FLOOR_STICKS: &[Feature] = &[Feature::AdhesiveFloor];
 const LAYER: &[Feature] = &[Feature::Layer];
@@ -531,8 +475,8 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ASPERITIES,
-        &[&[Feature::Paraboloid, Feature::Profile, Feature::Cylinder]],
-        "rounded pillar tops support only a sphere or a plate",
+        &[NOT_LEVEL],
+        "rounded pillar tops are under a sphere or a plate here",
         "use a sphere or a plate",
     ),
     rule(
@@ -615,14 +559,9 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         HEIGHT_MAP,
-        &[&[
-            Feature::Paraboloid,
-            Feature::Profile,
-            Feature::Cylinder,
-            Feature::TiltedPlate,
-        ]],
-        "a height map supports only a sphere or a level plate",
-        "leave out the shape of the lens, or describe round pillars as a texture",
+        &[NOT_LEVEL],
+        "a height map is under a sphere or a level plate here",
+        "leave the shape of the lens out, or describe round pillars as a texture",
     ),
     rule(
         ANY,

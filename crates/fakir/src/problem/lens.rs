@@ -1,6 +1,7 @@
 //! The indenting bodies: lenses of several shapes.
 
 use super::lens_profile::LensProfile;
+use super::listed::listed;
 use super::point::{Point, turned};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use crate::numerics::convergence::smaller;
@@ -98,7 +99,36 @@ pub enum LensShape {
     Profile(Arc<LensProfile>),
 }
 
-/// Largest contact radius that is supported, relative to the lens radius.
+listed! {
+    /// A [`LensShape`] without its sizes.
+    LensForm {
+        /// A sphere.
+        Sphere = "sphere",
+        /// A paraboloid of revolution.
+        Paraboloid = "paraboloid",
+        /// A cylinder that lies on its side.
+        Cylinder = "cylinder",
+        /// A plate, level or tilted.
+        Plate = "plate",
+        /// A table of heights.
+        Profile = "profile",
+    }
+}
+
+impl LensForm {
+    /// All but the sphere, which is the paper's.
+    pub(super) const OTHERS: [Self; Self::ALL.len() - 1] = {
+        let mut others = [Self::Sphere; Self::ALL.len() - 1];
+        let mut place = 0;
+        while place < others.len() {
+            others[place] = Self::ALL[place + 1];
+            place += 1;
+        }
+        others
+    };
+}
+
+/// Contact radius over lens radius up to which a contact is solved.
 pub(crate) const LARGEST_CONTACT: f64 = 0.5;
 
 /// Height, gradient and Hessian of the undeformed lens at a point.
@@ -143,16 +173,22 @@ impl ShapedLens {
         Self { shape, material }
     }
 
-    /// The name of the shape: `"sphere"`, `"paraboloid"`, `"cylinder"`, `"plate"` or `"profile"`.
+    /// Its shape without its sizes.
+    #[must_use]
+    pub fn form(&self) -> LensForm {
+        match self.shape {
+            LensShape::Sphere { .. } => LensForm::Sphere,
+            LensShape::Paraboloid { .. } => LensForm::Paraboloid,
+            LensShape::Cylinder { .. } => LensForm::Cylinder,
+            LensShape::Plate { .. } => LensForm::Plate,
+            LensShape::Profile(_) => LensForm::Profile,
+        }
+    }
+
+    /// `"sphere"`, `"paraboloid"`, `"cylinder"`, `"plate"` or `"profile"`.
     #[must_use]
     pub fn shape_name(&self) -> &'static str {
-        match self.shape {
-            LensShape::Sphere { .. } => "sphere",
-            LensShape::Paraboloid { .. } => "paraboloid",
-            LensShape::Cylinder { .. } => "cylinder",
-            LensShape::Plate { .. } => "plate",
-            LensShape::Profile(_) => "profile",
-        }
+        self.form().name()
     }
 
     /// The spherical lens; `None` for other shapes.
@@ -249,7 +285,26 @@ impl ShapedLens {
         )
     }
 
-    /// Whether the shape is a plate.
+    /// The table of heights, if it has one.
+    #[must_use]
+    pub fn profile(&self) -> Option<&Arc<LensProfile>> {
+        match &self.shape {
+            LensShape::Profile(profile) => Some(profile),
+            _ => None,
+        }
+    }
+
+    /// Whether its curvature differs by far between places, so that no number describes it everywhere.
+    pub(crate) fn bends_unevenly(&self) -> bool {
+        self.profile().is_some()
+    }
+
+    /// Whether it is a tilted plate.
+    pub(crate) fn is_tilted(&self) -> bool {
+        matches!(self.shape, LensShape::Plate { tilt, .. } if tilt.abs() > 0.0)
+    }
+
+    /// Whether it is a plate.
     pub(crate) fn is_flat(&self) -> bool {
         match self.shape {
             LensShape::Plate { .. } => true,

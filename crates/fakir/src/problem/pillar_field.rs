@@ -3,7 +3,6 @@
 use super::arrangement::{self, Arrangement, coordinates, reduced};
 use super::column::{Column, ColumnLaw};
 use super::lattice::HexagonalLattice;
-use super::lens::LensShape;
 use super::point::{Point, turned};
 use super::scatter::Disorder;
 use super::system::System;
@@ -404,10 +403,8 @@ impl PillarField {
             (field.turned(-rotation), rotation)
         };
         let field = match system.arrangement() {
-            // Under a table of heights, floor contact is searched at all holes instead of only those next to the lens axis.
-            Arrangement::Hexagonal(lattice)
-                if matches!(system.lens().shape, LensShape::Profile(_)) =>
-            {
+            // Under a table of heights the floor is looked at in all holes, not in those next to the lens axis.
+            Arrangement::Hexagonal(lattice) if system.lens().bends_unevenly() => {
                 return on_plane(&(*lattice).into());
             }
             Arrangement::Hexagonal(lattice) => Self::Hexagonal {

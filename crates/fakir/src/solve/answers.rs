@@ -21,7 +21,7 @@ use crate::numerics::workers::CancelToken;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarBody, PillarField};
 use crate::problem::scaled::{RISING, Scene};
-use crate::problem::{Accuracy, FloorModel, LensProfile, LensShape, Load, PunchForm, System};
+use crate::problem::{Accuracy, FloorModel, LensProfile, Load, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
@@ -515,7 +515,7 @@ fn patch_errors(scene: &Scene, patch: &Patch, body: &PillarBody) -> [f64; 2] {
 /// Sneddon's solution at the same depth on half-spaces (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)).
 fn table_errors(scene: &Scene, radius: f64) -> [f64; 2] {
     const STEPS: usize = 60;
-    let LensShape::Profile(profile) = &scene.lens.shape else {
+    let Some(profile) = scene.lens.profile() else {
         return [0.0; 2];
     };
     let sag = |r: f64| scene.lens.sag([r, 0.0]);

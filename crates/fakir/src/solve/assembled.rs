@@ -9,7 +9,7 @@ use super::touched::{TouchedPillar, touched_pillars};
 use crate::halfspace::disc::basis::degree_with;
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Accuracy, ElementMesh, LensShape, Load, Method, PillarCompliance, Point, PunchForm, System,
+    Accuracy, ElementMesh, Load, Method, PillarCompliance, Point, PunchForm, System,
 };
 use crate::state::contact::contact_warnings;
 use crate::state::{
@@ -86,10 +86,8 @@ fn lowest_over_pillars(scene: &Scene) -> (Point, f64) {
     let (pillars, _) = scene
         .field
         .listed_within(scene.field.extent().unwrap_or(0.0));
-    let sag = |centre: Point| match scene.lens.shape {
-        LensShape::Plate { .. } => scene.lens.sag(centre),
-        _ => 0.0,
-    };
+    let is_flat = scene.lens.is_flat();
+    let sag = |centre: Point| if is_flat { scene.lens.sag(centre) } else { 0.0 };
     let places = pillars.iter().map(|(_, pillar)| pillar.centre);
     let lowest = places.min_by(|one, other| {
         let [a, b] = [one, other].map(|at| (sag(*at), scene.lens.distance(*at)));
@@ -209,10 +207,7 @@ fn as_known(pillar: PillarState, system: &System) -> PillarState {
 
 /// Distance from the lowest point of the lens to the edge of the contact. A height table must cover all touched tops.
 fn from_lowest(scene: &Scene, contact_radius: f64, touched: &[TouchedPillar]) -> f64 {
-    if matches!(
-        scene.lens.shape,
-        LensShape::Sphere { .. } | LensShape::Paraboloid { .. }
-    ) {
+    if scene.lens.is_axisymmetric() && scene.lens.profile().is_none() {
         return contact_radius;
     }
     let end = |pillar: &TouchedPillar| scene.lens.distance(pillar.disc.centre) + pillar.disc.radius;

@@ -11,7 +11,7 @@ use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::nodes::Resolution;
 use crate::problem::pillar_field::{ListedPillar, PillarField};
 use crate::problem::scaled::{SMALL_LENS, Scene};
-use crate::problem::{Accuracy, HexagonalLattice, LensShape, Load, PunchForm};
+use crate::problem::{Accuracy, HexagonalLattice, Load, PunchForm};
 use crate::state::{Run, SolveError, Stage, Termination};
 
 pub(crate) use crate::problem::lens::LARGEST_CONTACT;
@@ -159,30 +159,25 @@ pub(crate) fn solve_spectral<'a>(
 
 /// A rough estimate of the contact radius.
 pub(crate) fn rough_contact_radius(scene: &Scene, target: Load) -> f64 {
-    let pitch = scene.field.spacing();
-    let lens = match &scene.lens.shape {
-        LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => *radius,
-        // All pillars of the arrangement.
-        LensShape::Cylinder { .. } | LensShape::Plate { .. } => {
-            return scene.field.extent().unwrap_or(pitch);
+    let lens = &scene.lens;
+    if !lens.is_axisymmetric() {
+        // All pillars there are.
+        return scene.field.extent().unwrap_or(scene.field.spacing());
+    }
+    if let Some(radius) = lens.radius() {
+        return radius_under_paraboloid(scene, radius, target);
+    }
+    // That of a paraboloid as high at the end of the contact, which is found by halving: a contact grows with the radius of that.
+    let (mut low, mut high) = (0.0, lens.widest());
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if radius_under_paraboloid(scene, lens.radius_through(middle), target) > middle {
+            low = middle;
+        } else {
+            high = middle;
         }
-        LensShape::Profile(profile) => {
-            // Replace the lens by the paraboloid with the same height at the contact edge, found by bisection: a contact grows with the
-            // radius of the paraboloid.
-            let (mut low, mut high) = (0.0, profile.range());
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (low + high);
-                let radius = scene.lens.radius_through(middle);
-                if radius_under_paraboloid(scene, radius, target) > middle {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            return high;
-        }
-    };
-    radius_under_paraboloid(scene, lens, target)
+    }
+    high
 }
 
 /// Number of bisection steps of the estimate.
@@ -358,17 +353,7 @@ pub(crate) fn untouched<'a>(
 
 /// The error for a contact that extends too far from the lowest point of the lens.
 pub(crate) fn exceeds_lens(scene: &Scene, reach: f64) -> SolveError {
-    let metres = |length: f64| length * scene.length;
-    match &scene.lens.shape {
-        LensShape::Profile(profile) => SolveError::ProfileEnds {
-            reach: metres(reach),
-            end: metres(profile.range()),
-        },
-        _ => SolveError::ContactExceedsLens {
-            contact_radius: metres(reach),
-            lens_radius: metres(scene.lens.widest()),
-        },
-    }
+    SolveError::beyond(&scene.lens, reach, scene.length)
 }
 
 /// A larger radius if the contact is close to the edge of the sites, or if the lens penetrates a pillar beyond.

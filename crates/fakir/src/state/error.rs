@@ -1,6 +1,6 @@
 //! Errors of the solvers.
 
-use crate::problem::{InvalidQuantity, Unsupported};
+use crate::problem::{InvalidQuantity, ShapedLens, Unsupported};
 
 /// Formats a number of bytes: `1.2 GB`.
 pub(crate) fn memory(bytes: usize) -> String {
@@ -240,4 +240,18 @@ pub enum SolveError {
         /// Indentation, m.
         indentation: f64,
     },
+}
+
+impl SolveError {
+    /// That a contact reaches too far from where the lens is lowest. Lengths are in a unit of so many m.
+    pub(crate) fn beyond(lens: &ShapedLens, reach: f64, unit: f64) -> Self {
+        let (reach, widest) = (reach * unit, lens.widest() * unit);
+        match lens.profile() {
+            Some(_) => Self::ProfileEnds { reach, end: widest },
+            None => Self::ContactExceedsLens {
+                contact_radius: reach,
+                lens_radius: widest,
+            },
+        }
+    }
 }

@@ -3,8 +3,7 @@
 use super::layer::Layers;
 use crate::numerics::convergence::smaller;
 use crate::problem::{
-    FlatSystem, HeightMap, Indenter, Layer, LensShape, Material, Method, PillarCompliance,
-    SurfaceSystem,
+    HeightMap, Indenter, Layer, Material, Method, PillarCompliance, SurfaceSystem, System,
 };
 use crate::state::limit::{
     DEEPEST_IN_LAYER, DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, SMALLEST_TABOR_NUMBER,
@@ -90,10 +89,7 @@ impl ContactState {
             limits.push(Limit::at_most("buckling", buckling, LARGEST_BUCKLING));
         }
         limits.extend(self.of_pillars());
-        let sphere = match system.lens().shape {
-            LensShape::Sphere { radius } => Some(radius),
-            _ => None,
-        };
+        let sphere = system.lens().sphere().map(|sphere| sphere.radius);
         let layers = [system.substrate_layer(), system.lens_layer()];
         limits.extend(of_layers(layers, sphere, Some(farthest), self.indentation));
         if let Some(thinnest) = system.thinnest_layer() {

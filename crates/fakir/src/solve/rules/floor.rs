@@ -11,7 +11,7 @@ use crate::halfspace::floor::grid::{FloorGrid, Folding};
 use crate::numerics::convergence::{larger, within};
 use crate::numerics::workers::Workers;
 use crate::problem::scaled::Scene;
-use crate::problem::{Cells, LensShape, Point};
+use crate::problem::{Cells, Point};
 use crate::solve::linearized::Rule;
 use rayon::ThreadPool;
 
@@ -57,9 +57,8 @@ impl<'a> FloorCells<'a> {
         let [width, height] = self.grid.division.cell;
         let root = self.unit_cell();
         let apex = scene.lens.apex_radius();
-        let varies = matches!(scene.lens.shape, LensShape::Profile(_));
-        // Difference between the mean of a curved surface over a cell and its value at the centre; for a height table, at the position of
-        // the cell.
+        let varies = scene.lens.bends_unevenly();
+        // What the mean of a curved surface over a cell is higher than its centre by; of a table of heights where that is.
         let mean = move |centre: Point| {
             let jet = scene.lens.jet(centre).filter(|_| varies);
             let [along_x, _, along_y] =

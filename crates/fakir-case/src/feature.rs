@@ -1,0 +1,84 @@
+//! What a problem can have that not every solver knows, in the words and keys of case files.
+
+use crate::file::CaseFile;
+use crate::key::Key;
+use crate::parts::Parts;
+use fakir::problem::{Feature, LensForm, PillarCompliance, Unsupported};
+
+/// What the table calls a feature.
+pub(crate) fn named(feature: Feature) -> &'static str {
+    match feature {
+        Feature::Lens(LensForm::Profile) => "lens with a table of heights",
+        Feature::Lens(form) => form.name(),
+        Feature::TiltedPlate => "tilted plate",
+        Feature::OtherArrangement => "other arrangement than the endless hexagonal lattice",
+        Feature::SeveralDiameters => "pillars of several diameters",
+        Feature::SeveralColumns => "columns of several heights",
+        Feature::Layer => "lens or substrate of finite thickness",
+        Feature::ElasticPillars => "elastic pillars",
+        Feature::IgnoredFloor => "floor ignored",
+        Feature::AdhesiveTops => "adhesive tops",
+        Feature::AdhesiveFloor => "adhesive floor",
+    }
+}
+
+/// The keys that can be changed where there is no answer, each once.
+pub(crate) fn keys_of(unsupported: &Unsupported) -> impl Iterator<Item = Key> {
+    let features = unsupported.with.iter().copied().flatten();
+    let mut keys: Vec<Key> = Vec::new();
+    for key in features.flat_map(|feature| keys_with(*feature)) {
+        if !keys.contains(key) {
+            keys.push(*key);
+        }
+    }
+    keys.into_iter()
+}
+
+/// The keys by which a case has a feature.
+fn keys_with(feature: Feature) -> &'static [Key] {
+    match feature {
+        Feature::Lens(_) => &[Key::LensShape],
+        Feature::TiltedPlate => &[Key::LensTilt],
+        Feature::OtherArrangement => &[
+            Key::Lattice,
+            Key::Rotation,
+            Key::Columns,
+            Key::HeightStandardDeviation,
+            Key::TextureMissing,
+        ],
+        Feature::SeveralDiameters => &[Key::PillarDiameter],
+        Feature::SeveralColumns => &[Key::PillarHeight, Key::PillarCompliance],
+        Feature::Layer => &[Key::SubstrateThickness, Key::LensThickness],
+        Feature::ElasticPillars => &[Key::PillarCompliance],
+        Feature::IgnoredFloor => &[Key::FloorContact],
+        Feature::AdhesiveTops => &[Key::WorkOfAdhesion, Key::RecedingWorkOfAdhesion],
+        Feature::AdhesiveFloor => &[Key::FloorSticks],
+    }
+}
+
+impl CaseFile {
+    /// What a case has that not every solver knows, by its keys.
+    pub(crate) fn features(&self, parts: &Parts) -> Vec<Feature> {
+        let texture = &parts.texture;
+        let is_of_layers = |key: &Key| key.is_of_layers();
+        let has = |feature: &Feature| match feature {
+            Feature::Lens(form) => parts.shape.form == *form,
+            Feature::TiltedPlate => {
+                parts.shape.form == LensForm::Plate && parts.shape.tilt.abs() > 0.0
+            }
+            Feature::Layer => self.entries.keys.keys().any(is_of_layers),
+            Feature::ElasticPillars => texture.pillar.compliance == PillarCompliance::Elastic,
+            Feature::AdhesiveTops => {
+                texture.adhesion.work.abs() > 0.0
+                    || self.entry(Key::RecedingWorkOfAdhesion).is_some()
+            }
+            Feature::AdhesiveFloor => texture.adhesion.floor.0,
+            // These are looked at in a system, or have a meaning of their own on other surfaces.
+            Feature::OtherArrangement
+            | Feature::SeveralDiameters
+            | Feature::SeveralColumns
+            | Feature::IgnoredFloor => false,
+        };
+        Feature::ALL.into_iter().filter(has).collect()
+    }
+}
