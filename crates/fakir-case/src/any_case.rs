@@ -34,8 +34,11 @@ impl AnyCase {
     /// Whether something sticks in it.
     #[must_use]
     pub fn is_adhesive(&self) -> bool {
-        let texture = self.texture();
-        texture.is_some_and(|case| !case.system.adhesion().is_none())
+        match self {
+            Self::Pillars(case) => !case.system.adhesion().is_none(),
+            Self::Flat(case) => !case.system.adhesion().is_none(),
+            Self::Asperities(_) | Self::HeightMap(_) => false,
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use fakir::problem::{Feature, LensForm, PillarCompliance, Unsupported};
 pub(crate) fn named(feature: Feature) -> &'static str {
     match feature {
         Feature::Lens(LensForm::Profile) => "lens with a table of heights",
+        Feature::Lens(LensForm::Punch) => "flat punch",
         Feature::Lens(form) => form.name(),
         Feature::TiltedPlate => "tilted plate",
         Feature::OtherArrangement => "other arrangement than the endless hexagonal lattice",

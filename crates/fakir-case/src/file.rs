@@ -268,11 +268,11 @@ impl CaseFile {
                 .problem(Key::TopRadius, "this is computed for flat pillar tops only")
                 .accepted("leave it out; rounded tops are known to `press`, `approach`, `sweep` and `design --free heights`"));
         }
-        if parts.shape.form == ShapeForm::Punch {
+        if parts.shape.form == LensForm::Punch {
             self.answers(
                 Question::Press,
                 parts.method.method().into(),
-                &[Feature::Punch],
+                &[Feature::Lens(LensForm::Punch)],
             )?;
         }
         let texture = &parts.texture;

@@ -4,10 +4,10 @@ use crate::case::write_toml;
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::Key;
-use crate::parts::{Parts, ShapeForm};
+use crate::parts::Parts;
 use crate::surface::texture_and_surface;
 use crate::table::Part;
-use fakir::problem::{FlatSystem, InvalidFlat, LensShape, Question, ShapedLens, Solver};
+use fakir::problem::{FlatSystem, InvalidFlat, LensForm, LensShape, Question, ShapedLens, Solver};
 
 /// A lens or a flat punch on a flat surface, as a case file describes them.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ impl CaseFile {
         let mut parts = self.flat_parts()?;
         self.answers(Question::Press, Solver::Flat, &self.features(&parts))?;
         let material = parts.lens.material;
-        let system = if parts.shape.form == ShapeForm::Punch {
+        let system = if parts.shape.form == LensForm::Punch {
             FlatSystem::punch(parts.lens.radius, material, parts.substrate)
         } else {
             let (shape, file) = self.lens_shape(&parts)?;

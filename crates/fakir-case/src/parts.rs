@@ -79,7 +79,7 @@ pub(crate) struct AdhesionParts {
     pub(crate) work_receding: f64,
     /// Whether the receding work is given.
     pub(crate) recedes: bool,
-    pub(crate) floor: FloorSticks,
+    pub(crate) floor: Flag,
 }
 
 impl AdhesionParts {
@@ -189,7 +189,7 @@ impl Default for Parts {
                     work: 0.0,
                     work_receding: NOT_GIVEN,
                     recedes: false,
-                    floor: FloorSticks::default(),
+                    floor: Flag::default(),
                 },
             },
             method: MethodParts {
@@ -255,7 +255,7 @@ impl Parts {
             work: adhesion.work,
             work_receding: adhesion.receding(),
             recedes: adhesion.work_receding.is_some(),
-            floor: FloorSticks(adhesion.floor),
+            floor: Flag(adhesion.floor),
         };
         parts.texture.arrangement.surface_fraction = system.texture().surface_fraction();
         let values = &mut parts.method;
@@ -323,7 +323,8 @@ impl ShapeParts {
                 tilt: self.tilt,
                 direction: self.tilt_direction,
             },
-            LensForm::Profile => return None,
+            // No lens on pillars is a punch: it is refused before.
+            LensForm::Profile | LensForm::Punch => return None,
         })
     }
 }

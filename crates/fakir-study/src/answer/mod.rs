@@ -107,6 +107,7 @@ pub fn cited(case: &AnyCase) -> Result<(String, Vec<Topic>), CaseError> {
     Ok(match case {
         AnyCase::Pillars(case) => of(&**case),
         AnyCase::Asperities(case) => of(&**case),
+        AnyCase::Flat(case) => of(&**case),
         AnyCase::HeightMap(file) => of(&file.surface_case(Run::default().memory_limit())?),
     })
 }
@@ -116,6 +117,7 @@ pub(crate) fn cost(case: &AnyCase, cells: usize) -> f64 {
     match case {
         AnyCase::Pillars(case) => pillars::cost(&case.system, case.method),
         AnyCase::Asperities(case) => case.field.asperities().len() as f64,
+        AnyCase::Flat(_) => 1.0,
         AnyCase::HeightMap(_) => cells.max(1) as f64,
     }
 }

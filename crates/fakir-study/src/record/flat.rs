@@ -1,6 +1,6 @@
 //! The numbers of contacts and cycles with a flat surface.
 
-use super::contact::{ending, load};
+use super::contact::{common, common_of_states, load};
 use super::loading::LoadingState;
 use super::named::{Kind, Named, Recorded};
 use fakir::problem::FlatSystem;
@@ -85,7 +85,7 @@ impl<'a> Recorded for FlatAnswer<'a> {
                 |it: &FlatContact| it.error.contact_radius,
             ),
         ]));
-        rows.extend(of_contact(ending().into()));
+        rows.extend(of_contact(common()));
         rows
     }
 }
@@ -119,11 +119,7 @@ impl Recorded for LoadingState<&FlatContact> {
             "estimated relative error of the contact radius",
             |it: &FlatContact| it.error.contact_radius,
         ));
-        rows.push(Named::flag(
-            "converged",
-            "whether the solver converged",
-            |it: &FlatContact| it.converged() && it.unresolved().is_none(),
-        ));
+        rows.extend(common_of_states());
         rows.into_iter()
             .map(|row| row.of_part(|it: &Self| it.answer))
             .collect()
@@ -215,7 +211,7 @@ impl Recorded for FlatCycle {
                 |it: &FlatCycle| it.loop_area.map(|_| it.loop_area_error),
             ),
         ];
-        rows.extend(ending());
+        rows.extend(common());
         rows
     }
 }

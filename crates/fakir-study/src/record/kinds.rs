@@ -12,13 +12,15 @@ use std::sync::LazyLock;
 impl Kind {
     /// Which numbers a study asks for; none of a collapse.
     pub(crate) fn of(study: &Study) -> Option<Self> {
-        use SurfaceKind::{Asperities, HeightMap, Pillars};
+        use SurfaceKind::{Asperities, Flat, HeightMap, Pillars};
         match (study.asked(), study.surface_kind()) {
-            (Asked::Transition, Pillars | Asperities) => Some(Self::Transition),
+            (Asked::Transition, Pillars | Asperities | Flat) => Some(Self::Transition),
             (Asked::Transition, HeightMap) => Some(Self::SurfaceTransition),
             (Asked::Press, Asperities) => Some(Self::AsperityPress),
             (Asked::Press, Pillars) => Some(Self::Press),
             (Asked::Press, HeightMap) => Some(Self::SurfacePress),
+            (Asked::Press, Flat) => Some(Self::FlatPress),
+            (Asked::Cycle, Flat) => Some(Self::FlatCycle),
             (Asked::Cycle, _) => Some(Self::Cycle),
             (Asked::Collapse, _) => None,
         }

@@ -331,6 +331,7 @@ kinds! {
     /// The critical state with a height map.
     SurfaceTransition = "surface_transition", "A critical state with a height map";
     /// A contact with rounded tops.
+    #[serde(alias = "rounded_press")]
     AsperityPress = "asperity_press", "A contact with rounded tops";
     /// A cycle of loading and unloading.
     Cycle = "cycle", "A cycle";
@@ -339,7 +340,14 @@ kinds! {
     /// A state of a loading of a height map.
     SurfaceLoading = "surface_loading", "A state of a loading of a height map";
     /// A state of a loading of rounded tops.
+    #[serde(alias = "rounded_loading")]
     AsperityLoading = "asperity_loading", "A state of a loading of rounded tops";
+    /// A contact with a flat surface.
+    FlatPress = "flat_press", "A contact with a flat surface";
+    /// A cycle with a flat surface.
+    FlatCycle = "flat_cycle", "A cycle with a flat surface";
+    /// A state of a loading of a flat surface.
+    FlatLoading = "flat_loading", "A state of a loading of a flat surface";
 }
 
 impl Type {

@@ -106,7 +106,7 @@ fn critical_states_have_their_own_columns_and_narrow_grids_grow() {
     // On another grid the cells are shifted slightly.
     let [narrow, wide] = [force[0].unwrap(), force[1].unwrap()];
     assert!((narrow / wide - 1.0).abs() < 2.0 * error[1].unwrap());
-    let needed = |_: &fakir_study::surfaces::SurfaceError| None;
+    let needed = |_: &fakir_study::answer::AnswerError| None;
     let alone = on_wide_enough_a_grid(&file(&study, 1), 1_000_000_000, needed, |case| {
         Ok(case.system.transition(&Run::default())?)
     });

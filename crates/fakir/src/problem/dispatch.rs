@@ -65,6 +65,8 @@ listed! {
         Asperities,
         /// Elements on a height map.
         HeightMap,
+        /// One disc of contact on a flat surface.
+        Flat,
     }
 }
 
@@ -276,7 +278,7 @@ static RULES: &[Rule] = &[
             Solver::Asperities,
             Solver::HeightMap,
         ],
-        &[&[Feature::Punch]],
+        &[&[Feature::Lens(LensForm::Punch)]],
         "a flat punch is supported on a flat surface only",
         "use a plate, which covers all pillars, or leave the pillars out",
     ),
@@ -630,7 +632,7 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         FLAT,
-        &[&[Feature::Cylinder, Feature::Plate]],
+        &[WITHOUT_AXIS],
         "the contact of an infinite cylinder or plate with a flat surface has no finite force or no finite indentation",
         "use a sphere, a paraboloid, a profile or a punch",
     ),

@@ -112,6 +112,8 @@ listed! {
         Plate = "plate",
         /// A table of heights.
         Profile = "profile",
+        /// A flat circular punch, on flat surfaces only ([`Probe`](super::Probe)): no [`LensShape`] is one.
+        Punch = "punch",
     }
 }
 

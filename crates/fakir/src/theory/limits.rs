@@ -3,7 +3,8 @@
 use super::layer::Layers;
 use crate::numerics::convergence::smaller;
 use crate::problem::{
-    HeightMap, Indenter, Layer, Material, Method, PillarCompliance, SurfaceSystem, System,
+    FlatSystem, HeightMap, Indenter, Layer, Material, Method, PillarCompliance, ShapedLens,
+    SurfaceSystem,
 };
 use crate::state::limit::{
     DEEPEST_IN_LAYER, DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, SMALLEST_TABOR_NUMBER,
@@ -371,10 +372,10 @@ impl FlatContact {
                 SMALLEST_TABOR_NUMBER,
             ));
         }
-        let sphere = match system.lens().map(|lens| &lens.shape) {
-            Some(LensShape::Sphere { radius }) => Some(*radius),
-            _ => None,
-        };
+        let sphere = system
+            .lens()
+            .and_then(ShapedLens::sphere)
+            .map(|lens| lens.radius);
         let layers = system.layers();
         limits.extend(of_layers(
             layers,
