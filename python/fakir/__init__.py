@@ -20,6 +20,7 @@ from . import bem, errors, love, plot, theory
 from ._bodies import (
     CylinderLens,
     ElasticBase,
+    FlatPunch,
     HexagonalTexture,
     LatticeOptions,
     LayerOptions,
@@ -38,6 +39,7 @@ from ._cycle import Adhesion, Cycle, PullOff, StuckFloor
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
+from ._flat import Flat, FlatApproach, FlatContact, FlatCycle, FlatSystem
 from ._floor import FloorContact
 from ._gradient import Gradient
 from ._homogenised import HomogenisedLattice, homogenised
@@ -87,6 +89,12 @@ __all__ = [
     "FakirWarning",
     "Fit",
     "FitError",
+    "Flat",
+    "FlatApproach",
+    "FlatContact",
+    "FlatCycle",
+    "FlatPunch",
+    "FlatSystem",
     "FloorContact",
     "FloorErrors",
     "Gradient",

@@ -289,15 +289,56 @@ class ProfileLens(_Body):
         _set_material(self, "lens.", young_modulus, poisson_ratio)
 
 
+@dataclass(frozen=True, init=False)
+class FlatPunch(RoundLens):
+    """A punch with a flat circular end, on a flat surface only.
+
+    Parameters
+    ----------
+    radius
+        Radius of the end (m).
+    young_modulus, poisson_ratio
+        As for a `Lens`.
+    """
+
+
 AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens
 
 
-def shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
+def lens_of(values: Mapping[str, Any]) -> Any:
+    """The lens of a case with these values."""
+    modulus, ratio = values["lens.young_modulus"], values["lens.poisson_ratio"]
+    layer = layer_of(values, "lens")
+    match values.get("lens.shape", "sphere"):
+        case "paraboloid":
+            return ParaboloidLens(values["lens.radius"], modulus, ratio, **layer)
+        case "cylinder":
+            angle = values["lens.angle"]
+            return CylinderLens(values["lens.radius"], modulus, ratio, angle=angle, **layer)
+        case "plate":
+            tilt, direction = values["lens.tilt"], values["lens.tilt_direction"]
+            return PlateLens(modulus, ratio, tilt=tilt, tilt_direction=direction, **layer)
+        case "profile":
+            return ProfileLens(values["lens.profile"], modulus, ratio, **layer)
+        case "punch":
+            return FlatPunch(values["lens.radius"], modulus, ratio, **layer)
+    return Lens(values["lens.radius"], modulus, ratio, **layer)
+
+
+def substrate_of(values: Mapping[str, Any]) -> Substrate:
+    """The substrate of a case with these values."""
+    modulus, ratio = values["substrate.young_modulus"], values["substrate.poisson_ratio"]
+    return Substrate(modulus, ratio, **layer_of(values, "substrate"))
+
+
+def shape_of(lens: AnyLens | FlatPunch) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
     """The numbers and words of a lens by their keys, except those of its material."""
     numbers: list[tuple[str, float | None]]
     match lens:
         case ParaboloidLens():
             return [("lens.radius", lens.radius)], [("lens.shape", "paraboloid")]
+        case FlatPunch():
+            return [("lens.radius", lens.radius)], [("lens.shape", "punch")]
         case CylinderLens():
             numbers = [("lens.radius", lens.radius), ("lens.angle", lens.angle)]
             return numbers, [("lens.shape", "cylinder")]

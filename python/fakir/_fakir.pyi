@@ -305,6 +305,46 @@ def design_heights(
     options: Options,
 ) -> tuple[str, Rounded, list[tuple[str, Any]]]: ...
 @final
+class Flat:
+    @staticmethod
+    def build(
+        numbers: Sequence[tuple[str, float]], words: Sequence[tuple[str, str]]
+    ) -> Flat: ...
+    @staticmethod
+    def read(path: _Path, overrides: Sequence[str]) -> Flat: ...
+    @staticmethod
+    def parse(name: str, text: str, overrides: Sequence[str]) -> Flat: ...
+    def with_settings(self, settings: Sequence[str]) -> Flat: ...
+    def to_toml(self) -> str: ...
+    def values(self) -> dict[str, Any]: ...
+    @property
+    def reduced_modulus(self) -> float: ...
+    def pressure(
+        self, contact_radius: float, indentation: float, distances: _Floats
+    ) -> _Floats: ...
+
+def press_flat(
+    flat: Flat, indentation: float | None, force: float | None, options: Options
+) -> Answer: ...
+def approach_flat(
+    flat: Flat,
+    step: float,
+    until: float | None,
+    to: float | None,
+    to_force: float | None,
+    options: Options,
+) -> tuple[str, list[Answer]]: ...
+def cycle_flat(
+    flat: Flat,
+    to: float | None,
+    to_force: float | None,
+    drive: str,
+    machine_stiffness: float | None,
+    retract: bool,
+    options: Options,
+) -> tuple[Answer, list[tuple[str, float, float, float]]]: ...
+
+@final
 class Surface:
     def __new__(
         cls,

@@ -8,8 +8,9 @@ from typing import Any, overload
 import numpy as np
 
 from . import _fakir
-from ._bodies import AnyLens, Lens, Pillars, Substrate, Texture
+from ._bodies import AnyLens, FlatPunch, Lens, Pillars, Substrate, Texture
 from ._quantity import Quantity
+from ._flat import Flat, FlatSystem
 from ._rounded import RoundedTops
 from ._settings import Overrides, settings
 from ._system import System
@@ -31,6 +32,10 @@ def problem(
 ) -> System: ...
 @overload
 def problem(
+    indenter: AnyLens | FlatPunch, substrate: Substrate, surface: Flat, **options: Any
+) -> FlatSystem: ...
+@overload
+def problem(
     indenter: Lens | Plate, substrate: Substrate, surface: object, **options: Any
 ) -> Surface: ...
 def problem(
@@ -40,7 +45,7 @@ def problem(
     *,
     top_radius: Quantity | None = None,
     **options: Any,
-) -> System | Surface | RoundedTops:
+) -> System | Surface | RoundedTops | FlatSystem:
     """Creates the problem of an indenter and a surface of any kind.
 
     Parameters
@@ -48,11 +53,11 @@ def problem(
     indenter, substrate
         A lens or a plate, and the half-space under the surface.
     surface
-        Pillars, such as a `HexagonalTexture` or `Pillars`, or a height map: an array (m) or an object of SurfaceTopography.
+        Pillars, such as a `HexagonalTexture` or `Pillars`, a `Flat` surface, or a height map: an array (m) or an object of SurfaceTopography.
     top_radius
         Radius of curvature (m) of `Pillars` with rounded tops.
     options
-        Those of `System`, `fakir.bem.Surface` or `RoundedTops`, one of which is returned. All of them have `press`.
+        Those of `System`, `FlatSystem`, `fakir.bem.Surface` or `RoundedTops`, one of which is returned. All of them have `press`.
 
     Examples
     --------
@@ -69,6 +74,8 @@ def problem(
         diameter = None if np.isnan(surface.diameter).all() else surface.diameter
         options.setdefault("diameter", diameter)
         return RoundedTops(x, y, surface.height, top_radius, indenter, substrate, **options)
+    if isinstance(surface, Flat):
+        return FlatSystem(indenter, substrate, **options)
     if isinstance(surface, Texture):
         return System(indenter, substrate, surface, **options)
     return Surface(surface, indenter, substrate, **options)
@@ -76,9 +83,11 @@ def problem(
 
 def read_case(
     path: str | PathLike[str], overrides: Overrides | None = None
-) -> System | Surface | RoundedTops:
+) -> System | Surface | RoundedTops | FlatSystem:
     """Reads a case file with any kind of surface; ``overrides`` contains values of keys, as ``--set`` of the command line."""
     found = _fakir.read_case(fspath(path), settings(overrides), True)
     if isinstance(found, _fakir.Case):
         return System._of(found)
+    if isinstance(found, _fakir.Flat):
+        return FlatSystem._of(found)
     return Surface._of(found) if isinstance(found, _fakir.Surface) else RoundedTops._of(found)

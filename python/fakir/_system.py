@@ -10,13 +10,10 @@ import numpy as np
 from . import _fakir
 from ._bodies import (
     AnyLens,
-    CylinderLens,
     HexagonalTexture,
     LatticeOptions,
     LatticeTexture,
-    Lens,
     ObliqueTexture,
-    ParaboloidLens,
     Pillars,
     PlateLens,
     ProfileLens,
@@ -25,8 +22,9 @@ from ._bodies import (
     SquareTexture,
     Substrate,
     Texture,
-    layer_of,
+    lens_of,
     shape_of,
+    substrate_of,
 )
 from ._comparison import Comparison, compare
 from ._cycle import Adhesion, Cycle, Drive, cycle
@@ -60,6 +58,7 @@ class System(Shown):
 
     Examples
     --------
+    >>> from fakir import Lens
     >>> system = System(
     ...     Lens("2.2 mm", "2 MPa", 0.5),
     ...     Substrate("2 MPa", 0.5),
@@ -190,28 +189,13 @@ class System(Shown):
     @property
     def lens(self) -> AnyLens:
         """The lens."""
-        values = self._case.values()
-        modulus, ratio = values["lens.young_modulus"], values["lens.poisson_ratio"]
-        layer = layer_of(values, "lens")
-        match values.get("lens.shape", "sphere"):
-            case "paraboloid":
-                return ParaboloidLens(values["lens.radius"], modulus, ratio, **layer)
-            case "cylinder":
-                angle = values["lens.angle"]
-                return CylinderLens(values["lens.radius"], modulus, ratio, angle=angle, **layer)
-            case "plate":
-                tilt, direction = values["lens.tilt"], values["lens.tilt_direction"]
-                return PlateLens(modulus, ratio, tilt=tilt, tilt_direction=direction, **layer)
-            case "profile":
-                return ProfileLens(values["lens.profile"], modulus, ratio, **layer)
-        return Lens(values["lens.radius"], modulus, ratio, **layer)
+        lens: AnyLens = lens_of(self._case.values())
+        return lens
 
     @property
     def substrate(self) -> Substrate:
         """The substrate."""
-        values = self._case.values()
-        modulus, ratio = values["substrate.young_modulus"], values["substrate.poisson_ratio"]
-        return Substrate(modulus, ratio, **layer_of(values, "substrate"))
+        return substrate_of(self._case.values())
 
     @property
     def texture(self) -> Texture:

@@ -3,7 +3,7 @@
 use crate::case::write_toml;
 use crate::error::CaseError;
 use crate::file::CaseFile;
-use crate::key::Key;
+use crate::key::{Key, Setting};
 use crate::parts::Parts;
 use crate::surface::texture_and_surface;
 use crate::table::Part;
@@ -14,8 +14,8 @@ use fakir::problem::{FlatSystem, InvalidFlat, LensForm, LensShape, Question, Sha
 pub struct FlatCase {
     /// The bodies and the adhesion.
     pub system: FlatSystem,
-    /// All given keys and their values, as written in a case file.
-    settings: Vec<(Key, String)>,
+    /// All given keys and their values.
+    settings: Vec<(Key, Setting)>,
 }
 
 impl FlatCase {
@@ -23,9 +23,16 @@ impl FlatCase {
     #[must_use]
     pub fn to_toml(&self) -> String {
         write_toml(|key| {
-            let setting = self.settings.iter().find(|(given, _)| *given == key);
-            setting.map(|(_, value)| value.clone())
+            let setting = self.setting(key)?;
+            Some(key.written(&setting))
         })
+    }
+
+    /// The value of a key; none if it was not given.
+    #[must_use]
+    pub fn setting(&self, key: Key) -> Option<Setting> {
+        let setting = self.settings.iter().find(|(given, _)| *given == key);
+        setting.map(|(_, value)| value.clone())
     }
 }
 
@@ -74,7 +81,12 @@ impl CaseFile {
             .map_err(|invalid| self.impossible(&invalid))?;
         Ok(FlatCase {
             system,
-            settings: self.settings(parts),
+            settings: self
+                .entries
+                .keys
+                .keys()
+                .map(|key| (*key, key.get(&mut parts)))
+                .collect(),
         })
     }
 

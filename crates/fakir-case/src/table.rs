@@ -242,6 +242,8 @@ keys! {
                 .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
                 .of(Quantity::RecedingWorkOfAdhesion)
                 .unwritten(|p| !p.texture.adhesion.recedes);
+    }
+    Texture {
         FloorSticks = "adhesion.floor" is
             word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.texture.adhesion.floor)
                 .label("adhesive floor").optional()
@@ -357,7 +359,7 @@ keys! {
             number("cells across the narrowest diameter of a pillar, 4 or more", |p| &mut p.surface.grid_cells)
                 .range(Range::Whole(4, 1024)).optional();
         GridWidth = "surface.grid.width" is
-            length("width of the grid, centred on the lens axis; whole periods of a periodic lattice", |p| &mut p.surface.grid_width)
+            length("width of the grid, which is centred; whole periods of a periodic lattice", |p| &mut p.surface.grid_width)
                 .positive();
     }
     Texture {

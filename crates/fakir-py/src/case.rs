@@ -2,6 +2,7 @@
 
 use crate::asperities::Asperities;
 use crate::error::{PYTHON, case_error, value_error, warn_of_deprecations};
+use crate::flat::Flat;
 use crate::surface::Surface;
 use fakir::problem::{Arrangement, ListedPillar, PillarList};
 use fakir_case::unit::{Dimension, parse_argument};
@@ -27,14 +28,7 @@ impl Case {
         words: Vec<(String, String)>,
         pillars: Option<Vec<[f64; 4]>>,
     ) -> PyResult<Self> {
-        let numbers = numbers
-            .into_iter()
-            .map(|(path, number)| Ok((key(&path)?, Setting::Number(number))));
-        let words = words
-            .into_iter()
-            .map(|(path, word)| Ok((key(&path)?, Setting::Word(word))));
-        let settings: Vec<(Key, Setting)> = numbers.chain(words).collect::<PyResult<_>>()?;
-        let file = CaseFile::from_settings(PYTHON, settings);
+        let file = CaseFile::from_settings(PYTHON, settings(numbers, words)?);
         Self::of(with_pillars(file, pillars)?, &[])
     }
 
@@ -121,6 +115,20 @@ impl Case {
     }
 }
 
+/// Numbers in SI units and words, by their keys.
+pub(crate) fn settings(
+    numbers: Vec<(String, f64)>,
+    words: Vec<(String, String)>,
+) -> PyResult<Vec<(Key, Setting)>> {
+    let numbers = numbers
+        .into_iter()
+        .map(|(path, number)| Ok((key(&path)?, Setting::Number(number))));
+    let words = words
+        .into_iter()
+        .map(|(path, word)| Ok((key(&path)?, Setting::Word(word))));
+    numbers.chain(words).collect()
+}
+
 /// A file with listed pillars, if there are any.
 fn with_pillars(file: CaseFile, pillars: Option<Vec<[f64; 4]>>) -> PyResult<CaseFile> {
     let Some(rows) = pillars else {
@@ -148,16 +156,18 @@ pub(crate) enum Described {
     Texture(Case),
     Surface(Surface),
     Asperities(Asperities),
+    Flat(Flat),
 }
 
 impl Described {
     fn of(file: CaseFile, overrides: &[String], rounded: bool) -> PyResult<Self> {
         match file.surface_kind() {
             SurfaceKind::HeightMap => Surface::of(file, overrides, None).map(Self::Surface),
+            SurfaceKind::Flat if rounded => Flat::of(file, overrides).map(Self::Flat),
             SurfaceKind::Asperities if rounded => {
                 Asperities::of(file, overrides).map(Self::Asperities)
             }
-            SurfaceKind::Asperities | SurfaceKind::Pillars => {
+            SurfaceKind::Asperities | SurfaceKind::Pillars | SurfaceKind::Flat => {
                 Case::of(file, overrides).map(Self::Texture)
             }
         }

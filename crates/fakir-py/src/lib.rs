@@ -13,6 +13,7 @@ mod command;
 mod design;
 mod error;
 mod fit;
+mod flat;
 mod load;
 mod state;
 mod study;
@@ -36,6 +37,8 @@ mod _fakir {
     use super::design::{cite, design, parse_deviation, sampling_defaults, spread};
     #[pymodule_export]
     use super::fit::{Data, Fitted, fit};
+    #[pymodule_export]
+    use super::flat::{Flat, approach_flat, cycle_flat, press_flat};
     #[pymodule_export]
     use super::state::{
         Critical, Cycle, State, approach, check_points, compare, cycle, gradient, press,

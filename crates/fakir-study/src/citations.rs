@@ -401,6 +401,7 @@ mod tests {
                 Topic::StuckFloor,
                 Topic::ClosedForms,
                 Topic::Layers,
+                Topic::Flat,
                 Topic::Asperities,
                 Topic::DesignedHeights,
                 surface(true, false),

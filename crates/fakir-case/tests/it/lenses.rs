@@ -100,7 +100,7 @@ fn what_does_not_belong_together_is_refused() {
         "shape = 'plate'\nradius = '2 mm'",
         "lens.radius",
         "with lens.shape = \"plate\" there is no such key",
-        "leave it out, or give \"sphere\", \"paraboloid\" or \"cylinder\" as lens.shape",
+        "leave it out, or give \"sphere\", \"paraboloid\", \"cylinder\" or \"punch\" as lens.shape",
     );
     assert_refused(
         "radius = '2 mm'\nangle = '1 deg'",

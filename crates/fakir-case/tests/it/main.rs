@@ -4,6 +4,7 @@
 
 mod asperities;
 mod cases;
+mod flat;
 mod height_map;
 mod keys;
 mod lenses;

@@ -270,7 +270,7 @@ fn what_cannot_be_is_refused() {
         ),
         (
             &["transition", &case, "--set", "method.name=love"],
-            "only the spectral method supports adhesion",
+            "only the spectral method supports",
         ),
     ];
     for (arguments, explanation) in attempts {

@@ -531,7 +531,7 @@ fn every_other_command_refuses_rounded_tops() {
         ),
         (
             &["--output", "x", "--field-points", "9"],
-            "maps of the pressure are not available for rounded tops",
+            "maps of the pressure are not available for rounded",
         ),
     ] {
         let press = ["press", "case.toml", "--force", "1mN"];

@@ -7,6 +7,7 @@ mod behaviour;
 mod common;
 mod design;
 mod fits;
+mod flat;
 mod heights;
 mod installed;
 mod recorded;

@@ -11,7 +11,7 @@ use crate::report::state::{
     QuantityList, adhesion_words, drive_words, error_remark, lens_words, strained_range,
 };
 use crate::result::{csv, json};
-use fakir::problem::{CyclePlan, Solver};
+use fakir::problem::{CyclePlan, Solver, UnloadingPoint};
 use fakir::state::{FlatContact, FlatCycle, Limit, Regime, Run, Solution};
 use fakir_case::FlatCase;
 use fakir_case::unit::Dimension;
@@ -61,7 +61,19 @@ impl Kind for FlatCase {
         self.to_toml()
     }
 
-    fn check(&self, _: &Request, details: &Details, _: &Run<'_>) -> Result<(), AnswerError> {
+    fn check(&self, request: &Request, details: &Details, _: &Run<'_>) -> Result<(), AnswerError> {
+        if let Request::Cycle(plan) = request {
+            if self.system.adhesion().is_none() {
+                return Err(AnswerError::Refused(
+                    "a cycle needs adhesion: give adhesion.work in the case file, or --set adhesion.work=50mJ/m2",
+                ));
+            }
+            if matches!(plan.turn, UnloadingPoint::Critical(_)) {
+                return Err(AnswerError::Refused(
+                    "a flat surface has no critical state at which the loading could end: give --to or --to-force",
+                ));
+            }
+        }
         if details.range.is_some() && self.system.adhesion().is_none() {
             return Err(AnswerError::Refused(
                 "the range of the attraction has no meaning without adhesion: give a work of adhesion",

@@ -5,7 +5,7 @@ use fakir::problem::{CyclePlan, Load};
 use fakir::state::{Run, SolveError};
 use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile, Key, Kind, Setting};
-use fakir_study::record::{AsperityAnswer, Record, SurfaceAnswer};
+use fakir_study::record::{AsperityAnswer, FlatAnswer, Record, SurfaceAnswer};
 use serde_json::Value;
 use std::cell::RefCell;
 use std::path::Path;
@@ -225,6 +225,25 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
                 Ok(numbers(&Record::of(&answer)))
             }
         };
+    }
+    if file.is_flat() {
+        let case = file.flat_case().map_err(|e| e.one_line())?;
+        let system = &case.system;
+        let contact = system.press(load, &run).map_err(refused)?;
+        let answer = FlatAnswer {
+            system,
+            contact: &contact,
+        };
+        let mut found = numbers(&Record::of(&answer));
+        if question == Question::Cycle {
+            let plan = CyclePlan {
+                turn: load.into(),
+                ..CyclePlan::default()
+            };
+            let cycle = system.cycle(&plan, &run).map_err(refused)?;
+            found.extend(cycle.pull_off.map(|contact| contact.force));
+        }
+        return Ok(found);
     }
     if file.is_rounded() {
         let case = file.asperity_case().map_err(|e| e.one_line())?;
@@ -514,6 +533,11 @@ fn rounded_tops() {
     // Under a lens wide enough to touch several asperities.
     let bodies = BODIES.replace("500 um", "2 mm");
     check(&[("rounded", format!("{bodies}{ROUNDED}"))]);
+}
+
+#[test]
+fn flat_surfaces() {
+    check(&[("flat", format!("{BODIES}[surface]\nflat = true\n"))]);
 }
 
 #[test]

@@ -478,7 +478,7 @@ static RULES: &[Rule] = &[
         ANY,
         ASPERITIES,
         &[NOT_LEVEL],
-        "rounded pillar tops are under a sphere or a plate here",
+        "rounded pillar tops support only a sphere or a plate",
         "use a sphere or a plate",
     ),
     rule(
@@ -562,8 +562,8 @@ static RULES: &[Rule] = &[
         ANY,
         HEIGHT_MAP,
         &[NOT_LEVEL],
-        "a height map is under a sphere or a level plate here",
-        "leave the shape of the lens out, or describe round pillars as a texture",
+        "a height map supports only a sphere or a level plate",
+        "leave out the shape of the lens, or describe round pillars as a texture",
     ),
     rule(
         ANY,

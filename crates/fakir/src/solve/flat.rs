@@ -7,6 +7,7 @@
 //! indentation and force in closed form, and a prescribed load is met by a search over the radius.
 
 use crate::numerics::convergence::{larger, smaller};
+use crate::numerics::quadrature::gauss_legendre;
 use crate::numerics::roots::{Point, find, least};
 use crate::problem::layer::Layer;
 use crate::problem::load::Prescribed;
@@ -17,6 +18,7 @@ use crate::state::{
     Branch, FlatContact, FlatCycle, FlatErrors, FlatLoadStep, Run, SolveError, Termination, Warning,
 };
 use crate::theory::layer::{Disc, Layers};
+use std::cell::RefCell;
 use std::f64::consts::PI;
 
 /// Relative step in the contact radius of the difference quotient for the stiffness. Its error is the fourth power.
@@ -90,6 +92,8 @@ struct Bench<'a> {
     layers: Layers,
     /// Factor of the number of points.
     finer: f64,
+    /// The Gauss rule of the last contact: most contacts have as many points as the one before.
+    rule: RefCell<Vec<(f64, f64)>>,
 }
 
 impl<'a> Bench<'a> {
@@ -98,6 +102,7 @@ impl<'a> Bench<'a> {
             system,
             layers: Layers::new(system.bodies()),
             finer,
+            rule: RefCell::default(),
         }
     }
 
@@ -107,7 +112,12 @@ impl<'a> Bench<'a> {
             _ => 0,
         };
         let points = (self.layers.points(radius) + rows) as f64 * self.finer;
-        self.layers.disc(radius, points as usize)
+        let points = points as usize;
+        let mut rule = self.rule.borrow_mut();
+        if rule.len() != points {
+            *rule = gauss_legendre(points);
+        }
+        self.layers.disc(radius, &rule)
     }
 
     /// The solutions for `g = 1` and for the depth of the lens.
@@ -457,10 +467,16 @@ impl FlatSystem {
         with_errors(contact, &fine, Some(load)).checked()
     }
 
-    /// Pressure of a contact at distances from the lens axis, Pa. Zero outside of the contact; at the rim of an adhesive contact and of a punch it is infinite.
+    /// Pressure of a contact at distances from the lens axis (m), Pa. Zero outside of the contact; at the rim of an adhesive contact and of a punch it is
+    /// infinite.
     #[must_use]
     pub fn pressure(&self, contact: &FlatContact, distances: &[f64]) -> Vec<f64> {
-        let radius = contact.contact_radius;
+        self.pressure_of_disc(contact.contact_radius, contact.indentation, distances)
+    }
+
+    /// The same of the contact with a radius at an indentation, m.
+    #[must_use]
+    pub fn pressure_of_disc(&self, radius: f64, indentation: f64, distances: &[f64]) -> Vec<f64> {
         if radius <= 0.0 {
             return vec![0.0; distances.len()];
         }
@@ -468,9 +484,7 @@ impl FlatSystem {
         let disc = bench.disc(radius);
         let [one, bent] = bench.solutions(&disc, radius);
         let parts = one.iter().zip(&bent);
-        let sum: Vec<f64> = parts
-            .map(|(one, bent)| contact.indentation * one + bent)
-            .collect();
+        let sum: Vec<f64> = parts.map(|(one, bent)| indentation * one + bent).collect();
         let factor = self.reduced_modulus() / (PI * radius);
         let at = |distance: &f64| {
             let place = distance.abs() / radius;

@@ -12,6 +12,7 @@ use crate::numerics::quadrature::gauss_legendre;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::{Layer, Material};
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// Two bodies in contact, at least one of which is a layer.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,7 +107,7 @@ impl Layers {
     /// For `g = 1` and `g = -u^2` on `0 < u < 1` in units of the radius: the force relative to that of the flat punch on half-spaces, and
     /// `pi theta(1)`.
     fn solve(&self, radius: f64) -> [(f64, f64); 2] {
-        let disc = self.disc(radius, self.points(radius));
+        let disc = self.disc(radius, &gauss_legendre(self.points(radius)));
         let shapes: [fn(f64) -> f64; 2] = [|_| 1.0, |u| -u * u];
         shapes.map(|shape| {
             let solution = disc.solve(shape);
@@ -120,10 +121,10 @@ impl Layers {
         40 + (8.0 * reaches.fold(0.0, f64::max)).ceil() as usize
     }
 
-    /// The equation for `theta` under a disc of a radius (m), at so many Gauss points.
-    pub(crate) fn disc(&self, radius: f64, points: usize) -> Disc {
-        let mut nodes: Vec<(f64, f64)> = gauss_legendre(points)
-            .into_iter()
+    /// The equation for `theta` under a disc of a radius (m), at the points of a Gauss rule.
+    pub(crate) fn disc(&self, radius: f64, rule: &[(f64, f64)]) -> Disc {
+        let mut nodes: Vec<(f64, f64)> = rule
+            .iter()
             .map(|(node, weight)| (0.5 * (1.0 + node), 0.5 * weight))
             .collect();
         // The rim is not a point of the rule, but its value is needed.
@@ -208,7 +209,8 @@ impl Disc {
             let u = distance.hypot(rest * t);
             0.5 * weight * self.slope(solution, u) / u
         };
-        let inside: f64 = gauss_legendre(POINTS).into_iter().map(slopes).sum();
+        static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(POINTS));
+        let inside: f64 = RULE.iter().copied().map(slopes).sum();
         self.at_rim(solution) / rest - rest * inside
     }
 

@@ -339,7 +339,8 @@ fn layers_are_those_of_the_closed_forms() {
 }
 
 /// A rigid sphere on a bonded incompressible film: the series in chi = sqrt(R zeta)/h of P. D. Garcia and R. Garcia, Biophys. J. 114, 2923 (2018), whose next
-/// term is of the fifth order; and that of E. K. Dimitriadis et al., Biophys. J. 82, 2798 (2002), which the former corrects from the second order on.
+/// term is of the fifth order; and that of E. K. Dimitriadis et al., Biophys. J. 82, 2798 (2002), which the former corrects from the second order on. Both
+/// take the first coefficient from a fit that is good to a percent.
 #[test]
 fn a_film_is_stiffer_as_series_have_it() {
     let rigid = Material::new(1e30, 0.5);
@@ -363,9 +364,13 @@ fn a_film_is_stiffer_as_series_have_it() {
         close(
             force,
             of([1.133, 1.497, 1.469, 0.755]),
-            10.0 * chi.powi(5) + 1e-4,
+            10.0 * chi.powi(5) + 0.01 * 1.133 * chi,
         );
-        close(force, of([1.133, 1.283, 0.769, 0.0975]), 0.3 * chi * chi);
+        close(
+            force,
+            of([1.133, 1.283, 0.769, 0.0975]),
+            0.3 * chi * chi + 0.01 * 1.133 * chi,
+        );
     }
 }
 

@@ -346,7 +346,7 @@ fn thick_layers_are_half_spaces() {
 fn caps_are_softer_than_flat_layers() {
     // beta = -q Psi_0/pi, for the beta of the table, whose error is 2e-4.
     let flat = -LayerResponse::new(&Material::new(1e6, 0.5), &Layer::new(1.0)).shift() / PI;
-    for [case, value, _] in rows("asperity minus flat layer") {
+    for [case, value, _] in rows("cap minus flat layer") {
         let beta: f64 = value.parse().unwrap();
         let q = asperity_reduction(case.split("t0/R=").nth(1).unwrap().parse().unwrap()).unwrap();
         assert!((q * flat - beta).abs() < 2e-3, "{case}");

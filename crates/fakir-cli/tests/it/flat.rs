@@ -1,0 +1,147 @@
+//! Flat surfaces with the real binary: what is answered, saved and refused.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn fakir(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_fakir"))
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
+        .args(arguments)
+        .output()
+        .expect("the binary runs")
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = fakir(&[arguments, &["--json"]].concat());
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{told}");
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+fn number(value: &Value, name: &str) -> f64 {
+    let found = value[name].as_f64();
+    found.unwrap_or_else(|| panic!("no number {name} in {value}"))
+}
+
+const CASE: &str = "examples/flat.toml";
+
+/// K. L. Johnson, K. Kendall, A. D. Roberts (1971): -(3/2) pi w R with the receding work; the sphere differs from their paraboloid by the order of (a/R)^2.
+#[test]
+fn the_pull_off_is_that_of_johnson_kendall_and_roberts() {
+    let cycle = json(&["cycle", CASE, "--to", "5um"]);
+    let expected = -1.5 * std::f64::consts::PI * 80e-3 * 2.2e-3;
+    let found = number(&cycle, "pull_off_force_N");
+    assert!((found / expected - 1.0).abs() < 1e-3, "{found:e}");
+    assert!(number(&cycle, "hysteresis_J") > 0.0 && cycle["converged"] == true);
+    // A film makes it larger or smaller by its thickness, and the Tabor number is among the limits.
+    let range = ["press", CASE, "--force", "1mN", "--attraction-range", "5nm"];
+    let limits = json(&range)["limits"].to_string();
+    assert!(
+        limits.contains("tabor_number") && limits.contains("substrate_thickness_of_one_percent_m")
+    );
+}
+
+#[test]
+fn files_of_a_contact_a_loading_and_a_cycle() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let has = |name: &str, files: &[&str]| {
+        for file in files {
+            assert!(
+                folder.path().join(name).join(file).exists(),
+                "{name}/{file}"
+            );
+        }
+    };
+    let saved = |arguments: &[&str], name: &str| {
+        let output = fakir(&[arguments, &["--output", &at(name)]].concat());
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        has(name, &["case.toml", "summary.json", "provenance.json"]);
+    };
+    saved(&["press", CASE, "--indentation", "2um"], "press");
+    has(
+        "press",
+        &["pressure.csv", "flat-pressure.svg", "flat-pressure.png"],
+    );
+    saved(&["approach", CASE, "--to", "3um"], "approach");
+    has("approach", &["approach.csv", "approach.svg"]);
+    saved(&["cycle", CASE, "--to", "3um"], "cycle");
+    has("cycle", &["cycle.csv", "cycle.svg"]);
+    // The saved case gives the same numbers.
+    let again = at("press/case.toml");
+    let [first, second] = [CASE, &again].map(|case| json(&["press", case, "--indentation", "2um"]));
+    assert_eq!(first["force_N"], second["force_N"]);
+}
+
+#[test]
+fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
+    for (arguments, why) in [
+        (&["transition", CASE][..], "no floor between pillars"),
+        (&["approach", CASE], "the end of the loading is not known"),
+        (&["cycle", CASE], "give --to or --to-force"),
+        (
+            &["press", CASE, "--force", "1mN", "--gradient"],
+            "derivatives",
+        ),
+        (&["verify", CASE, "--force", "1mN"], "no second method"),
+        (&["theory", CASE], "closed forms"),
+        (
+            &["design", CASE, "--free", "pitch", "--force", "1mN"],
+            "flat surface",
+        ),
+        (
+            &["press", CASE, "--force", "1mN", "--set", "lens.shape=plate"],
+            "no finite",
+        ),
+    ] {
+        let output = fakir(arguments);
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            !output.status.success() && told.contains(why),
+            "{arguments:?}: {told}"
+        );
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+    }
+}
+
+#[test]
+fn a_sweep_of_contacts_and_of_cycles() {
+    let folder = tempfile::tempdir().unwrap();
+    let bodies = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../..")
+            .join(CASE),
+    )
+    .unwrap();
+    std::fs::write(folder.path().join("flat.toml"), bodies).unwrap();
+    for (question, extra, column) in [
+        ("press", "indentation = \"2 um\"\n", "force_N"),
+        ("cycle", "indentation = \"2 um\"\n", "pull_off_force_N"),
+    ] {
+        let study = folder.path().join(format!("{question}.toml"));
+        let text = format!(
+            "[study]\nquestion = \"{question}\"\ncase = \"flat.toml\"\n{extra}\n[axes]\n\"lens.radius\" = [\"1 mm\", \"2 mm\"]\n"
+        );
+        std::fs::write(&study, text).unwrap();
+        let output = folder.path().join(question);
+        let done = fakir(&[
+            "sweep",
+            &study.to_string_lossy(),
+            "--output",
+            &output.to_string_lossy(),
+        ]);
+        assert!(
+            done.status.success(),
+            "{}",
+            String::from_utf8_lossy(&done.stderr)
+        );
+        let table = std::fs::read_to_string(output.join("table.csv")).unwrap();
+        assert!(table.lines().next().unwrap().contains(column), "{table}");
+        assert_eq!(table.lines().count(), 3);
+    }
+}

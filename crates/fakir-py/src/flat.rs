@@ -1,0 +1,194 @@
+//! Flat surfaces.
+
+use crate::answer::{Answer, warnings};
+use crate::case::settings;
+use crate::error::{PYTHON, approach_error, case_error, solve_error, warn_of_deprecations};
+use crate::load::{load, path};
+use crate::watched::{Options, watched};
+use fakir::problem::{CyclePlan, Load, LoadingMode};
+use fakir::state::{FlatContact, FlatCycle, SolveError};
+use fakir_case::{CaseFile, FlatCase, Key, Setting};
+use fakir_study::record::{FlatAnswer, Object};
+use fakir_study::result::{ApproachSummary, json};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// A validated case with a flat surface.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct Flat {
+    file: CaseFile,
+    case: FlatCase,
+}
+
+#[pymethods]
+impl Flat {
+    /// Creates a case from numbers in SI units and words, by their keys.
+    #[staticmethod]
+    fn build(numbers: Vec<(String, f64)>, words: Vec<(String, String)>) -> PyResult<Self> {
+        let file = CaseFile::from_settings(PYTHON, settings(numbers, words)?);
+        Self::of(file, &[])
+    }
+
+    /// Reads the text of a case file; `name` is used in error messages.
+    #[staticmethod]
+    fn parse(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Self> {
+        let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
+        Self::of(file, &overrides)
+    }
+
+    /// Reads a case file.
+    #[staticmethod]
+    fn read(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+        let file = CaseFile::read(&path).map_err(|error| case_error(&error))?;
+        Self::of(file, &overrides)
+    }
+
+    /// The case with other settings.
+    fn with_settings(&self, settings: Vec<String>) -> PyResult<Self> {
+        Self::of(self.file.clone(), &settings)
+    }
+
+    /// The case as a case file.
+    fn to_toml(&self) -> String {
+        self.case.to_toml()
+    }
+
+    /// Numbers in SI units and words of the given keys.
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let values = PyDict::new(py);
+        for key in Key::ALL {
+            match self.case.setting(key) {
+                Some(Setting::Number(number)) => values.set_item(key.path(), number)?,
+                Some(Setting::Word(word)) => values.set_item(key.path(), word)?,
+                None => {}
+            }
+        }
+        Ok(values)
+    }
+
+    /// `E*`, Pa.
+    #[getter]
+    fn reduced_modulus(&self) -> f64 {
+        self.case.system.reduced_modulus()
+    }
+
+    /// Pressure (Pa) at distances from the lens axis (m), of the contact with this radius and indentation (m).
+    fn pressure<'py>(
+        &self,
+        py: Python<'py>,
+        contact_radius: f64,
+        indentation: f64,
+        distances: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let system = &self.case.system;
+        let pressures = system.pressure_of_disc(contact_radius, indentation, distances.as_slice()?);
+        Ok(PyArray1::from_vec(py, pressures))
+    }
+}
+
+impl Flat {
+    pub(crate) fn of(mut file: CaseFile, overrides: &[String]) -> PyResult<Self> {
+        for setting in overrides {
+            file.set(setting).map_err(|error| case_error(&error))?;
+        }
+        let case = file.flat_case().map_err(|error| case_error(&error))?;
+        warn_of_deprecations(&file)?;
+        Ok(Self { file, case })
+    }
+
+    fn answer(&self, contact: &FlatContact, wall_time: f64) -> Answer {
+        let answer = FlatAnswer {
+            system: &self.case.system,
+            contact,
+        };
+        let object = Object::of(&answer).with_limits(contact.limits(&self.case.system, None));
+        let summary = json(&object.timed(wall_time));
+        Answer::new(&answer, summary, contact.termination, warnings(contact))
+    }
+}
+
+/// The contact with a flat surface at an indentation (m) or under a force (N).
+#[pyfunction]
+pub(crate) fn press_flat(
+    py: Python<'_>,
+    flat: &Flat,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    options: Options,
+) -> PyResult<Answer> {
+    let load = load(indentation, force)?;
+    let start = Instant::now();
+    let contact = watched(py, &options, |run| flat.case.system.press(load, run))?;
+    let contact = contact.map_err(|error| solve_error(&error))?;
+    Ok(flat.answer(&contact, start.elapsed().as_secs_f64()))
+}
+
+/// The object that `fakir approach --json` prints, and the states.
+#[pyfunction]
+pub(crate) fn approach_flat(
+    py: Python<'_>,
+    flat: &Flat,
+    step: f64,
+    until: Option<f64>,
+    to: Option<f64>,
+    to_force: Option<f64>,
+    options: Options,
+) -> PyResult<(String, Vec<Py<Answer>>)> {
+    let path = path(step, until, to, to_force)?;
+    let (found, states) = watched(py, &options, |run| {
+        let mut states = Vec::new();
+        let mut keep = |contact, wall_time| states.push((contact, wall_time));
+        let found = fakir_study::approach::approach(&flat.case, &path, run, &|_| {}, &mut keep);
+        (found, states)
+    })?;
+    let found = found.map_err(|error| approach_error(&error))?;
+    let summary = json(&ApproachSummary::new(&flat.case, &found));
+    let states = states
+        .into_iter()
+        .map(|(contact, time)| Py::new(py, flat.answer(&contact, time)));
+    Ok((summary, states.collect::<PyResult<_>>()?))
+}
+
+/// Points of a curve: branch, indentation (m), force (N) and contact radius (m).
+type Curve = Vec<(&'static str, f64, f64, f64)>;
+
+/// Loading up to an indentation (m) or a force (N), and optional unloading; a stiffness (N/m) is that of the testing machine.
+#[pyfunction]
+pub(crate) fn cycle_flat(
+    py: Python<'_>,
+    flat: &Flat,
+    to: Option<f64>,
+    to_force: Option<f64>,
+    drive: &str,
+    machine_stiffness: Option<f64>,
+    retract: bool,
+    options: Options,
+) -> PyResult<(Py<Answer>, Curve)> {
+    let drive = match (drive, machine_stiffness) {
+        (_, Some(stiffness)) => LoadingMode::Machine(stiffness),
+        ("force", None) => LoadingMode::Force,
+        _ => LoadingMode::Displacement,
+    };
+    let turn = Load::given(to, to_force).ok_or_else(|| solve_error(&SolveError::NoFloor))?;
+    let plan = CyclePlan {
+        turn: turn.into(),
+        drive,
+        retract,
+    };
+    let start = Instant::now();
+    let cycle = watched(py, &options, |run| flat.case.system.cycle(&plan, run))?;
+    let cycle: FlatCycle = cycle.map_err(|error| solve_error(&error))?;
+    let limits = cycle.turn.limits(&flat.case.system, None);
+    let object = Object::of(&cycle).with_limits(limits);
+    let summary = json(&object.timed(start.elapsed().as_secs_f64()));
+    let (ended, careful) = (cycle.turn.termination, warnings(&cycle.turn));
+    let answer = Py::new(py, Answer::new(&cycle, summary, ended, careful))?;
+    let point = |step: &fakir::state::FlatLoadStep| {
+        let name = step.branch.name();
+        (name, step.indentation, step.force, step.contact_radius)
+    };
+    Ok((answer, cycle.load_steps.iter().map(point).collect()))
+}

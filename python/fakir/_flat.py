@@ -1,0 +1,295 @@
+"""Flat surfaces: contacts in closed form, with adhesion and layers."""
+
+from __future__ import annotations
+
+import json
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _fakir
+from ._bodies import AnyLens, FlatPunch, Substrate, lens_of, shape_of, substrate_of
+from ._cycle import Adhesion, Drive
+from ._format import Row, Shown, engineering
+from ._loading import Loading, checked_path
+from ._numbers import FlatCycleNumbers, FlatPressNumbers
+from ._quantity import FloatArray, Quantity, array, si
+from ._run import Progress, options, warn
+from ._settings import Overrides, load, settings
+from .errors import NotConverged
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Flat:
+    """A flat surface, without pillars: the third argument of `problem`."""
+
+    def __repr__(self) -> str:
+        return "fakir.Flat()"
+
+
+class FlatSystem(Shown):
+    """A lens or a flat punch on a flat surface.
+
+    The contact is one disc: exact on half-spaces (Hertz, Sneddon; with adhesion Johnson, Kendall and Roberts), and from an
+    integral equation on bodies of finite thickness.
+
+    Parameters
+    ----------
+    lens
+        A `Lens`, `ParaboloidLens`, `ProfileLens` or `FlatPunch`.
+    substrate
+        A `Substrate`, with a thickness or without.
+    adhesion
+        An `Adhesion`, or the work of adhesion (J/m^2).
+
+    Examples
+    --------
+    >>> system = FlatSystem(Lens("2.2 mm", "2 MPa", 0.5), Substrate("2 MPa", 0.5), adhesion="50 mJ/m2")
+    >>> round(1e6 * system.cycle(to="5 um").pull_off_force)  # -(3/2) pi w R
+    -518
+    """
+
+    _titles = ("fakir.FlatSystem", "Flat surface")
+
+    __slots__ = ("_flat",)
+    _flat: _fakir.Flat
+
+    def __init__(
+        self,
+        lens: AnyLens | FlatPunch,
+        substrate: Substrate,
+        *,
+        adhesion: Adhesion | Quantity | None = None,
+    ) -> None:
+        if not isinstance(substrate, Substrate):
+            raise TypeError(f"substrate is of type {type(substrate).__name__}: give a Substrate")
+        numbers, words = shape_of(lens)
+        numbers = [
+            *numbers,
+            ("lens.young_modulus", lens.young_modulus),
+            ("lens.poisson_ratio", lens.poisson_ratio),
+            ("substrate.young_modulus", substrate.young_modulus),
+            ("substrate.poisson_ratio", substrate.poisson_ratio),
+        ]
+        for body, part in ((lens, "lens"), (substrate, "substrate")):
+            of_layer, words_of_layer = body._layer(part)
+            numbers, words = numbers + of_layer, words + words_of_layer
+        if adhesion is not None:
+            given = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
+            if given.floor:
+                raise ValueError("a flat surface has no floor between pillars: leave floor=True out")
+            numbers.append(("adhesion.work", given.work))
+            numbers.append(("adhesion.work_receding", given.work_receding))
+        words = [*words, ("surface.flat", "true")]
+        known = [(key, float(number)) for key, number in numbers if number is not None]
+        self._flat = _fakir.Flat.build(known, words)
+
+    @classmethod
+    def _of(cls, flat: _fakir.Flat) -> FlatSystem:
+        system = cls.__new__(cls)
+        system._flat = flat
+        return system
+
+    @classmethod
+    def from_file(
+        cls, path: str | PathLike[str], overrides: Overrides | None = None
+    ) -> FlatSystem:
+        """Reads a case file; ``overrides`` are values of keys, as ``--set`` of the command line."""
+        return cls._of(_fakir.Flat.read(fspath(path), settings(overrides)))
+
+    @classmethod
+    def from_toml(cls, text: str, overrides: Overrides | None = None) -> FlatSystem:
+        """As `from_file`, from the text of a case file."""
+        return cls._of(_fakir.Flat.parse("case.toml", text, settings(overrides)))
+
+    def to_toml(self) -> str:
+        """The case as a commented file, which reproduces the system exactly."""
+        return self._flat.to_toml()
+
+    def replace(self, overrides: Overrides) -> FlatSystem:
+        """The same system with other values: ``system.replace({"lens.radius": "1 mm"})``."""
+        return self._of(self._flat.with_settings(settings(overrides)))
+
+    @property
+    def lens(self) -> AnyLens | FlatPunch:
+        """The lens or the punch."""
+        return lens_of(self._flat.values())
+
+    @property
+    def substrate(self) -> Substrate:
+        """The substrate."""
+        return substrate_of(self._flat.values())
+
+    @property
+    def adhesion(self) -> Adhesion | None:
+        """The adhesion; None without."""
+        values = self._flat.values()
+        work = values.get("adhesion.work")
+        return None if work is None else Adhesion(work, values.get("adhesion.work_receding"))
+
+    @property
+    def reduced_modulus(self) -> float:
+        """E*, Pa: 1/E* = (1 - ν²)/E, summed over both bodies."""
+        return self._flat.reduced_modulus
+
+    def press(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> FlatContact:
+        """Computes the contact at an indentation (m) or under a force (N) on loading: exactly one of them."""
+        run = options(threads, progress, memory_limit)
+        return self._checked(_fakir.press_flat(self._flat, *load(indentation, force), run))
+
+    def approach(
+        self,
+        step: Quantity = "1 um",
+        *,
+        to: Quantity | None = None,
+        to_force: Quantity | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> FlatApproach:
+        """Computes a loading in steps of the indentation (m), up to an indentation (m) or a force (N)."""
+        path = checked_path(step, None, False, to, to_force)
+        run = options(threads, progress, memory_limit)
+        summary, states = _fakir.approach_flat(self._flat, *path, run)
+        return FlatApproach(json.loads(summary), [self._checked(state) for state in states])
+
+    def cycle(
+        self,
+        *,
+        to: Quantity | None = None,
+        to_force: Quantity | None = None,
+        drive: Drive = "displacement",
+        machine_stiffness: Quantity | None = None,
+        retract: bool = True,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> FlatCycle:
+        """Computes loading and unloading with adhesion; parameters as in `System.cycle`, with a required end of loading."""
+        if (to is None) == (to_force is None):
+            raise TypeError("give either to or to_force: where the loading ends")
+        if (drive == "machine") != (machine_stiffness is not None):
+            raise TypeError('a stiffness goes with drive="machine", and the other way round')
+        run = options(threads, progress, memory_limit)
+        answer, curve = _fakir.cycle_flat(
+            self._flat,
+            None if to is None else si(to, "length", "to"),
+            None if to_force is None else si(to_force, "force", "to_force"),
+            drive,
+            None if machine_stiffness is None else si(machine_stiffness, "stiffness", "machine_stiffness"),
+            retract,
+            run,
+        )
+        warn(answer.warnings)
+        return FlatCycle(answer, curve)
+
+    def _checked(self, answer: _fakir.Answer) -> FlatContact:
+        contact = FlatContact(answer, self)
+        warn(answer.warnings)
+        if not contact.converged:
+            raise NotConverged(f"the solution {contact.termination}", contact)
+        return contact
+
+    def _rows(self) -> list[Row]:
+        rows = [("lens", str(self.lens)), ("substrate", str(self.substrate))]
+        if self.adhesion is not None:
+            rows.append(("work of adhesion", f"{1e3 * self.adhesion.work:g} mJ/m²"))
+        return rows
+
+
+class FlatContact(FlatPressNumbers):
+    """The contact with a flat surface. Numbers are in SI units."""
+
+    _titles = ("fakir.FlatContact", "Contact with a flat surface")
+
+    __slots__ = ("system",)
+    system: FlatSystem
+    """The problem."""
+
+    def __init__(self, answer: _fakir.Answer, system: FlatSystem) -> None:
+        super().__init__(answer)
+        self.system = system
+
+    def pressure(self, radius: ArrayLike) -> FloatArray:
+        """Contact pressure (Pa) at distances from the lens axis (m); zero outside of the contact, negative where adhesion pulls."""
+        distances = np.asarray(array(radius, "length", "radius"), dtype=np.float64)
+        flat = np.ascontiguousarray(distances.ravel())
+        found = self.system._flat.pressure(self.contact_radius, self.indentation, flat)
+        return np.asarray(found).reshape(distances.shape)
+
+    def _rows(self) -> list[Row]:
+        return [
+            ("force", engineering(self.force, "N")),
+            ("indentation", engineering(self.indentation, "m")),
+            ("contact radius", engineering(self.contact_radius, "m")),
+            ("mean pressure", engineering(self.mean_pressure, "Pa")),
+            ("solution", self.termination),
+        ]
+
+
+class FlatApproach(Loading[FlatContact]):
+    """The states of a loading, by increasing indentation; iterable."""
+
+    _titles = ("fakir.FlatApproach: indentation, force", "Loading: indentation, force")
+
+    def _rows(self) -> list[Row]:
+        states = self.states
+        return [(engineering(it.indentation, "m"), engineering(it.force, "N")) for it in states]
+
+
+class FlatCycle(FlatCycleNumbers):
+    """Loading and unloading with adhesion. Numbers are in SI units; arrays have one value for every load step."""
+
+    _titles = ("fakir.FlatCycle", "Loading and unloading with adhesion")
+
+    __slots__ = ("branch", "contact_radius", "force", "indentation")
+    branch: list[str]
+    """``"loading"`` or ``"unloading"`` of every load step."""
+    indentation: FloatArray
+    """Indentation at every load step, m."""
+    force: FloatArray
+    """Force at every load step, N; negative in tension."""
+    contact_radius: FloatArray
+    """Contact radius at every load step, m."""
+
+    def __init__(
+        self, answer: _fakir.Answer, curve: list[tuple[str, float, float, float]]
+    ) -> None:
+        super().__init__(answer)
+        branch, *numbers = zip(*curve)
+        self.branch = list(branch)
+        self.indentation, self.force, self.contact_radius = (np.array(it) for it in numbers)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table, one row for every load step: the columns of ``cycle.csv``."""
+        import pandas
+
+        columns: dict[str, Any] = {
+            "branch": self.branch,
+            "indentation_m": self.indentation,
+            "force_N": self.force,
+            "contact_radius_m": self.contact_radius,
+        }
+        return pandas.DataFrame(columns)
+
+    def _rows(self) -> list[Row]:
+        rows = [
+            ("loaded up to", f"{engineering(self.turn_force, 'N')} at {engineering(self.turn_indentation, 'm')}")
+        ]
+        if self.pull_off_force is not None:
+            rows.append(("pull-off force", engineering(self.pull_off_force, "N")))
+        if self.hysteresis is not None:
+            rows.append(("hysteresis", engineering(self.hysteresis, "J")))
+        return [*rows, ("solution", self.termination)]

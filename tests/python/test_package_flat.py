@@ -1,0 +1,75 @@
+"""Flat surfaces: fakir.FlatSystem and fakir.problem with fakir.Flat."""
+
+import math
+
+import numpy as np
+import pytest
+
+import fakir
+
+RADIUS, WORK = 2.2e-3, 50e-3
+RUBBER = fakir.Substrate("2 MPa", 0.5)
+
+
+def lens(kind=fakir.Lens):
+    return kind(RADIUS, "70 GPa", 0.22)
+
+
+def test_a_paraboloid_is_hertz():
+    system = fakir.problem(lens(fakir.ParaboloidLens), RUBBER, fakir.Flat())
+    contact = system.press(indentation="1 um")
+    radius = math.sqrt(RADIUS * 1e-6)
+    force = 4 / 3 * system.reduced_modulus * radius**3 / RADIUS
+    assert contact.force == pytest.approx(force, rel=1e-10)
+    assert contact.contact_radius == pytest.approx(radius, rel=1e-10)
+    assert contact.converged and contact.error.force < 1e-9
+    # p = p0 sqrt(1 - r^2/a^2)
+    ratio = contact.pressure([[0.6 * radius, 2 * radius]]) / contact.pressure_on_axis
+    assert ratio == pytest.approx(np.array([[0.8, 0.0]]), abs=1e-7)
+
+
+def test_a_cycle_is_that_of_johnson_kendall_and_roberts():
+    system = fakir.FlatSystem(lens(fakir.ParaboloidLens), RUBBER, adhesion=WORK)
+    cycle = system.cycle(to="10 um")
+    assert cycle.pull_off_force == pytest.approx(-1.5 * math.pi * WORK * RADIUS, rel=1e-10)
+    assert cycle.force.min() == pytest.approx(cycle.pull_off_force, rel=1e-3)
+    assert cycle.to_pandas().shape == (len(cycle.force), 4)
+    assert set(cycle.branch) == {"loading", "unloading"}
+    with pytest.raises(TypeError, match="where the loading ends"):
+        system.cycle()
+
+
+def test_a_punch_on_a_film():
+    film = fakir.Substrate("2 MPa", 0.5, thickness="40 um")
+    punch = fakir.FlatPunch("50 um", "70 GPa", 0.22)
+    on_film, on_half_space = (
+        fakir.problem(punch, body, fakir.Flat()).press(indentation="1 um").force for body in (film, RUBBER)
+    )
+    assert on_film > 2 * on_half_space
+    with pytest.raises(fakir.CaseError, match="flat surface only"):
+        fakir.System.from_toml(fakir.FlatSystem(punch, RUBBER).to_toml() + PILLARS)
+
+
+PILLARS = """
+[texture]
+pitch = "20 um"
+[texture.pillar]
+diameter = "6 um"
+height = "2 um"
+"""
+
+
+def test_files_and_other_values(tmp_path):
+    system = fakir.FlatSystem(lens(), RUBBER, adhesion=fakir.Adhesion("50 mJ/m2", "80 mJ/m2"))
+    path = tmp_path / "flat.toml"
+    path.write_text(system.to_toml())
+    again = fakir.read_case(path)
+    assert isinstance(again, fakir.FlatSystem)
+    assert again.lens == lens() and again.substrate == RUBBER
+    assert again.adhesion == system.adhesion
+    assert again.press(force="1 mN").to_dict().keys() == system.press(force="1 mN").to_dict().keys()
+    smaller = again.replace({"lens.radius": "1 mm"})
+    assert smaller.lens.radius == 1e-3
+    loading = smaller.approach("0.5 um", to="2 um")
+    assert len(loading) == 5 and loading.to_pandas()["force_N"].is_monotonic_increasing
+    assert "0.05" in repr(system) or "50 mJ" in repr(system)
