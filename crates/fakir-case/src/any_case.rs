@@ -5,9 +5,9 @@ use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::support::SurfaceKind;
-use fakir::problem::{Question, Solver};
+use fakir::problem::Question;
 
-/// A case of any kind of surface: where the three part.
+/// A case of any kind of surface.
 #[derive(Debug, Clone)]
 pub enum AnyCase {
     /// Pillars with flat tops.
@@ -24,11 +24,11 @@ impl AnyCase {
     pub fn texture(&self) -> Option<&Case> {
         match self {
             Self::Pillars(case) => Some(case),
-            Self::Asperities(_) | Self::HeightMap(_) => None,
+            _ => None,
         }
     }
 
-    /// Whether something sticks in it.
+    /// Whether its pillar tops are adhesive.
     #[must_use]
     pub fn is_adhesive(&self) -> bool {
         let texture = self.texture();
@@ -55,10 +55,8 @@ impl CaseFile {
     /// # Errors
     /// [`CaseError`] that says why one has none, and what to do in its place.
     pub fn check_surface(&self, questions: &[Question]) -> Result<(), CaseError> {
-        let solver = match self.surface_kind() {
-            SurfaceKind::Pillars => return Ok(()),
-            SurfaceKind::Asperities => Solver::Asperities,
-            SurfaceKind::HeightMap => Solver::HeightMap,
+        let Some(solver) = self.surface_kind().solver() else {
+            return Ok(());
         };
         let mut questions = questions.iter();
         questions.try_for_each(|question| self.answers(*question, solver, &[]))

@@ -18,6 +18,17 @@ pub enum SurfaceKind {
     HeightMap,
 }
 
+impl SurfaceKind {
+    /// What solves it; none of pillars with flat tops, of which the method decides.
+    pub(crate) fn solver(self) -> Option<Solver> {
+        match self {
+            Self::Pillars => None,
+            Self::Asperities => Some(Solver::Asperities),
+            Self::HeightMap => Some(Solver::HeightMap),
+        }
+    }
+}
+
 impl CaseFile {
     /// What kind of surface the case has.
     #[must_use]
