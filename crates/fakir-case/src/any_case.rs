@@ -6,9 +6,9 @@ use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::flat::FlatCase;
 use crate::support::SurfaceKind;
-use fakir::problem::{Question, Solver};
+use fakir::problem::Question;
 
-/// A case of any kind of surface: where the three part.
+/// A case of any kind of surface.
 #[derive(Debug, Clone)]
 pub enum AnyCase {
     /// Pillars with flat tops.
@@ -27,11 +27,11 @@ impl AnyCase {
     pub fn texture(&self) -> Option<&Case> {
         match self {
             Self::Pillars(case) => Some(case),
-            Self::Asperities(_) | Self::HeightMap(_) | Self::Flat(_) => None,
+            _ => None,
         }
     }
 
-    /// Whether something sticks in it.
+    /// Whether its pillar tops are adhesive.
     #[must_use]
     pub fn is_adhesive(&self) -> bool {
         match self {
@@ -62,11 +62,8 @@ impl CaseFile {
     /// # Errors
     /// [`CaseError`] that says why one has none, and what to do in its place.
     pub fn check_surface(&self, questions: &[Question]) -> Result<(), CaseError> {
-        let solver = match self.surface_kind() {
-            SurfaceKind::Pillars => return Ok(()),
-            SurfaceKind::Asperities => Solver::Asperities,
-            SurfaceKind::HeightMap => Solver::HeightMap,
-            SurfaceKind::Flat => Solver::Flat,
+        let Some(solver) = self.surface_kind().solver() else {
+            return Ok(());
         };
         let mut questions = questions.iter();
         questions.try_for_each(|question| self.answers(*question, solver, &[]))

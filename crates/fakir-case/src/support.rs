@@ -20,6 +20,18 @@ pub enum SurfaceKind {
     Flat,
 }
 
+impl SurfaceKind {
+    /// What solves it; none of pillars with flat tops, of which the method decides.
+    pub(crate) fn solver(self) -> Option<Solver> {
+        match self {
+            Self::Pillars => None,
+            Self::Asperities => Some(Solver::Asperities),
+            Self::HeightMap => Some(Solver::HeightMap),
+            Self::Flat => Some(Solver::Flat),
+        }
+    }
+}
+
 impl CaseFile {
     /// What kind of surface the case has.
     #[must_use]

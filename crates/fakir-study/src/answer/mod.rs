@@ -10,7 +10,7 @@
 //! let running = Running { run: Run::default(), next: &|_| {} };
 //! let request = Request::Contact(Load::Force(20e-6));
 //! let answer = answer(&case, &request, &Details::default(), &running)?;
-//! assert_eq!(answer.records()[0].number("force_N"), Some(20e-6));
+//! assert!(answer.records()[0].number("indentation_m").is_some());
 //! assert!(answer.report(&running)?.text.starts_with("Contact under load"));
 //! # Ok::<(), fakir_study::answer::AnswerError>(())
 //! ```
