@@ -10,3 +10,4 @@ mod lenses;
 mod malformed;
 mod studies;
 mod surfaces;
+mod tables;

@@ -276,7 +276,9 @@ fn differ(one: &[f64], other: &[f64]) -> bool {
 fn is_told_elsewhere(key: Key, file: &CaseFile) -> bool {
     let method = file.case().map_or("", |case| case.method.name());
     // Only the spectral method has floor contact; the others give a negative gap, and a warning with the critical load.
-    key == Key::FloorContact && method != "spectral"
+    let is_floor = key == Key::FloorContact && method != "spectral";
+    // A map may have no missing points; otherwise the case without the key is refused with their count.
+    is_floor || key == Key::MissingPoints
 }
 
 /// What becomes of a key that is given.
