@@ -1,6 +1,9 @@
-//! Tables of numbers under a line with the names of their columns.
+//! Tables of lengths under a line with the names of their columns, in the formats of spreadsheets and of ImageJ.
 
-use crate::input;
+use crate::table_text::{cells, read_table};
+use crate::unit::{Dimension, parse_quantity};
+use std::borrow::Cow;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Largest table, bytes, enough for some million rows.
@@ -33,6 +36,7 @@ pub(crate) enum TableError {
 /// Columns of a table.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Columns<const N: usize> {
+    /// Names, which end in `_m`.
     pub(crate) names: [&'static str; N],
     /// Number of required columns, from the first.
     pub(crate) required: usize,
@@ -68,16 +72,97 @@ impl<const N: usize> Table<N> {
     }
 }
 
+/// Headings of columns that are not used: numbers and names of the rows, and other measurements of ImageJ.
+const IGNORED: [&str; 44] = [
+    "",
+    "id",
+    "no",
+    "nr",
+    "number",
+    "index",
+    "label",
+    "name",
+    "pillar",
+    "mean",
+    "min",
+    "max",
+    "stddev",
+    "std dev",
+    "mode",
+    "median",
+    "intden",
+    "rawintden",
+    "perim",
+    "circ",
+    "feret",
+    "feretx",
+    "ferety",
+    "feretangle",
+    "minferet",
+    "ar",
+    "round",
+    "solidity",
+    "major",
+    "minor",
+    "angle",
+    "slice",
+    "frame",
+    "ch",
+    "bx",
+    "by",
+    "xm",
+    "ym",
+    "skew",
+    "kurt",
+    "xstart",
+    "ystart",
+    "type",
+    "group",
+];
+
+/// How a cell gives the length of its column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Form {
+    /// The length.
+    Length,
+    /// Half of it: the radius of a diameter.
+    Half,
+    /// The area of a circle of this diameter.
+    Area,
+}
+
+/// Interpretation of a heading.
+#[derive(Debug, Clone, PartialEq)]
+struct Meaning {
+    column: usize,
+    form: Form,
+    unit: Option<String>,
+}
+
+/// Where a column is, and how its cells are read.
+#[derive(Debug, Clone)]
+struct Place {
+    place: usize,
+    form: Form,
+    unit: String,
+}
+
 impl<const N: usize> Columns<N> {
-    /// Reads a file: values separated by commas under a line with the names of the columns, in any order. Lines that begin with `#` are left out.
-    /// A missing column has the value of `otherwise`.
-    pub(crate) fn read(&self, path: &Path, otherwise: [f64; N]) -> Result<Table<N>, TableError> {
+    /// Reads a file: values under a line with the names of the columns and their units, in any order, separated by commas, semicolons, tabs or
+    /// blanks; text, `.gz` or `.xlsx`. Lines that begin with `#` are left out, unless they contain the names. `unit` is that of columns without one. A
+    /// missing column, and an empty cell of a column that is not required, have the value of `otherwise`.
+    pub(crate) fn read(
+        &self,
+        path: &Path,
+        unit: Option<&str>,
+        otherwise: [f64; N],
+    ) -> Result<Table<N>, TableError> {
         let name = path.display().to_string();
-        let bytes = input::read(path, LARGEST).map_err(|error| TableError::Unreadable {
+        let bytes = read_table(path, LARGEST).map_err(|error| TableError::Unreadable {
             path: name.clone(),
             error,
         })?;
-        self.parse(&name, &bytes, otherwise)
+        self.parse(&name, &bytes, unit, otherwise)
     }
 
     /// [`read`](Self::read) from the contents of a file; `name` is its name in errors.
@@ -85,84 +170,306 @@ impl<const N: usize> Columns<N> {
         &self,
         name: &str,
         bytes: &[u8],
+        unit: Option<&str>,
         otherwise: [f64; N],
     ) -> Result<Table<N>, TableError> {
+        let wrong = |line: usize, problem: String| TableError::Line {
+            path: name.to_owned(),
+            line: line as u64 + 1,
+            problem,
+        };
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => Cow::Borrowed(text),
+            // The bytes of Latin-1 are the first characters of Unicode.
+            Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
+        };
+        let lines: Vec<&str> = text.lines().collect();
+        let (heading_line, separator, headings) = self.heading(&lines);
+        let below = lines.iter().enumerate().skip(heading_line + 1);
+        let mut rows_below = below.filter(|(_, line)| is_row(line)).peekable();
+        let units = rows_below
+            .peek()
+            .map_or(Vec::new(), |(_, line)| cells(line, separator));
+        let is_unit = |text: &String| length_unit(without_brackets(text)).is_some();
+        let has_units =
+            units.iter().any(is_unit) && !units.iter().any(|cell| number(cell).is_some());
+        if has_units {
+            rows_below.next();
+        }
+        let units = if has_units { &units[..] } else { &[] };
+        let places = self
+            .places(&headings, units, unit)
+            .map_err(|problem| wrong(heading_line, problem))?;
+        let (mut rows, mut row_lines) = (Vec::new(), Vec::new());
+        for (index, line) in rows_below {
+            let mut row = cells(line, separator);
+            while row.len() > headings.len() && row.last().is_some_and(String::is_empty) {
+                row.pop();
+            }
+            if row.len() != headings.len() {
+                let problem = format!(
+                    "{} cells, but {} in the line of the names",
+                    row.len(),
+                    headings.len()
+                );
+                return Err(wrong(index, problem));
+            }
+            let mut values = otherwise;
+            for (column, place) in places.iter().enumerate() {
+                let Some(place) = place else { continue };
+                let text = &row[place.place];
+                if text.is_empty() && column >= self.required {
+                    continue;
+                }
+                values[column] = place.value(text).ok_or_else(|| {
+                    let unit = match &place.unit[..] {
+                        "m" => "of metres".to_owned(),
+                        unit => format!("in {unit}"),
+                    };
+                    let name = self.names[column];
+                    wrong(
+                        index,
+                        format!("{name} is \"{text}\", and has to be a number {unit}"),
+                    )
+                })?;
+            }
+            rows.push(values);
+            row_lines.push(index as u64 + 1);
+        }
+        Ok(Table {
+            name: name.to_owned(),
+            heading_line: heading_line as u64 + 1,
+            has: places.map(|place| place.is_some()),
+            rows,
+            lines: row_lines,
+        })
+    }
+
+    /// Line of the headings, from 0, the separator of the columns, and the headings: the first line that is no comment, or a comment before
+    /// it if it contains numbers.
+    fn heading(&self, lines: &[&str]) -> (usize, char, Vec<String>) {
+        let first = lines.iter().position(|line| is_row(line));
+        let of_line = |text: &str| {
+            let separators = [',', ';', '\t', ' '].into_iter();
+            let split = separators.map(|separator| {
+                let headings = cells(text, separator);
+                let known = headings
+                    .iter()
+                    .filter(|heading| self.meaning(heading).is_some());
+                (known.count(), separator, headings)
+            });
+            split.fold((0, ',', cells(text, ',')), |best, next| {
+                if next.0 > best.0 { next } else { best }
+            })
+        };
+        let Some(first) = first else {
+            return (0, ',', Vec::new());
+        };
+        let (known, separator, headings) = of_line(lines[first]);
+        if known == 0 {
+            let comments = lines[..first].iter().enumerate().rev();
+            let found = comments.map(|(index, line)| {
+                let text = line.trim_start().trim_start_matches('#');
+                (index, of_line(text))
+            });
+            let mut found = found.filter(|(_, (known, _, _))| *known >= self.required);
+            if let Some((index, (_, of_names, headings))) = found.next() {
+                // The names may be separated otherwise than the numbers below.
+                let separators = [of_names, ' ', ',', ';', '\t'].into_iter();
+                let mut fitting = separators
+                    .filter(|separator| cells(lines[first], *separator).len() == headings.len());
+                return (index, fitting.next().unwrap_or(of_names), headings);
+            }
+        }
+        (first, separator, headings)
+    }
+
+    /// What a heading names.
+    fn meaning(&self, heading: &str) -> Option<Meaning> {
+        let exact = self.names.iter().position(|name| *name == heading);
+        if let Some(column) = exact {
+            return Some(Meaning {
+                column,
+                form: Form::Length,
+                unit: Some("m".to_owned()),
+            });
+        }
+        let (name, unit) = split_unit(heading);
+        let lower = name.to_lowercase().replace(['_', '-'], " ");
+        let words: Vec<&str> = lower
+            .split_whitespace()
+            .filter(|word| {
+                ![
+                    "pillar",
+                    "position",
+                    "pos",
+                    "center",
+                    "centre",
+                    "coordinate",
+                    "top",
+                    "of",
+                    "the",
+                ]
+                .contains(word)
+            })
+            .collect();
+        let [word] = words[..] else { return None };
+        let named = |wanted: &str| {
+            let names = self.names.iter();
+            names
+                .clone()
+                .position(|name| name.strip_suffix("_m") == Some(wanted))
+        };
+        let diameter = named("diameter");
+        let (column, form) = match word {
+            "diam" | "d" => (diameter?, Form::Length),
+            "h" => (named("height")?, Form::Length),
+            "area" => (diameter?, Form::Area),
+            "radius" | "r" if diameter.is_some() => (diameter?, Form::Half),
+            "r" => (named("radius")?, Form::Length),
+            word => (named(word)?, Form::Length),
+        };
+        Some(Meaning { column, form, unit })
+    }
+
+    /// Places of the columns.
+    fn places(
+        &self,
+        headings: &[String],
+        units: &[String],
+        default: Option<&str>,
+    ) -> Result<[Option<Place>; N], String> {
         let Self {
             names,
             required,
             told,
         } = self;
-        let wrong = |line: u64, problem: String| TableError::Line {
-            path: name.to_owned(),
-            line,
-            problem,
-        };
-        let mut table = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_reader(bytes);
-        let csv_line = |error: &csv::Error| error.position().map_or(1, csv::Position::line);
-        let headings = table
-            .headers()
-            .map_err(|e| wrong(csv_line(&e), e.to_string()))?;
-        let heading_line = headings.position().map_or(1, csv::Position::line);
-        let mut places = [None; N];
-        for (place, heading) in headings.iter().enumerate() {
-            let known = names.iter().position(|column| *column == heading);
-            let Some(column) = known else {
-                let problem = format!("there is no column \"{heading}\": {told}");
-                return Err(wrong(heading_line, problem));
+        // In tables of ImageJ, width and height are those of a box around each particle.
+        let has_box = headings.iter().any(|heading| heading == "BX");
+        let mut places: [Option<Place>; N] = [const { None }; N];
+        let meanings = headings
+            .iter()
+            .map(|heading| match has_box && heading == "Height" {
+                true => None,
+                false => self.meaning(heading),
+            });
+        let meanings: Vec<Option<Meaning>> = meanings.collect();
+        for (place, (heading, meaning)) in headings.iter().zip(&meanings).enumerate() {
+            let Some(meaning) = meaning else {
+                let plain = heading.to_lowercase();
+                let plain = plain.trim_matches(|c: char| !c.is_alphanumeric());
+                if IGNORED.contains(&plain) || has_box && ["width", "height"].contains(&plain) {
+                    continue;
+                }
+                return Err(format!("there is no column \"{heading}\": {told}"));
             };
-            if places[column].replace(place).is_some() {
-                return Err(wrong(
-                    heading_line,
-                    format!("two columns are \"{heading}\""),
+            let of_same =
+                |other: &&Meaning| other.column == meaning.column && other.form == Form::Length;
+            if meaning.form != Form::Length && meanings.iter().flatten().any(|it| of_same(&it)) {
+                continue;
+            }
+            let below = units
+                .get(place)
+                .map(|unit| without_brackets(unit).to_owned());
+            let unit = meaning
+                .unit
+                .clone()
+                .or(below.filter(|unit| !unit.is_empty()));
+            let unit = unit.or(default.map(str::to_owned));
+            let Some(unit) = unit else {
+                return Err(format!(
+                    "column \"{heading}\" has no unit: write it into the heading, as \"{heading} [um]\", or after the name of the file, as \"FILE [um]\""
                 ));
+            };
+            let length = match meaning.form {
+                Form::Area => unit
+                    .trim_end_matches("^2")
+                    .trim_end_matches(['2', '\u{b2}']),
+                _ => &unit[..],
+            };
+            if length_unit(length).is_none() {
+                return Err(format!(
+                    "column \"{heading}\" is in \"{unit}\", which is not known: give a length in {}",
+                    Dimension::Length.unit_list()
+                ));
+            }
+            let new = Place {
+                place,
+                form: meaning.form,
+                unit: length.to_owned(),
+            };
+            if places[meaning.column].replace(new).is_some() {
+                return Err(format!("two columns are \"{heading}\""));
             }
         }
         for (column, place) in names.iter().zip(&places).take(*required) {
             if place.is_none() {
-                let problem = format!("the column {column} is missing: {told}");
-                return Err(wrong(heading_line, problem));
+                return Err(format!("the column {column} is missing: {told}"));
             }
         }
-        let (mut rows, mut lines) = (Vec::new(), Vec::new());
-        for row in table.records() {
-            let row = row.map_err(|error| wrong(csv_line(&error), error.to_string()))?;
-            let line = row
-                .position()
-                .map_or(0, |position| line_of_row(bytes, position));
-            let mut values = otherwise;
-            for ((value, column), place) in values.iter_mut().zip(names).zip(&places) {
-                let Some(text) = place.and_then(|place| row.get(place)) else {
-                    continue;
-                };
-                *value = text.parse().map_err(|_| {
-                    wrong(
-                        line,
-                        format!("{column} is \"{text}\", and has to be a number of metres"),
-                    )
-                })?;
-            }
-            rows.push(values);
-            lines.push(line);
-        }
-        Ok(Table {
-            name: name.to_owned(),
-            heading_line,
-            has: places.map(|place| place.is_some()),
-            rows,
-            lines,
-        })
+        Ok(places)
     }
 }
 
-/// The line of a row, from 1: after the comments and empty lines that are skipped before it.
-fn line_of_row(bytes: &[u8], start: &csv::Position) -> u64 {
-    let rest = bytes.get(start.byte() as usize..).unwrap_or_default();
-    let skipped = rest.split(|byte| *byte == b'\n').take_while(|line| {
-        let text = line.trim_ascii();
-        text.is_empty() || text.starts_with(b"#")
+impl Place {
+    /// Length of a cell, m.
+    fn value(&self, text: &str) -> Option<f64> {
+        let number = number(text)?;
+        let length =
+            |number: &str| parse_quantity(&format!("{number} {}", self.unit), Dimension::Length);
+        match self.form {
+            Form::Length => length(&number).ok(),
+            Form::Half => Some(2.0 * length(&number).ok()?),
+            Form::Area => {
+                let area: f64 = number.parse().ok()?;
+                Some((4.0 * area / PI).sqrt() * length("1").ok()?)
+            }
+        }
+    }
+}
+
+/// Whether a line is no comment and not empty.
+fn is_row(line: &&str) -> bool {
+    let line = line.trim();
+    !line.is_empty() && !line.starts_with('#')
+}
+
+/// A number in the notation of Rust; it may have a decimal comma.
+fn number(text: &str) -> Option<String> {
+    let plain = match text.matches(',').count() {
+        1 if !text.contains('.') => text.replace(',', "."),
+        _ => text.to_owned(),
+    };
+    plain.parse::<f64>().is_ok().then_some(plain)
+}
+
+fn length_unit(unit: &str) -> Option<f64> {
+    parse_quantity(&format!("1 {unit}"), Dimension::Length).ok()
+}
+
+/// Text without brackets around all of it.
+fn without_brackets(text: &str) -> &str {
+    text.trim().trim_matches(['[', ']', '(', ')'])
+}
+
+/// Name and unit of a heading: `x_um`, `X [um]`, `Area (um^2)`, `x / um`.
+fn split_unit(heading: &str) -> (&str, Option<String>) {
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some((name, unit)) = heading
+            .strip_suffix(close)
+            .and_then(|it| it.rsplit_once(open))
+        {
+            return (name.trim(), Some(unit.trim().to_owned()));
+        }
+    }
+    let split = ['/', ',', '_', ' '].into_iter().find_map(|separator| {
+        let (name, unit) = heading.rsplit_once(separator)?;
+        let unit = unit.trim();
+        let length = unit
+            .trim_end_matches("^2")
+            .trim_end_matches(['2', '\u{b2}']);
+        length_unit(length).map(|_| (name.trim(), Some(unit.to_owned())))
     });
-    start.line() + skipped.count() as u64
+    split.unwrap_or((heading, None))
 }

@@ -361,7 +361,7 @@ impl CaseFile {
     /// The error for a table of pillars that was not read.
     pub(crate) fn no_pillars(&self, error: &TableError) -> CaseError {
         self.problem(Key::Pillars, error.to_string())
-            .accepted("a table next to the case file, of columns x_m, y_m, height_m and diameter_m")
+            .accepted("a table next to the case file, of columns x_m, y_m, height_m and diameter_m, also in other units, as x_um or X [um]")
     }
 
     /// Refuses an invalid height or diameter of pillars.

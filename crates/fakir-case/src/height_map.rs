@@ -5,23 +5,29 @@
 //! | `.npy` | an array of two dimensions, rows and columns, of floating-point numbers (4 or 8 bytes) or integers, in C or Fortran order |
 //! | `.npz` | one such array of an archive: the one named, or the only one |
 //! | any other | rows of numbers separated by blanks, commas or semicolons, or numbers with decimal commas separated by blanks or semicolons; `#` begins a comment; an ESRI ASCII grid header is understood, and what Gwyddion writes before a matrix (`# Width: 10 um`) |
-//! | any other | three columns x, y, z of all points of a grid, in any order |
+//! | any other | three columns x, y, z of the points of a grid, in any order |
+//! | SDF in ASCII, X3P | the formats of ISO 25178, parts 71 and 72 |
+//! | PNG, TIFF | a grey image of 16 bits; a TIFF image of floating-point numbers |
 //!
 //! A size or a height unit that the file states must equal the given one, and is used if none is given. For an ESRI ASCII grid and a
 //! list of points the unit of lengths is unknown: the spacing must equal the given one in m, mm, um or nm.
 //!
-//! The first row of an array or text has the smallest y; that of an ESRI ASCII grid, according to its format, the largest y. The size of an array
+//! The first row of an array, a text or a file of ISO 25178 has the smallest y; that of an image and of an ESRI ASCII grid, which are seen with y
+//! upwards, the largest y. The size of an array
 //! is known from its header and checked before its elements are read and unpacked; the size of a text is checked while it is read. The lens axis
 //! is at the centre of the map; [`HeightMap::with_axis_at`] moves it.
 
+use crate::archive;
+use crate::formats;
 use crate::height_table::{HeightUnit, Source, Stated, Table};
-use crate::height_text;
+use crate::input;
 use crate::npy::{self, Header};
 use crate::npz::{Archive, PackedArray};
 use crate::unit::{Dimension, format_quantity};
+use crate::{height_image, height_missing, height_profiles, height_text};
 use fakir::problem::{Grid, HeightMap};
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 pub use crate::height_table::HeightMapError;
@@ -54,6 +60,10 @@ pub struct GivenScale {
     pub size: Option<MapSize>,
     /// Height unit of the file, m; negative if the file contains depths. 1 m if the file does not state it either.
     pub height_unit: Option<f64>,
+    /// Height of white above black in an image, m.
+    pub height_range: Option<f64>,
+    /// Whether missing heights are interpolated.
+    pub fill_missing: bool,
 }
 
 impl From<MapScale> for GivenScale {
@@ -61,6 +71,7 @@ impl From<MapScale> for GivenScale {
         Self {
             size: Some(scale.size),
             height_unit: Some(scale.height_unit),
+            ..Self::default()
         }
     }
 }
@@ -120,9 +131,58 @@ pub fn read_scaled_map(
         }
         _ => place(
             &file,
-            height_text::parse(&source, BufReader::new(opened))?,
+            parse_other(&source, path, BufReader::new(opened))?,
             scale,
         ),
+    }
+}
+
+/// Number of bytes by which formats are recognised.
+const FIRST_BYTES: usize = 512;
+
+/// Reads a file that is neither an array nor an archive of NumPy, by its first bytes.
+fn parse_other(
+    source: &Source<'_>,
+    path: &Path,
+    mut opened: impl BufRead,
+) -> Result<Table, HeightMapError> {
+    let start = opened
+        .fill_buf()
+        .map_err(|error| source.unreadable(error))?;
+    let start = start[..start.len().min(FIRST_BYTES)].to_vec();
+    let whole = |opened: &mut dyn Read| {
+        let most = source.memory_limit as u64;
+        input::read_all(opened, most).map_err(|error| source.unreadable(error))
+    };
+    let begins = |with: &[u8]| start.starts_with(with);
+    if begins(b"\x89PNG") {
+        return height_image::png(source, &whole(&mut opened)?);
+    }
+    if begins(b"II*\0") || begins(b"MM\0*") {
+        return height_image::tiff(source, &whole(&mut opened)?);
+    }
+    if begins(b"aISO") || begins(b"aBCR") {
+        return height_profiles::sdf(source, &whole(&mut opened)?);
+    }
+    let is_archive = begins(b"PK\x03\x04");
+    let bytes = if is_archive {
+        whole(&mut opened)?
+    } else {
+        start
+    };
+    if is_archive && archive::names(&bytes).iter().any(|name| name == "main.xml") {
+        return height_profiles::x3p(source, &bytes);
+    }
+    let is_wide = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    let format = formats::recognised(path, &bytes).map(|format| (format.name, format.heights));
+    let wide = ("text in UTF-16", "save it as text in UTF-8");
+    match format.or(is_wide.then_some(wide)) {
+        Some((format, advice)) => Err(HeightMapError::OtherFormat {
+            file: source.file.to_owned(),
+            format,
+            advice,
+        }),
+        None => height_text::parse(source, opened),
     }
 }
 
@@ -142,10 +202,24 @@ fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, Heig
     let Table {
         columns,
         rows,
-        values,
+        mut values,
         stated,
+        first_missing,
     } = table;
-    let height_unit = stated.height_unit(file, scale.height_unit)?;
+    let height_unit = match (scale.height_range, stated.white) {
+        (Some(range), Some(white)) => range / white,
+        (Some(range), None) => {
+            return Err(HeightMapError::HeightRange {
+                file: file.to_owned(),
+                given: shown(range),
+            });
+        }
+        (None, Some(_)) if scale.height_unit.is_none() => {
+            let file = file.to_owned();
+            return Err(HeightMapError::NoHeightRange { file });
+        }
+        _ => stated.height_unit(file, scale.height_unit)?,
+    };
     if !height_unit.is_finite() || height_unit == 0.0 {
         return Err(HeightMapError::HeightUnit(height_unit));
     }
@@ -167,6 +241,13 @@ fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, Heig
     // An invalid cell size is reported first, because it explains the errors that follow from it.
     Grid::new(1, 1, cell, [0.0, 0.0])?;
     let cell = stated.checked(file, cell, counts)?;
+    fill_missing(
+        file,
+        &mut values,
+        columns,
+        first_missing,
+        scale.fill_missing,
+    )?;
     let origin = [0, 1].map(|axis| -0.5 * counts[axis] * cell[axis]);
     let grid = Grid::new(columns, rows, cell, origin)?;
     let heights = values.into_iter().map(|value| height_unit * value);
@@ -174,6 +255,43 @@ fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, Heig
         file: file.to_owned(),
         problem,
     })
+}
+
+/// Interpolates missing heights, or refuses them with their count.
+fn fill_missing(
+    file: &str,
+    values: &mut [f64],
+    columns: usize,
+    first: Option<[usize; 2]>,
+    fill: bool,
+) -> Result<(), HeightMapError> {
+    let file = || file.to_owned();
+    let count = values.iter().filter(|value| value.is_nan()).count();
+    let Some(place) = values.iter().position(|value| value.is_nan()) else {
+        return Ok(());
+    };
+    if count == values.len() {
+        return Err(HeightMapError::Empty { file: file() });
+    }
+    match (fill, first) {
+        (true, _) => {
+            height_missing::fill(values, columns);
+            Ok(())
+        }
+        (false, Some([line, column])) => Err(HeightMapError::NoData {
+            file: file(),
+            line,
+            column,
+            count,
+        }),
+        (false, None) => Err(HeightMapError::Missing {
+            file: file(),
+            count,
+            total: values.len(),
+            column: place % columns,
+            row: place / columns,
+        }),
+    }
 }
 
 /// Name of the height unit in errors of contradictions.
@@ -195,7 +313,10 @@ impl Stated {
         match self.extent {
             [Some(width), Some(height)] => Some(MapSize::Extent([width, height])),
             [Some(width), None] => Some(MapSize::Width(width)),
-            [None, _] => None,
+            [None, _] => {
+                let unit = self.spacing_unit.filter(|_| self.is_list)?;
+                Some(MapSize::Pixel(self.spacing?.map(|spacing| unit * spacing)))
+            }
         }
     }
 
@@ -250,7 +371,12 @@ impl Stated {
             let distance = unit * spacing[0];
             is_same_size(cell[0], distance) || (self.is_list && is_same_size(inner, distance))
         };
-        let unit = LENGTH_UNITS.into_iter().find(fits).ok_or_else(|| {
+        let mut units = match self.spacing_unit {
+            Some(unit) => vec![unit],
+            None => LENGTH_UNITS.to_vec(),
+        }
+        .into_iter();
+        let unit = units.find(fits).ok_or_else(|| {
             let stated = format!("{} (in a unit of length)", significant(spacing[0]));
             contradiction("a distance of points", stated, shown(cell[0]))
         })?;
@@ -346,5 +472,6 @@ fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMa
         rows: row_count,
         values,
         stated: Stated::default(),
+        first_missing: None,
     })
 }

@@ -92,14 +92,14 @@ pub enum HeightMapError {
         line: usize,
     },
     /// A file of another kind.
-    #[error(
-        "{file} is {format}: export it as a matrix of numbers in text, or as an array of NumPy (.npy)"
-    )]
+    #[error("{file} is {format}: {advice}")]
     OtherFormat {
         /// The file.
         file: String,
         /// What it is.
         format: &'static str,
+        /// What converts it.
+        advice: &'static str,
     },
     /// Points that are not a grid.
     #[error(
@@ -172,7 +172,9 @@ pub enum HeightMapError {
         found_rows: usize,
     },
     /// An ESRI ASCII grid has a point without data.
-    #[error("{file}, line {line}, column {column}: there is no data")]
+    #[error(
+        "{file}, line {line}, column {column}: there is no data; {count} points are missing in all"
+    )]
     NoData {
         /// The file.
         file: String,
@@ -180,6 +182,58 @@ pub enum HeightMapError {
         line: usize,
         /// Index of the number in the line, counted from 1.
         column: usize,
+        /// Number of missing points.
+        count: usize,
+    },
+    /// Heights are missing.
+    #[error(
+        "{file}: {count} of {total} heights are missing, the first in column {column}, row {row} (counted from 0)"
+    )]
+    Missing {
+        /// The file.
+        file: String,
+        /// Number of missing points.
+        count: usize,
+        /// Number of points.
+        total: usize,
+        /// Column of the first one, from 0.
+        column: usize,
+        /// Its row, from 0.
+        row: usize,
+    },
+    /// An image whose pixels are not read.
+    #[error("{file} is an image that is not read: {problem}")]
+    Image {
+        /// The file.
+        file: String,
+        /// Description of the error, and what is accepted.
+        problem: String,
+    },
+    /// A file of the formats of ISO 25178 that is not read.
+    #[error("{file} is not readable as SDF or X3P (ISO 25178): {problem}")]
+    Profiles {
+        /// The file.
+        file: String,
+        /// Description of the error.
+        problem: String,
+    },
+    /// The heights of the grey values of an image are not given.
+    #[error(
+        "{file} is an image, which does not state its heights: give the height of white above black"
+    )]
+    NoHeightRange {
+        /// The file.
+        file: String,
+    },
+    /// A height range of a file that is no image of grey values.
+    #[error(
+        "{file} has heights, not grey values, and {given} is given as the height of white above black"
+    )]
+    HeightRange {
+        /// The file.
+        file: String,
+        /// As it is given.
+        given: String,
     },
     /// The points exceed the memory limit.
     #[error(
@@ -242,8 +296,11 @@ fn list(names: &[String]) -> String {
 pub(crate) struct Table {
     pub(crate) columns: usize,
     pub(crate) rows: usize,
+    /// Heights, NaN where they are missing.
     pub(crate) values: Vec<f64>,
     pub(crate) stated: Stated,
+    /// Line and column of the first missing height of a text, from 1.
+    pub(crate) first_missing: Option<[usize; 2]>,
 }
 
 /// The file that is being read.
@@ -297,6 +354,10 @@ pub(crate) struct Stated {
     pub(crate) height_unit: Option<HeightUnit>,
     /// Distance of neighbouring points along x and y, in a unit that is not stated.
     pub(crate) spacing: Option<[f64; 2]>,
+    /// Unit of that distance, m.
+    pub(crate) spacing_unit: Option<f64>,
+    /// Grey value of white, if the values are those of an image.
+    pub(crate) white: Option<f64>,
     /// Whether the points are a list, in which the distances along x and y may differ.
     pub(crate) is_list: bool,
 }

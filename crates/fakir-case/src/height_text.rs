@@ -4,29 +4,6 @@ use crate::height_table::{HeightMapError, HeightUnit, LONGEST_LINE, Source, Stat
 use crate::unit::{Dimension, parse_quantity};
 use std::io::{BufRead, Read};
 
-/// Signatures of files that are not text.
-const OTHER_FORMATS: [(&[u8], &str); 19] = [
-    (b"GWYP", "a Gwyddion file"),
-    (b"GWYO", "a Gwyddion file"),
-    (b"\\*File list", "a NanoScope file"),
-    (b"PK\x03\x04", "a ZIP archive"),
-    (b"\x93NUMPY", "a NumPy array, whose name should end in .npy"),
-    (b"\x89HDF", "an HDF5 file"),
-    (b"MATLAB", "a MATLAB file"),
-    (b"DIGITAL SURF", "a Digital Surf file"),
-    (b"DSCOMPRESSED", "a Digital Surf file"),
-    (b"DSAA", "a Surfer grid"),
-    (b"DSBB", "a Surfer grid"),
-    (b"DSRB", "a Surfer grid"),
-    (b"aISO", "an SDF file"),
-    (b"bISO", "an SDF file"),
-    (b"\x89PNG", "a PNG image"),
-    (b"\xff\xd8\xff", "a JPEG image"),
-    (b"II*\0", "a TIFF image"),
-    (b"\xff\xfe", "text in UTF-16"),
-    (b"\xfe\xff", "text in UTF-16"),
-];
-
 /// Byte order mark of UTF-8.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
@@ -45,15 +22,6 @@ const UNEVEN: f64 = 0.25;
 
 /// Reads a text.
 pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table, HeightMapError> {
-    let start = text.fill_buf().map_err(|error| source.unreadable(error))?;
-    let other = OTHER_FORMATS.iter();
-    if let Some((_, format)) = other
-        .into_iter()
-        .find(|(magic, _)| start.starts_with(magic))
-    {
-        let file = source.file.to_owned();
-        return Err(HeightMapError::OtherFormat { file, format });
-    }
     let mut reader = Reader {
         source,
         header: EsriHeader::default(),
@@ -61,6 +29,7 @@ pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table
         commas: Commas::Unknown,
         columns: 0,
         values: Vec::new(),
+        first_missing: None,
     };
     let mut bytes = Vec::new();
     for line in 1.. {
@@ -103,6 +72,7 @@ struct Reader<'a> {
     commas: Commas,
     columns: usize,
     values: Vec<f64>,
+    first_missing: Option<[usize; 2]>,
 }
 
 impl Reader<'_> {
@@ -187,7 +157,10 @@ impl Reader<'_> {
     }
 
     /// A height of the text.
-    fn height(&self, line: usize, column: usize, word: &str) -> Result<f64, HeightMapError> {
+    fn height(&mut self, line: usize, column: usize, word: &str) -> Result<f64, HeightMapError> {
+        if ["BAD", "bad", "---", "--"].contains(&word) {
+            return Ok(f64::NAN);
+        }
         let file = || self.source.file.to_owned();
         // A word can only contain a decimal comma here.
         let number = word.replace(',', ".").parse();
@@ -199,11 +172,8 @@ impl Reader<'_> {
         })?;
         let no_data = self.header.no_data;
         if no_data.is_some_and(|marker| value.total_cmp(&marker).is_eq()) {
-            return Err(HeightMapError::NoData {
-                file: file(),
-                line,
-                column,
-            });
+            self.first_missing.get_or_insert([line, column]);
+            return Ok(f64::NAN);
         }
         Ok(value)
     }
@@ -215,6 +185,7 @@ impl Reader<'_> {
             mut stated,
             columns,
             mut values,
+            first_missing,
             ..
         } = self;
         let rows = values.len().checked_div(columns).unwrap_or(0);
@@ -236,6 +207,7 @@ impl Reader<'_> {
         } else if columns == 3 && stated.extent == [None; 2] {
             if let Some(mut table) = grid_of_points(&values) {
                 table.stated.height_unit = stated.height_unit;
+                table.stated.spacing_unit = stated.spacing_unit;
                 return Ok(table);
             }
             if rows >= FEWEST_ROWS_OF_A_LIST {
@@ -250,6 +222,7 @@ impl Reader<'_> {
             rows,
             values,
             stated,
+            first_missing,
         })
     }
 }
@@ -272,6 +245,10 @@ impl Stated {
         let value = value.trim().replace('\u{fffd}', "u").replace(',', ".");
         match name.trim() {
             "Width" => self.extent[0] = parse_quantity(&value, Dimension::Length).ok(),
+            "Lateral units" | "XY units" => {
+                let unit = parse_quantity(&format!("1 {value}"), Dimension::Length);
+                self.spacing_unit = unit.ok();
+            }
             "Height" => self.extent[1] = parse_quantity(&value, Dimension::Length).ok(),
             "Value units" => {
                 let unit = parse_quantity(&format!("1 {value}"), Dimension::Length);
@@ -322,10 +299,13 @@ fn grid_of_points(values: &[f64]) -> Option<Table> {
     let [along_x, along_y] = [0, 1].map(|axis| Levels::of(values.iter().skip(axis).step_by(3)));
     let (along_x, along_y) = (along_x?, along_y?);
     let (columns, rows) = (along_x.count, along_y.count);
-    if columns * rows != count {
+    // A long list may lack points, up to half of the grid; three short columns are rather a map.
+    let cells = columns.checked_mul(rows)?;
+    let is_most = count >= FEWEST_ROWS_OF_A_LIST && cells <= 2 * count;
+    if cells != count && !is_most {
         return None;
     }
-    let mut heights = vec![None; count];
+    let mut heights = vec![None; cells];
     for point in values.chunks_exact(3) {
         let cell = along_y.place(point[1]) * columns + along_x.place(point[0]);
         if heights[cell].replace(point[2]).is_some() {
@@ -335,7 +315,11 @@ fn grid_of_points(values: &[f64]) -> Option<Table> {
     Some(Table {
         columns,
         rows,
-        values: heights.into_iter().collect::<Option<_>>()?,
+        values: heights
+            .into_iter()
+            .map(|height| height.unwrap_or(f64::NAN))
+            .collect(),
+        first_missing: None,
         stated: Stated {
             spacing: Some([along_x.step, along_y.step]),
             is_list: true,

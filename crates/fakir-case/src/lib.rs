@@ -74,7 +74,7 @@
 //! A [`Key`] has a kind, words or bounds, a default, and other keys that it requires. One table
 //! contains all of this; files are read and written and errors are worded from it.
 //!
-//! [`input`] reads files of bounded size.
+//! [`input`] reads files of bounded size, and [`table_text`] tables in text, packed files and spreadsheets.
 //!
 //! A [`study`] is a case with axes along which it is varied; [`StudyFile`] reads it.
 //!
@@ -82,6 +82,7 @@
 //! Every [`CaseError`] points at the line or the override that causes it.
 
 mod any_case;
+mod archive;
 mod asperities;
 mod case;
 mod columns;
@@ -90,12 +91,17 @@ mod error;
 mod feature;
 mod file;
 mod flat;
+mod formats;
+mod height_image;
 pub mod height_map;
+mod height_missing;
+mod height_profiles;
 mod height_table;
 mod height_text;
 mod idle;
 pub mod input;
 mod key;
+mod markup;
 mod npy;
 mod npz;
 mod parts;
@@ -103,10 +109,12 @@ pub mod pillars;
 mod profile;
 mod reference;
 mod solve_error;
+mod spreadsheet;
 pub mod study;
 mod support;
 mod surface;
 mod table;
+pub mod table_text;
 pub mod unit;
 
 pub use any_case::AnyCase;

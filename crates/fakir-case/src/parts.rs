@@ -117,6 +117,8 @@ pub(crate) struct SurfaceParts {
     pub(crate) height_map: String,
     pub(crate) array: String,
     pub(crate) height_unit: f64,
+    pub(crate) height_range: f64,
+    pub(crate) missing_points: MissingPoints,
     pub(crate) cell_size: f64,
     pub(crate) width: f64,
     pub(crate) name: OnHeightMap,
@@ -205,6 +207,8 @@ impl Default for Parts {
                 height_map: String::new(),
                 array: String::new(),
                 height_unit: 1.0,
+                height_range: NOT_GIVEN,
+                missing_points: MissingPoints::Refuse,
                 cell_size: NOT_GIVEN,
                 width: NOT_GIVEN,
                 name: OnHeightMap(ArrangementName::Hexagonal),
@@ -680,6 +684,18 @@ impl Cells {
 impl Words for Cells {
     const WORDS: &'static [(&'static str, Self)] =
         &[("matched", Self::Matched), ("plain", Self::Plain)];
+}
+
+/// What is done with missing points of a height map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum MissingPoints {
+    Refuse,
+    Fill,
+}
+
+impl Words for MissingPoints {
+    const WORDS: &'static [(&'static str, Self)] =
+        &[("refuse", Self::Refuse), ("fill", Self::Fill)];
 }
 
 impl Words for Boundary {

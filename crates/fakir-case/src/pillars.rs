@@ -8,20 +8,31 @@ use std::path::Path;
 const COLUMNS: Columns<4> = Columns {
     names: ["x_m", "y_m", "height_m", "diameter_m"],
     required: 2,
-    told: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m",
+    told: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m (or an area), in any unit of length: x_um or X [um]",
 };
 
 /// Columns of heights and diameters in a table of pillars.
 pub(crate) const HEIGHT: usize = 2;
 pub(crate) const DIAMETER: usize = 3;
 
-/// Reads a table of pillars: values separated by commas under a line with the names of the columns, `x_m` and `y_m`, and optionally
-/// `height_m` and `diameter_m` (m), whose defaults are those of the common pillar. Lines that begin with `#` are ignored.
+/// Reads a table of pillars: values under a line with the names of the columns and their units, `x_m` and `y_m` or `X [um]` and `Y [um]`, and
+/// optionally heights and diameters, or areas of tops, whose defaults are those of the common pillar, as of empty cells. Lines that begin with `#`
+/// are ignored. The name of the file may be followed by the unit of columns without one: `Results.csv [um]`.
 ///
 /// # Errors
 /// A file that cannot be read, unknown or missing columns, and values that are not numbers, with the line.
 pub(crate) fn read_pillars(path: &Path, common: &Pillar) -> Result<Table<4>, TableError> {
-    COLUMNS.read(path, otherwise(common))
+    let text = path.to_string_lossy();
+    let split = text
+        .strip_suffix(']')
+        .and_then(|text| text.rsplit_once('['));
+    match split {
+        Some((file, unit)) if !path.exists() => {
+            let file = Path::new(file.trim_end());
+            COLUMNS.read(file, Some(unit.trim()), otherwise(common))
+        }
+        _ => COLUMNS.read(path, None, otherwise(common)),
+    }
 }
 
 fn otherwise(common: &Pillar) -> [f64; 4] {
@@ -90,6 +101,9 @@ fn no_place(axis: impl Display, value: f64) -> String {
 }
 
 fn no_size(what: impl Display, value: f64) -> String {
+    if value.is_nan() {
+        return format!("{what}_m is not given here, nor for all pillars");
+    }
     format!("{what}_m is {value}, and has to be a finite number greater than 0")
 }
 
@@ -140,7 +154,7 @@ mod tests {
             height: 2.2e-6,
             compliance: PillarCompliance::Column,
         };
-        let table = COLUMNS.parse("pillars.csv", text.as_bytes(), otherwise(&common));
+        let table = COLUMNS.parse("pillars.csv", text.as_bytes(), None, otherwise(&common));
         table
             .and_then(|table| listed(&table))
             .map_err(|error| error.to_string())
@@ -159,6 +173,41 @@ mod tests {
     }
 
     #[test]
+    fn tables_of_other_programs() {
+        let expected = read("x_m,y_m,diameter_m\n1e-5,0,4e-6\n3e-5,0,6e-6\n").unwrap();
+        for text in [
+            "id;x [um];y [um];diameter [um]\n1;10,0;0;4,0\n2;30,0;0;\n",
+            "# x_um y_um diameter_um\n10 0 4\n30 0 6\n",
+            "X (\u{b5}m)\tY (\u{b5}m)\tRadius (nm)\n10\t0\t2000\n30\t0\t3000\n",
+            "Pillar,x,y,d\n,mm,mm,um\n1,0.01,0,4\n2,0.03,0,6\n",
+            " ,Label,X [um],Y [um],Diameter [um],Area [um^2],Mean,Circ.\n1,a,10,0,4,1,9,1\n2,b,30,0,6,1,9,1\n",
+        ] {
+            let found = read(text).unwrap();
+            for (one, other) in found.pillars().iter().zip(expected.pillars()) {
+                let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+                assert!(near(one.centre[0], other.centre[0]), "{text}");
+                assert!(near(one.diameter, other.diameter), "{text}");
+            }
+        }
+        // Areas of circles, in the unit after the name of the file.
+        let text = " ,Area,Mean,X,Y,BX,BY,Width,Height\n1,28.274333882308138,1,10,0,7,0,6,6\n";
+        let without = read(text).unwrap_err();
+        assert!(without.contains("column \"Area\" has no unit"), "{without}");
+        assert!(without.contains("\"FILE [um]\""), "{without}");
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("Results.csv"), text).unwrap();
+        let common = Pillar {
+            diameter: f64::NAN,
+            height: 2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let table = read_pillars(&folder.path().join("Results.csv [um]"), &common).unwrap();
+        let [x, y, height, diameter] = table.rows[0];
+        assert!((x - 1e-5).abs() < 1e-18 && y.abs() < 1e-18 && (height - 2e-6).abs() < 1e-18);
+        assert!((diameter - 6e-6).abs() < 1e-15, "{diameter}");
+    }
+
+    #[test]
     fn what_is_wrong_is_told_with_its_line() {
         let wrong = |text: &str| read(text).unwrap_err();
         assert!(
@@ -172,6 +221,9 @@ mod tests {
         assert!(wrong("x_m,y_m\n0,0\n1e-3").contains("line 3"));
         assert!(wrong("x_m,y_m\n0,inf").contains("line 2: y_m is inf"));
         assert!(wrong("x_m,y_m,height_m\n0,0,-1").contains("line 2: height_m is -1"));
+        assert!(wrong("x_um,y\n0,0").contains("column \"y\" has no unit"));
+        assert!(wrong("x_px,y [px]\n0,0").contains("there is no column \"x_px\""));
+        assert!(wrong("x [um],y [px]\n0,0").contains("\"y [px]\" is in \"px\""));
         let overlap = wrong("x_m,y_m\n0,0\n1,0\n# here\n4e-6,0\n");
         assert!(
             overlap.contains("line 5: this pillar overlaps with that of line 2"),

@@ -8,7 +8,8 @@ use crate::height_map::{GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, read_s
 use crate::height_table::BYTES_PER_POINT;
 use crate::key::{Key, root};
 use crate::parts::{
-    ArrangementName, IndenterForm, OutlineForm, OutlineParts, Parts, SurfaceParts, TopForm,
+    ArrangementName, IndenterForm, MissingPoints, OutlineForm, OutlineParts, Parts, SurfaceParts,
+    TopForm,
 };
 use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
@@ -307,6 +308,8 @@ impl CaseFile {
                 .map(|_| MapSize::Pixel([parts.cell_size; 2]))
                 .or(width.map(|_| MapSize::Width(parts.width))),
             height_unit: self.entry(Key::HeightUnit).map(|_| parts.height_unit),
+            height_range: self.entry(Key::HeightRange).map(|_| parts.height_range),
+            fill_missing: parts.missing_points == MissingPoints::Fill,
         };
         let array = self.entry(Key::Array).map(|_| parts.array.as_str());
         let extension = path.extension().unwrap_or_default();
@@ -339,6 +342,22 @@ impl CaseFile {
                     "give what the file states; what it states with a unit can be left out",
                 )
             }
+            HeightMapError::Missing { .. } | HeightMapError::NoData { .. } => self
+                .problem(Key::HeightMap, error.to_string())
+                .accepted(format!(
+                    "give {} = \"fill\" to interpolate them",
+                    Key::MissingPoints
+                )),
+            HeightMapError::NoHeightRange { .. } => {
+                self.missing(Key::HeightRange).accepted(format!(
+                    "give {}, the height of white above black, or {}, that of one grey value",
+                    Key::HeightRange,
+                    Key::HeightUnit
+                ))
+            }
+            HeightMapError::HeightRange { .. } => self
+                .problem(Key::HeightRange, error.to_string())
+                .accepted(format!("leave it out, or give {}", Key::HeightUnit)),
             HeightMapError::NotHeights { .. } => self
                 .problem(Key::HeightMap, error.to_string())
                 .accepted(format!("give {}", Key::HeightUnit)),

@@ -154,7 +154,7 @@ keys! {
             word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.name)
                 .optional();
         Pillars = "texture.pillars" is
-            text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m", |p| &mut p.texture.pillars)
+            text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m, in any unit", |p| &mut p.texture.pillars)
                 .with(Key::Lattice, &["listed"])
                 .unwritten(|p| p.texture.pillars.is_empty());
         AxisX = "texture.axis_x" is
@@ -256,7 +256,7 @@ keys! {
     }
     HeightMap {
         HeightMap = "surface.height_map" is
-            text("file of heights: .npy, .npz or text; or give arrangement instead", |p| &mut p.surface.height_map)
+            text("file of heights: .npy, .npz, numbers in text, SDF, X3P, PNG or TIFF; or give arrangement instead", |p| &mut p.surface.height_map)
                 .presence(Presence::EitherSurface(Key::Arrangement));
         Array = "surface.array" is
             text("name of the array in an .npz file with several", |p| &mut p.surface.array)
@@ -264,6 +264,12 @@ keys! {
         HeightUnit = "surface.height_unit" is
             length("unit of the heights in the file", |p| &mut p.surface.height_unit)
                 .usual(1e-9, 1.0).range(Range::NotZero).optional();
+        HeightRange = "surface.height_range" is
+            length("of an image: height of white above black", |p| &mut p.surface.height_range)
+                .usual(1e-9, 1e-3).positive().otherwise("height_unit is the height of one grey value");
+        MissingPoints = "surface.missing_points" is
+            word("refuse: points of the file without a height are an error; or fill: they are interpolated", |p| &mut p.surface.missing_points)
+                .optional();
         CellSize = "surface.cell_size" is
             length("distance between neighbouring points of the map; or give width instead, or neither if the file contains its size", |p| &mut p.surface.cell_size)
                 .positive().or(Key::MapWidth);

@@ -29,7 +29,7 @@ pub enum Dimension {
 }
 
 /// A unit of some dimension.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     /// Symbol, in ASCII.
     pub symbol: &'static str,
@@ -37,11 +37,54 @@ pub struct Unit {
     scale: Scale,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum Scale {
     PowerOfTen(i32),
     Degrees,
+    /// SI units in one of this unit. Such units are read, and neither suggested nor written.
+    Factor(f64),
 }
+
+/// Force of a mass of 1 kg under standard gravity, N (CGPM 1901).
+const KILOGRAM_FORCE: f64 = 9.806_65;
+
+/// Force of a mass of 1 lb under standard gravity, N; the pound is 0.45359237 kg.
+const POUND_FORCE: f64 = 4.448_221_615_260_5;
+
+/// Length of an inch, m.
+const INCH: f64 = 0.0254;
+
+/// Units that are read in addition to [`UNITS`], in which nothing is written.
+const FURTHER_UNITS: [Unit; 16] = [
+    unit("cm", Dimension::Length, Scale::Factor(1e-2)),
+    unit("pm", Dimension::Length, Scale::Factor(1e-12)),
+    unit("\u{c5}", Dimension::Length, Scale::Factor(1e-10)),
+    unit("in", Dimension::Length, Scale::Factor(INCH)),
+    unit("mil", Dimension::Length, Scale::Factor(1e-3 * INCH)),
+    unit("kN", Dimension::Force, Scale::Factor(1e3)),
+    unit("pN", Dimension::Force, Scale::Factor(1e-12)),
+    unit("dyn", Dimension::Force, Scale::Factor(1e-5)),
+    unit(
+        "mgf",
+        Dimension::Force,
+        Scale::Factor(1e-6 * KILOGRAM_FORCE),
+    ),
+    unit("gf", Dimension::Force, Scale::Factor(1e-3 * KILOGRAM_FORCE)),
+    unit("kgf", Dimension::Force, Scale::Factor(KILOGRAM_FORCE)),
+    unit("lbf", Dimension::Force, Scale::Factor(POUND_FORCE)),
+    unit("ozf", Dimension::Force, Scale::Factor(POUND_FORCE / 16.0)),
+    unit(
+        "psi",
+        Dimension::Pressure,
+        Scale::Factor(POUND_FORCE / (INCH * INCH)),
+    ),
+    unit(
+        "ksi",
+        Dimension::Pressure,
+        Scale::Factor(1e3 * POUND_FORCE / (INCH * INCH)),
+    ),
+    unit("bar", Dimension::Pressure, Scale::Factor(1e5)),
+];
 
 const UNITS: [Unit; 22] = [
     unit("m", Dimension::Length, Scale::PowerOfTen(0)),
@@ -82,13 +125,15 @@ fn in_ascii(symbol: &str) -> String {
         .replace(['\u{b5}', '\u{3bc}'], "u")
         .replace("^2", "2")
         .replace('\u{b2}', "2")
+        .replace('\u{212b}', "\u{c5}")
 }
 
 impl Unit {
     /// The unit with the given symbol, preferably of the given dimension: `N/m` belongs to several.
     fn named(symbol: &str, dimension: Dimension) -> Option<Self> {
         let ascii = in_ascii(symbol);
-        let named = || UNITS.into_iter().filter(|unit| unit.symbol == ascii);
+        let all = || UNITS.into_iter().chain(FURTHER_UNITS);
+        let named = || all().filter(|unit| unit.symbol == ascii);
         let wanted = named().find(|unit| unit.dimension == dimension);
         wanted.or_else(|| named().next())
     }
@@ -112,6 +157,7 @@ impl Unit {
         match self.scale {
             Scale::PowerOfTen(power) => 10f64.powi(power),
             Scale::Degrees => 1f64.to_radians(),
+            Scale::Factor(factor) => factor,
         }
     }
 }
@@ -189,7 +235,7 @@ impl Dimension {
         let size = value.abs();
         let power = |unit: &Unit| match unit.scale {
             Scale::PowerOfTen(power) => Some(power),
-            Scale::Degrees => None,
+            Scale::Degrees | Scale::Factor(_) => None,
         };
         // A number that is rounded up to the next unit with six digits has that unit. Of equal
         // units the first one is used.
@@ -417,6 +463,7 @@ fn scaled(number: &str, scale: Scale) -> f64 {
     let value: f64 = number.parse().unwrap_or(f64::NAN);
     let power = match scale {
         Scale::Degrees => return value.to_radians(),
+        Scale::Factor(factor) => return value * factor,
         Scale::PowerOfTen(power) => power,
     };
     let (digits, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
@@ -438,6 +485,7 @@ pub fn format_quantity(value: f64, dimension: Dimension) -> String {
     };
     match unit.scale {
         Scale::PowerOfTen(power) => format!("{} {}", plain(value, -power), unit.symbol),
+        Scale::Factor(_) => format!("{} {}", plain(value, 0), unit.symbol),
         Scale::Degrees => {
             let degrees = (value.to_degrees() * 1e9).round() / 1e9;
             if degrees.to_radians().to_bits() == value.to_bits() {
@@ -513,6 +561,17 @@ mod tests {
             assert_eq!(read.to_bits(), f64::to_bits(fraction), "{text}");
         }
         assert!(length("nan m").unwrap().is_nan());
+        // International pound and inch (1959), standard gravity (CGPM 1901).
+        for (text, dimension, value) in [
+            ("2 mil", Dimension::Length, 50.8e-6),
+            ("1 lbf", Dimension::Force, 0.453_592_37 * 9.806_65),
+            ("10 gf", Dimension::Force, 98.0665e-3),
+            ("3 dyn", Dimension::Force, 3e-5),
+            ("1 psi", Dimension::Pressure, 6_894.757_293_168),
+        ] {
+            let read = parse_quantity(text, dimension).unwrap();
+            assert!((read / value - 1.0).abs() < 1e-12, "{text}: {read}");
+        }
         assert!(length("1e999999999999 um").unwrap().is_infinite());
     }
 

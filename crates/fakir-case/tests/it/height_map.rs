@@ -304,15 +304,263 @@ fn sizes_that_a_file_states() {
 
 #[test]
 fn files_of_other_formats_are_named() {
-    for (start, format) in [
-        (&b"GWYPsomething"[..], "Gwyddion"),
-        (b"II*\0....", "TIFF"),
-        (b"\xff\xfe0\0", "UTF-16"),
+    for (start, format, advice) in [
+        (&b"GWYPsomething"[..], "Gwyddion", "save it as text"),
+        (b"MATLAB 5.0", "MATLAB", "as text with writematrix"),
+        (b"bISO-1.0", "a binary SDF file", "save it as SDF in ASCII"),
+        (b"\xff\xfe0\0", "UTF-16", "save it as text in UTF-8"),
     ] {
         let error = read_text(start, &SCALE.into()).unwrap_err().to_string();
         assert!(error.contains(format), "{error}");
-        assert!(error.contains("export it as a matrix"), "{error}");
+        assert!(error.contains(advice), "{error}");
     }
+}
+
+/// The map of the fixtures, of 8 by 3 um, as SDF in ASCII.
+fn sdf(rows: &str) -> String {
+    format!(
+        "aISO-1.0\nManufacID = fakir\nNumPoints = 4\nNumProfiles = 3\nXscale = 2.0E-6\nYscale = 1.0E-6\nZscale = 1.0E-9\n\
+         Zresolution = -1\nCompression = 0\nDataType = 7\nCheckType = 0\n*\n{rows}\n*\n"
+    )
+}
+
+#[test]
+fn files_of_iso_25178() {
+    let nothing = GivenScale::default();
+    let rows = "0 1 2 3\n10 11 12 13 20 21\n22 23";
+    check(&read_text(sdf(rows), &nothing).unwrap());
+    check(&read_text(sdf(rows), &SCALE.into()).unwrap());
+    let other = GivenScale {
+        size: Some(MapSize::Width(9.0e-6)),
+        ..nothing
+    };
+    let error = read_text(sdf(rows), &other).unwrap_err().to_string();
+    assert!(
+        error.contains("a width of 8 um, and 9 um is given"),
+        "{error}"
+    );
+    let error = read_text(sdf("0 1"), &nothing).unwrap_err().to_string();
+    assert!(
+        error.contains("4 by 3 points, and it has 2 heights"),
+        "{error}"
+    );
+    let error = read_text(sdf("0 high"), &nothing).unwrap_err().to_string();
+    assert!(error.contains("\"high\" is no height"), "{error}");
+    // X3P with whole numbers, with floating-point numbers, and with heights in its description.
+    let description = |kind: &str, increment: &str, data: &str| {
+        let axis = |name: &str, kind: &str, increment: &str| {
+            format!(
+                "<{name}><AxisType>I</AxisType><DataType>{kind}</DataType><Increment>{increment}</Increment></{name}>"
+            )
+        };
+        format!(
+            "<?xml version=\"1.0\"?><p:ISO5436_2 xmlns:p=\"http://www.opengps.eu/2008/ISO5436_2\"><Record1><Axes>{}{}{}</Axes></Record1>\
+             <Record3><MatrixDimension><SizeX>4</SizeX><SizeY>3</SizeY><SizeZ>1</SizeZ></MatrixDimension>{data}</Record3></p:ISO5436_2>",
+            axis("CX", "D", "2.0e-6"),
+            axis("CY", "D", "1.0e-6"),
+            axis("CZ", kind, increment),
+        )
+    };
+    let link = "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink>";
+    let whole: Vec<u8> = values(false)
+        .iter()
+        .flat_map(|v| (*v as i16).to_le_bytes())
+        .collect();
+    let double = values(false);
+    let double = double
+        .iter()
+        .flat_map(|v| (1e-9 * f64::from(*v)).to_le_bytes());
+    let double: Vec<u8> = double.collect();
+    let listed = values(false);
+    let listed = listed.iter().map(|v| format!("<Datum>0;0;{v}e-9</Datum>"));
+    let listed = format!("<DataList>{}</DataList>", listed.collect::<String>());
+    let of = |document: String, data: &[u8]| {
+        let members = [
+            ("main.xml", document.as_bytes()),
+            ("bindata/data.bin", data),
+        ];
+        crate::tables::zip(&members)
+    };
+    for archive in [
+        of(description("I", "1e-9", link), &whole),
+        of(description("D", "1", link), &double),
+        of(description("D", "1", &listed), &[]),
+    ] {
+        check(&read_text(archive, &nothing).unwrap());
+    }
+    let error = read_text(of(description("I", "1e-9", link), &[1]), &nothing).unwrap_err();
+    assert!(
+        error.to_string().contains("and it has 0 heights"),
+        "{error}"
+    );
+}
+
+#[test]
+fn grey_images_have_the_largest_y_on_top() {
+    // Grey values of 1000 for 1 nm: white is at 65.535 nm.
+    let scale = GivenScale {
+        size: Some(SCALE.size),
+        height_range: Some(65.535e-9),
+        ..GivenScale::default()
+    };
+    let from_top: Vec<u16> = values(false)
+        .chunks(4)
+        .rev()
+        .flatten()
+        .map(|value| 1000 * *value as u16)
+        .collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 4, 3);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    let big: Vec<u8> = from_top
+        .iter()
+        .flat_map(|grey| grey.to_be_bytes())
+        .collect();
+    encoder
+        .write_header()
+        .unwrap()
+        .write_image_data(&big)
+        .unwrap();
+    let check_nm = |bytes: &[u8], scale: &GivenScale| match read_text(bytes, scale) {
+        Ok(map) => check(&map),
+        Err(error) => panic!("{error}"),
+    };
+    check_nm(&bytes, &scale);
+    let by_unit = GivenScale {
+        height_range: None,
+        height_unit: Some(1e-12),
+        ..scale
+    };
+    check_nm(&bytes, &by_unit);
+    let without = GivenScale {
+        height_range: None,
+        ..scale
+    };
+    let error = read_text(&bytes, &without).unwrap_err();
+    assert!(
+        matches!(error, HeightMapError::NoHeightRange { .. }),
+        "{error}"
+    );
+    let error = read_text("1 2\n3 4\n", &scale).unwrap_err();
+    assert!(
+        matches!(error, HeightMapError::HeightRange { .. }),
+        "{error}"
+    );
+    for big_endian in [false, true] {
+        let tiff = |bits: u16, format: u16, compression: u16, data: &[u8]| {
+            tiff(big_endian, [bits, format, compression], data)
+        };
+        let order = |grey: &u16| {
+            if big_endian {
+                grey.to_be_bytes()
+            } else {
+                grey.to_le_bytes()
+            }
+        };
+        let pixels: Vec<u8> = from_top.iter().flat_map(order).collect();
+        check_nm(&tiff(16, 1, 1, &pixels), &scale);
+        let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), Compression::default());
+        packer.write_all(&pixels).unwrap();
+        check_nm(&tiff(16, 1, 8, &packer.finish().unwrap()), &scale);
+        // Heights in nm.
+        let order = |grey: &u16| {
+            let height = f32::from(*grey) / 1000.0;
+            if big_endian {
+                height.to_be_bytes()
+            } else {
+                height.to_le_bytes()
+            }
+        };
+        let pixels: Vec<u8> = from_top.iter().flat_map(order).collect();
+        check_nm(&tiff(32, 3, 1, &pixels), &SCALE.into());
+        let error = read_text(tiff(8, 1, 1, &pixels), &scale)
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("a grey image of 16 bits"), "{error}");
+    }
+}
+
+/// A TIFF image of 4 by 3 pixels in one strip, with bits, sample format and compression.
+fn tiff(big_endian: bool, kind: [u16; 3], data: &[u8]) -> Vec<u8> {
+    let short = |value: u16| {
+        if big_endian {
+            value.to_be_bytes()
+        } else {
+            value.to_le_bytes()
+        }
+    };
+    let long = |value: u32| {
+        if big_endian {
+            value.to_be_bytes()
+        } else {
+            value.to_le_bytes()
+        }
+    };
+    let [bits, format, compression] = kind;
+    let start = 8 + data.len() as u32;
+    let mut bytes = if big_endian {
+        b"MM".to_vec()
+    } else {
+        b"II".to_vec()
+    };
+    bytes.extend(short(42));
+    bytes.extend(long(start));
+    bytes.extend(data);
+    let fields: [(u16, u32); 9] = [
+        (256, 4),
+        (257, 3),
+        (258, bits.into()),
+        (259, compression.into()),
+        (262, 1),
+        (273, 8),
+        (277, 1),
+        (279, data.len() as u32),
+        (339, format.into()),
+    ];
+    bytes.extend(short(fields.len() as u16));
+    for (tag, value) in fields {
+        bytes.extend(short(tag));
+        bytes.extend(short(4));
+        bytes.extend(long(1));
+        bytes.extend(long(value));
+    }
+    bytes.extend(long(0));
+    bytes
+}
+
+#[test]
+fn missing_points_are_counted_or_filled() {
+    let nothing = GivenScale::default();
+    let filled = GivenScale {
+        fill_missing: true,
+        ..nothing
+    };
+    // The heights are a plane, which the interpolation continues.
+    let rows = "0 1 2 3\n10 BAD BAD 13\n20 21 22 23";
+    let error = read_text(sdf(rows), &nothing).unwrap_err().to_string();
+    let told = "2 of 12 heights are missing, the first in column 1, row 1 (counted from 0)";
+    assert!(error.contains(told), "{error}");
+    let map = read_text(sdf(rows), &filled).unwrap();
+    let height = map.heights()[5];
+    assert!((height - 11e-9).abs() < 1e-17, "{height}");
+    let error = read_text(sdf(&"BAD ".repeat(12)), &filled).unwrap_err();
+    assert!(matches!(error, HeightMapError::Empty { .. }), "{error}");
+    // A list of points that states its units and lacks one point.
+    let point = |k: i32| format!("{} {} {}\n", f64::from(k % 15) * 0.5, k / 15, k % 15);
+    let points: String = (0..150).filter(|k| *k != 31).map(point).collect();
+    let list = format!("# Lateral units: um\n# Value units: nm\n{points}");
+    let error = read_text(&list, &nothing).unwrap_err().to_string();
+    assert!(error.contains("1 of 150 heights are missing"), "{error}");
+    let map = read_text(&list, &filled).unwrap();
+    assert_eq!((map.grid().columns(), map.grid().rows()), (15, 10));
+    let [width, height] = map.grid().cell();
+    assert!((width - 0.5e-6).abs() < 1e-18 && (height - 1e-6).abs() < 1e-18);
+    assert!(
+        (map.heights()[31] - 1e-9).abs() < 1e-17,
+        "{}",
+        map.heights()[31]
+    );
 }
 
 #[test]
@@ -396,7 +644,7 @@ fn wrong_arrays_are_named() {
     data[8 * 6..8 * 7].copy_from_slice(&f64::NAN.to_le_bytes());
     let error = failure("nan.npy", &npy(1, "<f8", false, "(3, 4)", &data)).to_string();
     assert!(
-        error.contains("column 2, row 1") && error.contains("NaN"),
+        error.contains("1 of 12 heights are missing, the first in column 2, row 1"),
         "{error}"
     );
 }

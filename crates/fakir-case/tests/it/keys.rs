@@ -18,7 +18,12 @@ substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }
 
 /// A case that has this key or accepts it.
 fn case_for(key: Key) -> CaseFile {
-    let of_height_maps = [Key::HeightUnit, Key::CellSize, Key::MapWidth];
+    let of_height_maps = [
+        Key::HeightUnit,
+        Key::HeightRange,
+        Key::CellSize,
+        Key::MapWidth,
+    ];
     let surface = if !key.table().starts_with("surface") {
         return CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
     } else if of_height_maps.contains(&key) {

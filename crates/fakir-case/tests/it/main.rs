@@ -11,3 +11,4 @@ mod lenses;
 mod malformed;
 mod studies;
 mod surfaces;
+mod tables;

@@ -294,8 +294,10 @@ fn differ(one: &[f64], other: &[f64]) -> bool {
 /// Whether a key may have no effect without a warning other than the result itself.
 fn is_told_elsewhere(key: Key, file: &CaseFile) -> bool {
     let method = file.case().map_or("", |case| case.method.name());
-    // Only the spectral method computes floor contact; the others return a negative gap, and a warning with the critical load.
-    key == Key::FloorContact && method != "spectral"
+    // Only the spectral method has floor contact; the others give a negative gap, and a warning with the critical load.
+    let is_floor = key == Key::FloorContact && method != "spectral";
+    // A map may have no missing points; otherwise the case without the key is refused with their count.
+    is_floor || key == Key::MissingPoints
 }
 
 /// Effect of a given key.

@@ -1,0 +1,273 @@
+//! Formats that are recognised by their first bytes or by the name of the file, and are not read.
+
+use crate::archive;
+use std::path::Path;
+
+/// A recognised format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Format {
+    /// What the file is: `"a Gwyddion file"`.
+    pub(crate) name: &'static str,
+    /// What converts its curves or tables into text.
+    table: &'static str,
+    /// What converts its heights.
+    pub(crate) heights: &'static str,
+}
+
+const GWYDDION: &str = "open it in Gwyddion and save it as text (ASCII data matrix)";
+const EXPORT: &str = "export it as a matrix of numbers in text, or as an array of NumPy (.npy)";
+const CURVES: &str =
+    "the Python package afmformats reads it: fakir.fit accepts its curves, or save them as text";
+const TEXT: &str = "export it as text (CSV) from the program that wrote it";
+const NO_TABLE: &str = "give a table in text (CSV) or a spreadsheet (.xlsx)";
+
+const fn format(name: &'static str, table: &'static str, heights: &'static str) -> Format {
+    Format {
+        name,
+        table,
+        heights,
+    }
+}
+
+/// Formats by their first bytes.
+const BY_BYTES: [(&[u8], Format); 24] = [
+    (b"GWYP", format("a Gwyddion file", GWYDDION, GWYDDION)),
+    (b"GWYO", format("a Gwyddion file", GWYDDION, GWYDDION)),
+    (
+        b"\\*File list",
+        format(
+            "a NanoScope file",
+            "export it as text (ASCII) in NanoScope Analysis",
+            GWYDDION,
+        ),
+    ),
+    (
+        b"\\*Force file list",
+        format(
+            "a NanoScope force file",
+            "export it as text (ASCII) in NanoScope Analysis",
+            GWYDDION,
+        ),
+    ),
+    (
+        b"\x93NUMPY",
+        format(
+            "a NumPy array",
+            "save it as text with numpy.savetxt, or give its columns to fakir.fit in Python",
+            EXPORT,
+        ),
+    ),
+    (
+        b"\x89HDF",
+        format(
+            "an HDF5 file",
+            "convert it with h5py or pandas in Python: fakir.fit accepts a dictionary of arrays; curves of AFMs are read by the Python package afmformats",
+            EXPORT,
+        ),
+    ),
+    (
+        b"MATLAB",
+        format(
+            "a MATLAB file",
+            "save it as text with writematrix in MATLAB, or read it with scipy.io.loadmat in Python",
+            "save it as text with writematrix in MATLAB, or as an array of NumPy (.npy)",
+        ),
+    ),
+    (
+        b"DIGITAL SURF",
+        format("a Digital Surf file", NO_TABLE, GWYDDION),
+    ),
+    (
+        b"DSCOMPRESSED",
+        format("a Digital Surf file", NO_TABLE, GWYDDION),
+    ),
+    (b"DSAA", format("a Surfer grid", NO_TABLE, GWYDDION)),
+    (b"DSBB", format("a Surfer grid", NO_TABLE, GWYDDION)),
+    (b"DSRB", format("a Surfer grid", NO_TABLE, GWYDDION)),
+    (
+        b"bISO",
+        format(
+            "a binary SDF file",
+            NO_TABLE,
+            "save it as SDF in ASCII, or open it in Gwyddion and save it as text (ASCII data matrix)",
+        ),
+    ),
+    (
+        b"\xff\xd8\xff",
+        format(
+            "a JPEG image",
+            NO_TABLE,
+            "JPEG changes the values of pixels: export the heights as 16-bit PNG or TIFF, or as text",
+        ),
+    ),
+    (b"\x89PNG", format("a PNG image", NO_TABLE, EXPORT)),
+    (b"II*\0", format("a TIFF image", NO_TABLE, EXPORT)),
+    (b"MM\0*", format("a TIFF image", NO_TABLE, EXPORT)),
+    (b"GIF8", format("a GIF image", NO_TABLE, EXPORT)),
+    (
+        b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
+        format(
+            "an Excel file of the old format (.xls) or another compound file",
+            "save it as .xlsx or as CSV in Excel or LibreOffice",
+            EXPORT,
+        ),
+    ),
+    (
+        b"PAR1",
+        format(
+            "a Parquet file",
+            "convert it with pandas: pandas.read_parquet(\"FILE\").to_csv(\"FILE.csv\"), or give the table to fakir.fit in Python",
+            EXPORT,
+        ),
+    ),
+    (
+        b"TDSm",
+        format(
+            "a TDMS file of LabVIEW",
+            "convert it with the Python package npTDMS, or save it as text in LabVIEW or DIAdem",
+            EXPORT,
+        ),
+    ),
+    (b"%PDF", format("a PDF file", TEXT, EXPORT)),
+    (
+        b"BZh",
+        format(
+            "packed by bzip2",
+            "unpack it with bunzip2",
+            "unpack it with bunzip2",
+        ),
+    ),
+    (
+        b"\xfd7zXZ",
+        format("packed by xz", "unpack it with unxz", "unpack it with unxz"),
+    ),
+];
+
+/// Formats by the ends of names, for files that are not text.
+const BY_NAME: [(&str, Format); 8] = [
+    (".ibw", format("an Igor binary wave", CURVES, GWYDDION)),
+    (
+        ".pxp",
+        format(
+            "an Igor experiment",
+            "save the waves as text in Igor Pro",
+            GWYDDION,
+        ),
+    ),
+    (
+        ".nid",
+        format(
+            "a Nanosurf file",
+            "export it as text in the software of Nanosurf",
+            GWYDDION,
+        ),
+    ),
+    (
+        ".spm",
+        format(
+            "a NanoScope file",
+            "export it as text (ASCII) in NanoScope Analysis",
+            GWYDDION,
+        ),
+    ),
+    (
+        ".tdms",
+        format(
+            "a TDMS file of LabVIEW",
+            "convert it with the Python package npTDMS",
+            EXPORT,
+        ),
+    ),
+    (
+        ".is_tens",
+        format(
+            "a Bluehill file",
+            "export raw data as CSV in Bluehill",
+            EXPORT,
+        ),
+    ),
+    (
+        ".zs2",
+        format(
+            "a testXpert file",
+            "export raw data as text (ASCII) in testXpert",
+            EXPORT,
+        ),
+    ),
+    (
+        ".tri",
+        format(
+            "a TRIOS file",
+            "export it as text or .xlsx in TRIOS",
+            EXPORT,
+        ),
+    ),
+];
+
+/// Formats that are ZIP archives, by the beginning of the name of a member.
+const BY_MEMBER: [(&str, Format); 6] = [
+    ("xl/workbook.xml", SPREADSHEET),
+    (
+        "header.properties",
+        format(
+            "a JPK file",
+            "export it as text in JPK Data Processing; or the Python package afmformats reads it, and fakir.fit accepts its curves",
+            GWYDDION,
+        ),
+    ),
+    (
+        "content.xml",
+        format(
+            "an OpenDocument spreadsheet",
+            "save it as .xlsx or as CSV in LibreOffice",
+            EXPORT,
+        ),
+    ),
+    ("word/", format("a Word document", TEXT, EXPORT)),
+    (
+        "xl/workbook.bin",
+        format(
+            "an Excel file of the binary format (.xlsb)",
+            "save it as .xlsx or as CSV in Excel",
+            EXPORT,
+        ),
+    ),
+    ("main.xml", format("an X3P file", NO_TABLE, EXPORT)),
+];
+
+const SPREADSHEET: Format = format("a spreadsheet (.xlsx)", "", EXPORT);
+
+const ZIP: Format = format("a ZIP archive", "unpack it first", EXPORT);
+
+/// The format of a file that is not read as text, by its first bytes, the members of an archive, and its name.
+pub(crate) fn recognised(path: &Path, bytes: &[u8]) -> Option<Format> {
+    if bytes.starts_with(b"PK\x03\x04") {
+        let names = archive::names(bytes);
+        let has = |start: &str| names.iter().any(|name| name.starts_with(start));
+        let found = BY_MEMBER.iter().find(|(member, _)| has(member));
+        return Some(found.map_or(ZIP, |(_, format)| *format));
+    }
+    let by_bytes = BY_BYTES.iter().find(|(start, _)| bytes.starts_with(start));
+    if let Some((_, format)) = by_bytes {
+        return Some(*format);
+    }
+    let is_wide = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    if is_wide || !bytes.contains(&0) {
+        return None;
+    }
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let by_name = BY_NAME.iter().find(|(end, _)| name.ends_with(end));
+    by_name.map(|(_, format)| *format)
+}
+
+impl Format {
+    /// Whether it is a spreadsheet, whose tables are read.
+    pub(crate) fn is_spreadsheet(self) -> bool {
+        self == SPREADSHEET
+    }
+
+    /// That a table is not read from it, and what converts it.
+    pub(crate) fn no_table(self) -> String {
+        format!("it is {}, which is not read: {}", self.name, self.table)
+    }
+}

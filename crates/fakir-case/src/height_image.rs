@@ -1,0 +1,233 @@
+//! Height maps from grey images of 16 bits: PNG and TIFF. The image is seen with y upwards: its first row has the largest y.
+
+use crate::height_table::{HeightMapError, Source, Stated, Table};
+use flate2::read::ZlibDecoder;
+use std::io::{Cursor, Read};
+
+/// Largest grey value of 16 bits.
+const WHITE: f64 = 65_535.0;
+
+/// What an image must be.
+const WANTED: &str =
+    "export the heights as a grey image of 16 bits, without compression or with deflate";
+
+fn wrong(source: &Source<'_>, problem: impl Into<String>) -> HeightMapError {
+    HeightMapError::Image {
+        file: source.file.to_owned(),
+        problem: problem.into(),
+    }
+}
+
+/// A table of grey values, given from the top row downwards.
+fn table(columns: usize, rows: usize, from_top: &[f64], white: Option<f64>) -> Table {
+    let upwards = from_top.rchunks_exact(columns.max(1));
+    Table {
+        columns,
+        rows,
+        values: upwards.flatten().copied().collect(),
+        stated: Stated {
+            white,
+            ..Stated::default()
+        },
+        first_missing: None,
+    }
+}
+
+/// Reads a PNG image.
+pub(crate) fn png(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapError> {
+    let damaged = |error: png::DecodingError| wrong(source, format!("it is damaged: {error}"));
+    let mut reader = png::Decoder::new(Cursor::new(bytes))
+        .read_info()
+        .map_err(damaged)?;
+    let info = reader.info();
+    let (columns, rows) = (info.width as usize, info.height as usize);
+    if info.color_type != png::ColorType::Grayscale || info.bit_depth != png::BitDepth::Sixteen {
+        let problem = format!(
+            "it has {:?} pixels of {} bits: {WANTED}",
+            info.color_type, info.bit_depth as u8
+        );
+        return Err(wrong(source, problem));
+    }
+    let count = (columns * rows) as u64;
+    source.check_memory(count, || format!("{columns} by {rows} points"))?;
+    let mut pixels = vec![0; 2 * columns * rows];
+    reader.next_frame(&mut pixels).map_err(damaged)?;
+    let grey = |pair: &[u8]| f64::from(u16::from_be_bytes([pair[0], pair[1]]));
+    let values: Vec<f64> = pixels.chunks_exact(2).map(grey).collect();
+    Ok(table(columns, rows, &values, Some(WHITE)))
+}
+
+/// Byte order of a TIFF image.
+#[derive(Clone, Copy, PartialEq)]
+enum Order {
+    Little,
+    Big,
+}
+
+/// A TIFF image and the fields of its first directory.
+struct Tiff<'a> {
+    bytes: &'a [u8],
+    order: Order,
+    fields: Vec<(u16, Vec<u64>)>,
+}
+
+/// Kinds of fields: bytes of each value.
+fn size_of_kind(kind: u16) -> Option<usize> {
+    match kind {
+        1 => Some(1),
+        3 => Some(2),
+        4 => Some(4),
+        _ => None,
+    }
+}
+
+impl<'a> Tiff<'a> {
+    /// Reads the first directory.
+    fn new(bytes: &'a [u8]) -> Option<Self> {
+        let order = if bytes.starts_with(b"II") {
+            Order::Little
+        } else {
+            Order::Big
+        };
+        let mut tiff = Self {
+            bytes,
+            order,
+            fields: Vec::new(),
+        };
+        let start = tiff.number(4, 4)? as usize;
+        let count = tiff.number(start, 2)? as usize;
+        for entry in 0..count {
+            let place = start + 2 + 12 * entry;
+            let (tag, kind) = (
+                tiff.number(place, 2)? as u16,
+                tiff.number(place + 2, 2)? as u16,
+            );
+            let length = tiff.number(place + 4, 4)? as usize;
+            let Some(size) = size_of_kind(kind) else {
+                continue;
+            };
+            let total = size
+                .checked_mul(length)
+                .filter(|total| *total <= bytes.len())?;
+            let data = match total <= 4 {
+                true => place + 8,
+                false => tiff.number(place + 8, 4)? as usize,
+            };
+            let values = (0..length).map(|k| tiff.number(data + k * size, size));
+            let values = values.collect::<Option<Vec<u64>>>()?;
+            tiff.fields.push((tag, values));
+        }
+        Some(tiff)
+    }
+
+    /// An unsigned number of so many bytes.
+    fn number(&self, place: usize, size: usize) -> Option<u64> {
+        let bytes = self.bytes.get(place..place.checked_add(size)?)?;
+        let add = |number: u64, byte: &u8| (number << 8) | u64::from(*byte);
+        Some(match self.order {
+            Order::Little => bytes.iter().rev().fold(0, add),
+            Order::Big => bytes.iter().fold(0, add),
+        })
+    }
+
+    fn values(&self, tag: u16) -> &[u64] {
+        let found = self.fields.iter().find(|(known, _)| *known == tag);
+        found.map_or(&[], |(_, values)| values)
+    }
+
+    fn value(&self, tag: u16, otherwise: u64) -> u64 {
+        self.values(tag).first().copied().unwrap_or(otherwise)
+    }
+}
+
+/// Tags of TIFF 6.0.
+mod tag {
+    pub(super) const WIDTH: u16 = 256;
+    pub(super) const LENGTH: u16 = 257;
+    pub(super) const BITS: u16 = 258;
+    pub(super) const COMPRESSION: u16 = 259;
+    pub(super) const PHOTOMETRIC: u16 = 262;
+    pub(super) const STRIP_OFFSETS: u16 = 273;
+    pub(super) const SAMPLES: u16 = 277;
+    pub(super) const STRIP_BYTES: u16 = 279;
+    pub(super) const PREDICTOR: u16 = 317;
+    pub(super) const TILE_WIDTH: u16 = 322;
+    pub(super) const SAMPLE_FORMAT: u16 = 339;
+}
+
+/// Reads the first image of a TIFF file: grey values of 16 bits, or heights as floating-point numbers of 32 or 64 bits.
+pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapError> {
+    let damaged = || {
+        wrong(
+            source,
+            "it is damaged, or a BigTIFF: save it as TIFF or PNG again",
+        )
+    };
+    let tiff = Tiff::new(bytes).ok_or_else(damaged)?;
+    let columns = tiff.value(tag::WIDTH, 0) as usize;
+    let rows = tiff.value(tag::LENGTH, 0) as usize;
+    let (bits, samples) = (tiff.value(tag::BITS, 1), tiff.value(tag::SAMPLES, 1));
+    let format = tiff.value(tag::SAMPLE_FORMAT, 1);
+    if samples != 1 || !matches!((bits, format), (16, 1) | (32 | 64, 3)) {
+        let problem = format!("it has {samples} values of {bits} bits for each pixel: {WANTED}");
+        return Err(wrong(source, problem));
+    }
+    let compression = tiff.value(tag::COMPRESSION, 1);
+    let predictor = tiff.value(tag::PREDICTOR, 1);
+    let is_known =
+        matches!(compression, 1 | 8 | 32_946) && (predictor == 1 || predictor == 2 && bits == 16);
+    if !is_known || !tiff.values(tag::TILE_WIDTH).is_empty() {
+        let problem =
+            format!("its pixels are in tiles or packed by method {compression}: {WANTED}");
+        return Err(wrong(source, problem));
+    }
+    let count = (columns as u64).saturating_mul(rows as u64);
+    source.check_memory(count, || format!("{columns} by {rows} points"))?;
+    let size = bits as usize / 8;
+    let needed = columns * rows * size;
+    let mut pixels = Vec::with_capacity(needed);
+    let strips = tiff
+        .values(tag::STRIP_OFFSETS)
+        .iter()
+        .zip(tiff.values(tag::STRIP_BYTES));
+    for (offset, length) in strips {
+        let (start, length) = (*offset as usize, *length as usize);
+        let end = start.checked_add(length).ok_or_else(damaged)?;
+        let strip = bytes.get(start..end).ok_or_else(damaged)?;
+        let left = (needed - pixels.len().min(needed)) as u64;
+        match compression {
+            1 => pixels.extend_from_slice(strip),
+            _ => {
+                let unpacked = ZlibDecoder::new(strip).take(left).read_to_end(&mut pixels);
+                unpacked.map_err(|_| damaged())?;
+            }
+        }
+    }
+    if pixels.len() < needed {
+        return Err(damaged());
+    }
+    let number = |cell: &[u8]| {
+        let add = |number: u64, byte: &u8| (number << 8) | u64::from(*byte);
+        match tiff.order {
+            Order::Little => cell.iter().rev().fold(0, add),
+            Order::Big => cell.iter().fold(0, add),
+        }
+    };
+    let mut numbers: Vec<u64> = pixels[..needed].chunks_exact(size).map(number).collect();
+    if predictor == 2 {
+        for row in numbers.chunks_exact_mut(columns.max(1)) {
+            for k in 1..row.len() {
+                row[k] = (row[k] + row[k - 1]) & 0xffff;
+            }
+        }
+    }
+    let is_inverted = tiff.value(tag::PHOTOMETRIC, 1) == 0;
+    let value = |number: &u64| match bits {
+        16 if is_inverted => WHITE - *number as f64,
+        16 => *number as f64,
+        32 => f64::from(f32::from_bits(*number as u32)),
+        _ => f64::from_bits(*number),
+    };
+    let values: Vec<f64> = numbers.iter().map(value).collect();
+    Ok(table(columns, rows, &values, (bits == 16).then_some(WHITE)))
+}

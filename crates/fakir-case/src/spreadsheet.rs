@@ -1,0 +1,162 @@
+//! Tables from XLSX files: the first sheet that has cells, as text with tabs between its cells.
+
+use crate::archive::member;
+use crate::markup::{Part, attribute, parts};
+
+/// The table of an XLSX file as text: a line for each row of the sheet, so that numbers of lines are those of rows.
+///
+/// # Errors
+/// A description of the error: a damaged archive, a part that exceeds `most` bytes, or a file without any cells.
+pub(crate) fn to_text(bytes: &[u8], most: u64) -> Result<String, String> {
+    let text = |name: &str| {
+        let found = member(bytes, name, 8 * most)?;
+        Ok::<_, String>(found.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
+    };
+    let missing = |name: &str| format!("it has no {name}: save it again as .xlsx or as CSV");
+    let workbook = "xl/workbook.xml";
+    let workbook = text(workbook)?.ok_or_else(|| missing(workbook))?;
+    let relations = text("xl/_rels/workbook.xml.rels")?.unwrap_or_default();
+    let shared = text("xl/sharedStrings.xml")?.unwrap_or_default();
+    let shared = shared_texts(&shared);
+    for sheet in sheets(&workbook, &relations) {
+        let Some(sheet) = text(&sheet)? else { continue };
+        let table = rows(&sheet, &shared, most)?;
+        if !table.trim().is_empty() {
+            return Ok(table);
+        }
+    }
+    Err("no sheet has any cells".to_owned())
+}
+
+/// Members of the archive that contain the sheets, in their order.
+fn sheets(workbook: &str, relations: &str) -> Vec<String> {
+    let relations = parts(relations);
+    let target = |id: &str| {
+        relations.iter().find_map(|part| match part {
+            Part::Start("Relationship", given) if attribute(given, "Id")? == id => {
+                attribute(given, "Target")
+            }
+            _ => None,
+        })
+    };
+    let workbook = parts(workbook);
+    let sheets = workbook.iter().filter_map(|part| match part {
+        Part::Start("sheet", given) => target(&attribute(given, "id")?),
+        _ => None,
+    });
+    sheets
+        .map(|target| match target.strip_prefix('/') {
+            Some(whole) => whole.to_owned(),
+            None => format!("xl/{target}"),
+        })
+        .collect()
+}
+
+/// Texts that cells refer to by their numbers.
+fn shared_texts(document: &str) -> Vec<String> {
+    let mut texts = Vec::new();
+    let (mut is_text, mut is_phonetic) = (false, false);
+    for part in parts(document) {
+        match part {
+            Part::Start("si", _) => texts.push(String::new()),
+            Part::Start("t", _) => is_text = true,
+            Part::End("t") => is_text = false,
+            Part::Start("rPh", _) => is_phonetic = true,
+            Part::End("rPh") => is_phonetic = false,
+            Part::Text(text) if is_text && !is_phonetic => {
+                if let Some(last) = texts.last_mut() {
+                    last.push_str(&text);
+                }
+            }
+            _ => {}
+        }
+    }
+    texts
+}
+
+/// Column of a cell, from 0, from its name: 27 for `AB12`.
+fn column(name: &str) -> Option<usize> {
+    let letters = name.bytes().take_while(u8::is_ascii_uppercase);
+    let number = letters.fold(0_usize, |number, letter| {
+        number
+            .saturating_mul(26)
+            .saturating_add(usize::from(letter - b'A') + 1)
+    });
+    number.checked_sub(1)
+}
+
+fn rows(document: &str, shared: &[String], most: u64) -> Result<String, String> {
+    /// Columns of a sheet (ISO/IEC 29500, as Excel limits them).
+    const MOST_COLUMNS: usize = 16_384;
+    let too_large = || format!("the sheet has more than {} MB", most / 1_000_000);
+    let mut text = String::new();
+    let (mut lines, mut cells, mut kind) = (0_usize, 0_usize, String::new());
+    let (mut value, mut is_value) = (String::new(), false);
+    for part in parts(document) {
+        match part {
+            Part::Start("row", given) => {
+                let number = attribute(given, "r").and_then(|number| number.parse().ok());
+                let number: usize = number.unwrap_or(lines + 1);
+                let skipped = number.saturating_sub(lines + 1);
+                if (text.len() + skipped) as u64 > most {
+                    return Err(too_large());
+                }
+                text.push_str(&"\n".repeat(skipped));
+                lines += skipped;
+                cells = 0;
+            }
+            Part::Start("c", given) => {
+                let place = attribute(given, "r").and_then(|name| column(&name));
+                let place = place.unwrap_or(cells).min(MOST_COLUMNS);
+                while cells < place {
+                    text.push('\t');
+                    cells += 1;
+                }
+                kind = attribute(given, "t").unwrap_or_default();
+                value.clear();
+            }
+            Part::Start("v" | "t", _) => is_value = true,
+            Part::End("v" | "t") => is_value = false,
+            Part::Text(part) if is_value => value.push_str(&part),
+            Part::End("c") => {
+                let number = || value.trim().parse::<usize>().ok();
+                let shown = match &kind[..] {
+                    "s" => number().and_then(|number| shared.get(number)),
+                    _ => Some(&value),
+                };
+                let shown = shown.map_or("", |shown| shown.trim());
+                text.push_str(&shown.replace(['\t', '\n', '\r'], " "));
+                text.push('\t');
+                cells += 1;
+            }
+            Part::End("row") => {
+                text.truncate(text.trim_end_matches('\t').len());
+                text.push('\n');
+                lines += 1;
+            }
+            _ => {}
+        }
+        if text.len() as u64 > most {
+            return Err(too_large());
+        }
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_of_a_sheet() {
+        let shared = shared_texts(
+            "<sst><si><t>Load</t></si><si><r><t>[</t></r><r><t>mN]</t></r></si></sst>",
+        );
+        assert_eq!(shared, ["Load", "[mN]"]);
+        let sheet = "<sheetData><row r=\"2\"><c r=\"A2\" t=\"s\"><v>0</v></c><c r=\"C2\" t=\"inlineStr\"><is><t>z</t></is></c></row>\
+                     <row><c><v>1.5</v></c><c/><c><v>2</v></c></row></sheetData>";
+        let read = rows(sheet, &shared, 1000);
+        assert_eq!(read.as_deref(), Ok("\nLoad\t\tz\n1.5\t\t2\n"));
+        assert_eq!(column("AB12"), Some(27));
+    }
+}

@@ -1,0 +1,60 @@
+//! Tables in files of text, in packed files and in spreadsheets.
+
+use crate::formats;
+use crate::input::{read, read_all};
+use crate::spreadsheet;
+use flate2::read::MultiGzDecoder;
+use std::io::{self, ErrorKind};
+use std::path::Path;
+
+/// Reads a table as text, which may have at most `most` bytes: a text, also packed by gzip (`.gz`), or the first sheet of a
+/// spreadsheet (`.xlsx`) with cells, with a line for each of its rows and tabs between cells.
+///
+/// # Errors
+/// As [`read`]: files of recognised formats that are not read ([`ErrorKind::Unsupported`]), with what converts them.
+pub fn read_table(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = read(path, most)?;
+    if bytes.starts_with(b"\x1f\x8b") {
+        bytes = read_all(MultiGzDecoder::new(&bytes[..]), most)?;
+    }
+    let Some(format) = formats::recognised(path, &bytes) else {
+        return Ok(bytes);
+    };
+    if format.is_spreadsheet() {
+        let text = spreadsheet::to_text(&bytes, most);
+        return text
+            .map(String::into_bytes)
+            .map_err(|problem| io::Error::new(ErrorKind::InvalidData, problem));
+    }
+    Err(io::Error::new(ErrorKind::Unsupported, format.no_table()))
+}
+
+/// Cells of a line of a table, with or without quotes, trimmed. A blank as the separator stands for any number of blanks.
+#[must_use]
+pub fn cells(line: &str, separator: char) -> Vec<String> {
+    let is_blank = separator == ' ';
+    let line = if is_blank { line.trim() } else { line };
+    let mut cells = vec![String::new()];
+    let mut is_quoted = false;
+    let mut characters = line.chars().peekable();
+    while let Some(character) = characters.next() {
+        let cell = cells.len() - 1;
+        let begins = cells[cell].trim().is_empty();
+        match character {
+            '"' if is_quoted && characters.peek() == Some(&'"') => {
+                characters.next();
+                cells[cell].push('"');
+            }
+            '"' if is_quoted => is_quoted = false,
+            '"' if begins => is_quoted = true,
+            _ if is_blank && character.is_whitespace() && !is_quoted => {
+                if !begins {
+                    cells.push(String::new());
+                }
+            }
+            _ if character == separator && !is_quoted => cells.push(String::new()),
+            _ => cells[cell].push(character),
+        }
+    }
+    cells.iter().map(|cell| cell.trim().to_owned()).collect()
+}
