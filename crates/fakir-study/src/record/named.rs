@@ -294,9 +294,8 @@ macro_rules! kinds {
     ($($(#[$doc:meta])* $kind:ident = $name:literal, $heading:literal;)+) => {
         /// Which numbers an answer has.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
         pub enum Kind {
-            $($(#[$doc])* $kind,)+
+            $($(#[$doc])* #[serde(rename = $name)] $kind,)+
         }
 
         impl Kind {
@@ -331,7 +330,7 @@ kinds! {
     /// The critical state with a height map.
     SurfaceTransition = "surface_transition", "A critical state with a height map";
     /// A contact with rounded tops.
-    AsperityPress = "asperity_press", "A contact with rounded tops";
+    AsperityPress = "rounded_press", "A contact with rounded tops";
     /// A cycle of loading and unloading.
     Cycle = "cycle", "A cycle";
     /// A state of a loading of pillars.
@@ -339,7 +338,7 @@ kinds! {
     /// A state of a loading of a height map.
     SurfaceLoading = "surface_loading", "A state of a loading of a height map";
     /// A state of a loading of rounded tops.
-    AsperityLoading = "asperity_loading", "A state of a loading of rounded tops";
+    AsperityLoading = "rounded_loading", "A state of a loading of rounded tops";
 }
 
 impl Type {
