@@ -50,10 +50,10 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Explore(options) => commands::explore::run(options, explored_case(options)?),
         Command::Cite(options) => commands::cite::run(options),
         Command::Reproduce(options) => commands::reproduce::run(options),
-        Command::Transition(options) => ask(command, options.asked()),
-        Command::Press(options) => ask(command, options.asked()),
-        Command::Approach(options) => ask(command, options.asked()?),
-        Command::Cycle(options) => ask(command, options.asked()?),
+        Command::Transition(options) => ask(command, &options.asked()),
+        Command::Press(options) => ask(command, &options.asked()),
+        Command::Approach(options) => ask(command, &options.asked()?),
+        Command::Cycle(options) => ask(command, &options.asked()?),
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
@@ -140,7 +140,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
 }
 
 /// Answers a question about a case of any kind.
-fn ask(command: &Command, asked: Asked<'_>) -> Result<Status, Failure> {
+fn ask(command: &Command, asked: &Asked<'_>) -> Result<Status, Failure> {
     let session = Session::start(asked.run, asked.case.quiet)?;
     let mut file = read_case(asked.case)?;
     if let Some(floor) = asked.floor {

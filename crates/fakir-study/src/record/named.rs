@@ -294,9 +294,8 @@ macro_rules! kinds {
     ($($(#[$doc:meta])* $kind:ident = $name:literal, $heading:literal;)+) => {
         /// Which numbers an answer has.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-        #[serde(rename_all = "snake_case")]
         pub enum Kind {
-            $($(#[$doc])* $kind,)+
+            $($(#[$doc])* #[serde(rename = $name)] $kind,)+
         }
 
         impl Kind {
