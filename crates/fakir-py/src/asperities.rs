@@ -10,7 +10,7 @@ use crate::watched::{Options, watched};
 use fakir::problem::{
     Accuracy, Asperity, AsperityArray, Indenter, Lens, Material, PillarCompliance,
 };
-use fakir::state::AsperityContact;
+use fakir::state;
 use fakir_case::{AsperityCase, CaseFile};
 use fakir_inverse::HeightsSummary;
 use fakir_inverse::heights::{Curve, WantedPoint};
@@ -174,7 +174,7 @@ impl Asperities {
 #[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
 pub(crate) struct AsperityContact {
     case: AsperityCase,
-    contact: AsperityContact,
+    contact: state::AsperityContact,
 }
 
 #[pymethods]
