@@ -201,12 +201,12 @@ def test_former_names_of_classes_and_arguments_are_told(tmp_path):
     with pytest.warns(FutureWarning, match="texture is now called pattern"):  # former name
         assert new.texture == new.pattern  # former name
     with pytest.warns(FutureWarning, match="set is now called overrides"):
-        older = new.replace(set={"pattern.pitch": "30 um"})
+        older = new.replace(set={"pattern.pitch": "30 um"})  # former name
     assert older == new.replace({"pattern.pitch": "30 um"})
     with pytest.warns(FutureWarning, match=r"\[texture\] is deprecated: use \[pattern\]"):  # former name
         assert new.replace({"texture.pitch": "30 um"}) == older  # former name
     with pytest.raises(TypeError, match="give only overrides"):
-        new.replace({}, set={})
+        new.replace({}, set={})  # former name
     case = tmp_path / "case.toml"
     case.write_text(new.to_toml().replace("[pattern", "[texture"))  # former name
     with pytest.warns(FutureWarning, match=r"\[texture\] is deprecated"):  # former name
