@@ -16,22 +16,25 @@ those of case files and of the command line. `fakir.theory` contains closed form
 `fakir.plot` figures.
 """
 
+import warnings as _warnings
+from typing import Any as _Any
+
 from . import bem, errors, love, plot, theory
 from ._bodies import (
     CylinderLens,
     ElasticBase,
     FlatPunch,
-    HexagonalTexture,
+    HexagonalPattern,
     LatticeOptions,
     LayerOptions,
     Lens,
-    ObliqueTexture,
+    ObliquePattern,
     ParaboloidLens,
     Pillars,
     PlateLens,
     ProfileLens,
-    RectangularTexture,
-    SquareTexture,
+    RectangularPattern,
+    SquarePattern,
     Substrate,
 )
 from ._comparison import Comparison
@@ -47,7 +50,7 @@ from ._loading import Approach
 from ._numbers import Contact, Critical, CycleError, ErrorEstimate, FloorErrors, Normalized
 from ._result import Answer, Limit, Result
 from ._problem import problem, read_case
-from ._rounded import HeightDesign, RoundedContact, RoundedTops, design_heights
+from ._rounded import AsperityArray, AsperityContact, HeightDesign, design_heights
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep, sweep
 from ._system import System
@@ -68,6 +71,8 @@ __all__ = [
     "Adhesion",
     "Answer",
     "Approach",
+    "AsperityArray",
+    "AsperityContact",
     "Candidate",
     "CaseError",
     "Citation",
@@ -99,7 +104,7 @@ __all__ = [
     "FloorErrors",
     "Gradient",
     "HeightDesign",
-    "HexagonalTexture",
+    "HexagonalPattern",
     "HomogenisedLattice",
     "LatticeOptions",
     "LayerOptions",
@@ -107,7 +112,7 @@ __all__ = [
     "Limit",
     "Normalized",
     "NotConverged",
-    "ObliqueTexture",
+    "ObliquePattern",
     "OutOfReach",
     "ParaboloidLens",
     "Pillars",
@@ -115,13 +120,11 @@ __all__ = [
     "ProfileLens",
     "PullOff",
     "Result",
-    "RoundedContact",
-    "RoundedTops",
-    "RectangularTexture",
+    "RectangularPattern",
     "SolveError",
     "Spread",
     "StuckFloor",
-    "SquareTexture",
+    "SquarePattern",
     "StudyError",
     "Substrate",
     "Sweep",
@@ -143,3 +146,21 @@ __all__ = [
     "sweep",
     "theory",
 ]
+
+_FORMER_NAMES = {
+    "HexagonalTexture": "HexagonalPattern",  # former name
+    "ObliqueTexture": "ObliquePattern",  # former name
+    "RectangularTexture": "RectangularPattern",  # former name
+    "SquareTexture": "SquarePattern",  # former name
+    "RoundedContact": "AsperityContact",  # former name
+    "RoundedTops": "AsperityArray",  # former name
+}
+
+
+def __getattr__(name: str) -> _Any:
+    """Looks up a class by its deprecated name."""
+    if name not in _FORMER_NAMES:
+        raise AttributeError(f"module 'fakir' has no attribute {name!r}")
+    present = _FORMER_NAMES[name]
+    _warnings.warn(f"fakir.{name} is now called fakir.{present}", FutureWarning, stacklevel=2)
+    return globals()[present]

@@ -14,7 +14,13 @@ from numpy.typing import ArrayLike
 
 from ._quantity import Quantity, si
 
-_RENAMED_SPREAD = "height_spread is now called height_standard_deviation"
+_FORMER_OPTIONS = {"height_spread": "height_standard_deviation", "missing": "vacancy_fraction"}
+"""Deprecated names of options, with the present ones."""
+
+
+def _warn_of_former(name: str) -> None:
+    """Warns the caller of the calling function that an option or an attribute was used by its deprecated name."""
+    warnings.warn(f"{name} is now called {_FORMER_OPTIONS[name]}", FutureWarning, stacklevel=3)
 
 
 def _set_material(body: object, keys: str, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
@@ -384,7 +390,7 @@ class Substrate(_Body):
 
 
 @dataclass(frozen=True, init=False)
-class LatticeTexture:
+class LatticePattern:
     """Common base of pillar patterns on lattices."""
 
     diameter: float
@@ -396,7 +402,7 @@ class LatticeTexture:
     rotation: float
     columns: int | None
     height_standard_deviation: float
-    missing: float
+    vacancy_fraction: float
     seed: int
     compliance: Literal["column", "elastic", "none"]
 
@@ -411,11 +417,18 @@ class LatticeTexture:
         options: LatticeOptions,
     ) -> None:
         known = LatticeOptions.__annotations__
-        for name in options:
+        given: dict[str, Any] = {}
+        for name, value in options.items():
             if name not in known:
                 raise TypeError(
                     f"{type(self).__name__} takes no {name}: besides its own, it takes {', '.join(known)}"
                 )
+            present = _FORMER_OPTIONS.get(name, name)
+            if present != name:
+                if present in options:
+                    raise TypeError(f"{name} is the older name of {present}: give only {present}")
+                warnings.warn(f"{name} is now called {present}", FutureWarning, stacklevel=3)
+            given[present] = value
 
         def put(name: str, value: object) -> None:
             object.__setattr__(self, name, value)
@@ -428,32 +441,26 @@ class LatticeTexture:
             "surface_fraction",
             None if fraction is None else si(fraction, "fraction", "texture.surface_fraction"),
         )
-        put("offset", si(options.get("offset", 0.0), "number", "texture.offset"))
-        put("offset_angle", si(options.get("offset_angle", 0.0), "angle", "texture.offset_angle"))
-        put("rotation", si(options.get("rotation", 0.0), "angle", "texture.rotation"))
-        put("columns", options.get("columns"))
-        deviation = options.get("height_standard_deviation", 0.0)
-        if "height_spread" in options:
-            if "height_standard_deviation" in options:
-                raise TypeError(
-                    "height_spread is the older name of height_standard_deviation: "
-                    "give only height_standard_deviation"
-                )
-            warnings.warn(_RENAMED_SPREAD, FutureWarning, stacklevel=3)
-            deviation = options["height_spread"]
-        put(
-            "height_standard_deviation",
-            si(deviation, "fraction", "texture.height_standard_deviation"),
-        )
-        put("missing", si(options.get("missing", 0.0), "fraction", "texture.missing"))
-        put("seed", options.get("seed", 0))
-        put("compliance", options.get("compliance", "column"))
+        put("offset", si(given.get("offset", 0.0), "number", "texture.offset"))
+        put("offset_angle", si(given.get("offset_angle", 0.0), "angle", "texture.offset_angle"))
+        put("rotation", si(given.get("rotation", 0.0), "angle", "texture.rotation"))
+        put("columns", given.get("columns"))
+        for name in ("height_standard_deviation", "vacancy_fraction"):
+            put(name, si(given.get(name, 0.0), "fraction", f"texture.{name}"))
+        put("seed", given.get("seed", 0))
+        put("compliance", given.get("compliance", "column"))
 
     @property
     def height_spread(self) -> float:
         """Deprecated name of ``height_standard_deviation``."""
-        warnings.warn(_RENAMED_SPREAD, FutureWarning, stacklevel=2)
+        _warn_of_former("height_spread")
         return self.height_standard_deviation
+
+    @property
+    def missing(self) -> float:
+        """Deprecated name of ``vacancy_fraction``."""
+        _warn_of_former("missing")
+        return self.vacancy_fraction
 
     def _numbers(self) -> list[tuple[str, float | None]]:
         return [
@@ -466,7 +473,7 @@ class LatticeTexture:
             ("texture.rotation", self.rotation),
             ("texture.columns", self.columns),
             ("texture.height_standard_deviation", self.height_standard_deviation),
-            ("texture.missing", self.missing),
+            ("texture.vacancy_fraction", self.vacancy_fraction),
             ("texture.seed", self.seed),
         ]
 
@@ -486,8 +493,10 @@ class LatticeOptions(TypedDict, total=False):
     """Standard deviation of the individual pillar heights relative to the height, up to 0.2."""
     height_spread: Quantity
     """Deprecated name of ``height_standard_deviation``."""
-    missing: Quantity
+    vacancy_fraction: Quantity
     """Probability that a pillar is missing."""
+    missing: Quantity
+    """Deprecated name of ``vacancy_fraction``."""
     seed: int
     """Integer seed of the random heights and missing pillars."""
     compliance: Literal["column", "elastic", "none"]
@@ -499,7 +508,7 @@ def _one_of(pitch: Quantity | None, surface_fraction: Quantity | None) -> None:
         raise TypeError("give exactly one of pitch and surface_fraction")
 
 
-class HexagonalTexture(LatticeTexture):
+class HexagonalPattern(LatticePattern):
     """Cylindrical pillars on a hexagonal lattice.
 
     Parameters
@@ -509,9 +518,9 @@ class HexagonalTexture(LatticeTexture):
     pitch, surface_fraction
         Distance between neighbouring pillars (m), or the fraction of the surface covered by pillar tops: exactly one of them.
     **options
-        `LatticeOptions`: ``offset``, ``offset_angle``, ``rotation``, ``columns``, ``height_standard_deviation``, ``missing``,
-        ``seed``, ``compliance``. The paper's pattern has none of ``rotation`` to ``seed``; all methods, floor contact and
-        adhesion support that pattern.
+        `LatticeOptions`: ``offset``, ``offset_angle``, ``rotation``, ``columns``, ``height_standard_deviation``,
+        ``vacancy_fraction``, ``seed``, ``compliance``. The paper's pattern has none of ``rotation`` to ``seed``; all methods,
+        floor contact and adhesion support that pattern.
     """
 
     _lattice = "hexagonal"
@@ -529,7 +538,7 @@ class HexagonalTexture(LatticeTexture):
         self._common(diameter, height, pitch, surface_fraction, options)
 
 
-class SquareTexture(LatticeTexture):
+class SquarePattern(LatticePattern):
     """Cylindrical pillars on a square lattice with its rows along x and y; parameters as `HexagonalTexture`.
 
     >>> texture = SquareTexture("6 um", "2.2 um", surface_fraction=0.03)
@@ -554,7 +563,7 @@ class SquareTexture(LatticeTexture):
 
 
 @dataclass(frozen=True, init=False)
-class RectangularTexture(LatticeTexture):
+class RectangularPattern(LatticePattern):
     """Cylindrical pillars on a rectangular lattice: ``pitch`` along x, ``pitch_y`` along y (m)."""
 
     pitch_y: float
@@ -578,7 +587,7 @@ class RectangularTexture(LatticeTexture):
 
 
 @dataclass(frozen=True, init=False)
-class ObliqueTexture(LatticeTexture):
+class ObliquePattern(LatticePattern):
     """Cylindrical pillars on an oblique lattice: ``pitch`` along x, ``pitch_y`` (m) along rows at ``angle`` (rad) to x."""
 
     pitch_y: float
@@ -690,4 +699,4 @@ class Pillars:
         unfinished.replace(path)
 
 
-Texture = HexagonalTexture | SquareTexture | RectangularTexture | ObliqueTexture | Pillars
+PillarPattern = HexagonalPattern | SquarePattern | RectangularPattern | ObliquePattern | Pillars

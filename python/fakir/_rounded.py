@@ -14,11 +14,11 @@ from . import _fakir
 from ._bodies import Lens, Substrate, refuse_layers
 from ._design import SEED
 from ._format import Row, engineering
-from ._numbers import RoundedPressNumbers
+from ._numbers import AsperityPressNumbers
 from ._quantity import FloatArray, Quantity, array, si
 from ._result import Result
 from ._run import Progress, options, warn
-from ._settings import Overrides, load, settings
+from ._settings import Overrides, load, overrides_of, settings
 from .errors import NotConverged
 from .bem import Plate, bodies, bodies_of
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import pandas
 
 
-class RoundedTops:
+class AsperityArray:
     """Pillars, or asperities of a half-space, with rounded tops under a lens or a plate.
 
     Parameters
@@ -134,14 +134,25 @@ class RoundedTops:
         return made
 
     @classmethod
-    def from_file(cls, path: str | PathLike[str], set: Overrides | None = None) -> RoundedTops:
-        """Reads a case file with ``texture.top_radius``; ``set`` overrides keys, as ``--set`` of the command line."""
-        return cls._of(_fakir.Rounded.read(fspath(path), settings(set)))
+    def from_file(
+        cls,
+        path: str | PathLike[str],
+        overrides: Overrides | None = None,
+        *,
+        set: Overrides | None = None,
+    ) -> AsperityArray:
+        """Reads a case file with ``texture.top_radius``; ``overrides`` contains values of keys, as ``--set`` of the command
+        line. ``set`` is its deprecated name."""
+        given = settings(overrides_of(overrides, set))
+        return cls._of(_fakir.Asperities.read(fspath(path), given))
 
     @classmethod
-    def from_toml(cls, text: str, set: Overrides | None = None) -> RoundedTops:
+    def from_toml(
+        cls, text: str, overrides: Overrides | None = None, *, set: Overrides | None = None
+    ) -> AsperityArray:
         """As `from_file`, from the text of a case file."""
-        return cls._of(_fakir.Rounded.parse("case.toml", text, settings(set)))
+        given = settings(overrides_of(overrides, set))
+        return cls._of(_fakir.Asperities.parse("case.toml", text, given))
 
     def _hold(self, rounded: _fakir.Rounded) -> None:
         self._rounded = rounded
@@ -192,7 +203,7 @@ class RoundedTops:
         return f"fakir.RoundedTops: {len(self)} tops of radius of curvature {radius}, under {under}"
 
 
-class RoundedContact(RoundedPressNumbers):
+class AsperityContact(AsperityPressNumbers):
     """The contact with rounded tops. Numbers are in SI units; arrays have one value for every top."""
 
     _titles = ("fakir.RoundedContact", "Contact with rounded tops")

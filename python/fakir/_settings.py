@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 
 import numpy as np
@@ -28,6 +29,16 @@ def load_or_critical(
 ) -> tuple[float | None, float | None]:
     """As :func:`load`; the critical state if neither is given."""
     return (None, None) if indentation is None and force is None else load(indentation, force)
+
+
+def overrides_of(overrides: Overrides | None, former: Overrides | None) -> Overrides | None:
+    """Overrides that may be given by the deprecated name ``set``, with a warning."""
+    if former is None:
+        return overrides
+    if overrides is not None:
+        raise TypeError("set is the older name of overrides: give only overrides")
+    warnings.warn("set is now called overrides", FutureWarning, stacklevel=3)
+    return former
 
 
 def settings(overrides: Overrides | None) -> list[str]:

@@ -18,7 +18,7 @@ import numpy as np
 from . import _fakir
 from ._format import Row, html_table, text_table
 from ._run import warn, warn_of_threads
-from ._settings import Overrides
+from ._settings import Overrides, overrides_of
 from ._study import StudyLike, read_study
 from ._worker import solve_batch
 from .errors import WorkersLost
@@ -138,12 +138,13 @@ def sweep(
     executor: Executor | Callable[[], Executor] | None = None,
     output: str | PathLike[str] | None = None,
     *,
-    set: Overrides | None = None,
+    overrides: Overrides | None = None,
     resume: bool = False,
     overwrite: bool = False,
     threads: int = 0,
     progress: SweepProgress | None = None,
     memory_limit: int | None = None,
+    set: Overrides | None = None,
 ) -> Sweep:
     """Computes every case of a study.
 
@@ -159,8 +160,8 @@ def sweep(
         again when its workers are lost. Without it, all processors of this machine are used.
     output
         A folder for table and journal, as for ``fakir sweep --output``.
-    set
-        Overrides of keys of the case.
+    overrides
+        Values of keys of the case, as ``--set`` of the command line; ``set`` is its deprecated name.
     resume, overwrite
         Continue the sweep in ``output``, or start again there. A damaged line of its journal is reported in a `FakirWarning`, and
         its case is computed again.
@@ -193,7 +194,7 @@ def sweep(
             "function that makes one, or client.get_executor() of a Dask client"
         )
     warn_of_threads(threads)
-    parsed = read_study(study, set)
+    parsed = read_study(study, overrides_of(overrides, set))
     warn(parsed.without_effect, depth=1)
     existing = "resume" if resume else "overwrite" if overwrite else "refuse"
     folder = None if output is None else fspath(output)

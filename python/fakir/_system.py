@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from os import PathLike, fspath
 from typing import Any, Literal
 
@@ -33,7 +34,7 @@ from ._gradient import Gradient, gradient
 from ._loading import Approach, approach, checked_path
 from ._quantity import Quantity
 from ._run import Progress, options
-from ._settings import Overrides, load, load_or_critical, settings
+from ._settings import Overrides, load, load_or_critical, overrides_of, settings
 from ._state import ContactState, CriticalState, contact_state, critical_state
 from ._verification import Verification, verify
 from .bem import Surface
@@ -46,7 +47,7 @@ class System(Shown):
 
     Parameters
     ----------
-    lens, substrate, texture
+    lens, substrate, pattern
         The bodies and the pattern. A lens is a `Lens`, which is a sphere, or another shape: `ParaboloidLens`, `CylinderLens`,
         `PlateLens`, `ProfileLens`.
     floor_contact
@@ -55,6 +56,8 @@ class System(Shown):
     adhesion
         Adhesion of the pillar tops: an `Adhesion`, or the work of adhesion alone (J/m^2, or a string such as ``"50 mJ/m2"``).
         Without it there is no adhesion. Only the method ``"spectral"`` supports adhesion.
+    texture
+        Deprecated name of ``pattern``.
 
     Examples
     --------
@@ -90,11 +93,17 @@ class System(Shown):
         self,
         lens: AnyLens,
         substrate: Substrate,
-        texture: Texture,
+        pattern: PillarPattern | None = None,
         *,
         floor_contact: bool = True,
         adhesion: Adhesion | Quantity | None = None,
+        texture: PillarPattern | None = None,  # former name
     ) -> None:
+        if texture is not None:  # former name
+            if pattern is not None:
+                raise TypeError("texture is the older name of pattern: give only pattern")  # former name
+            warnings.warn("texture is now called pattern", FutureWarning, stacklevel=2)  # former name
+            pattern = texture  # former name
         if not isinstance(floor_contact, (bool, np.bool_)):
             raise TypeError(
                 f"floor_contact is of type {type(floor_contact).__name__}: give True or False"
@@ -102,14 +111,15 @@ class System(Shown):
         kinds: list[tuple[object, type | tuple[type, ...], str]] = [
             (lens, (RoundLens, PlateLens, ProfileLens), "Lens"),
             (substrate, Substrate, "Substrate"),
-            (texture, (LatticeTexture, Pillars), "HexagonalTexture"),
+            (pattern, (LatticePattern, Pillars), "HexagonalPattern"),
         ]
         for part, kind, name in kinds:
             if not isinstance(part, kind):
                 raise TypeError(
-                    f"a system takes a Lens, a Substrate and a HexagonalTexture or another texture, in this "
+                    f"a system takes a Lens, a Substrate and a HexagonalPattern or another pattern, in this "
                     f"order: found {type(part).__name__} for {name}"
                 )
+        assert pattern is not None
         of_shape, words_of_shape = shape_of(lens)
         of_layers = [lens._layer("lens"), substrate._layer("substrate")]
         numbers: list[tuple[str, float | None]] = [
@@ -129,21 +139,21 @@ class System(Shown):
             *words_of_shape,
             *of_layers[0][1],
             *of_layers[1][1],
-            ("texture.pillar.compliance", texture.compliance),
+            ("texture.pillar.compliance", pattern.compliance),
             ("floor.contact", "true" if floor_contact else "false"),
         ]
         if isinstance(adhesion, Adhesion) and adhesion.floor:
             words.append(("adhesion.floor", "true"))
         pillars = None
-        if isinstance(texture, Pillars):
-            numbers += texture.reference
-            numbers.append(("texture.axis_x", texture.axis[0]))
-            numbers.append(("texture.axis_y", texture.axis[1]))
+        if isinstance(pattern, Pillars):
+            numbers += pattern.reference
+            numbers.append(("texture.axis_x", pattern.axis[0]))
+            numbers.append(("texture.axis_y", pattern.axis[1]))
             words.append(("texture.lattice", "listed"))
-            pillars = texture._rows()
+            pillars = pattern._rows()
         else:
-            numbers += texture._numbers()
-            words.append(("texture.lattice", texture._lattice))
+            numbers += pattern._numbers()
+            words.append(("texture.lattice", pattern._lattice))
         given = [(key, float(number)) for key, number in numbers if number is not None]
         self._case = _fakir.Case.build(given, words, pillars)
 
@@ -155,19 +165,28 @@ class System(Shown):
 
     @classmethod
     def from_file(
-        cls, path: str | PathLike[str], set: Overrides | None = None
+        cls,
+        path: str | PathLike[str],
+        overrides: Overrides | None = None,
+        *,
+        set: Overrides | None = None,
     ) -> System | Surface:
-        """Reads a case file; ``set`` overrides keys, as ``--set`` of the command line.
+        """Reads a case file; ``overrides`` contains values of keys, as ``--set`` of the command line. ``set`` is its deprecated
+        name.
 
         The method of the file is the default of all computations. For a case with a general ``[surface]`` a `fakir.bem.Surface`
         is returned, which has the same functions `press`, `transition`, `approach` and `verify`.
         """
-        return cls._described(_fakir.read_case(fspath(path), settings(set), False))
+        given = settings(overrides_of(overrides, set))
+        return cls._described(_fakir.read_case(fspath(path), given, False))
 
     @classmethod
-    def from_toml(cls, text: str, set: Overrides | None = None) -> System | Surface:
+    def from_toml(
+        cls, text: str, overrides: Overrides | None = None, *, set: Overrides | None = None
+    ) -> System | Surface:
         """As `from_file`, from the text of a case file."""
-        return cls._described(_fakir.parse_case("case.toml", text, settings(set)))
+        given = settings(overrides_of(overrides, set))
+        return cls._described(_fakir.parse_case("case.toml", text, given))
 
     @classmethod
     def _described(
@@ -182,9 +201,12 @@ class System(Shown):
         """The case as a commented file, which reproduces the system exactly."""
         return self._case.to_toml()
 
-    def replace(self, set: Overrides) -> System:
+    def replace(
+        self, overrides: Overrides | None = None, *, set: Overrides | None = None
+    ) -> System:
         """The same system with other values: ``system.replace({"texture.pitch": "25 um"})``."""
-        return self._of(self._case.with_settings(settings(set)))
+        given = settings(overrides_of(overrides, set))
+        return self._of(self._case.with_settings(given))
 
     @property
     def lens(self) -> AnyLens:
@@ -198,7 +220,13 @@ class System(Shown):
         return substrate_of(self._case.values())
 
     @property
-    def texture(self) -> Texture:
+    def texture(self) -> PillarPattern:  # former name
+        """Deprecated name of `pattern`."""
+        warnings.warn("texture is now called pattern", FutureWarning, stacklevel=2)  # former name
+        return self.pattern
+
+    @property
+    def pattern(self) -> PillarPattern:
         """The pillar pattern, given by its pitch."""
         values = self._case.values()
         rows = self._case.listed()
@@ -222,19 +250,19 @@ class System(Shown):
             "rotation": values.get("texture.rotation", 0.0),
             "columns": None if columns is None else int(columns),
             "height_standard_deviation": values.get("texture.height_standard_deviation", 0.0),
-            "missing": values.get("texture.missing", 0.0),
+            "vacancy_fraction": values.get("texture.vacancy_fraction", 0.0),
             "seed": int(values.get("texture.seed", 0)),
             "compliance": compliance,
         }
         pitch = values["texture.pitch"]
         match values["texture.lattice"]:
             case "square":
-                return SquareTexture(diameter, height, pitch=pitch, **options)
+                return SquarePattern(diameter, height, pitch=pitch, **options)
             case "rectangular":
                 pitch_y = values["texture.pitch_y"]
-                return RectangularTexture(diameter, height, pitch=pitch, pitch_y=pitch_y, **options)
+                return RectangularPattern(diameter, height, pitch=pitch, pitch_y=pitch_y, **options)
             case "oblique":
-                return ObliqueTexture(
+                return ObliquePattern(
                     diameter,
                     height,
                     pitch=pitch,
@@ -242,7 +270,7 @@ class System(Shown):
                     angle=values["texture.lattice_angle"],
                     **options,
                 )
-        return HexagonalTexture(diameter, height, pitch=pitch, **options)
+        return HexagonalPattern(diameter, height, pitch=pitch, **options)
 
     @property
     def _pillar(self) -> tuple[float, float]:

@@ -21,7 +21,7 @@ from ._loading import Loading, checked_path, in_order
 from ._numbers import SurfacePressNumbers, SurfaceTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn
-from ._settings import Overrides, load, load_or_critical, settings
+from ._settings import Overrides, load, load_or_critical, overrides_of, settings
 from ._state import FIELDS
 from ._verification import Opinion, checked_cells
 from .errors import NotConverged
@@ -160,20 +160,28 @@ class Surface:
     def from_file(
         cls,
         path: str | PathLike[str],
-        set: Overrides | None = None,
+        overrides: Overrides | None = None,
         *,
         memory_limit: int | None = None,
+        set: Overrides | None = None,
     ) -> Surface:
-        """Reads a case file with a ``[surface]``; ``set`` overrides keys, as ``--set`` of the command line. ``memory_limit`` is
-        in bytes; 8 GB if not given."""
-        return cls._of(_fakir.Surface.read(fspath(path), settings(set), memory_limit))
+        """Reads a case file with a ``[surface]``; ``overrides`` contains values of keys, as ``--set`` of the command line, and
+        ``set`` is its deprecated name. ``memory_limit`` is in bytes; 8 GB if not given."""
+        given = settings(overrides_of(overrides, set))
+        return cls._of(_fakir.Surface.read(fspath(path), given, memory_limit))
 
     @classmethod
     def from_toml(
-        cls, text: str, set: Overrides | None = None, *, memory_limit: int | None = None
+        cls,
+        text: str,
+        overrides: Overrides | None = None,
+        *,
+        memory_limit: int | None = None,
+        set: Overrides | None = None,
     ) -> Surface:
         """As `from_file`, from the text of a case file."""
-        return cls._of(_fakir.Surface.parse("case.toml", text, settings(set), memory_limit))
+        given = settings(overrides_of(overrides, set))
+        return cls._of(_fakir.Surface.parse("case.toml", text, given, memory_limit))
 
     def to_toml(self) -> str:
         """The case as a commented file, for a surface from a case file; a height map is given by its absolute path."""

@@ -182,6 +182,39 @@ def test_older_names_of_the_scatter_of_heights_are_told():
     assert older == system().replace({"texture.height_standard_deviation": 0.03})
 
 
+def test_former_names_of_classes_and_arguments_are_told(tmp_path):
+    with pytest.warns(FutureWarning, match="fakir.SquareTexture is now called fakir.SquarePattern"):  # former name
+        assert fakir.SquareTexture is fakir.SquarePattern  # former name
+    with pytest.warns(FutureWarning, match="fakir.RoundedTops is now called fakir.AsperityArray"):  # former name
+        assert fakir.RoundedTops is fakir.AsperityArray  # former name
+    with pytest.raises(AttributeError, match="has no attribute 'HexagonalTextures'"):
+        fakir.HexagonalTextures  # noqa: B018
+    pattern = fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", vacancy_fraction="10 %")
+    with pytest.warns(FutureWarning, match="missing is now called vacancy_fraction"):
+        assert fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", missing="10 %") == pattern
+    with pytest.warns(FutureWarning, match="missing is now called vacancy_fraction"):
+        assert pattern.missing == pattern.vacancy_fraction
+    bodies = fakir.Lens("2.2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
+    new = fakir.System(*bodies, pattern)
+    with pytest.warns(FutureWarning, match="texture is now called pattern"):  # former name
+        assert fakir.System(*bodies, texture=pattern) == new  # former name
+    with pytest.warns(FutureWarning, match="texture is now called pattern"):  # former name
+        assert new.texture == new.pattern  # former name
+    with pytest.warns(FutureWarning, match="set is now called overrides"):
+        older = new.replace(set={"pattern.pitch": "30 um"})  # former name
+    assert older == new.replace({"pattern.pitch": "30 um"})
+    with pytest.warns(FutureWarning, match=r"\[texture\] is deprecated: use \[pattern\]"):  # former name
+        assert new.replace({"texture.pitch": "30 um"}) == older  # former name
+    with pytest.raises(TypeError, match="give only overrides"):
+        new.replace({}, set={})  # former name
+    case = tmp_path / "case.toml"
+    case.write_text(new.to_toml().replace("[pattern", "[texture"))  # former name
+    with pytest.warns(FutureWarning, match=r"\[texture\] is deprecated"):  # former name
+        assert fakir.System.from_file(case) == new
+    with pytest.warns(FutureWarning, match="texture.pitch is deprecated: use pattern.pitch"):  # former name
+        fakir.design(new, "texture.pitch", critical_force="50 uN")  # former name
+
+
 def test_pillars_without_a_reference_count_from_the_highest():
     x = np.arange(7) * 1e-5
     pillars = fakir.Pillars(x, 0.0 * x, 1e-6, 0.1e-6 * 3.0)

@@ -1,7 +1,10 @@
 //! A TOML document as a flat list of known keys, each with its position.
 
 use crate::error::{CaseError, Place, Source};
-use crate::key::{Key, Kind, Setting, is_table, join, names_in, similar};
+use crate::key::{
+    FORMER_TABLE, Key, Kind, PATTERN_TABLE, Setting, former_table_words, is_table, join, names_in,
+    present, similar,
+};
 use crate::unit::{parse_quantity, with_article};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -62,6 +65,8 @@ pub(crate) struct Entries {
     pub(crate) tables: BTreeMap<String, Place>,
     /// Keys that were given by a deprecated path.
     pub(crate) former: BTreeSet<Key>,
+    /// Whether the table of the pillar pattern was given by its deprecated name.
+    pub(crate) former_table: bool,
 }
 
 impl Entries {
@@ -103,6 +108,9 @@ impl Entries {
             source: source.clone(),
             span,
         };
+        let written = path;
+        let path = &*present(written);
+        self.former_table |= path != written;
         if let Some(key) = Key::at(path) {
             let entry = Entry {
                 value: plain_value(value.get_ref()),
@@ -132,7 +140,12 @@ impl Entries {
         }
         match value.get_ref() {
             DeValue::Table(table) => {
-                self.tables.insert(path.to_owned(), place(name));
+                let header = place(name);
+                if let Some(first) = self.tables.insert(path.to_owned(), header.clone()) {
+                    let names = [PATTERN_TABLE, FORMER_TABLE].map(|name| format!("[{name}]"));
+                    let [a, b] = [(&*names[0], &first), (&*names[1], &header)];
+                    return Err(both_given(a, b, "").accepted(former_table_words()));
+                }
                 self.table(source, path, table)
             }
             other => Err(CaseError::at(

@@ -45,7 +45,7 @@ fn keys_with(feature: Feature) -> &'static [Key] {
             Key::Rotation,
             Key::Columns,
             Key::HeightStandardDeviation,
-            Key::TextureMissing,
+            Key::VacancyFraction,
         ],
         Feature::SeveralDiameters => &[Key::PillarDiameter],
         Feature::SeveralColumns => &[Key::PillarHeight, Key::PillarCompliance],

@@ -8,7 +8,7 @@ use crate::entries::{
 };
 use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
-use crate::key::{Key, Setting, is_table};
+use crate::key::{Key, Setting, is_table, present};
 use crate::parts::{ArrangementName, OfTexture, Parts, TRUE_OR_FALSE, TextureParts};
 use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
@@ -183,7 +183,8 @@ impl CaseFile {
                 span: start..start + text.trim().len(),
             }
         };
-        let name = path.trim();
+        let written = path.trim();
+        let name = &*present(written);
         let key = match self.named(name)[..] {
             [key] => key,
             [] if is_table(name) => {
@@ -193,7 +194,8 @@ impl CaseFile {
             [] => return Err(unknown_key(&place(0, path), name)),
             ref several => return Err(ambiguous_key(&place(0, path), name, several)),
         };
-        if key.former() == Some(name) {
+        self.entries.former_table |= name != written;
+        if ![key.path(), key.name()].contains(&name) {
             self.entries.former.insert(key);
         }
         let value = override_value(text.trim());
@@ -212,6 +214,7 @@ impl CaseFile {
 
     /// Keys that an override can denote by path or last name. The name of a table does not denote a key.
     pub(crate) fn named(&self, name: &str) -> Vec<Key> {
+        let name = &*present(name);
         if is_table(name) {
             return Vec::new();
         }

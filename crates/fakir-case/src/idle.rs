@@ -2,7 +2,7 @@
 
 use crate::error::CaseError;
 use crate::file::CaseFile;
-use crate::key::Key;
+use crate::key::{Key, former_table_words};
 use crate::parts::{ArrangementName, OutlineForm, Parts};
 use crate::support::SurfaceKind;
 use crate::table::Part;
@@ -100,11 +100,11 @@ impl CaseFile {
     /// Deprecated names that were used, with the names that replace them.
     #[must_use]
     pub fn deprecations(&self) -> Vec<String> {
+        let table = self.entries.former_table.then(former_table_words);
         let used = self.entries.former.iter();
         let named = used.filter_map(|key| Some((key.former()?, key)));
-        named
-            .map(|(former, key)| format!("{former} is deprecated: use {key}"))
-            .collect()
+        let keys = named.map(|(former, key)| format!("{former} is deprecated: use {key}"));
+        table.into_iter().chain(keys).collect()
     }
 
     /// Warnings about the case file: deprecated names, and keys without effect unless the case is refused.

@@ -6,10 +6,17 @@ use crate::unit::{Dimension, format_quantity};
 use fakir::problem::Quantity;
 use fakir::problem::pattern::PatternQuantity;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Bound;
 
 pub use crate::table::Key;
+
+/// The table of the pillar pattern.
+pub(crate) const PATTERN_TABLE: &str = "texture";
+
+/// Deprecated name of [`PATTERN_TABLE`], which is still accepted with a warning.
+pub(crate) const FORMER_TABLE: &str = "texture"; // former name
 
 /// Kind of value of a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,17 +63,29 @@ impl Key {
         self.entry().1
     }
 
-    /// Returns the key named by `path`, which may be a [former](Self::former) one.
+    /// Returns the key named by `path`, which may be a [former](Self::former) one, or in a table by its former name.
     #[must_use]
     pub fn at(path: &str) -> Option<Self> {
+        let path = &*present(path);
         let mut keys = Self::ALL.into_iter();
         keys.find(|key| key.path() == path || key.former() == Some(path))
+    }
+
+    /// Returns the key named by `path` if this is a deprecated name of it.
+    #[must_use]
+    pub fn at_former(path: &str) -> Option<Self> {
+        Self::at(path).filter(|key| key.path() != path)
     }
 
     /// The deprecated path of the key, which is still accepted with a warning.
     #[must_use]
     pub fn former(self) -> Option<&'static str> {
         self.row().former
+    }
+
+    /// The last part of its deprecated path.
+    pub(crate) fn former_name(self) -> Option<&'static str> {
+        self.former().map(last_part)
     }
 
     /// Keys that `name` can denote: the key with that path, or the keys with that last name in cases with a general surface or with
@@ -77,7 +96,7 @@ impl Key {
             Some(key) => vec![key],
             None => Self::ALL
                 .into_iter()
-                .filter(|key| key.name() == name)
+                .filter(|key| key.name() == name || key.former_name() == Some(name))
                 .filter(|key| key.is_of_bodies() || key.is_of_surface() == surface)
                 .collect(),
         }
@@ -333,6 +352,26 @@ impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.path())
     }
+}
+
+/// The path with the present name of its outermost table.
+pub(crate) fn present(path: &str) -> Cow<'_, str> {
+    match path.strip_prefix(FORMER_TABLE) {
+        Some(rest) if rest.is_empty() || rest.starts_with('.') => {
+            format!("{PATTERN_TABLE}{rest}").into()
+        }
+        _ => path.into(),
+    }
+}
+
+/// Warning that the deprecated name of the table of the pillar pattern was used.
+pub(crate) fn former_table_words() -> String {
+    format!("[{FORMER_TABLE}] is deprecated: use [{PATTERN_TABLE}]")
+}
+
+/// The part after the last dot.
+pub(crate) fn last_part(path: &'static str) -> &'static str {
+    path.rsplit_once('.').map_or(path, |(_, name)| name)
 }
 
 /// Whether `path` names a table of a case file.

@@ -201,9 +201,9 @@ keys! {
                 .formerly("texture.height_spread").label("standard deviation of heights").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::HeightSpread)
                 .unwritten(|p| p.texture.arrangement.is_plain());
-        TextureMissing = "texture.missing" is
+        VacancyFraction = "texture.vacancy_fraction" is
             fraction("probability that a pillar is missing", |p| &mut p.texture.arrangement.disorder.missing)
-                .label("vacancy fraction").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
+                .formerly("texture.missing").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::Missing)
                 .unwritten(|p| p.texture.arrangement.is_plain());
         TextureSeed = "texture.seed" is
@@ -297,9 +297,9 @@ keys! {
         PatternOffsetAngle = "surface.offset_angle" is
             angle("direction of the offset from x", |p| &mut p.surface.arrangement.lattice.offset_angle)
                 .optional().with(Key::Arrangement, LATTICES).of_pattern(Q::OffsetAngle);
-        Missing = "surface.missing" is
+        SurfaceVacancyFraction = "surface.vacancy_fraction" is
             fraction("fraction of missing pillars", |p| &mut p.surface.arrangement.disorder.missing)
-                .range(FRACTION).optional().of_pattern(Q::Missing);
+                .formerly("surface.missing").range(FRACTION).optional().of_pattern(Q::Missing);
         HeightHalfWidth = "surface.height_half_width" is
             fraction("half-width of the uniformly distributed pillar heights, relative to the height", |p| &mut p.surface.arrangement.disorder.heights.parameter)
                 .formerly("surface.height_spread").range(FRACTION).optional().of_pattern(Q::HeightHalfWidth);

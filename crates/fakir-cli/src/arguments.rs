@@ -60,6 +60,27 @@ pub(crate) fn renamed(mut arguments: Vec<OsString>) -> (Vec<OsString>, bool) {
     }
 }
 
+/// Warnings about deprecated names of keys in `--free` and `--tolerance`; those in `--set` are among the warnings of the case.
+pub(crate) fn deprecated_keys(arguments: &[OsString]) -> Vec<String> {
+    let words = arguments.iter().filter_map(|word| word.to_str());
+    let mut is_value = false;
+    let mut warnings = Vec::new();
+    for word in words.take_while(|word| *word != "--") {
+        let value = match word.split_once('=') {
+            Some(("--free" | "--tolerance", value)) => Some(value),
+            _ => is_value.then_some(word),
+        };
+        is_value = ["--free", "--tolerance"].contains(&word);
+        for item in value.into_iter().flat_map(|value| value.split(',')) {
+            let name = item.split_once('=').map_or(item, |(name, _)| name).trim();
+            if let Some(key) = Key::at_former(name) {
+                warnings.push(format!("{name} is deprecated: use {key}"));
+            }
+        }
+    }
+    warnings
+}
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Write a commented case file to start from
@@ -1282,6 +1303,28 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn deprecated_names_of_keys_are_found() {
+        let found = |line: &str| {
+            let arguments: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            deprecated_keys(&arguments)
+        };
+        let warning = "texture.pitch is deprecated: use pattern.pitch"; // former name
+        for line in [
+            "fakir design case.toml --free texture.pitch", // former name
+            "fakir fit --free=lens.radius,texture.pitch",  // former name
+            "fakir design --tolerance texture.pitch=3%",   // former name
+        ] {
+            assert_eq!(found(line), [warning], "{line}");
+        }
+        for line in [
+            "fakir design case.toml --free pattern.pitch",
+            "fakir design case.toml --set texture.pitch=20um", // former name
+        ] {
+            assert!(found(line).is_empty(), "{line}");
+        }
     }
 
     /// `cycle` takes the same options; any other use of `approach` is unchanged.

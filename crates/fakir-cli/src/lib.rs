@@ -29,9 +29,13 @@ use std::path::Path;
 /// Exits the process itself if arguments are invalid, or if help is requested.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let (arguments, is_older_name) = arguments::renamed(arguments.into_iter().collect());
+    let deprecations = arguments::deprecated_keys(&arguments);
     let arguments = Arguments::parse_from(arguments);
     if is_older_name {
         failure::tell("note: fakir approach --retract is now named fakir cycle");
+    }
+    for words in deprecations {
+        failure::tell(&format!("warning: {words}"));
     }
     match run(&arguments.command) {
         Ok(status) => status,

@@ -5,6 +5,20 @@
  * @import { Chosen } from "./store.js"
  */
 
+/** The table of the pillar pattern in the names of keys, and its former name, which older addresses contain. */
+const TABLE = "texture.";
+const FORMER_TABLE = "texture."; // former name
+
+/**
+ * The present name of a key.
+ * @param {string} key
+ * @returns {string}
+ */
+function present(key) {
+  const path = key.startsWith(FORMER_TABLE) ? TABLE + key.slice(FORMER_TABLE.length) : key;
+  return path.replace(/\.missing$/, ".vacancy_fraction");
+}
+
 /**
  * The fragment for what is chosen.
  * @param {Chosen} chosen
@@ -30,7 +44,7 @@ export function chosenIn(hash) {
   for (const [key, text] of parameters) {
     if (!key.includes(".")) continue;
     const number = Number(text);
-    values[key] = text === "" || !Number.isFinite(number) ? text : number;
+    values[present(key)] = text === "" || !Number.isFinite(number) ? text : number;
   }
   if (Object.keys(values).length === 0) return null;
   const factor = Number(parameters.get("exaggeration"));

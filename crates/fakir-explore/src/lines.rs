@@ -130,7 +130,7 @@ fn arguments(case: &Case, table: &str) -> String {
         Key::Rotation
         | Key::Columns
         | Key::HeightStandardDeviation
-        | Key::TextureMissing
+        | Key::VacancyFraction
         | Key::TextureSeed => case.value(*key) != plain.value(*key),
         key => is_on_page(*key),
     };

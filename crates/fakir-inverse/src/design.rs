@@ -441,6 +441,7 @@ pub fn free_keys() -> Vec<Key> {
 /// # Errors
 /// The paths of possible keys.
 pub fn free_key(name: &str) -> Result<Key, String> {
+    let name = Key::at(name).map_or(name, Key::path);
     let mut named = free_keys();
     named.retain(|key| key.path() == name || key.name() == name);
     match named[..] {

@@ -781,7 +781,7 @@ mod tests {
         file.set_number(Key::Offset, 0.3);
         file.set_number(Key::OffsetAngle, 0.35);
         file.set_number(Key::HeightStandardDeviation, height_spread);
-        file.set_number(Key::TextureMissing, missing);
+        file.set_number(Key::VacancyFraction, missing);
         file
     }
 

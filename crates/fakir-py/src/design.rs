@@ -1,7 +1,7 @@
 //! Design, scatter and citations.
 
 use crate::case::{Case, key};
-use crate::error::{design_error, spread_error, value_error};
+use crate::error::{design_error, spread_error, value_error, warn_of_former_name};
 use crate::load::load;
 use crate::state::{Critical, Cycle, State};
 use crate::study::{PyColumns, columns};
@@ -46,6 +46,7 @@ pub(crate) fn design(
         },
         _ => return Err(value_error("give one of what can be wanted")),
     };
+    warn_of_former_name(py, free)?;
     let file = case.file()?;
     let free =
         free_key(free).map_err(|advice| value_error(format!("free is \"{free}\": {advice}")))?;
@@ -109,6 +110,9 @@ pub(crate) fn spread<'py>(
     samples_and_seed: (usize, u64),
     options: Options,
 ) -> PyResult<Scattered<'py>> {
+    for (path, ..) in &tolerances {
+        warn_of_former_name(py, path)?;
+    }
     let sampling = Sampling {
         tolerances: tolerances
             .iter()

@@ -1,7 +1,7 @@
 //! Errors of the libraries as exceptions of `fakir.errors`, with the same messages.
 
 use fakir::state::SolveError;
-use fakir_case::{CaseFile, with_keys};
+use fakir_case::{CaseFile, Key, with_keys};
 use fakir_inverse::design::DesignError;
 use fakir_inverse::fit::FitError;
 use fakir_inverse::heights::HeightDesignError;
@@ -53,6 +53,15 @@ pub(crate) fn warn_of_deprecations(file: &CaseFile) -> PyResult<()> {
         })?;
     }
     Ok(())
+}
+
+/// Warns the caller of the package if `name` is a deprecated name of a key.
+pub(crate) fn warn_of_former_name(py: Python<'_>, name: &str) -> PyResult<()> {
+    let Some(key) = Key::at_former(name) else {
+        return Ok(());
+    };
+    let text = CString::new(format!("{name} is deprecated: use {key}")).map_err(value_error)?;
+    PyErr::warn(py, &py.get_type::<PyFutureWarning>(), &text, 2)
 }
 
 /// An invalid value given in Python.

@@ -1,7 +1,7 @@
 //! Fits of measured curves.
 
 use crate::case::Case;
-use crate::error::{fit_error, value_error};
+use crate::error::{fit_error, value_error, warn_of_former_name};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::state::Branch;
@@ -162,6 +162,9 @@ pub(crate) fn fit(
     starts: usize,
     options: Options,
 ) -> PyResult<Fitted> {
+    for name in &free {
+        warn_of_former_name(py, name)?;
+    }
     let free = free.iter().map(|name| {
         let named = Parameter::all_named(name);
         let listed = match named[..] {

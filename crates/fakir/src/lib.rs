@@ -80,3 +80,7 @@ mod verify;
 
 pub use method::{cycle, follow_cycle, gradient, press, press_to_floor_shares, transition};
 pub use verify::{Difference, InconclusiveReason, Verdict, Verification, verify};
+
+/// Former name of [`InconclusiveReason`].
+#[deprecated(note = "renamed to `InconclusiveReason`")]
+pub type Doubt = InconclusiveReason;

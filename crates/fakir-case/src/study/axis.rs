@@ -1,7 +1,7 @@
 //! Variables of a study, and their values.
 
 use crate::file::Measured;
-use crate::key::{Key, Kind, root};
+use crate::key::{Key, Kind, last_part, present, root};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity};
 use std::fmt;
@@ -100,6 +100,7 @@ impl Variable {
 
     /// Returns the variable with that path or last name.
     pub(crate) fn named(name: &str, surface: bool) -> Result<Self, Unnamed> {
+        let name = &*present(name);
         if let Some(variable) = Self::all(surface).find(|variable| variable.is_at(name)) {
             return Ok(variable);
         }
@@ -127,16 +128,12 @@ impl Variable {
         let Self::Key(key) = self else {
             return None;
         };
-        key.former().map(last_part)
+        key.former_name()
     }
 
     fn last_name(self) -> &'static str {
         last_part(self.path())
     }
-}
-
-fn last_part(path: &'static str) -> &'static str {
-    path.rsplit_once('.').map_or(path, |(_, name)| name)
 }
 
 /// Reason why a name is not that of a variable.

@@ -10,7 +10,7 @@ use crate::entries::{
 use crate::error::{CaseError, Place, Source};
 use crate::file::{CaseFile, Measured, not_utf8, quantity};
 use crate::input::{self, LARGEST_STUDY};
-use crate::key::{Key, is_table, join, names_in, nearest};
+use crate::key::{Key, is_table, join, names_in, nearest, present};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity, with_article};
 use fakir::problem::LoadingMode;
@@ -82,7 +82,7 @@ fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseError> {
     let known = [&STUDY_TABLES[..], &names_in("")].concat();
     for (name, _) in in_order(document) {
         let path = name.get_ref();
-        if !known.contains(&path.as_ref()) {
+        if !known.contains(&&*present(path)) {
             return Err(reader.unknown(name.span(), path, path, &known, "a study"));
         }
     }
@@ -118,6 +118,11 @@ fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseError> {
         {
             case.entries.former.insert(key);
         }
+    }
+    if let Some(axes) = document.get("axes") {
+        let axes = in_order(reader.table("axes", axes)?);
+        let mut names = axes.iter().map(|(name, _)| name.get_ref());
+        case.entries.former_table |= names.any(|name| present(name) != *name);
     }
     let file = StudyFile {
         source: source.clone(),
@@ -388,7 +393,9 @@ impl Reader<'_> {
         for (name, value) in in_order(table) {
             let path = join(path, name.get_ref());
             match value.get_ref() {
-                DeValue::Table(inner) if is_table(&path) => self.collect(&path, inner, varied)?,
+                DeValue::Table(inner) if is_table(&present(&path)) => {
+                    self.collect(&path, inner, varied)?
+                }
                 _ => varied.push(self.axis(&path, name.span(), value)?),
             }
         }

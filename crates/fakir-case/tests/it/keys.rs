@@ -260,6 +260,70 @@ fn deprecated_names_are_accepted_with_a_warning() {
     );
 }
 
+/// The deprecated name of the table of the pillar pattern is accepted in files, overrides and studies, with one warning.
+#[test]
+fn the_former_table_is_accepted_with_a_warning() {
+    let warning = "[texture] is deprecated: use [pattern]"; // former name
+    let case = Case::example();
+    let text = case.to_toml();
+    let former = text.replace("[pattern", "[texture"); // former name
+    let read = |text: &str| CaseFile::parse("case.toml", text).unwrap();
+    assert_eq!(read(&former).case().unwrap(), case);
+    assert_eq!(read(&former).warnings(), [warning]);
+    assert!(read(&text).warnings().is_empty());
+    for (old, new) in [
+        ("texture.pitch=25um", "pattern.pitch=25um"), // former name
+        ("texture.pillar.height=2um", "height=2um"),  // former name
+    ] {
+        let [mut with_old, mut with_new] = [read(&text), read(&text)];
+        with_old.set(old).unwrap();
+        with_new.set(new).unwrap();
+        assert_eq!(with_old.case().unwrap(), with_new.case().unwrap());
+        assert_eq!(with_old.warnings(), [warning]);
+        assert!(with_new.warnings().is_empty());
+    }
+    for axis in [
+        "\"texture.offset\" = [0, 0.5]",                      // former name
+        "texture.offset = [0, 0.5]",                          // former name
+        "texture.pillar = { height = [\"2 um\", \"3 um\"] }", // former name
+    ] {
+        let study = format!("[axes]\n{axis}\n{text}");
+        let study = StudyFile::parse("study.toml", &study).unwrap();
+        assert_eq!(study.case().deprecations(), [warning]);
+        let study = study.study().unwrap();
+        let axis = study.axes().next().unwrap();
+        assert!(axis.variable().path().starts_with("pattern."));
+        assert!(!study.to_toml().contains("texture")); // former name
+    }
+    let both = format!("{text}\n[texture]\noffset = 0.5\n"); // former name
+    let told = CaseFile::parse("case.toml", &both).unwrap_err().one_line();
+    let words = "[pattern] and [texture] are both given"; // former name
+    assert!(told.contains(words), "{told}");
+    assert_eq!(Key::at("texture.missing"), Some(Key::VacancyFraction)); // former name
+    assert_eq!(Key::at_former("texture.pitch"), Some(Key::Pitch)); // former name
+    assert_eq!(Key::at_former("pattern.pitch"), None);
+}
+
+/// The deprecated name of a vacancy fraction is accepted, with its table or without it.
+#[test]
+fn missing_is_a_former_name_of_the_vacancy_fraction() {
+    let square = |line: &str| {
+        let text = Case::example().to_toml();
+        let lattice = text.replace("\"hexagonal\"", "\"square\"");
+        let mut file = CaseFile::parse("case.toml", &lattice).unwrap();
+        file.set(line).unwrap();
+        file
+    };
+    let new = square("vacancy_fraction = 10 %");
+    assert!(new.warnings().is_empty());
+    for line in ["pattern.missing = 10 %", "missing = 10 %"] {
+        let old = square(line);
+        assert_eq!(old.case().unwrap(), new.case().unwrap());
+        let warning = "pattern.missing is deprecated: use pattern.vacancy_fraction";
+        assert_eq!(old.warnings(), [warning]);
+    }
+}
+
 /// A key without effect is named with the reason, unless it has the default value.
 #[test]
 fn keys_without_effect_are_named() {

@@ -140,7 +140,7 @@ fn other_number(key: Key, file: &CaseFile) -> f64 {
     match (key, file.given(key).unwrap().or(default)) {
         (Key::WorkOfAdhesion, _) => 1e-4,
         (Key::RecedingWorkOfAdhesion, _) => 2e-4,
-        (Key::TextureMissing, _) => 0.88,
+        (Key::VacancyFraction, _) => 0.88,
         (Key::Columns, None) => 2.0,
         (Key::MinimumDistance, _) => 1e-5,
         (Key::MapWidth, _) => 9e-5,
@@ -395,7 +395,7 @@ fn words_of(key: Key) -> Vec<String> {
     let stands_for = match key {
         Key::Rotation => "without rotation",
         Key::Columns => "infinite",
-        Key::HeightStandardDeviation | Key::TextureMissing | Key::TextureSeed => "equal pillars",
+        Key::HeightStandardDeviation | Key::VacancyFraction | Key::TextureSeed => "equal pillars",
         Key::WorkOfAdhesion => "adhesion is supported",
         Key::RecedingWorkOfAdhesion => "adhesion.work",
         _ => key.path(),

@@ -68,7 +68,7 @@ pub struct AsperityArray {
 /// The reason why an array of asperities is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum InvalidCaps {
+pub enum InvalidAsperities {
     /// There are no asperities.
     #[error("there are no asperities: at least one is required")]
     None,

@@ -44,7 +44,7 @@ pub use arrangement::{
     Arrangement, InvalidPillars, LatticeForm, ListedPillar, PillarList, PlacedPillar, PlaneLattice,
     RandomPlaces,
 };
-pub use asperity_array::{Asperity, AsperityArray, InvalidCaps};
+pub use asperity_array::{Asperity, AsperityArray, InvalidAsperities};
 pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS, Pillar, PillarCompliance};
 pub use cycle_plan::{CyclePlan, LoadingMode, UnloadingPoint};
 pub use dispatch::{Feature, Question, Solver, Unsupported};
@@ -61,9 +61,33 @@ pub use point::Point;
 pub use quantity::{InvalidQuantity, LARGEST_TILT, Quantity, Requirement};
 pub use scatter::{Disorder, Law, Scatter};
 pub use surface::{Boundary, Floor, Indenter, SurfaceSystem};
-pub use system::{FloorModel, System, Texture};
+pub use system::{FloorModel, PillarPattern, System};
 pub use tops::Tops;
 
 /// Former name of [`Load`].
 #[deprecated(note = "renamed to `Load`")]
 pub type Control = Load;
+
+/// Former name of [`PillarPattern`].
+#[deprecated(note = "renamed to `PillarPattern`")]
+pub type Texture = PillarPattern; // former name
+
+/// Former name of [`Asperity`].
+#[deprecated(note = "renamed to `Asperity`")]
+pub type Cap = Asperity;
+
+/// Former name of [`AsperityArray`].
+#[deprecated(note = "renamed to `AsperityArray`")]
+pub type CapField = AsperityArray;
+
+/// Former name of [`InvalidAsperities`].
+#[deprecated(note = "renamed to `InvalidAsperities`")]
+pub type InvalidCaps = InvalidAsperities; // former name
+
+/// Former name of [`UnloadingPoint`].
+#[deprecated(note = "renamed to `UnloadingPoint`")]
+pub type Turn = UnloadingPoint;
+
+/// Former name of [`LoadingMode`].
+#[deprecated(note = "renamed to `LoadingMode`")]
+pub type Drive = LoadingMode;

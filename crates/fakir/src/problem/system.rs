@@ -17,7 +17,7 @@ type Body = (Material, Option<Layer>);
 
 /// Pillars and their positions relative to the lens.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Texture {
+pub struct PillarPattern {
     /// The common pillar: all pillars are equal to it, or vary around it. Indentations are measured from its height, also for lists of
     /// pillars.
     pub pillar: Pillar,
@@ -25,7 +25,7 @@ pub struct Texture {
     pub arrangement: Arrangement,
 }
 
-impl Texture {
+impl PillarPattern {
     /// Pillars on a lattice or in a list.
     pub fn new(pillar: Pillar, arrangement: impl Into<Arrangement>) -> Self {
         Self {
@@ -332,8 +332,16 @@ impl System {
 
     /// The pillars and their lattice.
     #[must_use]
-    pub fn texture(&self) -> &Texture {
+    pub fn pattern(&self) -> &PillarPattern {
         &self.texture
+    }
+
+    /// Former name of [`pattern`](Self::pattern).
+    #[deprecated(note = "renamed to `pattern`")]
+    #[must_use]
+    // former name
+    pub fn texture(&self) -> &PillarPattern {
+        self.pattern()
     }
 
     /// The pillar shape.

@@ -49,9 +49,9 @@ pub struct PillarState {
     pub force: f64,
     /// Pressure at the centre of its top, Pa.
     pub centre_pressure: f64,
-    /// Smallest and largest edge coefficient around the rim, Pa: the pressure near the edge of a pillar of radius `a` is
-    /// `coefficient/sqrt(1 - (r/a)^2)`, and is therefore infinite at the edge if the coefficient is positive. `None` for methods that do
-    /// not resolve it.
+    /// Smallest and largest stress intensity factor around the rim, Pa, normalised as `q = -K_I/sqrt(pi a)`, positive under compression: the
+    /// pressure near the edge of a pillar of radius `a` is `q/sqrt(1 - (r/a)^2)`, that is `q sqrt(a/(2 s))` at a distance `s` from the edge,
+    /// and infinite at the edge unless `q` is zero. `None` for methods that do not resolve it.
     pub edge_coefficient: Option<[f64; 2]>,
 }
 

@@ -43,3 +43,31 @@ pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::{Contact, Solution};
 pub use surface::{DualityGap, LoadSharing, Share, SurfaceContact, SurfaceTransition};
+
+/// Former name of [`AsperityContact`].
+#[deprecated(note = "renamed to `AsperityContact`")]
+pub type CapContact = AsperityContact;
+
+/// Former name of [`AsperityErrors`].
+#[deprecated(note = "renamed to `AsperityErrors`")]
+pub type CapErrors = AsperityErrors;
+
+/// Former name of [`AsperitySlopes`].
+#[deprecated(note = "renamed to `AsperitySlopes`")]
+pub type CapSlopes = AsperitySlopes;
+
+/// Former name of [`AsperityState`].
+#[deprecated(note = "renamed to `AsperityState`")]
+pub type CapState = AsperityState;
+
+/// Former name of [`CycleLoadStep`].
+#[deprecated(note = "renamed to `CycleLoadStep`")]
+pub type CycleStation = CycleLoadStep;
+
+/// Former name of [`DualityGap`].
+#[deprecated(note = "renamed to `DualityGap`")]
+pub type Certificate = DualityGap;
+
+/// Former name of [`LoadSharing`].
+#[deprecated(note = "renamed to `LoadSharing`")]
+pub type Shares = LoadSharing;

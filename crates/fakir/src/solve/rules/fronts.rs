@@ -121,7 +121,7 @@ impl Works {
     }
 }
 
-/// `q_c` for a work of adhesion: the edge coefficient at which the rim of a top detaches.
+/// `q_c` for a work of adhesion: the stress intensity factor, over the root of `pi a`, at which the rim of a top detaches.
 pub(crate) fn critical_edge_coefficient(work: f64) -> f64 {
     (2.0 * work / PI).sqrt()
 }
