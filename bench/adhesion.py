@@ -37,7 +37,7 @@ def fakir(program, tops, accuracy):
     case = ROOT / "examples" / "adhesive.toml"
     return measured([
         program, "cycle", case, "--json", "--quiet", "--threads", "1", "--to", f"{SIZES[tops][1]}um",
-        "--set", "texture.pillar.compliance=none", "--set", f"method.accuracy={accuracy}",
+        "--set", "pattern.pillar.compliance=none", "--set", f"method.accuracy={accuracy}",
     ])
 
 

@@ -33,11 +33,11 @@ poisson_ratio = 0.5
 young_modulus = "2 MPa"
 poisson_ratio = 0.5
 
-[texture]
+[pattern]
 lattice = "hexagonal"
 surface_fraction = 0.1
 
-[texture.pillar]
+[pattern.pillar]
 diameter = "6 um"
 height = "2.2 um"
 compliance = "none"
@@ -96,7 +96,7 @@ class Programs:
         return {**here, "version": self.versions[program], **found}
 
     def ask_fakir(self, fraction, question, setting):
-        words = [f"texture.surface_fraction={fraction}", *FAKIR[setting]]
+        words = [f"pattern.surface_fraction={fraction}", *FAKIR[setting]]
         words = [word for text in words for word in ("--set", text)]
         printed, process = launched([*self.question(fraction, question), *words, "--threads", "1"])
         answer = json.loads(printed)
@@ -126,7 +126,7 @@ class Programs:
     def truth(self, fraction, question):
         """What a peer's search starts from on its coarsest grid, and the square that it needs."""
         if (fraction, question) not in self.truths:
-            words = ["--set", f"texture.surface_fraction={fraction}", "--set", FAKIR[TRUTH][0]]
+            words = ["--set", f"pattern.surface_fraction={fraction}", "--set", FAKIR[TRUTH][0]]
             printed, _ = launched([*self.question(fraction, question), *words])
             answer = json.loads(printed)
             critical = question == "transition"

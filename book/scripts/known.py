@@ -16,7 +16,7 @@ def lone_pillar(lens_radius, compliance="none"):
     return fakir.System(
         fakir.Lens(lens_radius, MODULUS, RATIO),
         fakir.Substrate(MODULUS, RATIO),
-        fakir.HexagonalTexture(
+        fakir.HexagonalPattern(
             diameter=DIAMETER, height=HEIGHT, surface_fraction=1e-6, compliance=compliance
         ),
     )
@@ -88,7 +88,7 @@ compare(
 # All lengths ten times as large: indentations too, forces a hundredfold.
 small = fakir.System.from_file("examples/paper-intermediate.toml")
 large = small.replace(
-    {"lens.radius": "22 mm", "texture.pillar.diameter": "60 um", "texture.pillar.height": "22 um"}
+    {"lens.radius": "22 mm", "pattern.pillar.diameter": "60 um", "pattern.pillar.height": "22 um"}
 )
 first, second = small.transition(), large.transition()
 compare("all lengths tenfold: force over first", "dimensions", second.force / first.force, 100, 1e-9)

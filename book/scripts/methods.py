@@ -20,7 +20,7 @@ differences = {name: [] for name in SHOWN}
 pillars = []
 for fraction in fractions:
     system = fakir.System.from_file(
-        "examples/paper-intermediate.toml", {"texture.surface_fraction": fraction}
+        "examples/paper-intermediate.toml", {"pattern.surface_fraction": fraction}
     )
     comparison = system.compare()
     rows = {row["method"]: row for row in map(dict, comparison.to_dict()["methods"])}

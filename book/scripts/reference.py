@@ -17,9 +17,9 @@ with open("crates/fakir/tests/reference/critical_states.csv", encoding="utf-8") 
         system = fakir.System.from_file(
             "examples/paper-intermediate.toml",
             {
-                "texture.surface_fraction": float(row["surface_fraction"]),
-                "texture.offset": float(row["offset"]),
-                "texture.pillar.compliance": row["compliance"],
+                "pattern.surface_fraction": float(row["surface_fraction"]),
+                "pattern.offset": float(row["offset"]),
+                "pattern.pillar.compliance": row["compliance"],
                 "substrate.young_modulus": float(row["substrate_young_modulus_Pa"]),
             },
         )

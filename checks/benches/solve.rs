@@ -1,10 +1,10 @@
-//! Contacts from start to answer: critical states of the paper's textures, and lenses of growing
+//! Contacts from start to answer: critical states of the paper's pillar patterns, and lenses of growing
 //! size pressed to touch a thousand to a hundred thousand pillars.
 
 use divan::Bencher;
 use fakir::problem::{
-    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
-    Texture,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance,
+    PillarPattern, System,
 };
 use fakir::state::Run;
 use std::f64::consts::PI;
@@ -26,7 +26,7 @@ fn system(lens_radius: f64, surface_fraction: f64) -> System {
         compliance: PillarCompliance::Column,
     };
     let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
-    System::new(lens, rubber, Texture::new(pillar, lattice)).expect("a valid system")
+    System::new(lens, rubber, PillarPattern::new(pillar, lattice)).expect("a valid system")
 }
 
 #[divan::bench(args = [0.03, 0.1, 0.2])]

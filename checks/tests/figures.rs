@@ -7,7 +7,7 @@ use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
     Adhesion, Asperity, AsperityArray, Boundary, CyclePlan, Floor, Grid, HeightMap,
     HexagonalLattice, Indenter, Lens, Load, LoadingMode, Material, Method, Pillar,
-    PillarCompliance, SurfaceSystem, System, Texture, UnloadingPoint,
+    PillarCompliance, PillarPattern, SurfaceSystem, System, UnloadingPoint,
 };
 use fakir::state::{ContactState, CriticalState, Run};
 use fakir::theory::closed_forms;
@@ -38,8 +38,8 @@ fn system(modulus: f64, surface_fraction: f64, offset: f64) -> System {
         radius: 2.2e-3,
         material: Material::new(2e6, 0.5),
     };
-    let texture = Texture::new(pillar, lattice.offset_by(offset));
-    System::new(lens, Material::new(modulus, 0.5), texture).unwrap()
+    let pattern = PillarPattern::new(pillar, lattice.offset_by(offset));
+    System::new(lens, Material::new(modulus, 0.5), pattern).unwrap()
 }
 
 fn transition(system: &System, method: Method) -> CriticalState {
@@ -263,7 +263,7 @@ fn figures_of_loadings() -> Vec<Figure> {
         contact_radius: point.contact_radius,
         ..on_plate(point)
     };
-    let texture: Vec<LoadingPoint> = path(12).into_iter().map(with_floor).collect();
+    let pattern: Vec<LoadingPoint> = path(12).into_iter().map(with_floor).collect();
     let critical = Some(point(4.2e-6));
     vec![
         approach(&path(8), critical).unwrap(),
@@ -271,7 +271,7 @@ fn figures_of_loadings() -> Vec<Figure> {
         approach(&path(3), critical).unwrap(),
         approach(&plate, critical.map(on_plate)).unwrap(),
         approach(&plate, None).unwrap(),
-        approach(&texture, critical.map(with_floor)).unwrap(),
+        approach(&pattern, critical.map(with_floor)).unwrap(),
     ]
 }
 

@@ -5,7 +5,7 @@ them.
 >>> system = fakir.System(
 ...     fakir.Lens(radius="2.2 mm", young_modulus="2 MPa", poisson_ratio=0.5),
 ...     fakir.Substrate(young_modulus="2 MPa", poisson_ratio=0.5),
-...     fakir.HexagonalTexture(diameter="6 um", height="2.2 um", surface_fraction=0.1),
+...     fakir.HexagonalPattern(diameter="6 um", height="2.2 um", surface_fraction=0.1),
 ... )
 >>> critical = system.transition()
 >>> critical.pillars_in_contact
@@ -50,7 +50,7 @@ from ._loading import Approach
 from ._numbers import Contact, Critical, CycleError, ErrorEstimate, FloorErrors, Normalized
 from ._result import Answer, Limit, Result
 from ._problem import problem, read_case
-from ._rounded import AsperityArray, AsperityContact, HeightDesign, design_heights
+from ._asperities import AsperityArray, AsperityContact, HeightDesign, design_heights
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep, sweep
 from ._system import System

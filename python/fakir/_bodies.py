@@ -209,9 +209,9 @@ class CylinderLens(RoundLens):
 
     Examples
     --------
-    >>> texture = SquareTexture("6 um", "2.2 um", pitch="20 um", columns=9)
+    >>> pattern = SquarePattern("6 um", "2.2 um", pitch="20 um", columns=9)
     >>> rubber = Substrate("2 MPa", 0.5)
-    >>> system = System(CylinderLens("2.2 mm", "2 MPa", 0.5, angle="90 deg"), rubber, texture)
+    >>> system = System(CylinderLens("2.2 mm", "2 MPa", 0.5, angle="90 deg"), rubber, pattern)
     >>> len(system.press(indentation="0.2 um").pillars)
     27
     """
@@ -373,8 +373,8 @@ class Substrate(_Body):
     Examples
     --------
     >>> film = Substrate("2 MPa", 0.5, thickness="0.2 mm")
-    >>> texture = HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1)
-    >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), film, texture)
+    >>> pattern = HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1)
+    >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), film, pattern)
     >>> round(1e6 * system.transition().indentation, 3)
     10.566
     """
@@ -433,20 +433,20 @@ class LatticePattern:
         def put(name: str, value: object) -> None:
             object.__setattr__(self, name, value)
 
-        put("diameter", si(diameter, "length", "texture.pillar.diameter"))
-        put("height", si(height, "length", "texture.pillar.height"))
-        put("pitch", None if pitch is None else si(pitch, "length", "texture.pitch"))
+        put("diameter", si(diameter, "length", "pattern.pillar.diameter"))
+        put("height", si(height, "length", "pattern.pillar.height"))
+        put("pitch", None if pitch is None else si(pitch, "length", "pattern.pitch"))
         fraction = surface_fraction
         put(
             "surface_fraction",
-            None if fraction is None else si(fraction, "fraction", "texture.surface_fraction"),
+            None if fraction is None else si(fraction, "fraction", "pattern.surface_fraction"),
         )
-        put("offset", si(given.get("offset", 0.0), "number", "texture.offset"))
-        put("offset_angle", si(given.get("offset_angle", 0.0), "angle", "texture.offset_angle"))
-        put("rotation", si(given.get("rotation", 0.0), "angle", "texture.rotation"))
+        put("offset", si(given.get("offset", 0.0), "number", "pattern.offset"))
+        put("offset_angle", si(given.get("offset_angle", 0.0), "angle", "pattern.offset_angle"))
+        put("rotation", si(given.get("rotation", 0.0), "angle", "pattern.rotation"))
         put("columns", given.get("columns"))
         for name in ("height_standard_deviation", "vacancy_fraction"):
-            put(name, si(given.get(name, 0.0), "fraction", f"texture.{name}"))
+            put(name, si(given.get(name, 0.0), "fraction", f"pattern.{name}"))
         put("seed", given.get("seed", 0))
         put("compliance", given.get("compliance", "column"))
 
@@ -464,17 +464,17 @@ class LatticePattern:
 
     def _numbers(self) -> list[tuple[str, float | None]]:
         return [
-            ("texture.pillar.diameter", self.diameter),
-            ("texture.pillar.height", self.height),
-            ("texture.pitch", self.pitch),
-            ("texture.surface_fraction", self.surface_fraction),
-            ("texture.offset", self.offset),
-            ("texture.offset_angle", self.offset_angle),
-            ("texture.rotation", self.rotation),
-            ("texture.columns", self.columns),
-            ("texture.height_standard_deviation", self.height_standard_deviation),
-            ("texture.vacancy_fraction", self.vacancy_fraction),
-            ("texture.seed", self.seed),
+            ("pattern.pillar.diameter", self.diameter),
+            ("pattern.pillar.height", self.height),
+            ("pattern.pitch", self.pitch),
+            ("pattern.surface_fraction", self.surface_fraction),
+            ("pattern.offset", self.offset),
+            ("pattern.offset_angle", self.offset_angle),
+            ("pattern.rotation", self.rotation),
+            ("pattern.columns", self.columns),
+            ("pattern.height_standard_deviation", self.height_standard_deviation),
+            ("pattern.vacancy_fraction", self.vacancy_fraction),
+            ("pattern.seed", self.seed),
         ]
 
 
@@ -539,10 +539,10 @@ class HexagonalPattern(LatticePattern):
 
 
 class SquarePattern(LatticePattern):
-    """Cylindrical pillars on a square lattice with its rows along x and y; parameters as `HexagonalTexture`.
+    """Cylindrical pillars on a square lattice with its rows along x and y; parameters as `HexagonalPattern`.
 
-    >>> texture = SquareTexture("6 um", "2.2 um", surface_fraction=0.03)
-    >>> system = System(Lens("2.2 mm", "1.5 MPa", 0.5), Substrate("1.5 MPa", 0.5), texture)
+    >>> pattern = SquarePattern("6 um", "2.2 um", surface_fraction=0.03)
+    >>> system = System(Lens("2.2 mm", "1.5 MPa", 0.5), Substrate("1.5 MPa", 0.5), pattern)
     >>> round(1e6 * system.transition().force)
     428
     """
@@ -580,10 +580,10 @@ class RectangularPattern(LatticePattern):
         **options: Unpack[LatticeOptions],
     ) -> None:
         self._common(diameter, height, pitch, None, options)
-        object.__setattr__(self, "pitch_y", si(pitch_y, "length", "texture.pitch_y"))
+        object.__setattr__(self, "pitch_y", si(pitch_y, "length", "pattern.pitch_y"))
 
     def _numbers(self) -> list[tuple[str, float | None]]:
-        return [*super()._numbers(), ("texture.pitch_y", self.pitch_y)]
+        return [*super()._numbers(), ("pattern.pitch_y", self.pitch_y)]
 
 
 @dataclass(frozen=True, init=False)
@@ -606,11 +606,11 @@ class ObliquePattern(LatticePattern):
         **options: Unpack[LatticeOptions],
     ) -> None:
         self._common(diameter, height, pitch, None, options)
-        object.__setattr__(self, "pitch_y", si(pitch_y, "length", "texture.pitch_y"))
-        object.__setattr__(self, "angle", si(angle, "angle", "texture.lattice_angle"))
+        object.__setattr__(self, "pitch_y", si(pitch_y, "length", "pattern.pitch_y"))
+        object.__setattr__(self, "angle", si(angle, "angle", "pattern.lattice_angle"))
 
     def _numbers(self) -> list[tuple[str, float | None]]:
-        own = [("texture.pitch_y", self.pitch_y), ("texture.lattice_angle", self.angle)]
+        own = [("pattern.pitch_y", self.pitch_y), ("pattern.lattice_angle", self.angle)]
         return [*super()._numbers(), *own]
 
 
@@ -664,12 +664,12 @@ class Pillars:
             ) from None
         self.x, self.y, self.height, self.diameter = columns
         self.axis = (
-            si(axis[0], "length", "texture.axis_x"),
-            si(axis[1], "length", "texture.axis_y"),
+            si(axis[0], "length", "pattern.axis_x"),
+            si(axis[1], "length", "pattern.axis_y"),
         )
         common = (
-            ("texture.pillar.height", reference_height),
-            ("texture.pillar.diameter", reference_diameter),
+            ("pattern.pillar.height", reference_height),
+            ("pattern.pillar.diameter", reference_diameter),
         )
         self.reference = [
             (key, None if value is None else si(value, "length", key)) for key, value in common

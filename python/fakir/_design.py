@@ -144,8 +144,8 @@ def design(
     system
         All other quantities; its value of ``free`` is the initial value.
     free
-        Key of the quantity: ``"texture.pitch"``, ``"texture.surface_fraction"``, ``"texture.pillar.height"``,
-        ``"texture.pillar.diameter"``, ``"lens.radius"``, ``"lens.young_modulus"``, ``"substrate.young_modulus"``,
+        Key of the quantity: ``"pattern.pitch"``, ``"pattern.surface_fraction"``, ``"pattern.pillar.height"``,
+        ``"pattern.pillar.diameter"``, ``"lens.radius"``, ``"lens.young_modulus"``, ``"substrate.young_modulus"``,
         ``"substrate.thickness"``, ``"lens.thickness"`` or the modulus of an elastic base.
     critical_force, critical_contact_radius
         Target of the critical state (N, m).
@@ -339,7 +339,7 @@ def spread(
     Parameters
     ----------
     tolerances
-        Standard deviations by key: ``{"texture.pillar.height": "5 %", "texture.pitch": "0.1 um"}``, as a fraction of the value
+        Standard deviations by key: ``{"pattern.pillar.height": "5 %", "pattern.pitch": "0.1 um"}``, as a fraction of the value
         with ``%``, otherwise in SI units or with a unit.
     samples, seed
         Number of samples, and seed of all random numbers: by default 500 and 1, as on the command line.

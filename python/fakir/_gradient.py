@@ -55,7 +55,7 @@ class Gradient(Result):
 
     @property
     def force(self) -> dict[str, float] | None:
-        """Derivatives of the force by the keys of the case, such as ``texture.pillar.height``; None if the force is prescribed.
+        """Derivatives of the force by the keys of the case, such as ``pattern.pillar.height``; None if the force is prescribed.
 
         The depth of the floor changes with the height of the pillars; with the pitch, the positions of pillars and lens axis in
         units of the pitch are constant.

@@ -60,7 +60,7 @@ class Certificate(NamedTuple):
     gap_under_pressure: float
     'Largest gap of a cell that bears pressure (m).'
 
-class RoundedErrors(NamedTuple):
+class AsperityErrors(NamedTuple):
     force: float
     'Estimated relative error of the force, from a pressure of higher degree and from ovals that are treated as discs; the whole object is None if there is no estimate.'
     contact_area: float
@@ -226,7 +226,7 @@ class SurfaceTransitionNumbers(Critical):
     iterations: Number[int]
     'Solver iterations on the last grid.'
 
-class RoundedPressNumbers(Contact):
+class AsperityPressNumbers(Contact):
     method: Number[str]
     '`spectral`.'
     indenter: Number[str]
@@ -251,8 +251,8 @@ class RoundedPressNumbers(Contact):
     'Effects that are not computed.'
     floor_out_of_reach: Number[bool]
     'Whether the floor is certainly not reached.'
-    error: Number[RoundedErrors | None]
-    '`RoundedErrors` with force, contact_area, indentation_m.'
+    error: Number[AsperityErrors | None]
+    '`AsperityErrors` with force, contact_area, indentation_m.'
     iterations: Number[int]
     'Solver iterations.'
 

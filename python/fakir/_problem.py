@@ -8,10 +8,10 @@ from typing import Any, overload
 import numpy as np
 
 from . import _fakir
-from ._bodies import AnyLens, FlatPunch, Lens, Pillars, Substrate, Texture
+from ._bodies import AnyLens, FlatPunch, Lens, PillarPattern, Pillars, Substrate
 from ._quantity import Quantity
 from ._flat import Flat, FlatSystem
-from ._rounded import RoundedTops
+from ._asperities import AsperityArray
 from ._settings import Overrides, settings
 from ._system import System
 from .bem import Plate, Surface
@@ -25,10 +25,10 @@ def problem(
     *,
     top_radius: Quantity,
     **options: Any,
-) -> RoundedTops: ...
+) -> AsperityArray: ...
 @overload
 def problem(
-    indenter: AnyLens, substrate: Substrate, surface: Texture, **options: Any
+    indenter: AnyLens, substrate: Substrate, surface: PillarPattern, **options: Any
 ) -> System: ...
 @overload
 def problem(
@@ -45,7 +45,7 @@ def problem(
     *,
     top_radius: Quantity | None = None,
     **options: Any,
-) -> System | Surface | RoundedTops | FlatSystem:
+) -> System | Surface | AsperityArray | FlatSystem:
     """Creates the problem of an indenter and a surface of any kind.
 
     Parameters
@@ -53,11 +53,11 @@ def problem(
     indenter, substrate
         A lens or a plate, and the half-space under the surface.
     surface
-        Pillars, such as a `HexagonalTexture` or `Pillars`, a `Flat` surface, or a height map: an array (m) or an object of SurfaceTopography.
+        Pillars, such as a `HexagonalPattern` or `Pillars`, a `Flat` surface, or a height map: an array (m) or an object of SurfaceTopography.
     top_radius
         Radius of curvature (m) of `Pillars` with rounded tops.
     options
-        Those of `System`, `FlatSystem`, `fakir.bem.Surface` or `RoundedTops`, one of which is returned. All of them have `press`.
+        Those of `System`, `FlatSystem`, `fakir.bem.Surface` or `AsperityArray`, one of which is returned. All of them have `press`.
 
     Examples
     --------
@@ -73,21 +73,21 @@ def problem(
         x, y = (at - axis for at, axis in zip((surface.x, surface.y), surface.axis))
         diameter = None if np.isnan(surface.diameter).all() else surface.diameter
         options.setdefault("diameter", diameter)
-        return RoundedTops(x, y, surface.height, top_radius, indenter, substrate, **options)
+        return AsperityArray(x, y, surface.height, top_radius, indenter, substrate, **options)
     if isinstance(surface, Flat):
         return FlatSystem(indenter, substrate, **options)
-    if isinstance(surface, Texture):
+    if isinstance(surface, PillarPattern):
         return System(indenter, substrate, surface, **options)
     return Surface(surface, indenter, substrate, **options)
 
 
 def read_case(
     path: str | PathLike[str], overrides: Overrides | None = None
-) -> System | Surface | RoundedTops | FlatSystem:
+) -> System | Surface | AsperityArray | FlatSystem:
     """Reads a case file with any kind of surface; ``overrides`` contains values of keys, as ``--set`` of the command line."""
     found = _fakir.read_case(fspath(path), settings(overrides), True)
     if isinstance(found, _fakir.Case):
         return System._of(found)
     if isinstance(found, _fakir.Flat):
         return FlatSystem._of(found)
-    return Surface._of(found) if isinstance(found, _fakir.Surface) else RoundedTops._of(found)
+    return Surface._of(found) if isinstance(found, _fakir.Surface) else AsperityArray._of(found)

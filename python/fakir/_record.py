@@ -23,7 +23,7 @@ NAMES = {
 }
 """Attributes whose name is not their path without the unit. In critical states names are without ``critical_``."""
 
-OMITTED = {"transition.bottom_contact_m", "surface_transition.bottom_contact_m", "rounded_press.tops"}
+OMITTED = {"transition.bottom_contact_m", "surface_transition.bottom_contact_m", "asperity_press.tops"}
 """Entries of the JSON only: an older name, and information given by the class."""
 
 GROUPS = {
@@ -37,7 +37,7 @@ GROUPS = {
     "grid": "Grid",
     "normalized": "Normalized",
     "cycle.error": "CycleErrors",
-    "rounded_press.error": "RoundedErrors",
+    "asperity_press.error": "AsperityErrors",
 }
 """Named tuples by kind and attribute, or by attribute; the others are named by both."""
 

@@ -29,8 +29,8 @@ PILLAR = np.dtype(
         ("status", "U9"),
         ("force_N", np.float64),
         ("centre_pressure_Pa", np.float64),
-        ("smallest_edge_coefficient_Pa", np.float64),
-        ("largest_edge_coefficient_Pa", np.float64),
+        ("smallest_stress_intensity_factor_Pa", np.float64),
+        ("largest_stress_intensity_factor_Pa", np.float64),
     ]
 )
 """A pillar of a contact; the columns are those of ``pillars.csv``."""

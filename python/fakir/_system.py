@@ -11,18 +11,18 @@ import numpy as np
 from . import _fakir
 from ._bodies import (
     AnyLens,
-    HexagonalTexture,
+    HexagonalPattern,
     LatticeOptions,
-    LatticeTexture,
-    ObliqueTexture,
+    LatticePattern,
+    ObliquePattern,
     Pillars,
     PlateLens,
     ProfileLens,
-    RectangularTexture,
+    RectangularPattern,
     RoundLens,
-    SquareTexture,
+    SquarePattern,
     Substrate,
-    Texture,
+    PillarPattern,
     lens_of,
     shape_of,
     substrate_of,
@@ -65,14 +65,14 @@ class System(Shown):
     >>> system = System(
     ...     Lens("2.2 mm", "2 MPa", 0.5),
     ...     Substrate("2 MPa", 0.5),
-    ...     HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1),
+    ...     HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1),
     ... )
     >>> round(1e3 * system.transition().force, 3)
     4.448
 
     Past the transition the floor carries part of the load:
 
-    >>> sparse = system.replace({"texture.surface_fraction": 0.03})
+    >>> sparse = system.replace({"pattern.surface_fraction": 0.03})
     >>> state = sparse.press(indentation="6 um")
     >>> round(state.floor.share, 2)
     0.15
@@ -139,7 +139,7 @@ class System(Shown):
             *words_of_shape,
             *of_layers[0][1],
             *of_layers[1][1],
-            ("texture.pillar.compliance", pattern.compliance),
+            ("pattern.pillar.compliance", pattern.compliance),
             ("floor.contact", "true" if floor_contact else "false"),
         ]
         if isinstance(adhesion, Adhesion) and adhesion.floor:
@@ -147,13 +147,13 @@ class System(Shown):
         pillars = None
         if isinstance(pattern, Pillars):
             numbers += pattern.reference
-            numbers.append(("texture.axis_x", pattern.axis[0]))
-            numbers.append(("texture.axis_y", pattern.axis[1]))
-            words.append(("texture.lattice", "listed"))
+            numbers.append(("pattern.axis_x", pattern.axis[0]))
+            numbers.append(("pattern.axis_y", pattern.axis[1]))
+            words.append(("pattern.lattice", "listed"))
             pillars = pattern._rows()
         else:
             numbers += pattern._numbers()
-            words.append(("texture.lattice", pattern._lattice))
+            words.append(("pattern.lattice", pattern._lattice))
         given = [(key, float(number)) for key, number in numbers if number is not None]
         self._case = _fakir.Case.build(given, words, pillars)
 
@@ -190,7 +190,7 @@ class System(Shown):
 
     @classmethod
     def _described(
-        cls, found: _fakir.Case | _fakir.Surface | _fakir.Rounded
+        cls, found: _fakir.Case | _fakir.Surface | _fakir.Asperities
     ) -> System | Surface:
         if isinstance(found, _fakir.Surface):
             return Surface._of(found)
@@ -204,7 +204,7 @@ class System(Shown):
     def replace(
         self, overrides: Overrides | None = None, *, set: Overrides | None = None
     ) -> System:
-        """The same system with other values: ``system.replace({"texture.pitch": "25 um"})``."""
+        """The same system with other values: ``system.replace({"pattern.pitch": "25 um"})``."""
         given = settings(overrides_of(overrides, set))
         return self._of(self._case.with_settings(given))
 
@@ -230,8 +230,8 @@ class System(Shown):
         """The pillar pattern, given by its pitch."""
         values = self._case.values()
         rows = self._case.listed()
-        height, diameter = values["texture.pillar.height"], values["texture.pillar.diameter"]
-        compliance = values["texture.pillar.compliance"]
+        height, diameter = values["pattern.pillar.height"], values["pattern.pillar.diameter"]
+        compliance = values["pattern.pillar.compliance"]
         if rows is not None:
             x, y, heights, diameters = np.array(rows).T
             return Pillars(
@@ -243,31 +243,31 @@ class System(Shown):
                 reference_diameter=diameter,
                 compliance=compliance,
             )
-        columns = values.get("texture.columns")
+        columns = values.get("pattern.columns")
         options: LatticeOptions = {
-            "offset": values["texture.offset"],
-            "offset_angle": values["texture.offset_angle"],
-            "rotation": values.get("texture.rotation", 0.0),
+            "offset": values["pattern.offset"],
+            "offset_angle": values["pattern.offset_angle"],
+            "rotation": values.get("pattern.rotation", 0.0),
             "columns": None if columns is None else int(columns),
-            "height_standard_deviation": values.get("texture.height_standard_deviation", 0.0),
-            "vacancy_fraction": values.get("texture.vacancy_fraction", 0.0),
-            "seed": int(values.get("texture.seed", 0)),
+            "height_standard_deviation": values.get("pattern.height_standard_deviation", 0.0),
+            "vacancy_fraction": values.get("pattern.vacancy_fraction", 0.0),
+            "seed": int(values.get("pattern.seed", 0)),
             "compliance": compliance,
         }
-        pitch = values["texture.pitch"]
-        match values["texture.lattice"]:
+        pitch = values["pattern.pitch"]
+        match values["pattern.lattice"]:
             case "square":
                 return SquarePattern(diameter, height, pitch=pitch, **options)
             case "rectangular":
-                pitch_y = values["texture.pitch_y"]
+                pitch_y = values["pattern.pitch_y"]
                 return RectangularPattern(diameter, height, pitch=pitch, pitch_y=pitch_y, **options)
             case "oblique":
                 return ObliquePattern(
                     diameter,
                     height,
                     pitch=pitch,
-                    pitch_y=values["texture.pitch_y"],
-                    angle=values["texture.lattice_angle"],
+                    pitch_y=values["pattern.pitch_y"],
+                    angle=values["pattern.lattice_angle"],
                     **options,
                 )
         return HexagonalPattern(diameter, height, pitch=pitch, **options)
@@ -276,17 +276,17 @@ class System(Shown):
     def _pillar(self) -> tuple[float, float]:
         """Diameter and height of the common pillar, m."""
         values = self._case.values()
-        return values["texture.pillar.diameter"], values["texture.pillar.height"]
+        return values["pattern.pillar.diameter"], values["pattern.pillar.height"]
 
     @property
     def pitch(self) -> float:
         """Distance between neighbouring pillars, m; for listed pillars the mean distance to the nearest neighbour."""
-        return float(self._case.values()["texture.pitch"])
+        return float(self._case.values()["pattern.pitch"])
 
     @property
     def surface_fraction(self) -> float:
         """Fraction of the surface covered by pillar tops."""
-        return float(self._case.values()["texture.surface_fraction"])
+        return float(self._case.values()["pattern.surface_fraction"])
 
     @property
     def floor_contact(self) -> bool:
@@ -558,17 +558,17 @@ class System(Shown):
             ("substrate", material("substrate")),
             (
                 "pillars",
-                f"diameter {length('texture.pillar.diameter')}, "
-                f"height {length('texture.pillar.height')}",
+                f"diameter {length('pattern.pillar.diameter')}, "
+                f"height {length('pattern.pillar.height')}",
             ),
             (
                 "lattice",
-                f"pitch {length('texture.pitch')}, "
-                f"surface fraction {values['texture.surface_fraction']:.6g}"
+                f"pitch {length('pattern.pitch')}, "
+                f"surface fraction {values['pattern.surface_fraction']:.6g}"
                 + (
-                    f", lens axis {values['texture.offset']:g} pitches from a pillar"
-                    if "texture.offset" in values
-                    else f", {values['texture.lattice']}"
+                    f", lens axis {values['pattern.offset']:g} pitches from a pillar"
+                    if "pattern.offset" in values
+                    else f", {values['pattern.lattice']}"
                 ),
             ),
         ]

@@ -73,7 +73,7 @@ def bodies(
 
 
 def bodies_of(
-    system: _fakir.Surface | _fakir.Rounded,
+    system: _fakir.Surface | _fakir.Asperities,
     layers: Sequence[LayerNumbers | None] = (None, None),
 ) -> tuple[Lens | Plate, Substrate]:
     """The indenter and the substrate for these numbers."""

@@ -26,7 +26,7 @@ class CaseError(FakirError, ValueError):
     file, line, column
         The position in a file or override, if any.
     key
-        The invalid key, as in ``"texture.pillar.diameter"``.
+        The invalid key, as in ``"pattern.pillar.diameter"``.
     """
 
     file: str | None

@@ -391,11 +391,11 @@ def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
     pillars = contact.pillars
     if len(pillars) == 0:
         raise ValueError(f'there are no pillars to show (method "{contact.method}")')
-    texture = contact.system.texture
-    if isinstance(texture, Pillars):
-        radii = 0.5 * texture.diameter[pillars["i"]]
+    pattern = contact.system.pattern
+    if isinstance(pattern, Pillars):
+        radii = 0.5 * pattern.diameter[pillars["i"]]
     else:
-        radii = np.full(len(pillars), 0.5 * texture.diameter)
+        radii = np.full(len(pillars), 0.5 * pattern.diameter)
     circles = [
         Circle((MICRO * x, MICRO * y), MICRO * radius)
         for (x, y), radius in zip(_centres(pillars), radii, strict=True)
@@ -639,7 +639,7 @@ def _curves_of_sweep(
     if rows and names[0] not in rows[0]:
         answers = "critical states" if question == "transition" else "cycles"
         raise ValueError(f"these are no {answers}: sweep the question {question}")
-    across = ("texture.surface_fraction", "texture.pitch")
+    across = ("pattern.surface_fraction", "pattern.pitch")
     others = [name for name in sweep.axes if not name.startswith(across)]
     groups: dict[str, list[dict[str, Any]]] = {}
     for row in rows:

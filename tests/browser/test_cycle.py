@@ -57,7 +57,7 @@ def asked(page, path):
 
 @pytest.fixture
 def expected(tmp_path):
-    return command_line("--set", "texture.surface_fraction=0.03", "--set", "adhesion.work=10mJ/m2")
+    return command_line("--set", "pattern.surface_fraction=0.03", "--set", "adhesion.work=10mJ/m2")
 
 
 def test_the_slider_goes_down_and_up_the_computed_path(explore, expected):
@@ -176,7 +176,7 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
 
 
 def test_pulled_and_partial_pillars_are_on_the_map(explore):
-    page = explore(sticky(0.03, 0.003, "texture.offset=0.3"))
+    page = explore(sticky(0.03, 0.003, "pattern.offset=0.3"))
     assert page.page.is_visible("#pull-key")
     assert page.text("pull-most").startswith("−")
     page.page.focus("#load")
@@ -222,7 +222,7 @@ def test_the_section_follows(explore):
 def test_a_case_file_with_adhesion_is_where_the_page_begins(explore, tmp_path):
     case = tmp_path / "case.toml"
     subprocess.run([os.environ["FAKIR"], "init", str(case)], check=True, stdout=subprocess.DEVNULL)
-    with exploring(str(case), "--set", "adhesion.work=80mJ/m2", "--set", "texture.pitch=60um") as address:
+    with exploring(str(case), "--set", "adhesion.work=80mJ/m2", "--set", "pattern.pitch=60um") as address:
         page = explore(address=address)
         assert page.page.input_value("#adhesion-work") == "80 mJ/m²"
         assert page.text("load-words") == "critical state"
@@ -304,7 +304,7 @@ def test_a_newer_work_is_answered_at_once(explore):
     page = explore(sticky(0.01, 0.05))
     page.page.evaluate(
         """() => {
-            const field = document.getElementById("texture-surface_fraction");
+            const field = document.getElementById("pattern-surface_fraction");
             field.value = "0.2";
             field.dispatchEvent(new Event("change"));
         }"""
@@ -313,7 +313,7 @@ def test_a_newer_work_is_answered_at_once(explore):
     assert page.page.is_disabled("#load")
     # The curve grows meanwhile.
     page.until("document.querySelector('#loading path.path') !== null")
-    page.enter("texture.surface_fraction", "0.01")
+    page.enter("pattern.surface_fraction", "0.01")
     assert page.text("pillars").startswith("13 pillars")
     assert not page.page.is_disabled("#load")
 

@@ -26,10 +26,10 @@ def test_starts_with_the_case_of_fakir_init(explore):
 def test_starts_with_the_case_of_a_file(explore, tmp_path):
     case = tmp_path / "case.toml"
     subprocess.run([os.environ["FAKIR"], "init", str(case)], check=True, stdout=subprocess.DEVNULL)
-    with exploring(str(case), "--set", "texture.pitch=40um") as address:
+    with exploring(str(case), "--set", "pattern.pitch=40um") as address:
         page = explore(address=address)
-        assert page.page.input_value("#texture-pitch") == "40 µm"
-        assert page.page.locator(".field.derived #texture-surface_fraction").count() == 1
+        assert page.page.input_value("#pattern-pitch") == "40 µm"
+        assert page.page.locator(".field.derived #pattern-surface_fraction").count() == 1
 
 
 @pytest.mark.smoke
@@ -46,21 +46,21 @@ def test_presets_are_the_substrates_of_the_paper(explore):
     assert forces["soft"][1] == "nN" and 10 < forces["soft"][0] < 100
     assert forces["intermediate"][1] == "µN"
     assert forces["intermediate"][0] < 0.5 * forces["rigid"][0]
-    assert page.page.input_value("#texture-surface_fraction") == "0.001"
+    assert page.page.input_value("#pattern-surface_fraction") == "0.001"
 
 
 def test_a_square_lattice_with_scatter(explore, tmp_path):
     """Another lattice keeps what it has in common; missing pillars and heights come from the seed, as in the program."""
     page = explore("#" + "&".join(paper(0.02)))
     hexagonal = page.results()
-    page.page.select_option("#texture-lattice", "square")
+    page.page.select_option("#pattern-lattice", "square")
     page.rest()
-    assert page.page.input_value("#texture-surface_fraction") == "0.02"
+    assert page.page.input_value("#pattern-surface_fraction") == "0.02"
     square = page.results()
     assert square != hexagonal
-    page.enter("texture.missing", "0.1")
-    page.enter("texture.height_standard_deviation", "0.03")
-    page.enter("texture.seed", "5")
+    page.enter("pattern.vacancy_fraction", "0.1")
+    page.enter("pattern.height_standard_deviation", "0.03")
+    page.enter("pattern.seed", "5")
     found = page.results()
     assert found != square
     case = tmp_path / "case.toml"
@@ -71,10 +71,10 @@ def test_a_square_lattice_with_scatter(explore, tmp_path):
     force = json.loads(answer.stdout)["critical_force_N"]
     scale = {"mN": 1e3, "µN": 1e6}[page.text("force-unit")]
     assert float(found[0]) == pytest.approx(scale * force, rel=1e-3)
-    assert "fakir.SquareTexture(" in page.text("python")
-    page.page.select_option("#texture-lattice", "hexagonal")
-    for key in ("missing", "height_standard_deviation", "seed"):
-        page.enter(f"texture.{key}", "0")
+    assert "fakir.SquarePattern(" in page.text("python")
+    page.page.select_option("#pattern-lattice", "hexagonal")
+    for key in ("vacancy_fraction", "height_standard_deviation", "seed"):
+        page.enter(f"pattern.{key}", "0")
     assert page.results() == hexagonal
 
 
@@ -82,52 +82,52 @@ def test_rectangular_and_oblique_lattices(explore, tmp_path):
     """A lattice with two pitches begins as that of one which it was; the numbers are those of the program."""
     page = explore("#" + "&".join(paper(0.02)))
     hexagonal = page.results()
-    page.page.select_option("#texture-lattice", "oblique")
+    page.page.select_option("#pattern-lattice", "oblique")
     page.rest()
     # Rows of one pitch at 60 degrees are the hexagonal lattice. Six digits of the pitch are kept, four of the force.
-    assert page.page.input_value("#texture-lattice_angle") == "60 deg"
+    assert page.page.input_value("#pattern-lattice_angle") == "60 deg"
     assert [float(value) for value in page.results()[:2]] == pytest.approx(
         [float(value) for value in hexagonal[:2]], rel=1e-3
     )
-    assert not page.page.locator("#texture-surface_fraction").is_visible()
-    page.page.select_option("#texture-lattice", "rectangular")
+    assert not page.page.locator("#pattern-surface_fraction").is_visible()
+    page.page.select_option("#pattern-lattice", "rectangular")
     page.rest()
-    assert not page.page.locator("#texture-lattice_angle").is_visible()
-    page.enter("texture.pitch", "30 um")
-    page.enter("texture.pitch_y", "45 um")
+    assert not page.page.locator("#pattern-lattice_angle").is_visible()
+    page.enter("pattern.pitch", "30 um")
+    page.enter("pattern.pitch_y", "45 um")
     found = page.results()
     case = tmp_path / "case.toml"
     case.write_text(page.text("case-file"))
-    assert tomllib.loads(case.read_text())["texture"]["pitch_y"] == "45 um"
+    assert tomllib.loads(case.read_text())["pattern"]["pitch_y"] == "45 um"
     answer = subprocess.run(
         [os.environ["FAKIR"], "transition", str(case), "--json"], check=True, capture_output=True
     )
     force = json.loads(answer.stdout)["critical_force_N"]
     scale = {"mN": 1e3, "µN": 1e6}[page.text("force-unit")]
     assert float(found[0]) == pytest.approx(scale * force, rel=1e-3)
-    assert "fakir.RectangularTexture(" in page.text("python")
+    assert "fakir.RectangularPattern(" in page.text("python")
     # What is wrong is said where it is, in the words of the program.
-    page.enter("texture.pitch_y", "1 um")
-    assert "at least the pillar diameter" in page.text("texture-pitch_y-note")
-    page.page.select_option("#texture-lattice", "square")
+    page.enter("pattern.pitch_y", "1 um")
+    assert "at least the pillar diameter" in page.text("pattern-pitch_y-note")
+    page.page.select_option("#pattern-lattice", "square")
     page.rest()
-    assert page.page.input_value("#texture-pitch") == "30 µm"
-    assert not page.page.locator("#texture-pitch_y").is_visible()
+    assert page.page.input_value("#pattern-pitch") == "30 µm"
+    assert not page.page.locator("#pattern-pitch_y").is_visible()
 
 
 @pytest.mark.smoke
 def test_sliders_change_the_result(explore):
     page = explore("#" + "&".join(paper(0.02)))
     before = page.results()
-    page.slide("texture-pillar-height-slider", 700)
+    page.slide("pattern-pillar-height-slider", 700)
     assert page.results() != before
-    assert page.page.input_value("#texture-pillar-height") != "2.2 µm"
-    page.enter("texture.pillar.height", "2200 nm")
+    assert page.page.input_value("#pattern-pillar-height") != "2.2 µm"
+    page.enter("pattern.pillar.height", "2200 nm")
     assert page.results() == before
     # A pitch takes the place of the surface fraction.
-    page.enter("texture.pitch", "40.4 um")
+    page.enter("pattern.pitch", "40.4 um")
     assert 'pitch = "40.4 um"' in page.text("case-file")
-    assert "surface_fraction" not in page.text("case-file").split("[texture]")[1].split("#")[0]
+    assert "surface_fraction" not in page.text("case-file").split("[pattern]")[1].split("#")[0]
 
 
 def test_a_substrate_becomes_a_film_and_again_infinite(explore):
@@ -249,14 +249,14 @@ def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
             const method = document.getElementById("method-accuracy");
             method.value = "accurate";
             method.dispatchEvent(new Event("change"));
-            const slider = document.getElementById("texture-surface_fraction-slider");
+            const slider = document.getElementById("pattern-surface_fraction-slider");
             slider.value = 915;
             slider.dispatchEvent(new Event("input"));
         }"""
     )
     page.until("window.told.some((words) => /step \\d+, \\d+ pillars touched/.test(words))")
     # A newer question is answered at once, whatever is under way.
-    page.enter("texture.surface_fraction", "0.01")
+    page.enter("pattern.surface_fraction", "0.01")
     assert page.text("pillars").startswith("13 pillars")
     # Frames go on meanwhile; how fast depends on the machine.
     assert page.page.evaluate("() => window.longest") < 2000
@@ -266,17 +266,17 @@ def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
 def test_an_error_is_at_its_field_and_the_picture_stays(explore):
     page = explore("#" + "&".join(paper(0.02)))
     before = page.results()
-    page.enter("texture.pillar.height", "5 mm")
-    assert page.text("texture-pillar-height-note").startswith("cannot be 5 mm: it must be")
-    assert page.page.get_attribute("#texture-pillar-height", "aria-invalid") == "true"
+    page.enter("pattern.pillar.height", "5 mm")
+    assert page.text("pattern-pillar-height-note").startswith("cannot be 5 mm: it must be")
+    assert page.page.get_attribute("#pattern-pillar-height", "aria-invalid") == "true"
     assert "last valid result" in page.text("problem")
     assert page.results() == before
-    page.enter("texture.pillar.height", "2.2 furlongs")
-    assert "not a known unit" in page.text("texture-pillar-height-note")
-    page.enter("texture.surface_fraction", "0.8")
-    page.enter("texture.pillar.height", "2.2 um")
-    assert "pillars would be touched" in page.text("texture-surface_fraction-note")
-    page.enter("texture.surface_fraction", "0.02")
+    page.enter("pattern.pillar.height", "2.2 furlongs")
+    assert "not a known unit" in page.text("pattern-pillar-height-note")
+    page.enter("pattern.surface_fraction", "0.8")
+    page.enter("pattern.pillar.height", "2.2 um")
+    assert "pillars would be touched" in page.text("pattern-surface_fraction-note")
+    page.enter("pattern.surface_fraction", "0.02")
     assert not page.page.is_visible("#problem")
     assert page.results() == before
 
@@ -284,39 +284,39 @@ def test_an_error_is_at_its_field_and_the_picture_stays(explore):
 def test_a_bare_number_has_the_unit_that_is_shown(explore):
     page = explore("#" + "&".join(paper(0.02)))
     for key, bare, shown in [
-        ("texture.pillar.height", "2.5", "2.5 µm"),
+        ("pattern.pillar.height", "2.5", "2.5 µm"),
         ("lens.radius", "3", "3 mm"),
         ("substrate.young_modulus", "3", "3 MPa"),
-        ("texture.offset_angle", "30", "30 deg"),
+        ("pattern.offset_angle", "30", "30 deg"),
         # In the unit that was typed last.
-        ("texture.pillar.height", "2400 nm", "2400 nm"),
-        ("texture.pillar.height", "2300", "2300 nm"),
-        ("texture.surface_fraction", "0.03", "0.03"),
+        ("pattern.pillar.height", "2400 nm", "2400 nm"),
+        ("pattern.pillar.height", "2300", "2300 nm"),
+        ("pattern.surface_fraction", "0.03", "0.03"),
     ]:
         field = f"#{key.replace('.', '-')}"
         page.enter(key, bare)
         assert page.page.input_value(field) == shown
     assert not page.page.is_visible("#problem")
     case = tomllib.loads(page.text("case-file"))
-    assert case["texture"]["pillar"]["height"] == "2.3 um" and case["lens"]["radius"] == "3 mm"
-    assert case["texture"]["offset_angle"] == "30 deg" and case["substrate"]["young_modulus"] == "3 MPa"
+    assert case["pattern"]["pillar"]["height"] == "2.3 um" and case["lens"]["radius"] == "3 mm"
+    assert case["pattern"]["offset_angle"] == "30 deg" and case["substrate"]["young_modulus"] == "3 MPa"
 
 
 def test_messages_have_the_units_of_the_controls(explore):
     page = explore("#" + "&".join(paper(0.02)))
-    page.enter("texture.pitch", "5 um")
-    assert "at least the pillar diameter, 6 µm" in page.text("texture-pitch-note")
+    page.enter("pattern.pitch", "5 um")
+    assert "at least the pillar diameter, 6 µm" in page.text("pattern-pitch-note")
 
 
 def test_an_error_is_at_the_field_that_was_changed(explore):
     """Thinner pillars at one surface fraction are more pillars, for which the server names the surface fraction."""
     page = explore("#" + "&".join(paper(0.12)))
-    page.slide("texture-pillar-diameter-slider", 100)
-    note = page.text("texture-pillar-diameter-note")
+    page.slide("pattern-pillar-diameter-slider", 100)
+    note = page.text("pattern-pillar-diameter-note")
     assert note.startswith("surface fraction: about ") and "pillars would be touched" in note
-    assert page.page.get_attribute("#texture-pillar-diameter", "aria-invalid") == "true"
-    assert page.page.get_attribute("#texture-surface_fraction", "aria-invalid") is None
-    page.enter("texture.pillar.diameter", "6 um")
+    assert page.page.get_attribute("#pattern-pillar-diameter", "aria-invalid") == "true"
+    assert page.page.get_attribute("#pattern-surface_fraction", "aria-invalid") is None
+    page.enter("pattern.pillar.diameter", "6 um")
     assert not page.page.is_visible("#problem")
 
 
@@ -327,7 +327,7 @@ def test_legends_contain_what_is_drawn(explore):
     page = explore("#" + "&".join(paper(0.01)))
     page.until("document.querySelector('#curve-force path.exact-curve') !== null", 60)
     assert [page.page.is_visible(name) for name in names] == [True] * 6
-    page.page.select_option("#texture-lattice", "oblique")
+    page.page.select_option("#pattern-lattice", "oblique")
     page.until("document.querySelector('#curves-legend .small-curve').hidden", 60)
     page.until("document.querySelector('#phase-legend .transition').hidden", 60)
     page.until("document.querySelector('#curve-force path.exact-curve') !== null", 60)
@@ -421,10 +421,10 @@ def test_an_address_that_is_entered_is_not_written_over(explore):
         )
 
     page = explore("#" + "&".join(paper(0.03)), before=be_told_late)
-    page.change("texture.surface_fraction", "0.04")
+    page.change("pattern.surface_fraction", "0.04")
     entered = "#" + "&".join(paper(0.05))
     page.page.evaluate("(entered) => { location.hash = entered; }", entered)
-    page.until("document.getElementById('texture-surface_fraction').value === '0.05'")
+    page.until("document.getElementById('pattern-surface_fraction').value === '0.05'")
     page.rest()
     assert "surface_fraction=0.05" in page.page.url
 
@@ -432,7 +432,7 @@ def test_an_address_that_is_entered_is_not_written_over(explore):
 def test_a_link_restores_the_state(explore, browser):
     page = explore()
     page.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page.enter("texture.surface_fraction", "0.013")
+    page.enter("pattern.surface_fraction", "0.013")
     page.enter("lens.radius", "3.3 mm")
     page.slide("load", 0.5)
     page.slide("exaggeration", 1.5)
@@ -470,7 +470,7 @@ def test_exports_are_saved(explore, tmp_path, name, start):
     assert contents.lstrip().startswith(start)
     if name == "case.toml":
         case = tomllib.loads(contents.decode())
-        assert case["texture"]["surface_fraction"] == 0.01
+        assert case["pattern"]["surface_fraction"] == 0.01
     if name == "summary.json":
         force = json.loads(contents)["critical_force_N"]
         assert f"{1e6 * force:.4f}".startswith(page.results()[0][:5])
@@ -479,7 +479,7 @@ def test_exports_are_saved(explore, tmp_path, name, start):
 @pytest.mark.smoke
 def test_the_command_gives_the_same_result(explore, tmp_path):
     page = explore("#" + "&".join(paper(0.01)))
-    page.enter("texture.pillar.diameter", "7 um")
+    page.enter("pattern.pillar.diameter", "7 um")
     command = page.text("command").replace("fakir ", os.environ["FAKIR"] + " ")
     done = subprocess.run(
         command + " --json", shell=True, cwd=tmp_path, check=True, capture_output=True, text=True
@@ -588,12 +588,12 @@ def paper(surface_fraction):
         "lens.poisson_ratio=0.5",
         "substrate.young_modulus=2000000",
         "substrate.poisson_ratio=0.5",
-        "texture.offset=0",
-        "texture.offset_angle=0",
-        "texture.pillar.diameter=0.000006",
-        "texture.pillar.height=0.0000022",
-        "texture.pillar.compliance=column",
+        "pattern.offset=0",
+        "pattern.offset_angle=0",
+        "pattern.pillar.diameter=0.000006",
+        "pattern.pillar.height=0.0000022",
+        "pattern.pillar.compliance=column",
         "method.name=spectral",
         "method.accuracy=default",
-        f"texture.surface_fraction={surface_fraction}",
+        f"pattern.surface_fraction={surface_fraction}",
     ]

@@ -18,7 +18,7 @@ from test_explorer import paper
 MOVES = 25
 
 MEASURE = """async ([moves]) => {
-    const slider = document.getElementById("texture-pillar-height-slider");
+    const slider = document.getElementById("pattern-pillar-height-slider");
     const start = Number(slider.value);
     const times = { estimate: [], pillars: [], exact: [] };
     for (let move = 0; move < moves; move += 1) {

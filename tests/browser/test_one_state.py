@@ -131,7 +131,7 @@ def test_everything_is_grey_until_the_new_case_is_solved(filled):
     page = filled()
     before = page.results()
     held = Held(page, "contact")
-    move(page, "texture-pillar-height-slider", 700)
+    move(page, "pattern-pillar-height-slider", 700)
     grey(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
     assert page.results() == before
     assert page.page.get_attribute("#section", "aria-busy") == "true"
@@ -163,7 +163,7 @@ def test_a_section_that_is_late_is_grey_beside_the_new_map(filled):
     before = page.results()
     outline = page.page.get_attribute("#section path.lens", "d")
     page.page.evaluate(HOLD_LINES, ["section"])
-    move(page, "texture-pillar-height-slider", 700)
+    move(page, "pattern-pillar-height-slider", 700)
     page.until(f"document.getElementById('force-value').textContent !== '{before[0]}'")
     grey(page, ["#section"])
     assert page.page.get_attribute("#section path.lens", "d") == outline
@@ -178,7 +178,7 @@ def test_curves_of_the_case_before_are_grey_beside_the_new_point(filled):
     page = filled()
     held = Held(page, "curves", "phase")
     place = page.page.get_attribute("#phase .critical-point", "cy")
-    page.slide("texture-pillar-height-slider", 600)
+    page.slide("pattern-pillar-height-slider", 600)
     grey(page, CURVES + PHASE)
     plain(page, NOW + CASE + LOAD)
     assert page.page.get_attribute("#phase .critical-point", "cy") != place
@@ -193,7 +193,7 @@ def test_beside_an_estimate_the_solution_of_the_case_before_is_grey(explore):
     page = explore("#" + "&".join(paper(0.12)))
     most = page.text("colour-most")
     page.page.evaluate(HOLD_LINES, ["state"])
-    move(page, "texture-pillar-height-slider", 800)
+    move(page, "pattern-pillar-height-slider", 800)
     page.until("document.getElementById('force-value').textContent.startsWith('≈')")
     grey(page, ["#section", "#load-numbers", "#regime", "#pillars"] + TEXTS)
     plain(page, ["#force-value", "#radius-value", "#map", "#colour-bar"])
@@ -208,10 +208,10 @@ def test_beside_an_estimate_the_solution_of_the_case_before_is_grey(explore):
 def test_after_an_error_all_that_is_shown_is_grey(filled):
     page = filled()
     before = page.results()
-    page.enter("texture.pillar.height", "5 mm")
+    page.enter("pattern.pillar.height", "5 mm")
     grey(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
-    plain(page, ["#status", "#problem", "#texture-pillar-height-note"])
-    page.enter("texture.pillar.height", "2.2 um")
+    plain(page, ["#status", "#problem", "#pattern-pillar-height-note"])
+    page.enter("pattern.pillar.height", "2.2 um")
     plain(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
     assert page.results() == before
 
@@ -220,10 +220,10 @@ def test_the_case_before_is_shown_again_at_once(filled):
     """Back at a case that is known, nothing of it is grey, though its answer is still to come."""
     page = filled()
     Held(page, "contact")
-    move(page, "texture-pillar-height-slider", 700)
+    move(page, "pattern-pillar-height-slider", 700)
     grey(page, CASE + LOAD)
-    page.page.fill("#texture-pillar-height", "2.2 um")
-    page.page.press("#texture-pillar-height", "Enter")
+    page.page.fill("#pattern-pillar-height", "2.2 um")
+    page.page.press("#pattern-pillar-height", "Enter")
     plain(page, CASE + LOAD + CURVES)
 
 
@@ -281,7 +281,7 @@ def test_parts_of_the_case_before_turn_grey_with_the_first_part_of_the_next(fill
                 .observe(document.getElementById("force-value"), { childList: true });
         }"""
     )
-    move(page, "texture-pillar-height-slider", 700)
+    move(page, "pattern-pillar-height-slider", 700)
     page.until("window.seen.length > 0")
     assert page.page.evaluate("() => window.seen") == [True]
     page.page.evaluate("() => window.release()")
@@ -340,10 +340,10 @@ def test_the_floor_contact_is_marked_in_the_critical_state_only(explore):
 
 def test_a_value_that_is_typed_moves_its_slider(explore):
     page = explore("#" + "&".join(paper(0.01)))
-    place = page.page.input_value("#texture-pillar-height-slider")
-    page.enter("texture.pillar.height", "3 um")
-    assert page.page.input_value("#texture-pillar-height") == "3 um"
-    assert int(page.page.input_value("#texture-pillar-height-slider")) > int(place)
+    place = page.page.input_value("#pattern-pillar-height-slider")
+    page.enter("pattern.pillar.height", "3 um")
+    assert page.page.input_value("#pattern-pillar-height") == "3 um"
+    assert int(page.page.input_value("#pattern-pillar-height-slider")) > int(place)
 
 
 def test_a_button_pressed_twice_says_what_it_does_again(explore):

@@ -17,7 +17,7 @@ LONG = sticky(0.03, 0.05, STUCK)
 
 @pytest.fixture(scope="module")
 def expected():
-    settings = ("texture.surface_fraction=0.03", "adhesion.work=1mJ/m2", STUCK)
+    settings = ("pattern.surface_fraction=0.03", "adhesion.work=1mJ/m2", STUCK)
     return command_line(*(part for setting in settings for part in ("--set", setting)))
 
 
@@ -208,7 +208,7 @@ def test_the_floor_is_let_stick_on_the_page(explore):
     page.page.check("#adhesion-floor")
     page.rest()
     # What it is not made for is refused in words, and the last picture stays.
-    page.page.select_option("#texture-lattice", "square")
+    page.page.select_option("#pattern-lattice", "square")
     page.rest()
     assert "does not stick" in page.text("problem") or "hexagonal" in page.text("problem")
     page.page.uncheck("#adhesion-floor")

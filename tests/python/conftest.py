@@ -35,7 +35,7 @@ def critical(fakir):
         "transition",
         "paper-intermediate.toml",
         "--set",
-        "texture.surface_fraction=0.01",
+        "pattern.surface_fraction=0.01",
         "--field-points",
         "1001",
     )

@@ -109,7 +109,7 @@ def test_vtk_has_the_same_numbers(critical):
             assert texts.GetArray(name).GetValue(0) == data.attrs[name]
 
 
-def test_an_untouched_texture_is_bare(fakir):
+def test_an_untouched_pattern_is_bare(fakir):
     folder, _ = fakir("press", "paper-intermediate.toml", "--indentation", "0um")
     with xarray.open_dataset(folder / "fields.nc") as data:
         assert data.sizes["x"] % 2 == 1  # the lens axis is a point

@@ -164,14 +164,14 @@ def test_pages_that_create_the_same_folder_are_reported(tmp_path):
 
 
 CASE = "examples/paper-intermediate.toml"
-WIDE = ["--set", "texture.surface_fraction=0.01"]
+WIDE = ["--set", "pattern.surface_fraction=0.01"]
 FREE = ["--free", "substrate.young_modulus,contact_point", "--set", "method.name=punch"]
-TOLERANCE = ["--tolerance", "texture.pillar.height=3%", "--samples", "3"]
+TOLERANCE = ["--tolerance", "pattern.pillar.height=3%", "--samples", "3"]
 QUESTIONS = {
     "transition": ["transition", CASE],
     "press": ["press", CASE, "--force", "1mN"],
     "approach": ["approach", CASE, "--step", "5um"],
-    "verify": ["verify", CASE, "--set", "texture.surface_fraction=0.002"],
+    "verify": ["verify", CASE, "--set", "pattern.surface_fraction=0.002"],
     "theory": ["theory", CASE],
     "compare": ["compare", CASE, *WIDE],
     "design": ["design", CASE, "--free", "pitch", "--critical-force", "1mN", *TOLERANCE],
@@ -228,7 +228,7 @@ def test_every_name_of_a_result_is_in_the_reference(tmp_path):
             with table.open(encoding="utf-8", newline="") as rows:
                 found |= set(next(csv.reader(rows)))
     # Percentiles, and axes and samples by the names of their keys.
-    found = {name for name in found if not re.fullmatch(r"[\d.]+", name) and "texture." not in name}
+    found = {name for name in found if not re.fullmatch(r"[\d.]+", name) and "pattern." not in name}
     missing = {name for name in found if name not in listed and re.sub(UNITS, "", name) not in listed}
     assert not missing
 

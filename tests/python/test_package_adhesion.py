@@ -48,7 +48,7 @@ def test_the_curve_holds_the_pull_off_and_the_hysteresis(cycle):
 
 def test_adhesion_is_part_of_a_system(system):
     assert system.adhesion == fakir.Adhesion("50 mJ/m2")
-    parts = system.lens, system.substrate, system.texture
+    parts = system.lens, system.substrate, system.pattern
     for adhesion in ["50 mJ/m2", 0.05, "50 mN/m", fakir.Adhesion(0.05)]:
         assert fakir.System(*parts, adhesion=adhesion).adhesion == fakir.Adhesion(0.05)
     assert fakir.System(*parts).adhesion is None
@@ -66,7 +66,7 @@ def test_adhesion_is_part_of_a_system(system):
 
 
 def test_a_floor_that_sticks_is_part_of_a_system(system):
-    parts = system.lens, system.substrate, system.texture
+    parts = system.lens, system.substrate, system.pattern
     sticks = fakir.System(*parts, adhesion=fakir.Adhesion("10 mJ/m2", floor=True))
     assert sticks.adhesion == fakir.Adhesion(0.01, floor=True)
     assert "of the floor too" in repr(sticks)
@@ -130,19 +130,19 @@ def test_a_sweep_of_cycles_is_that_of_single_ones(system):
     with ThreadPoolExecutor(2) as pool:
         assert fakir.sweep(study, pool).to_csv() == found.to_csv()
     row = found.rows[3]
-    alone = system.replace({"texture.surface_fraction": 0.006}).cycle()
+    alone = system.replace({"pattern.surface_fraction": 0.006}).cycle()
     assert row["pull_off_force_N"] == alone.pull_off.force
     assert row["hysteresis_J"] == alone.hysteresis
     assert row["relative_model_error_pull_off_force"] == alone.pull_off.error.model
 
 
 def test_pull_off_scatters_with_the_work_of_adhesion(system):
-    few = system.replace({"texture.surface_fraction": 0.003})
+    few = system.replace({"pattern.surface_fraction": 0.003})
     spread = fakir.spread(few, {"adhesion.work": "20 %"}, samples=5, landing="as_given")
     assert (spread.pull_off_force < 0.0).all() and (spread.hysteresis > 0.0).all()
     assert "pull-off force" in repr(spread)
     plain = few.replace({"adhesion.work": 0})
-    spread = fakir.spread(plain, {"texture.pillar.height": "2 %"}, samples=3)
+    spread = fakir.spread(plain, {"pattern.pillar.height": "2 %"}, samples=3)
     assert spread.pull_off_force is None and spread.hysteresis is None
 
 

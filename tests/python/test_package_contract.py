@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-OVERRIDES = {"texture.surface_fraction": 0.01}
+OVERRIDES = {"pattern.surface_fraction": 0.01}
 
 
 def program(command, case, *arguments):
@@ -51,7 +51,7 @@ def timeless(result):
         ("surface_press", "press", "square-pillars.toml", ["--indentation", "0.5um"]),
         ("surface_transition", "transition", "square-pillars.toml", []),
         ("rounded_press", "press", "asperities.toml", ["--indentation", "1um"]),
-        ("cycle", "cycle", "adhesive.toml", ["--set", "texture.surface_fraction=0.003"]),
+        ("cycle", "cycle", "adhesive.toml", ["--set", "pattern.surface_fraction=0.003"]),
     ],
 )
 def test_results_are_as_the_schema_says(kind, command, case, arguments):
@@ -108,9 +108,9 @@ def keys(values, path=""):
 
 def test_program_package_and_page_give_the_same_object():
     case = EXAMPLES / "paper-intermediate.toml"
-    system = fakir.System.from_file(case, set=OVERRIDES)
+    system = fakir.System.from_file(case, overrides=OVERRIDES)
     values = keys(tomllib.loads(case.read_text())) | OVERRIDES
-    setting = "--set=texture.surface_fraction=0.01"
+    setting = "--set=pattern.surface_fraction=0.01"
     with exploring() as ask:
         expected = timeless(program("transition", case, setting))
         assert timeless(system.transition().to_dict()) == expected
@@ -173,8 +173,8 @@ def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
     case = EXAMPLES / "square-pillars.toml"
     overrides = {"surface.grid.cells_per_diameter": 8}
     setting = "--set=surface.grid.cells_per_diameter=8"
-    surface = fakir.bem.Surface.from_file(case, set=overrides)
-    again = fakir.bem.Surface.from_toml(case.read_text(), set=overrides)
+    surface = fakir.bem.Surface.from_file(case, overrides=overrides)
+    again = fakir.bem.Surface.from_toml(case.read_text(), overrides=overrides)
     assert np.array_equal(surface.heights, again.heights)
     assert surface.heights.shape == (len(surface.y), len(surface.x))
     assert surface.indenter == fakir.Lens("1 mm", "2 MPa", 0.5) and not surface.periodic
@@ -212,12 +212,12 @@ def test_a_loading_on_a_map_without_a_floor_is_told_where_to_end(tmp_path):
 @pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
 def test_tables_and_other_answers_are_the_same(tmp_path):
     case = EXAMPLES / "paper-intermediate.toml"
-    overrides = {"texture.surface_fraction": 0.003}
-    system = fakir.System.from_file(case, set=overrides)
+    overrides = {"pattern.surface_fraction": 0.003}
+    system = fakir.System.from_file(case, overrides=overrides)
 
     def saved(command, *arguments):
         folder = tmp_path / command
-        setting = "--set=texture.surface_fraction=0.003"
+        setting = "--set=pattern.surface_fraction=0.003"
         return folder, program(command, case, setting, "--output", str(folder), *arguments)
 
     folder, expected = saved("compare", "--threads=1")
@@ -239,19 +239,19 @@ def test_tables_and_other_answers_are_the_same(tmp_path):
     assert fakir.theory.small_contact(system).force > 0.0
 
     _, expected = saved("design", "--free=pitch", "--critical-force=50uN")
-    found = fakir.design(system, "texture.pitch", critical_force="50 uN")
+    found = fakir.design(system, "pattern.pitch", critical_force="50 uN")
     assert found.to_dict()["design"]["statement"] == expected["design"]["statement"]
     assert timeless(found.to_dict()) == timeless(expected)
 
     _, expected = saved("design", "--free=pitch", "--floor-share=20%", "--at-indentation=8um", "--overwrite")
-    found = fakir.design(system, "texture.pitch", floor_share="20%", at_indentation="8 um")
+    found = fakir.design(system, "pattern.pitch", floor_share="20%", at_indentation="8 um")
     assert timeless(found.to_dict()) == timeless(expected)
 
-    sampled = ["--tolerance=texture.pillar.height=3%", "--samples=5", "--seed=1"]
+    sampled = ["--tolerance=pattern.pillar.height=3%", "--samples=5", "--seed=1"]
     folder = tmp_path / "spread"
-    setting = "--set=texture.surface_fraction=0.003"
+    setting = "--set=pattern.surface_fraction=0.003"
     expected = program("design", case, setting, *sampled, f"--output={folder}")
-    spread = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=5, seed=1)
+    spread = fakir.spread(system, {"pattern.pillar.height": "3 %"}, samples=5, seed=1)
     assert timeless(spread.to_dict()) == timeless(expected)
     assert table(folder, "samples.csv") == list(spread.to_pandas())
 
@@ -263,7 +263,7 @@ CASES = [path for path in sorted(EXAMPLES.glob("**/*.toml")) if "[axes]" not in 
 def test_every_example_of_a_case_is_read(path):
     text = path.read_text()
     if "top_radius = " in text:
-        assert len(fakir.RoundedTops.from_file(path)) > 1
+        assert len(fakir.AsperityArray.from_file(path)) > 1
         return
     kind = fakir.bem.Surface if "[surface]" in text else fakir.System
     systems = [fakir.System.from_file(path)]
@@ -280,7 +280,7 @@ def test_a_surface_of_an_array_has_no_case_file(tmp_path):
     case, surface = height_map(tmp_path)
     with pytest.raises(ValueError, match="save the array"):
         surface.to_toml()
-    read = fakir.System.from_file(case, set={"surface.floor": "10 nm"})
+    read = fakir.System.from_file(case, overrides={"surface.floor": "10 nm"})
     assert isinstance(read, fakir.bem.Surface)
     assert str(tmp_path / "heights.npy") in read.to_toml()
 
@@ -294,7 +294,7 @@ def test_a_study_of_surfaces_gives_the_table_of_the_program(tmp_path):
     table = (out / "table.csv").read_text()
     assert fakir.sweep(study).to_csv() == table
     surface = fakir.System.from_file(
-        EXAMPLES / "square-pillars.toml", set={"surface.grid.cells_per_diameter": 8}
+        EXAMPLES / "square-pillars.toml", overrides={"surface.grid.cells_per_diameter": 8}
     )
     tables = {
         "study": {"question": "press"},

@@ -171,7 +171,7 @@ def test_drifts_and_starts(table, system):
 @pytest.mark.slow
 def test_what_is_not_determined_is_said(table, system):
     free = ["substrate.young_modulus", "lens.young_modulus", "contact_point"]
-    known = system.replace({"texture.pillar.compliance": "none"})
+    known = system.replace({"pattern.pillar.compliance": "none"})
     with pytest.warns(fakir.FakirWarning, match="lens.young_modulus"):
         both = fakir.fit(table, known, free)
     assert not both["lens.young_modulus"].determined
@@ -239,7 +239,7 @@ def test_a_retraction_is_fitted_and_a_pull_off_designed():
     with pytest.raises(fakir.errors.FitError, match="loading"):
         fakir.fit({**table, "branch": ["up"] * len(table)}, sticky, free)
     assert any("Kendall" in work.text for work in fakir.cite(sticky))
-    sparse = sticky.replace({"texture.surface_fraction": 0.01})
+    sparse = sticky.replace({"pattern.surface_fraction": 0.01})
     designed = fakir.design(sparse, "substrate.young_modulus", pull_off="15 uN")
     error = designed.cycle.pull_off.error.numerical
     assert abs(designed.cycle.pull_off.force / -15e-6 - 1) <= error

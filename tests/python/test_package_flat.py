@@ -51,9 +51,9 @@ def test_a_punch_on_a_film():
 
 
 PILLARS = """
-[texture]
+[pattern]
 pitch = "20 um"
-[texture.pillar]
+[pattern.pillar]
 diameter = "6 um"
 height = "2 um"
 """

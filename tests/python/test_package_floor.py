@@ -10,12 +10,12 @@ from conftest import EXAMPLES
 from test_package_results import program, without_times
 
 CASE = "paper-intermediate.toml"
-OVERRIDES = {"texture.surface_fraction": 0.01}
+OVERRIDES = {"pattern.surface_fraction": 0.01}
 
 
 @pytest.fixture(scope="module")
 def system():
-    return fakir.System.from_file(EXAMPLES / CASE, set=OVERRIDES)
+    return fakir.System.from_file(EXAMPLES / CASE, overrides=OVERRIDES)
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def test_without_the_floor_the_force_is_smaller(system, state):
 
 
 def test_a_system_keeps_whether_there_is_floor_contact(system, tmp_path):
-    parts = (system.lens, system.substrate, system.texture)
+    parts = (system.lens, system.substrate, system.pattern)
     ignored = fakir.System(*parts, floor_contact=False)
     assert fakir.System(*parts).floor_contact and not ignored.floor_contact
     assert ignored != fakir.System(*parts)

@@ -11,8 +11,8 @@ UNITS = pint.UnitRegistry()
 
 def system(**changes):
     values = {"radius": 2.2e-3, "young_modulus": 2e6, "poisson_ratio": 0.5, **changes}
-    texture = fakir.HexagonalTexture(6e-6, 2.2e-6, surface_fraction=0.01)
-    return fakir.System(fakir.Lens(**values), fakir.Substrate(2e6, 0.5), texture)
+    pattern = fakir.HexagonalPattern(6e-6, 2.2e-6, surface_fraction=0.01)
+    return fakir.System(fakir.Lens(**values), fakir.Substrate(2e6, 0.5), pattern)
 
 
 def test_quantities_with_and_without_units():
@@ -30,8 +30,8 @@ def test_quantities_with_and_without_units():
     assert fakir.Lens("2200 um", 1, 0.5).radius == 2.2e-3
     assert fakir.Lens(np.float32(0.5), 1, 0.5).radius == 0.5
     assert fakir.Substrate(UNITS.Quantity(2, "MPa"), 0.5).young_modulus == 2e6
-    texture = fakir.HexagonalTexture("6 um", "2 um", pitch="20 um", offset_angle="30 deg")
-    assert texture.offset_angle == pytest.approx(np.pi / 6)
+    pattern = fakir.HexagonalPattern("6 um", "2 um", pitch="20 um", offset_angle="30 deg")
+    assert pattern.offset_angle == pytest.approx(np.pi / 6)
     state = system().press(force=UNITS.Quantity(20, "micronewton"))
     assert state.force == pytest.approx(20e-6, rel=1e-14)
     assert state.gap(UNITS.Quantity([0.0, 20.0], "um"), 0.0)[1] == state.gap(20e-6, 0.0)
@@ -70,13 +70,13 @@ def test_errors_know_the_key_and_the_place(tmp_path):
         fakir.System.from_file(path)
     assert (error.value.key, error.value.file) == ("lens.radius", str(path))
     assert error.value.line is not None
-    with pytest.raises(fakir.CaseError, match="did you mean texture.pitch"):
-        system().replace({"texture.pich": 1})
+    with pytest.raises(fakir.CaseError, match="did you mean pattern.pitch"):
+        system().replace({"pattern.pich": 1})
 
 
 def test_exactly_one_of_each_pair():
     with pytest.raises(TypeError, match="exactly one of pitch and surface_fraction"):
-        fakir.HexagonalTexture("6 um", "2 um")
+        fakir.HexagonalPattern("6 um", "2 um")
     for load in [{}, {"force": 1e-6, "indentation": 1e-6}]:
         with pytest.raises(TypeError, match="exactly one of indentation and force"):
             system().press(**load)
@@ -102,7 +102,7 @@ def test_loads_that_cannot_be():
         system().press(indentation=float("nan"))
     with pytest.raises(fakir.SolveError, match="more than half the lens radius"):
         system().press(indentation="3 mm")
-    dense = system().replace({"texture.surface_fraction": 0.2})
+    dense = system().replace({"pattern.surface_fraction": 0.2})
     with pytest.raises(fakir.SolveError, match="the limit is 1.0 MB"):
         dense.transition(memory_limit=1_000_000)
     with pytest.raises(ValueError, match="at most 10000"):
@@ -150,10 +150,10 @@ def test_arrays_of_points():
 
 
 def test_fractions_in_per_cent():
-    texture = fakir.HexagonalTexture(6e-6, 2.2e-6, surface_fraction="3 %")
-    assert texture.surface_fraction == 0.03
-    overridden = system().replace({"texture.surface_fraction": "3%"})
-    assert overridden.surface_fraction == system().replace({"texture.surface_fraction": 0.03}).surface_fraction
+    pattern = fakir.HexagonalPattern(6e-6, 2.2e-6, surface_fraction="3 %")
+    assert pattern.surface_fraction == 0.03
+    overridden = system().replace({"pattern.surface_fraction": "3%"})
+    assert overridden.surface_fraction == system().replace({"pattern.surface_fraction": 0.03}).surface_fraction
     with pytest.raises(ValueError, match="not of length"):
         fakir.Lens("3 %", 1, 0.5)
 
@@ -161,14 +161,14 @@ def test_fractions_in_per_cent():
 def test_older_names_of_arguments_are_told():
     with pytest.warns(FutureWarning, match="force is now called critical_force"):
         older = fakir.design(system(), "pitch", force="50 uN")
-    assert older.value == fakir.design(system(), "texture.pitch", critical_force="50 uN").value
+    assert older.value == fakir.design(system(), "pattern.pitch", critical_force="50 uN").value
     with pytest.raises(TypeError, match="give only critical_force"):
         fakir.design(system(), "pitch", force="50 uN", critical_force="50 uN")
 
 
 def test_older_names_of_the_scatter_of_heights_are_told():
     def square(**options):
-        return fakir.SquareTexture("6 um", "2.2 um", pitch="20 um", **options)
+        return fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", **options)
 
     newer = square(height_standard_deviation="3 %")
     with pytest.warns(FutureWarning, match="height_spread is now called height_standard_deviation"):
@@ -177,9 +177,9 @@ def test_older_names_of_the_scatter_of_heights_are_told():
         assert newer.height_spread == 0.03
     with pytest.raises(TypeError, match="give only height_standard_deviation"):
         square(height_spread=0.03, height_standard_deviation=0.03)
-    with pytest.warns(FutureWarning, match="use texture.height_standard_deviation"):
-        older = system().replace({"texture.height_spread": 0.03})
-    assert older == system().replace({"texture.height_standard_deviation": 0.03})
+    with pytest.warns(FutureWarning, match="use pattern.height_standard_deviation"):
+        older = system().replace({"pattern.height_spread": 0.03})
+    assert older == system().replace({"pattern.height_standard_deviation": 0.03})
 
 
 def test_former_names_of_classes_and_arguments_are_told(tmp_path):
@@ -232,13 +232,13 @@ def test_spread_draws_what_the_command_line_draws(tmp_path):
     import subprocess
 
     case = tmp_path / "case.toml"
-    case.write_text(system().replace({"texture.surface_fraction": "0.05 %"}).to_toml())
+    case.write_text(system().replace({"pattern.surface_fraction": "0.05 %"}).to_toml())
     told = subprocess.run(
-        [os.environ["FAKIR"], "design", case, "--tolerance", "texture.pillar.height=3%", "--json", "--quiet"],
+        [os.environ["FAKIR"], "design", case, "--tolerance", "pattern.pillar.height=3%", "--json", "--quiet"],
         stdout=subprocess.PIPE,
         check=True,
     )
-    drawn = fakir.spread(fakir.System.from_file(case), {"texture.pillar.height": "3%"})
+    drawn = fakir.spread(fakir.System.from_file(case), {"pattern.pillar.height": "3%"})
     assert drawn.to_dict()["spread"] == json.loads(told.stdout)["spread"]
 
 
@@ -276,4 +276,4 @@ def test_bodies_of_a_height_map_can_have_a_thickness() -> None:
     """
     assert fakir.bem.Surface.from_toml(case).substrate == thin
     with pytest.raises(ValueError, match="thickness is not known here"):
-        fakir.RoundedTops([0.0], [0.0], "1 um", "0.5 mm", lens, thin)
+        fakir.AsperityArray([0.0], [0.0], "1 um", "0.5 mm", lens, thin)

@@ -12,7 +12,7 @@ import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 RUBBER = ("2 MPa", 0.5)
-CUT = fakir.SquareTexture("6 um", "2.2 um", pitch="20 um", columns=7)
+CUT = fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", columns=7)
 LENSES = [
     fakir.Lens("2.2 mm", *RUBBER),
     fakir.ParaboloidLens("2.2 mm", *RUBBER),
@@ -46,7 +46,7 @@ def test_the_program_says_the_same():
 
 
 def test_what_cannot_be_is_refused():
-    endless = fakir.HexagonalTexture("6 um", "2.2 um", pitch="20 um")
+    endless = fakir.HexagonalPattern("6 um", "2.2 um", pitch="20 um")
     with pytest.raises(fakir.CaseError, match="endlessly many pillars"):
         fakir.System(fakir.PlateLens(*RUBBER), fakir.Substrate(*RUBBER), endless)
     system = fakir.System(LENSES[2], fakir.Substrate(*RUBBER), CUT)
@@ -56,7 +56,7 @@ def test_what_cannot_be_is_refused():
     with pytest.raises(TypeError, match="give a Lens or a Plate"):
         fakir.bem.Surface(np.zeros((4, 4)), LENSES[1], fakir.Substrate(*RUBBER), cell_size=1e-6)
     # What is made for a sphere gives no number.
-    paper = fakir.HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1)
+    paper = fakir.HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1)
     other = fakir.System(LENSES[1], fakir.Substrate(*RUBBER), paper)
     with pytest.raises(ValueError, match="only spherical lenses are supported"):
         fakir.theory.phase(other, 1e-3, 1e-4)

@@ -15,7 +15,7 @@ import fakir  # noqa: E402
 @pytest.fixture(scope="module")
 def system():
     return fakir.System.from_file(
-        EXAMPLES / "paper-intermediate.toml", set={"texture.surface_fraction": 0.03}
+        EXAMPLES / "paper-intermediate.toml", overrides={"pattern.surface_fraction": 0.03}
     )
 
 
@@ -55,7 +55,7 @@ def test_critical_curves_and_phase_diagram(system):
     axes = fakir.plot.critical_curves(done)
     forces = axes[0].lines[0].get_ydata()
     assert forces[1] == system.transition().normalized.force
-    several = {**study, "axes": {**study["axes"], "texture.offset": [0.0, 0.5]}}
+    several = {**study, "axes": {**study["axes"], "pattern.offset": [0.0, 0.5]}}
     lines = fakir.plot.critical_curves(fakir.sweep(several))[0].lines
     assert [line.get_label() for line in lines] == ["offset 0", "offset 0.5"]
     assert np.array_equal(lines[0].get_ydata(), forces)
@@ -63,7 +63,7 @@ def test_critical_curves_and_phase_diagram(system):
     diagram = fakir.plot.phase_diagram(system, [system.transition()], [system.approach("2 um")])
     assert diagram.has_data()
     # The floor is reached farther from the axis than a lone pillar is wide, but the radius is one and the same.
-    thin = system.replace({"texture.surface_fraction": "0.1 %"})
+    thin = system.replace({"pattern.surface_fraction": "0.1 %"})
     alone = fakir.plot.phase_diagram(thin, [thin.transition()], [thin.approach("1 um")])
     path, point = (line for line in alone.lines if line.get_marker() in (".", "o"))
     assert path.get_xdata()[-1] == pytest.approx(point.get_xdata()[0], rel=1e-6)
@@ -78,7 +78,7 @@ def test_states_without_pillars(system):
 @pytest.fixture(scope="module")
 def surface():
     return fakir.System.from_file(
-        EXAMPLES / "square-pillars.toml", set={"surface.grid.cells_per_diameter": 8}
+        EXAMPLES / "square-pillars.toml", overrides={"surface.grid.cells_per_diameter": 8}
     )
 
 
@@ -108,7 +108,7 @@ def test_a_rigid_plate_is_flat_in_section():
         "surface.indenter": "plate",
         "lens.young_modulus": "1e9 GPa",
     }
-    plate = fakir.System.from_file(EXAMPLES / "square-pillars.toml", set=overrides)
+    plate = fakir.System.from_file(EXAMPLES / "square-pillars.toml", overrides=overrides)
     contact = plate.press(force="30 uN")
     (axes,) = fakir.plot.profiles(contact)
     outline = axes.lines[0].get_ydata()
@@ -134,8 +134,8 @@ def test_loadings(system, surface):
 
 
 def test_a_cycle_shows_its_branches_and_its_pull_off():
-    few = {"texture.surface_fraction": 0.01}
-    cycle = fakir.System.from_file(EXAMPLES / "adhesive.toml", set=few).cycle()
+    few = {"pattern.surface_fraction": 0.01}
+    cycle = fakir.System.from_file(EXAMPLES / "adhesive.toml", overrides=few).cycle()
     axes = fakir.plot.cycle(cycle)
     assert len(axes) == 3 and all(axis.has_data() for axis in axes)
     names = [line.get_label() for line in axes[0].lines]
@@ -145,7 +145,7 @@ def test_a_cycle_shows_its_branches_and_its_pull_off():
     low, high = axes[1].get_ylim()
     assert low < 1e6 * cycle.pull_off.force and high == -low
     assert fakir.plot.cycle(cycle, plt.figure().subplots(3))[0] is not axes[0]
-    loaded = fakir.System.from_file(EXAMPLES / "adhesive.toml", set=few).cycle(retract=False)
+    loaded = fakir.System.from_file(EXAMPLES / "adhesive.toml", overrides=few).cycle(retract=False)
     assert fakir.plot.cycle(loaded)[0].has_data()
 
 

@@ -15,10 +15,10 @@ from fakir._record import Record
 
 OVERRIDES = [
     ("paper-intermediate.toml", {}),
-    ("paper-soft.toml", {"texture.surface_fraction": 0.03}),
-    ("paper-rigid.toml", {"texture.pitch": "25 um", "texture.offset": 0.25}),
+    ("paper-soft.toml", {"pattern.surface_fraction": 0.03}),
+    ("paper-rigid.toml", {"pattern.pitch": "25 um", "pattern.offset": 0.25}),
     ("paper-intermediate.toml", {"method.name": "homogenised"}),
-    ("paper-intermediate.toml", {"method.name": "punch", "texture.pillar.compliance": "none"}),
+    ("paper-intermediate.toml", {"method.name": "punch", "pattern.pillar.compliance": "none"}),
 ]
 
 
@@ -39,7 +39,7 @@ def without_times(result):
 @pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
 @pytest.mark.parametrize(("case", "overrides"), OVERRIDES)
 def test_bit_for_bit_as_the_program(case, overrides):
-    system = fakir.System.from_file(EXAMPLES / case, set=overrides)
+    system = fakir.System.from_file(EXAMPLES / case, overrides=overrides)
     expected = program("transition", case, overrides)
     assert list(system.transition().to_dict()) == list(expected)
     assert without_times(system.transition().to_dict()) == without_times(expected)
@@ -59,12 +59,12 @@ def test_bit_for_bit_as_the_program(case, overrides):
     ],
 )
 def test_the_approach_is_that_of_the_program(arguments, options):
-    overrides = {"texture.surface_fraction": 0.01}
+    overrides = {"pattern.surface_fraction": 0.01}
     case = "paper-intermediate.toml"
     expected = program("approach", case, overrides, "--step", "1um", *arguments)
     if "--without-floor" in arguments:
         overrides["floor.contact"] = False
-    system = fakir.System.from_file(EXAMPLES / case, set=overrides)
+    system = fakir.System.from_file(EXAMPLES / case, overrides=overrides)
     approach = system.approach("1 um", **options)
     assert without_times(approach.to_dict()) == without_times(expected)
     assert len(approach.to_pandas()) == len(approach) == len(expected["states"])
@@ -74,14 +74,14 @@ def test_a_system_made_here_is_that_of_the_file():
     made = fakir.System(
         fakir.Lens(radius="2200 um", young_modulus="2 MPa", poisson_ratio=0.5),
         fakir.Substrate(young_modulus=2e6, poisson_ratio=0.5),
-        fakir.HexagonalTexture(diameter="6 um", height=2.2e-6, surface_fraction=0.1),
+        fakir.HexagonalPattern(diameter="6 um", height=2.2e-6, surface_fraction=0.1),
     )
     read = fakir.System.from_file(EXAMPLES / "paper-intermediate.toml")
     assert made == read
     assert made.to_toml() == read.to_toml()
     assert pickle.loads(pickle.dumps(made)) == made
-    assert fakir.System(made.lens, made.substrate, made.texture).pitch == made.pitch
-    assert made.replace({"texture.pitch": 20e-6}).pitch == 20e-6
+    assert fakir.System(made.lens, made.substrate, made.pattern).pitch == made.pitch
+    assert made.replace({"pattern.pitch": 20e-6}).pitch == 20e-6
     a, b = made.transition().to_dict(), read.transition().to_dict()
     assert without_times(a) == without_times(b)
 
@@ -89,7 +89,7 @@ def test_a_system_made_here_is_that_of_the_file():
 @pytest.fixture(scope="module")
 def system():
     return fakir.System.from_file(
-        EXAMPLES / "paper-intermediate.toml", set={"texture.surface_fraction": 0.01}
+        EXAMPLES / "paper-intermediate.toml", overrides={"pattern.surface_fraction": 0.01}
     )
 
 
@@ -207,14 +207,14 @@ def test_theory(system):
 
 @pytest.mark.slow
 def test_design_and_spread_and_citations(system):
-    found = fakir.design(system, "texture.surface_fraction", critical_force="200 uN")
+    found = fakir.design(system, "pattern.surface_fraction", critical_force="200 uN")
     assert found.critical.force == pytest.approx(200e-6, rel=1e-8)
     assert found.system.transition().force == found.critical.force
     with pytest.raises(fakir.OutOfReach) as error:
-        fakir.design(system, "texture.surface_fraction", critical_force="1 nN")
+        fakir.design(system, "pattern.surface_fraction", critical_force="1 nN")
     assert error.value.nearest
-    spread = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=8, seed=1)
-    again = fakir.spread(system, {"texture.pillar.height": "3 %"}, samples=8, seed=1, threads=1)
+    spread = fakir.spread(system, {"pattern.pillar.height": "3 %"}, samples=8, seed=1)
+    again = fakir.spread(system, {"pattern.pillar.height": "3 %"}, samples=8, seed=1, threads=1)
     assert np.array_equal(spread.force, again.force)
     assert len(spread.to_pandas()) == 8
     assert any("104, 055007" in entry.text for entry in fakir.cite(found.critical))
@@ -227,7 +227,7 @@ def test_spread_of_pillars_that_scatter(system):
     assert (spread.force_at(0) < spread.force_at(1)).all()
     # Pillars that are missing have no derivative.
     assert spread.first_order is None
-    heights = square.replace({"texture.missing": 0})
+    heights = square.replace({"pattern.vacancy_fraction": 0})
     spread = fakir.spread(heights, {}, samples=3, landing="as_given")
     force, indentation = spread.first_order
     assert 0.0 < force < 0.1 * spread.force[0] and 0.0 < indentation < 1e-6

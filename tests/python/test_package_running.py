@@ -22,7 +22,7 @@ CHILD = textwrap.dedent("""
     system = fakir.System(
         fakir.Lens("2.2 mm", "2 MPa", 0.5),
         fakir.Substrate("2 MPa", 0.5),
-        fakir.HexagonalTexture("2 um", "1 um", pitch="5 um"),
+        fakir.HexagonalPattern("2 um", "1 um", pitch="5 um"),
     )
     latencies, pillars = [], 0
     # The stages of one solution, one after the other.
@@ -104,7 +104,7 @@ def test_an_exception_in_progress_stops_and_propagates():
 
 
 def test_the_interpreter_is_free_meanwhile():
-    system = fakir.System.from_file(EXAMPLE, set={"texture.surface_fraction": 0.2})
+    system = fakir.System.from_file(EXAMPLE, overrides={"pattern.surface_fraction": 0.2})
     running = threading.Thread(target=system.transition)
     running.start()
     turns = 0

@@ -100,4 +100,4 @@ def test_what_cannot_be_is_refused(system):
     with pytest.raises(ValueError, match="width of a strip"):
         theory.Grooves("1 MPa", "20 um", "20 um", "1 um")
     with pytest.raises(ValueError, match="infinite hexagonal lattice"):
-        theory.collapse_threshold(system.replace({"texture.lattice": "square"}))
+        theory.collapse_threshold(system.replace({"pattern.lattice": "square"}))

@@ -18,7 +18,7 @@ import fakir
 STUDY = """
 [axes]
 surface_fraction = { from = 0.002, to = 0.05, points = 5, spacing = "log" }
-"texture.offset" = { from = 0, to = 0.5, points = 4 }
+"pattern.offset" = { from = 0, to = 0.5, points = 4 }
 
 [lens]
 radius = "2200 um"
@@ -29,7 +29,7 @@ poisson_ratio = 0.5
 young_modulus = "2 MPa"
 poisson_ratio = 0.5
 
-[texture.pillar]
+[pattern.pillar]
 diameter = "6 um"
 height = "2.2 um"
 """
@@ -77,18 +77,18 @@ def test_studies_as_dictionaries_and_files(table, tmp_path):
     system = fakir.System(
         fakir.Lens("2200 um", "2 MPa", 0.5),
         fakir.Substrate("2 MPa", 0.5),
-        fakir.HexagonalTexture("6 um", "2.2 um", surface_fraction=0.1),
+        fakir.HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1),
     )
     axes = {
         "surface_fraction": {"from": 0.002, "to": 0.05, "points": 5, "spacing": "log"},
-        "texture.offset": {"from": 0, "to": 0.5, "points": 4},
+        "pattern.offset": {"from": 0, "to": 0.5, "points": 4},
     }
     assert fakir.sweep({"system": system, "axes": axes}).to_csv() == table
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
     assert fakir.sweep(path).to_csv() == table
     lists = {"system": system, "axes": {"pitch": np.array([20e-6, 30e-6])}}
-    assert len(fakir.sweep(lists, set={"texture.pillar.height": "2 um"})) == 2
+    assert len(fakir.sweep(lists, overrides={"pattern.pillar.height": "2 um"})) == 2
 
 
 def test_the_table_as_pandas_xarray_and_rows():
@@ -96,10 +96,10 @@ def test_the_table_as_pandas_xarray_and_rows():
     frame = done.to_pandas()
     assert len(frame) == len(done) == CASES
     data = done.to_xarray()
-    assert dict(data.sizes) == {"texture.surface_fraction": 5, "texture.offset": 4}
+    assert dict(data.sizes) == {"pattern.surface_fraction": 5, "pattern.offset": 4}
     assert data.critical_force_N.attrs["units"] == "N"
     row = done.rows[7]  # the last axis varies fastest
-    at = data.isel({"texture.surface_fraction": 1, "texture.offset": 3})
+    at = data.isel({"pattern.surface_fraction": 1, "pattern.offset": 3})
     assert float(at.critical_force_N) == row["critical_force_N"] == frame.critical_force_N[7]
     assert done.failed == []
     zipped = '[study]\ncombine = "zip"\n' + STUDY.replace("points = 4", "points = 5")
@@ -137,7 +137,7 @@ def test_folders_are_not_overwritten(tmp_path):
 
 def test_overwriting_replaces_results_and_nothing_else(table, tmp_path):
     folder = tmp_path / "out"
-    case = fakir.System.from_toml(STUDY.split("[lens]")[1].join(["[lens]", "[texture]\npitch = 2e-5\n"]))
+    case = fakir.System.from_toml(STUDY.split("[lens]")[1].join(["[lens]", "[pattern]\npitch = 2e-5\n"]))
     program = os.environ["FAKIR"]
     (tmp_path / "case.toml").write_text(case.to_toml())
     theory = [program, "theory", str(tmp_path / "case.toml"), "--output", str(folder), "--quiet"]
@@ -166,9 +166,9 @@ def test_a_damaged_line_is_named_and_its_case_computed_again(table, tmp_path):
 
 
 def test_a_key_without_effect_is_named():
-    angle = '"texture.offset_angle" = ["10 deg", "20 deg"]'
-    study = STUDY.replace('"texture.offset" = { from = 0, to = 0.5, points = 4 }', angle)
-    with pytest.warns(fakir.FakirWarning, match="texture.offset_angle has no effect: the lens axis"):
+    angle = '"pattern.offset_angle" = ["10 deg", "20 deg"]'
+    study = STUDY.replace('"pattern.offset" = { from = 0, to = 0.5, points = 4 }', angle)
+    with pytest.warns(fakir.FakirWarning, match="pattern.offset_angle has no effect: the lens axis"):
         assert len(fakir.sweep(study)) == 10
 
 

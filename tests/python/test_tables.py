@@ -12,7 +12,7 @@ STUDY = """
 [study]
 case = "{case}"
 [axes]
-"texture.offset" = [0, 0.5]
+"pattern.offset" = [0, 0.5]
 surface_fraction = {{ from = 1e-3, to = 1e-2, points = 5, spacing = "log" }}
 """
 
@@ -41,7 +41,7 @@ def test_pandas_reads_the_table_and_converts_it_to_parquet(swept, tmp_path):
         if csv[name].dtype == float:
             assert np.array_equal(csv[name], parquet[name], equal_nan=True), name
     assert csv.converged.all() and parquet.converged.all()
-    assert np.allclose(csv["texture.surface_fraction"], csv["surface_fraction"], rtol=1e-12)
+    assert np.allclose(csv["pattern.surface_fraction"], csv["surface_fraction"], rtol=1e-12)
 
 
 def test_a_sweep_saves_no_other_table_and_says_where_it_is_from(swept):

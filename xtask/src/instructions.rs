@@ -38,7 +38,7 @@ const RUNS: [(&str, &[&str]); 3] = [
             "press",
             "examples/paper-intermediate.toml",
             "--set",
-            "texture.surface_fraction=0.2",
+            "pattern.surface_fraction=0.2",
             "--indentation",
             "100um",
             // The tops alone, whose count it has been.

@@ -231,8 +231,8 @@ fn try_explorer(program: &Path, folder: &Path) -> Result<(), String> {
     }
     let question = r#"{"ticket": {"session": "release", "sequence": 1}, "case": {"lens.radius": "2.2 mm",
         "lens.young_modulus": "2 MPa", "lens.poisson_ratio": 0.5, "substrate.young_modulus": "2 MPa",
-        "substrate.poisson_ratio": 0.5, "texture.surface_fraction": "1 %",
-        "texture.pillar.diameter": "6 um", "texture.pillar.height": "2.2 um"}}"#;
+        "substrate.poisson_ratio": 0.5, "pattern.surface_fraction": "1 %",
+        "pattern.pillar.diameter": "6 um", "pattern.pillar.height": "2.2 um"}}"#;
     let headers = format!("content-type: application/json\r\nx-fakir-token: {token}\r\n");
     let answer = exchange(host, "POST /api/contact", &headers, question)?;
     if !answer.contains("critical_force_N") {

@@ -24,7 +24,7 @@ pub enum AnyCase {
 impl AnyCase {
     /// The case of pillars with flat tops, if it is one.
     #[must_use]
-    pub fn texture(&self) -> Option<&Case> {
+    pub fn pattern(&self) -> Option<&Case> {
         match self {
             Self::Pillars(case) => Some(case),
             _ => None,

@@ -8,8 +8,8 @@ use crate::parts::{MethodName, Parts};
 use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
-    Accuracy, Asperity, AsperityArray, Indenter, InvalidCaps, LensForm, Material, PillarCompliance,
-    Point, Question, Solver,
+    Accuracy, Asperity, AsperityArray, Indenter, InvalidAsperities, LensForm, Material,
+    PillarCompliance, Point, Question, Solver,
 };
 use std::f64::consts::PI;
 
@@ -23,10 +23,10 @@ const RIGID: Material = Material {
     poisson_ratio: 0.5,
 };
 
-/// Pillars with rounded tops, the indenter and the accuracy, as a case file with `texture.top_radius` describes them.
+/// Pillars with rounded tops, the indenter and the accuracy, as a case file with `pattern.top_radius` describes them.
 ///
 /// Indentations are measured from the position in which the lens or plate is level with the common pillar,
-/// `texture.pillar.height` above the floor.
+/// `pattern.pillar.height` above the floor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AsperityCase {
     /// The tops and the indenter.
@@ -51,7 +51,7 @@ impl AsperityCase {
         accuracy: Accuracy,
         height: f64,
         compliance: PillarCompliance,
-    ) -> Result<Self, InvalidCaps> {
+    ) -> Result<Self, InvalidAsperities> {
         let mut parts = Parts {
             substrate: *field.substrate(),
             ..Parts::default()
@@ -67,9 +67,9 @@ impl AsperityCase {
             .asperities()
             .first()
             .map_or(f64::NAN, |asperity| asperity.top_radius);
-        parts.texture.top_radius = top_radius;
-        parts.texture.pillar.height = height;
-        parts.texture.pillar.compliance = compliance;
+        parts.pattern.top_radius = top_radius;
+        parts.pattern.pillar.height = height;
+        parts.pattern.pillar.compliance = compliance;
         parts.method.accuracy = accuracy;
         let mut keys = vec![
             Key::LensYoungModulus,
@@ -146,7 +146,7 @@ impl AsperityCase {
             .collect()
     }
 
-    /// The table for `texture.pillars`: position of every pillar relative to the lens axis, its height above the floor, and its diameter if it has one.
+    /// The table for `pattern.pillars`: position of every pillar relative to the lens axis, its height above the floor, and its diameter if it has one.
     #[must_use]
     pub fn pillar_table(&self) -> String {
         let asperities = self.field.asperities();
@@ -173,7 +173,7 @@ impl AsperityCase {
     ///
     /// # Panics
     /// If the number of heights differs from the number of pillars.
-    pub fn with_heights(&self, raised: &[f64]) -> Result<Self, InvalidCaps> {
+    pub fn with_heights(&self, raised: &[f64]) -> Result<Self, InvalidAsperities> {
         let raised = self.field.with_heights(raised)?;
         let modulus = self.field.substrate().young_modulus;
         let asperities = raised.asperities().iter().map(|asperity| Asperity {
@@ -212,7 +212,7 @@ fn column_compliance(
 }
 
 impl CaseFile {
-    /// Whether pillars have rounded tops: `texture.top_radius`, in the file or as an override.
+    /// Whether pillars have rounded tops: `pattern.top_radius`, in the file or as an override.
     #[must_use]
     pub fn is_rounded(&self) -> bool {
         self.entry(Key::TopRadius).is_some()
@@ -225,13 +225,13 @@ impl CaseFile {
     /// pillars that cannot be read or that overlap.
     pub fn asperity_case(&self) -> Result<AsperityCase, CaseError> {
         let parts = self.parts(Part::OF_PILLARS)?;
-        let pillar = parts.texture.pillar;
+        let pillar = parts.pattern.pillar;
         if !self.is_rounded() {
             return Err(self.missing(Key::TopRadius));
         }
         self.check_common_pillar()?;
         self.refuse_with_rounded(&parts)?;
-        let top_radius = parts.texture.top_radius;
+        let top_radius = parts.pattern.top_radius;
         let asperity = |[x, y, height, diameter]: [f64; 4], common: f64| Asperity {
             apex: [x, y],
             raised: height - common,
@@ -262,20 +262,20 @@ impl CaseFile {
                 )
             }
             None => {
-                let (table, _) = self.pillar_table(&parts.texture)?;
+                let (table, _) = self.pillar_table(&parts.pattern)?;
                 check_rounded(&table).map_err(|error| self.no_pillars(&error))?;
                 let height = match pillar.height {
                     given if given.is_finite() => given,
                     _ => table.rows.iter().map(|row| row[HEIGHT]).fold(0.0, f64::max),
                 };
                 self.check_number(Key::Pillars, table.rows.len())?;
-                let [x, y] = parts.texture.axis;
+                let [x, y] = parts.pattern.axis;
                 let moved = table.rows.iter();
                 let moved =
                     moved.map(|[a, b, height, diameter]| [a - x, b - y, *height, *diameter]);
                 let field = field(&moved.collect::<Vec<_>>(), height);
                 let field = field.map_err(|invalid| match invalid {
-                    InvalidCaps::TooClose {
+                    InvalidAsperities::TooClose {
                         asperities,
                         distance,
                         least,
@@ -312,7 +312,7 @@ impl CaseFile {
                 )));
         }
         let needs_diameter = self.entry(Key::PillarCompliance).is_some()
-            && parts.texture.pillar.compliance == PillarCompliance::Column
+            && parts.pattern.pillar.compliance == PillarCompliance::Column
             && self.entry(Key::Pillars).is_none();
         if needs_diameter && self.entry(Key::PillarDiameter).is_none() {
             return Err(self.missing(Key::PillarDiameter).accepted(format!(
@@ -326,9 +326,9 @@ impl CaseFile {
     /// x and y relative to the lens axis, height and diameter of the pillars of a lattice, m; `None` for
     /// listed pillars.
     fn lattice_pillars(&self, parts: &Parts) -> Result<Option<Vec<[f64; 4]>>, CaseError> {
-        let texture = &parts.texture;
-        let diameter = texture.pillar.diameter;
-        let spacing = self.spacing(texture)?;
+        let pattern = &parts.pattern;
+        let diameter = pattern.pillar.diameter;
+        let spacing = self.spacing(pattern)?;
         if matches!(spacing, Spacing::SurfaceFraction(_)) && diameter.is_nan() {
             return Err(self.missing(Key::PillarDiameter).accepted(format!(
                 "give it, as {} needs it; or give {}",
@@ -336,8 +336,8 @@ impl CaseFile {
                 Key::Pitch
             )));
         }
-        let pitch = spacing.pitch(texture.name, diameter);
-        let Some(lattice) = texture.plane_lattice(pitch) else {
+        let pitch = spacing.pitch(pattern.name, diameter);
+        let Some(lattice) = pattern.plane_lattice(pitch) else {
             return Ok(None);
         };
         if lattice.columns.is_none_or(|columns| {
@@ -350,11 +350,11 @@ impl CaseFile {
                 .map_err(|invalid| self.impossible(&invalid))?;
             let Some(pillars) = pillars else {
                 return Err(self.missing(Key::Columns).accepted(
-                    "rounded tops, texture.top_radius, are those of a finite lattice, or of texture.pillars",
+                    "rounded tops, pattern.top_radius, are those of a finite lattice, or of pattern.pillars",
                 ));
             };
             let row =
-                |([x, y], ratio): (Point, f64)| [x, y, ratio * texture.pillar.height, diameter];
+                |([x, y], ratio): (Point, f64)| [x, y, ratio * pattern.pillar.height, diameter];
             return Ok(Some(pillars.into_iter().map(row).collect()));
         }
         self.check_number(Key::Columns, usize::MAX)?;
@@ -374,9 +374,9 @@ impl CaseFile {
     }
 
     /// Error for invalid tops.
-    fn no_asperities(&self, invalid: &InvalidCaps) -> CaseError {
+    fn no_asperities(&self, invalid: &InvalidAsperities) -> CaseError {
         match invalid {
-            InvalidCaps::Body(invalid) => self.impossible(invalid),
+            InvalidAsperities::Body(invalid) => self.impossible(invalid),
             other => self.problem(Key::TopRadius, other.to_string()),
         }
     }

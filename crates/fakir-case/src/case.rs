@@ -1,10 +1,11 @@
 //! A system with its method, and its canonical text.
 
 use crate::key::{Key, Setting};
-use crate::parts::{ArrangementName, OfTexture, Parts};
+use crate::parts::{ArrangementName, OfPillarPattern, Parts};
 use crate::table::Range;
 use fakir::problem::{
-    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, Point, System, Texture,
+    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, PillarPattern, Point,
+    System,
 };
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -43,7 +44,7 @@ pub(crate) enum Spacing {
 }
 
 impl Spacing {
-    pub(crate) fn pitch(self, arrangement: OfTexture, diameter: f64) -> f64 {
+    pub(crate) fn pitch(self, arrangement: OfPillarPattern, diameter: f64) -> f64 {
         match (self, arrangement.0) {
             (Self::Pitch(pitch), _) => pitch,
             (Self::SurfaceFraction(fraction), ArrangementName::Square) => {
@@ -86,7 +87,7 @@ impl Case {
         };
         let surface_fraction = 0.1;
         let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
-        let system = System::new(lens, elastomer, Texture::new(pillar, lattice));
+        let system = System::new(lens, elastomer, PillarPattern::new(pillar, lattice));
         Self {
             system: system.expect("the paper's values are valid"),
             method: Method::default(),
@@ -124,21 +125,21 @@ impl Case {
             path.map_or_else(String::new, |path| path.to_string_lossy().into_owned())
         };
         if let Spacing::SurfaceFraction(fraction) = self.spacing {
-            parts.texture.arrangement.surface_fraction = fraction;
+            parts.pattern.arrangement.surface_fraction = fraction;
         }
         if self.system.lens().profile().is_some() {
             parts.shape.profile = text(&self.profile);
         }
-        if let (OfTexture(ArrangementName::Listed), Some(origin)) =
-            (parts.texture.name, &self.pillars)
+        if let (OfPillarPattern(ArrangementName::Listed), Some(origin)) =
+            (parts.pattern.name, &self.pillars)
         {
-            parts.texture.pillars = text(&origin.path);
-            parts.texture.axis = origin.axis;
+            parts.pattern.pillars = text(&origin.path);
+            parts.pattern.axis = origin.axis;
         }
         parts
     }
 
-    /// Number of a key of the texture, in SI units. Pitch and surface fraction both have a number, whichever was
+    /// Number of a key of the pattern, in SI units. Pitch and surface fraction both have a number, whichever was
     /// given. `None` if the key does not accept numbers, has none in this case, or belongs to a general surface.
     #[must_use]
     pub fn number(&self, key: Key) -> Option<f64> {

@@ -157,7 +157,7 @@ impl CaseError {
         Some((line, column))
     }
 
-    /// The key with its tables, as in `texture.pillar.diameter`, if the problem is that of a key.
+    /// The key with its tables, as in `pattern.pillar.diameter`, if the problem is that of a key.
     #[must_use]
     pub fn key_path(&self) -> Option<&str> {
         self.0.key.as_deref()

@@ -60,7 +60,7 @@ fn keys_with(feature: Feature) -> &'static [Key] {
 impl CaseFile {
     /// What a case has that not every solver knows, by its keys.
     pub(crate) fn features(&self, parts: &Parts) -> Vec<Feature> {
-        let texture = &parts.texture;
+        let pattern = &parts.pattern;
         let is_of_layers = |key: &Key| key.is_of_layers();
         let has = |feature: &Feature| match feature {
             Feature::Lens(form) => parts.shape.form == *form,
@@ -68,12 +68,12 @@ impl CaseFile {
                 parts.shape.form == LensForm::Plate && parts.shape.tilt.abs() > 0.0
             }
             Feature::Layer => self.entries.keys.keys().any(is_of_layers),
-            Feature::ElasticPillars => texture.pillar.compliance == PillarCompliance::Elastic,
+            Feature::ElasticPillars => pattern.pillar.compliance == PillarCompliance::Elastic,
             Feature::AdhesiveTops => {
-                texture.adhesion.work.abs() > 0.0
+                pattern.adhesion.work.abs() > 0.0
                     || self.entry(Key::RecedingWorkOfAdhesion).is_some()
             }
-            Feature::AdhesiveFloor => texture.adhesion.floor.0,
+            Feature::AdhesiveFloor => pattern.adhesion.floor.0,
             // These are looked at in a system, or have a meaning of their own on other surfaces.
             Feature::OtherArrangement
             | Feature::SeveralDiameters

@@ -9,14 +9,14 @@ use crate::entries::{
 use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting, is_table, present};
-use crate::parts::{ArrangementName, OfTexture, Parts, TRUE_OR_FALSE, TextureParts};
+use crate::parts::{ArrangementName, OfPillarPattern, Parts, PillarPatternParts, TRUE_OR_FALSE};
 use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
 use crate::table::{Field, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
     Adhesion, Arrangement, Feature, FloorModel, InvalidQuantity, LensForm, LensProfile, LensShape,
-    Method, PillarList, Quantity, Question, Requirement, Texture,
+    Method, PillarList, PillarPattern, Quantity, Question, Requirement,
 };
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// ```
 /// let text = fakir_case::Case::example().to_toml();
 /// let mut file = fakir_case::CaseFile::parse("example.toml", &text)?;
-/// file.set("texture.pitch=25um")?;
+/// file.set("pattern.pitch=25um")?;
 /// let case = file.case()?;
 /// assert_eq!(case.system.pitch(), 25e-6);
 /// # Ok::<(), fakir_case::CaseError>(())
@@ -157,11 +157,11 @@ impl CaseFile {
         }
     }
 
-    /// Overrides one key: `texture.surface_fraction=0.2`, with a value in TOML or a bare word or quantity (`lens.radius=2.2mm`).
+    /// Overrides one key: `pattern.surface_fraction=0.2`, with a value in TOML or a bare word or quantity (`lens.radius=2.2mm`).
     /// The last name of a key is sufficient if it is unique in such a case (`pitch=20um`).
     ///
     /// The last of several overrides of a key is used. An override replaces all entries of the file
-    /// for the same choice: `texture.pitch` replaces `surface_fraction` and vice versa, and
+    /// for the same choice: `pattern.pitch` replaces `surface_fraction` and vice versa, and
     /// `method.name` replaces the whole table `[method]`.
     ///
     /// # Errors
@@ -173,7 +173,7 @@ impl CaseFile {
             return Err(
                 CaseError::new(&source, "an override has the form key=value")
                     .label(0..argument.len(), "no `=` in this")
-                    .accepted("for example texture.surface_fraction=0.2"),
+                    .accepted("for example pattern.surface_fraction=0.2"),
             );
         };
         let place = |start: usize, text: &str| {
@@ -259,10 +259,10 @@ impl CaseFile {
     ///
     /// # Errors
     /// [`CaseError`] for a missing key or an invalid value, or a `[surface]` instead of a
-    /// `[texture]`.
+    /// `[pattern]`.
     pub fn case(&self) -> Result<Case, CaseError> {
         self.refuse_surface(
-            "this needs a [texture], and the case has a [surface]",
+            "this needs a [pattern], and the case has a [surface]",
             "a [surface] is solved by elements: press, transition, approach, verify and sweep take one",
         )?;
         let parts = self.parts(Part::OF_PILLARS)?;
@@ -278,26 +278,26 @@ impl CaseFile {
                 &[Feature::Lens(LensForm::Punch)],
             )?;
         }
-        let texture = &parts.texture;
-        let spacing = self.spacing(texture)?;
-        let mut pillar = texture.pillar;
-        let pitch = spacing.pitch(texture.name, pillar.diameter);
-        let (arrangement, pillars) = match texture.plane_lattice(pitch) {
+        let pattern = &parts.pattern;
+        let spacing = self.spacing(pattern)?;
+        let mut pillar = pattern.pillar;
+        let pitch = spacing.pitch(pattern.name, pillar.diameter);
+        let (arrangement, pillars) = match pattern.plane_lattice(pitch) {
             Some(lattice) => (Arrangement::from(lattice), None),
             None => {
-                let (list, origin) = self.listed_pillars(texture)?;
+                let (list, origin) = self.listed_pillars(pattern)?;
                 pillar = common_pillar(pillar, &list);
                 (Arrangement::from(list), Some(origin))
             }
         };
-        let texture = Texture::new(pillar, arrangement);
+        let pattern = PillarPattern::new(pillar, arrangement);
         let (shape, profile) = self.lens_shape(&parts)?;
         let (method, adhesion) = (parts.method.method(), self.adhesion(&parts));
         self.check_adhesion(adhesion, method)?;
-        self.check_floor_that_sticks(adhesion, parts.texture.floor)?;
+        self.check_floor_that_sticks(adhesion, parts.pattern.floor)?;
         self.check_bases(&parts)?;
         let system = parts
-            .system(shape, texture, adhesion)
+            .system(shape, pattern, adhesion)
             .map_err(|invalid| self.impossible(&invalid))?;
         let spacing = match spacing {
             Spacing::Pitch(_) => Spacing::Pitch(system.pitch()),
@@ -347,16 +347,16 @@ impl CaseFile {
     }
 
     /// Spacing of the pillars, as given; NaN for listed pillars.
-    pub(crate) fn spacing(&self, texture: &TextureParts) -> Result<Spacing, CaseError> {
+    pub(crate) fn spacing(&self, pattern: &PillarPatternParts) -> Result<Spacing, CaseError> {
         if self.entry(Key::Pitch).is_some() {
-            return Ok(Spacing::Pitch(texture.arrangement.lattice.pitch));
+            return Ok(Spacing::Pitch(pattern.arrangement.lattice.pitch));
         }
-        if texture.is_listed() {
+        if pattern.is_listed() {
             return Ok(Spacing::Pitch(f64::NAN));
         }
         // The system is built with the pitch that follows from the surface fraction; therefore it
         // cannot check the surface fraction itself.
-        let fraction = texture.arrangement.surface_fraction;
+        let fraction = pattern.arrangement.surface_fraction;
         self.check_range(Key::SurfaceFraction, fraction)?;
         Ok(Spacing::SurfaceFraction(fraction))
     }
@@ -381,10 +381,10 @@ impl CaseFile {
     /// every pillar, and a diameter if tops are flat.
     pub(crate) fn pillar_table(
         &self,
-        texture: &TextureParts,
+        pattern: &PillarPatternParts,
     ) -> Result<(Table<4>, PathBuf), CaseError> {
-        let path = self.named_file(Key::Pillars, &texture.pillars);
-        let table = read_pillars(&path, &texture.pillar);
+        let path = self.named_file(Key::Pillars, &pattern.pillars);
+        let table = read_pillars(&path, &pattern.pillar);
         let table = table.map_err(|error| self.no_pillars(&error))?;
         for (key, column) in [(Key::PillarHeight, HEIGHT), (Key::PillarDiameter, DIAMETER)] {
             let is_needed = key == Key::PillarHeight || !self.is_rounded();
@@ -402,14 +402,14 @@ impl CaseFile {
     /// Pillars of a table, or those that do not come from a file.
     fn listed_pillars(
         &self,
-        texture: &TextureParts,
+        pattern: &PillarPatternParts,
     ) -> Result<(PillarList, PillarsOrigin), CaseError> {
         self.check_common_pillar()?;
-        let axis = texture.axis;
+        let axis = pattern.axis;
         if let (Some(list), None) = (&self.pillars, self.entry(Key::Pillars)) {
             return Ok((list.seen_from(axis), PillarsOrigin { path: None, axis }));
         }
-        let (table, path) = self.pillar_table(texture)?;
+        let (table, path) = self.pillar_table(pattern)?;
         let list = listed(&table).map_err(|error| self.no_pillars(&error))?;
         // As an absolute path.
         let path = Some(std::path::absolute(&path).unwrap_or(path));
@@ -426,7 +426,7 @@ impl CaseFile {
 
     /// The given adhesion.
     pub(crate) fn adhesion(&self, parts: &Parts) -> Adhesion {
-        let given = &parts.texture.adhesion;
+        let given = &parts.pattern.adhesion;
         let receding = self.entry(Key::RecedingWorkOfAdhesion);
         Adhesion {
             work: given.work,
@@ -542,7 +542,7 @@ impl CaseFile {
         }
         // A table of pillars determines the arrangement.
         if self.entry(Key::Pillars).is_some() && self.entry(Key::Lattice).is_none() {
-            parts.texture.name = OfTexture(ArrangementName::Listed);
+            parts.pattern.name = OfPillarPattern(ArrangementName::Listed);
         }
         for key in keys().filter(|key| self.entry(*key).is_some()) {
             if let Some((choice, word)) = key.idle_with(&mut parts) {
@@ -645,7 +645,7 @@ impl CaseFile {
             // A rounded top may be an asperity on the half-space itself.
             Presence::Required if key == Key::PillarDiameter && self.is_rounded() => Ok(()),
             // Listed pillars may have individual values.
-            Presence::Required if key.is_of_listed_pillars() && parts.texture.is_listed() => Ok(()),
+            Presence::Required if key.is_of_listed_pillars() && parts.pattern.is_listed() => Ok(()),
             Presence::Required => Err(self.missing(key)),
             // The file may contain it.
             Presence::OneOf(_) if key.part() == Part::HeightMap => Ok(()),

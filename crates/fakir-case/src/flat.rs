@@ -5,7 +5,7 @@ use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::{Key, Setting};
 use crate::parts::Parts;
-use crate::surface::texture_and_surface;
+use crate::surface::pattern_and_surface;
 use crate::table::Part;
 use fakir::problem::{FlatSystem, InvalidFlat, LensForm, LensShape, Question, ShapedLens, Solver};
 
@@ -37,13 +37,13 @@ impl FlatCase {
 }
 
 impl CaseFile {
-    /// Whether the case has a flat surface: `surface.flat = true`, or neither a `[texture]` nor a `[surface]`.
+    /// Whether the case has a flat surface: `surface.flat = true`, or neither a `[pattern]` nor a `[surface]`.
     #[must_use]
     pub fn is_flat(&self) -> bool {
         let given = |table| self.place_of(table).is_some();
         match self.entry(Key::Flat) {
             Some(entry) => entry.is_true(),
-            None => !given("surface") && !given("texture") && self.pillars.is_none(),
+            None => !given("surface") && !given("pattern") && self.pillars.is_none(),
         }
     }
 
@@ -92,19 +92,19 @@ impl CaseFile {
 
     /// The values of all keys; refuses those of pillars and of other surfaces.
     pub(crate) fn flat_parts(&self) -> Result<Parts, CaseError> {
-        if let (Some(surface), Some(texture)) = (self.place_of("surface"), self.place_of("texture"))
+        if let (Some(surface), Some(pattern)) = (self.place_of("surface"), self.place_of("pattern"))
         {
-            return Err(texture_and_surface(surface, texture));
+            return Err(pattern_and_surface(surface, pattern));
         }
         let mut given = self.entries.keys.keys().copied();
         if let Some(key) = given.find(|key| !Part::OF_FLAT.contains(&key.part())) {
             let instead = match key.table() {
                 "method" => "leave it out: a flat surface has one method",
-                _ => "leave it out, or describe the pillars as a [texture] or a [surface]",
+                _ => "leave it out, or describe the pillars as a [pattern] or a [surface]",
             };
             let why = match self.entry(Key::Flat) {
                 Some(_) => "a flat surface has no such key",
-                None => "without [texture] and [surface] the surface is flat, and has no such key",
+                None => "without [pattern] and [surface] the surface is flat, and has no such key",
             };
             return Err(self.problem(key, why).accepted(instead));
         }

@@ -24,26 +24,26 @@ pub(crate) static IDLE: [Idle; 8] = [
     },
     Idle {
         key: Key::OffsetAngle,
-        holds: |parts| parts.texture.arrangement.lattice.offset == 0.0,
-        reason: "the lens axis is on a pillar centre: texture.offset is 0",
+        holds: |parts| parts.pattern.arrangement.lattice.offset == 0.0,
+        reason: "the lens axis is on a pillar centre: pattern.offset is 0",
     },
     Idle {
-        key: Key::TextureSeed,
-        holds: |parts| parts.texture.arrangement.disorder.is_none(),
-        reason: "nothing is random: texture.height_standard_deviation and texture.missing are 0",
+        key: Key::PillarSeed,
+        holds: |parts| parts.pattern.arrangement.disorder.is_none(),
+        reason: "nothing is random: pattern.height_standard_deviation and pattern.vacancy_fraction are 0",
     },
     Idle {
         key: Key::PillarCompliance,
         holds: |parts| {
-            let texture = &parts.texture;
-            let has_diameters = texture.pillar.diameter.is_finite() || !texture.pillars.is_empty();
-            texture.top_radius.is_finite() && !has_diameters
+            let pattern = &parts.pattern;
+            let has_diameters = pattern.pillar.diameter.is_finite() || !pattern.pillars.is_empty();
+            pattern.top_radius.is_finite() && !has_diameters
         },
-        reason: "rounded tops without texture.pillar.diameter are part of the half-space and do not shorten",
+        reason: "rounded tops without pattern.pillar.diameter are part of the half-space and do not shorten",
     },
     Idle {
         key: Key::FloorContact,
-        holds: |parts| parts.texture.top_radius.is_finite(),
+        holds: |parts| parts.pattern.top_radius.is_finite(),
         reason: "floor contact is not computed under rounded tops: a warning says where the floor may be reached",
     },
     Idle {
@@ -57,7 +57,7 @@ pub(crate) static IDLE: [Idle; 8] = [
             let surface = &parts.surface;
             surface.name.0 != ArrangementName::Random && surface.arrangement.disorder.is_none()
         },
-        reason: "nothing is random: surface.arrangement is a lattice, surface.height_half_width and surface.missing are 0",
+        reason: "nothing is random: surface.arrangement is a lattice, surface.height_half_width and surface.vacancy_fraction are 0",
     },
     Idle {
         key: Key::Orientation,

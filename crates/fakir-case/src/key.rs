@@ -13,7 +13,7 @@ use std::ops::Bound;
 pub use crate::table::Key;
 
 /// The table of the pillar pattern.
-pub(crate) const PATTERN_TABLE: &str = "texture";
+pub(crate) const PATTERN_TABLE: &str = "pattern";
 
 /// Deprecated name of [`PATTERN_TABLE`], which is still accepted with a warning.
 pub(crate) const FORMER_TABLE: &str = "texture"; // former name
@@ -57,7 +57,7 @@ impl Key {
         self.entry().0
     }
 
-    /// The key with its tables: `"texture.pillar.diameter"`.
+    /// The key with its tables: `"pattern.pillar.diameter"`.
     #[must_use]
     pub fn path(self) -> &'static str {
         self.entry().1
@@ -89,7 +89,7 @@ impl Key {
     }
 
     /// Keys that `name` can denote: the key with that path, or the keys with that last name in cases with a general surface or with
-    /// a texture.
+    /// a pattern.
     #[must_use]
     pub fn named(name: &str, surface: bool) -> Vec<Self> {
         match Self::at(name) {
@@ -102,7 +102,7 @@ impl Key {
         }
     }
 
-    /// The table it is in: `"texture.pillar"`.
+    /// The table it is in: `"pattern.pillar"`.
     #[must_use]
     pub fn table(self) -> &'static str {
         self.split().0
@@ -206,7 +206,7 @@ impl Key {
         matches!(self.bounds(), (Bound::Excluded(least), _) if least >= 0.0)
     }
 
-    /// Its name as a column of a table, with the unit of its numbers: `"texture.pitch_m"`.
+    /// Its name as a column of a table, with the unit of its numbers: `"pattern.pitch_m"`.
     #[must_use]
     pub fn column(self) -> String {
         format!("{self}{}", self.dimension().suffix())
@@ -380,7 +380,7 @@ pub(crate) fn is_table(path: &str) -> bool {
     Key::ALL.into_iter().any(|key| below(key).is_some())
 }
 
-/// The tables of that last name: `texture.pillar` and `surface.pillar` are called `pillar`.
+/// The tables of that last name: `pattern.pillar` and `surface.pillar` are called `pillar`.
 fn tables_named(name: &str) -> Vec<&'static str> {
     let tables = Key::ALL.into_iter().map(Key::table);
     let mut tables: Vec<&str> = tables
@@ -469,22 +469,22 @@ mod tests {
             [
                 "lens",
                 "substrate",
-                "texture",
+                "pattern",
                 "floor",
                 "adhesion",
                 "surface",
                 "method"
             ]
         );
-        assert!(names_in("texture").contains(&"pillar"));
+        assert!(names_in("pattern").contains(&"pillar"));
     }
 
     #[test]
     fn misspelt_and_misplaced_keys() {
         assert_eq!(similar("lens.raduis").unwrap(), "lens.radius");
         assert_eq!(
-            similar("texture.diameter").unwrap(),
-            "texture.pillar.diameter"
+            similar("pattern.diameter").unwrap(),
+            "pattern.pillar.diameter"
         );
         assert_eq!(
             similar("surface.diameter").unwrap(),
@@ -493,11 +493,11 @@ mod tests {
         assert_eq!(similar("lense").unwrap(), "lens");
         assert_eq!(
             similar("pillar").unwrap(),
-            "texture.pillar or surface.pillar"
+            "pattern.pillar or surface.pillar"
         );
         assert_eq!(
             similar("pillar.height").unwrap(),
-            "texture.pillar.height or surface.pillar.height"
+            "pattern.pillar.height or surface.pillar.height"
         );
         assert_eq!(similar("lens.colour"), None);
     }

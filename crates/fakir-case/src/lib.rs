@@ -12,13 +12,13 @@
 //! young_modulus = "2 MPa"
 //! poisson_ratio = 0.5
 //!
-//! [texture]
+//! [pattern]
 //! lattice = "hexagonal"
 //! surface_fraction = 0.1        # or pitch = "18.07 um"; give exactly one of them
 //! offset = 0                    # distance between lens axis and a pillar centre, in pitches
 //! offset_angle = "0 deg"        # direction of the offset; x points to a second neighbour
 //!
-//! [texture.pillar]
+//! [pattern.pillar]
 //! diameter = "6 um"
 //! height = "2.2 um"
 //! compliance = "column"         # or "none"
@@ -36,12 +36,12 @@
 //! ```
 //!
 //! * A quantity is a string with a [unit](mod@unit), or a bare number in SI units, which must be plausible.
-//! * Exactly one of `texture.surface_fraction` and `texture.pitch` is given.
+//! * Exactly one of `pattern.surface_fraction` and `pattern.pitch` is given.
 //! * [`reference`](reference()) lists all keys with their accepted values and defaults. `fakir init
 //!   --keys` prints it.
 //! * An unknown key is an error.
 //!
-//! Instead of `[texture]` and `[method]` a case may have a general `[surface]`, solved with boundary
+//! Instead of `[pattern]` and `[method]` a case may have a general `[surface]`, solved with boundary
 //! elements: a height map from a file,
 //!
 //! ```toml

@@ -5,8 +5,8 @@
 use fakir::problem::{
     Accuracy, Adhesion, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel,
     HexagonalLattice, InvalidQuantity, LatticeForm, Layer, Lens, LensForm, LensShape, Material,
-    MeshLayout, Method, Pillar, PillarCompliance, PlaneLattice, Point, PunchForm, Scatter,
-    ShapedLens, System, Texture,
+    MeshLayout, Method, Pillar, PillarCompliance, PillarPattern, PlaneLattice, Point, PunchForm,
+    Scatter, ShapedLens, System,
 };
 
 /// Values of all keys. Required values are NaN until they are set; all others have their defaults.
@@ -18,7 +18,7 @@ pub(crate) struct Parts {
     pub(crate) substrate: Material,
     pub(crate) lens_layer: LayerParts,
     pub(crate) substrate_layer: LayerParts,
-    pub(crate) texture: TextureParts,
+    pub(crate) pattern: PillarPatternParts,
     pub(crate) method: MethodParts,
     pub(crate) surface: SurfaceParts,
     pub(crate) outline: OutlineParts,
@@ -43,7 +43,7 @@ pub(crate) struct LayerParts {
     pub(crate) material: Material,
 }
 
-/// Positions of pillars and their differences, for a texture and for a pattern on a general
+/// Positions of pillars and their differences, for a pillar pattern and for a pattern on a general
 /// surface.
 #[derive(Debug, Clone)]
 pub(crate) struct ArrangementParts {
@@ -61,8 +61,8 @@ pub(crate) struct ArrangementParts {
 }
 
 #[derive(Debug, Clone)]
-pub(crate) struct TextureParts {
-    pub(crate) name: OfTexture,
+pub(crate) struct PillarPatternParts {
+    pub(crate) name: OfPillarPattern,
     pub(crate) arrangement: ArrangementParts,
     pub(crate) pillars: String,
     pub(crate) axis: Point,
@@ -175,8 +175,8 @@ impl Default for Parts {
             substrate: material,
             lens_layer: half_space.clone(),
             substrate_layer: half_space,
-            texture: TextureParts {
-                name: OfTexture(ArrangementName::Hexagonal),
+            pattern: PillarPatternParts {
+                name: OfPillarPattern(ArrangementName::Hexagonal),
                 arrangement: ArrangementParts::of_heights(Scatter::normal(0.0, 0)),
                 pillars: String::new(),
                 axis: [0.0; 2],
@@ -239,7 +239,7 @@ impl Default for Parts {
 }
 
 impl Parts {
-    /// Values of a system with a texture, and of its method. File names are left out.
+    /// Values of a system with a pillar pattern, and of its method. File names are left out.
     pub(crate) fn of(system: &System, method: Method) -> Self {
         let mut parts = Self {
             substrate: *system.substrate(),
@@ -251,17 +251,17 @@ impl Parts {
         parts.shape.set(lens);
         parts.lens_layer.set(system.lens_layer());
         parts.substrate_layer.set(system.substrate_layer());
-        parts.texture.set_arrangement(system.arrangement());
-        parts.texture.pillar = *system.pillar();
-        parts.texture.floor = system.floor_model();
+        parts.pattern.set_arrangement(system.arrangement());
+        parts.pattern.pillar = *system.pillar();
+        parts.pattern.floor = system.floor_model();
         let adhesion = system.adhesion();
-        parts.texture.adhesion = AdhesionParts {
+        parts.pattern.adhesion = AdhesionParts {
             work: adhesion.work,
             work_receding: adhesion.receding(),
             recedes: adhesion.work_receding.is_some(),
             floor: Flag(adhesion.floor),
         };
-        parts.texture.arrangement.surface_fraction = system.texture().surface_fraction();
+        parts.pattern.arrangement.surface_fraction = system.pattern().surface_fraction();
         let values = &mut parts.method;
         match method {
             Method::Spectral(accuracy) => {
@@ -290,12 +290,12 @@ impl Parts {
     pub(crate) fn system(
         &self,
         shape: LensShape,
-        texture: Texture,
+        pattern: PillarPattern,
         adhesion: Adhesion,
     ) -> Result<System, InvalidQuantity> {
         let lens = ShapedLens::new(shape, self.lens.material);
-        System::new(lens, self.substrate, texture)?
-            .with_floor(self.texture.floor)
+        System::new(lens, self.substrate, pattern)?
+            .with_floor(self.pattern.floor)
             .with_adhesion(adhesion)?
             .with_layers(self.substrate_layer.layer(), self.lens_layer.layer())
     }
@@ -366,9 +366,9 @@ impl LayerParts {
     }
 }
 
-impl TextureParts {
+impl PillarPatternParts {
     fn set_arrangement(&mut self, arrangement: &Arrangement) {
-        self.name = OfTexture(match arrangement.lattice() {
+        self.name = OfPillarPattern(match arrangement.lattice() {
             Some(lattice) => self.arrangement.set(&lattice),
             None => ArrangementName::Listed,
         });
@@ -575,11 +575,11 @@ pub(crate) enum ArrangementName {
     Random,
 }
 
-/// An arrangement of a texture.
+/// An arrangement of a pattern.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct OfTexture(pub(crate) ArrangementName);
+pub(crate) struct OfPillarPattern(pub(crate) ArrangementName);
 
-impl Words for OfTexture {
+impl Words for OfPillarPattern {
     const WORDS: &'static [(&'static str, Self)] = &[
         ("hexagonal", Self(ArrangementName::Hexagonal)),
         ("square", Self(ArrangementName::Square)),
@@ -621,7 +621,7 @@ impl Words for PillarCompliance {
 }
 
 /// Compliance of the pillars of a general surface: elastic pillars are available for flat cylinders
-/// of a texture only.
+/// of a pillar pattern only.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct OfPattern(pub(crate) PillarCompliance);
 

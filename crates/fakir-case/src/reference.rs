@@ -95,7 +95,7 @@ const COLUMNS: &str = "\
 const HEADER: &str = "\
 # The keys of a case file
 
-A case has `[lens]` and `[substrate]`, and either `[texture]`, with or without `[floor]`, `[adhesion]` and `[method]`, or
+A case has `[lens]` and `[substrate]`, and either `[pattern]`, with or without `[floor]`, `[adhesion]` and `[method]`, or
 `[surface]`. Quantities have a unit, as in `\"6 um\"`; bare numbers are in SI units. Fractions can be in per
 cent, as in `\"3 %\"`.
 ";

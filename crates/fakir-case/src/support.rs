@@ -10,13 +10,13 @@ use std::fmt::Write;
 /// A kind of surface that a case can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// Pillars with flat tops: a `[texture]`.
+    /// Pillars with flat tops: a `[pattern]`.
     Pillars,
-    /// Pillars with rounded tops: a `[texture]` with `top_radius`.
+    /// Pillars with rounded tops: a `[pattern]` with `top_radius`.
     Asperities,
     /// A height map, or pillars of any cross-section on one: a `[surface]`.
     HeightMap,
-    /// No pillars: `surface.flat = true`, or neither `[texture]` nor `[surface]`.
+    /// No pillars: `surface.flat = true`, or neither `[pattern]` nor `[surface]`.
     Flat,
 }
 

@@ -1,4 +1,4 @@
-//! Cases with a general surface instead of a texture: a height map, or pillars of any shape.
+//! Cases with a general surface instead of a pillar pattern: a height map, or pillars of any shape.
 
 use crate::case::write_toml;
 use crate::entries::both_given;
@@ -117,7 +117,7 @@ impl CaseFile {
     /// `memory_limit` is the largest memory (bytes) of the surface and the fields on it.
     ///
     /// # Errors
-    /// [`CaseError`] for a missing key or an invalid value, a `[texture]` or a `[method]`, a height
+    /// [`CaseError`] for a missing key or an invalid value, a `[pattern]` or a `[method]`, a height
     /// map that cannot be read, or a surface that exceeds the memory limit.
     pub fn surface_case(&self, memory_limit: usize) -> Result<SurfaceCase, CaseError> {
         let (kind, parts) = self.surface_parts()?;
@@ -178,7 +178,7 @@ impl CaseFile {
 
     /// Whether it is a height map or a pattern, and the values of all keys.
     pub(crate) fn surface_parts(&self) -> Result<(Part, Parts), CaseError> {
-        self.refuse_texture()?;
+        self.refuse_pillar_pattern()?;
         let kind = self.kind_of_surface()?;
         let parts = self.parts(&[Part::Bodies, Part::Surface, kind])?;
         Ok((kind, parts))
@@ -194,21 +194,21 @@ impl CaseFile {
         })
     }
 
-    /// Refuses a general surface where a texture is required, with the given message.
+    /// Refuses a general surface where a pillar pattern is required, with the given message.
     pub(crate) fn refuse_surface(&self, problem: &str, accepted: &str) -> Result<(), CaseError> {
-        match (self.place_of("surface"), self.place_of("texture")) {
+        match (self.place_of("surface"), self.place_of("pattern")) {
             (None, _) => Ok(()),
-            (Some(surface), Some(texture)) => Err(texture_and_surface(surface, texture)),
+            (Some(surface), Some(pattern)) => Err(pattern_and_surface(surface, pattern)),
             (Some(surface), None) => Err(CaseError::at(surface, problem)
                 .key("surface")
                 .accepted(accepted)),
         }
     }
 
-    fn refuse_texture(&self) -> Result<(), CaseError> {
-        if let (Some(surface), Some(texture)) = (self.place_of("surface"), self.place_of("texture"))
+    fn refuse_pillar_pattern(&self) -> Result<(), CaseError> {
+        if let (Some(surface), Some(pattern)) = (self.place_of("surface"), self.place_of("pattern"))
         {
-            return Err(texture_and_surface(surface, texture));
+            return Err(pattern_and_surface(surface, pattern));
         }
         let tables = [
             (
@@ -228,9 +228,12 @@ impl CaseFile {
             }
         }
         let mut given = self.entries.keys.keys().copied();
-        let Some(key) =
-            given.find(|key| matches!(key.part(), Part::Shape | Part::Adhesion | Part::Texture))
-        else {
+        let Some(key) = given.find(|key| {
+            matches!(
+                key.part(),
+                Part::Shape | Part::Adhesion | Part::PillarPattern
+            )
+        }) else {
             return Ok(());
         };
         let feature = match key.table() {
@@ -238,8 +241,8 @@ impl CaseFile {
             "lens" => Feature::Lens(LensForm::Profile),
             table => {
                 return Err(self
-                    .problem(key, format!("[{table}] belongs to a [texture]"))
-                    .accepted("leave it out, or describe round pillars as a [texture]"));
+                    .problem(key, format!("[{table}] belongs to a [pattern]"))
+                    .accepted("leave it out, or describe round pillars as a [pattern]"));
             }
         };
         let Err(Unsupported { why, instead, .. }) =
@@ -559,7 +562,7 @@ impl CaseFile {
     pub(crate) fn settings(&self, mut parts: Parts) -> Vec<(Key, String)> {
         for (key, place) in [
             (Key::HeightMap, &mut parts.surface.height_map),
-            (Key::Pillars, &mut parts.texture.pillars),
+            (Key::Pillars, &mut parts.pattern.pillars),
         ] {
             let path = self.named_file(key, place);
             let path = std::path::absolute(&path).unwrap_or(path);
@@ -604,8 +607,8 @@ fn pillar(parts: &OutlineParts) -> PillarShape {
     }
 }
 
-pub(crate) fn texture_and_surface(surface: &Place, texture: &Place) -> CaseError {
-    both_given(("[surface]", surface), ("[texture]", texture), "")
+pub(crate) fn pattern_and_surface(surface: &Place, pattern: &Place) -> CaseError {
+    both_given(("[surface]", surface), ("[pattern]", pattern), "")
         .accepted("give only one: a hexagonal lattice of discs, or a general surface")
 }
 

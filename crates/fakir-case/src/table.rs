@@ -43,7 +43,7 @@ pub(crate) enum Part {
     /// Adhesion, of the same.
     Adhesion,
     /// A pattern of round pillars, and its method.
-    Texture,
+    PillarPattern,
     /// A surface without pillars.
     Flat,
     /// A general surface read from a file.
@@ -56,8 +56,12 @@ pub(crate) enum Part {
 
 impl Part {
     /// The parts of pillars with flat or rounded tops.
-    pub(crate) const OF_PILLARS: &[Self] =
-        &[Self::Bodies, Self::Shape, Self::Adhesion, Self::Texture];
+    pub(crate) const OF_PILLARS: &[Self] = &[
+        Self::Bodies,
+        Self::Shape,
+        Self::Adhesion,
+        Self::PillarPattern,
+    ];
 
     /// Those of a flat surface.
     pub(crate) const OF_FLAT: &[Self] = &[Self::Bodies, Self::Shape, Self::Adhesion, Self::Flat];
@@ -67,7 +71,7 @@ const FRACTION: Range = Range::Between(Included(0.0), Excluded(1.0));
 const POISSON: Range = Range::Between(Included(0.0), Included(0.5));
 /// The shapes of a lens that have a radius.
 const ROUND_LENSES: &[&str] = &["sphere", "paraboloid", "cylinder", "punch"];
-/// Arrangements of a texture that are lattices, and those with a surface fraction.
+/// Arrangements of a pillar pattern that are lattices, and those with a surface fraction.
 const PLANE_LATTICES: &[&str] = &["hexagonal", "square", "rectangular", "oblique"];
 const EVEN_LATTICES: &[&str] = &["hexagonal", "square"];
 /// Arrangements that are lattices, without random pillars.
@@ -149,109 +153,109 @@ keys! {
             number("Poisson's ratio of an elastic base, 0 to 0.5", |p| &mut p.substrate_layer.material.poisson_ratio)
                 .label("Poisson's ratio of the base").range(POISSON).with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBasePoissonRatio);
     }
-    Texture {
-        Lattice = "texture.lattice" is
-            word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.texture.name)
+    PillarPattern {
+        Lattice = "pattern.lattice" is
+            word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.pattern.name)
                 .optional();
-        Pillars = "texture.pillars" is
-            text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m, in any unit", |p| &mut p.texture.pillars)
+        Pillars = "pattern.pillars" is
+            text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m, in any unit", |p| &mut p.pattern.pillars)
                 .with(Key::Lattice, &["listed"])
-                .unwritten(|p| p.texture.pillars.is_empty());
-        AxisX = "texture.axis_x" is
-            length("position of the lens axis among listed pillars, along x", |p| &mut p.texture.axis[0])
+                .unwritten(|p| p.pattern.pillars.is_empty());
+        AxisX = "pattern.axis_x" is
+            length("position of the lens axis among listed pillars, along x", |p| &mut p.pattern.axis[0])
                 .optional().with(Key::Lattice, &["listed"]);
-        AxisY = "texture.axis_y" is
-            length("position of the lens axis among listed pillars, along y", |p| &mut p.texture.axis[1])
+        AxisY = "pattern.axis_y" is
+            length("position of the lens axis among listed pillars, along y", |p| &mut p.pattern.axis[1])
                 .optional().with(Key::Lattice, &["listed"]);
-        SurfaceFraction = "texture.surface_fraction" is
-            fraction("fraction of the surface covered by pillar tops; or give pitch instead", |p| &mut p.texture.arrangement.surface_fraction)
+        SurfaceFraction = "pattern.surface_fraction" is
+            fraction("fraction of the surface covered by pillar tops; or give pitch instead", |p| &mut p.pattern.arrangement.surface_fraction)
                 .symbol("φ").usual(3e-4, 0.3)
                 .range(Range::SurfaceFraction).or(Key::Pitch).with(Key::Lattice, EVEN_LATTICES).of(Quantity::SurfaceFraction);
-        Pitch = "texture.pitch" is
-            length("distance between neighbouring pillars; or give surface_fraction instead", |p| &mut p.texture.arrangement.lattice.pitch)
+        Pitch = "pattern.pitch" is
+            length("distance between neighbouring pillars; or give surface_fraction instead", |p| &mut p.pattern.arrangement.lattice.pitch)
                 .symbol("e").usual(1e-6, 1e-3)
                 .range(Range::AtLeast(Key::PillarDiameter)).or(Key::SurfaceFraction).with(Key::Lattice, PLANE_LATTICES).of(Quantity::Pitch);
-        PitchY = "texture.pitch_y" is
-            length("pitch along the second rows: along y of a rectangular lattice", |p| &mut p.texture.arrangement.pitch_y)
+        PitchY = "pattern.pitch_y" is
+            length("pitch along the second rows: along y of a rectangular lattice", |p| &mut p.pattern.arrangement.pitch_y)
                 .usual(1e-6, 1e-3)
                 .range(Range::AtLeast(Key::PillarDiameter)).with(Key::Lattice, &["rectangular", "oblique"]).of(Quantity::PitchY);
-        LatticeAngle = "texture.lattice_angle" is
-            angle("angle between the rows of an oblique lattice", |p| &mut p.texture.arrangement.lattice_angle)
+        LatticeAngle = "pattern.lattice_angle" is
+            angle("angle between the rows of an oblique lattice", |p| &mut p.pattern.arrangement.lattice_angle)
                 .usual(FRAC_PI_6, 5.0 * FRAC_PI_6)
                 .range(Range::Words("above 0 and below 180 deg")).with(Key::Lattice, &["oblique"]).of(Quantity::LatticeAngle);
-        Offset = "texture.offset" is
-            number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.texture.arrangement.lattice.offset)
+        Offset = "pattern.offset" is
+            number("distance of the lens axis from a pillar centre, in pitches", |p| &mut p.pattern.arrangement.lattice.offset)
                 .symbol("dx/e").usual(0.0, 1.0)
                 .range(Range::Between(Included(0.0), Included(1000.0))).optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Offset);
-        OffsetAngle = "texture.offset_angle" is
-            angle("direction of the offset; x points to a second neighbour", |p| &mut p.texture.arrangement.lattice.offset_angle)
+        OffsetAngle = "pattern.offset_angle" is
+            angle("direction of the offset; x points to a second neighbour", |p| &mut p.pattern.arrangement.lattice.offset_angle)
                 .usual(0.0, FRAC_PI_2)
                 .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::OffsetAngle);
-        Rotation = "texture.rotation" is
-            angle("rotation of the lattice about the lens axis, anticlockwise", |p| &mut p.texture.arrangement.rotation)
+        Rotation = "pattern.rotation" is
+            angle("rotation of the lattice about the lens axis, anticlockwise", |p| &mut p.pattern.arrangement.rotation)
                 .usual(0.0, FRAC_PI_2)
                 .optional().with(Key::Lattice, PLANE_LATTICES).of(Quantity::Rotation)
-                .unwritten(|p| p.texture.arrangement.is_plain());
-        Columns = "texture.columns" is
-            number("pillars along each side of a finite lattice", |p| &mut p.texture.arrangement.columns)
+                .unwritten(|p| p.pattern.arrangement.is_plain());
+        Columns = "pattern.columns" is
+            number("pillars along each side of a finite lattice", |p| &mut p.pattern.arrangement.columns)
                 .range(Range::Whole(1, 10_000)).otherwise("the lattice has no end").with(Key::Lattice, PLANE_LATTICES)
-                .unwritten(|p| p.texture.arrangement.columns.is_nan());
-        HeightStandardDeviation = "texture.height_standard_deviation" is
-            fraction("standard deviation of the normally distributed pillar heights, relative to the height", |p| &mut p.texture.arrangement.disorder.heights.parameter)
-                .formerly("texture.height_spread").label("standard deviation of heights").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
+                .unwritten(|p| p.pattern.arrangement.columns.is_nan());
+        HeightStandardDeviation = "pattern.height_standard_deviation" is
+            fraction("standard deviation of the normally distributed pillar heights, relative to the height", |p| &mut p.pattern.arrangement.disorder.heights.parameter)
+                .formerly("pattern.height_spread").label("standard deviation of heights").usual(0.0, 0.1).range(Range::Between(Included(0.0), Included(0.2))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::HeightSpread)
-                .unwritten(|p| p.texture.arrangement.is_plain());
-        VacancyFraction = "texture.vacancy_fraction" is
-            fraction("probability that a pillar is missing", |p| &mut p.texture.arrangement.disorder.missing)
-                .formerly("texture.missing").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
+                .unwritten(|p| p.pattern.arrangement.is_plain());
+        VacancyFraction = "pattern.vacancy_fraction" is
+            fraction("probability that a pillar is missing", |p| &mut p.pattern.arrangement.disorder.missing)
+                .formerly("pattern.missing").usual(0.0, 0.2).range(Range::Between(Included(0.0), Included(0.9))).optional().with(Key::Lattice, PLANE_LATTICES)
                 .of(Quantity::Missing)
-                .unwritten(|p| p.texture.arrangement.is_plain());
-        TextureSeed = "texture.seed" is
-            number("seed of random heights and missing pillars (whole number)", |p| &mut p.texture.arrangement.seed)
+                .unwritten(|p| p.pattern.arrangement.is_plain());
+        PillarSeed = "pattern.seed" is
+            number("seed of random heights and missing pillars (whole number)", |p| &mut p.pattern.arrangement.seed)
                 .usual(0.0, 100.0)
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES)
-                .unwritten(|p| p.texture.arrangement.is_plain());
-        TopRadius = "texture.top_radius" is
-            length("radius of curvature of rounded pillar tops, which then need no diameter; fakir press and fakir design --free heights know them", |p| &mut p.texture.top_radius)
+                .unwritten(|p| p.pattern.arrangement.is_plain());
+        TopRadius = "pattern.top_radius" is
+            length("radius of curvature of rounded pillar tops, which then need no diameter; fakir press and fakir design --free heights know them", |p| &mut p.pattern.top_radius)
                 .label("top radius").positive().otherwise("tops are flat")
                 .unwritten(|_| true);
-        PillarDiameter = "texture.pillar.diameter" is
-            length("diameter of a pillar", |p| &mut p.texture.pillar.diameter)
+        PillarDiameter = "pattern.pillar.diameter" is
+            length("diameter of a pillar", |p| &mut p.pattern.pillar.diameter)
                 .symbol("d").usual(1e-7, 1e-4)
                 .positive().of(Quantity::PillarDiameter);
-        PillarHeight = "texture.pillar.height" is
-            length("height of a pillar", |p| &mut p.texture.pillar.height)
+        PillarHeight = "pattern.pillar.height" is
+            length("height of a pillar", |p| &mut p.pattern.pillar.height)
                 .symbol("h").usual(1e-8, 1e-4)
                 .range(Range::Below(Key::LensRadius)).of(Quantity::PillarHeight);
-        PillarCompliance = "texture.pillar.compliance" is
-            word("column: pillars shorten under load; elastic: elastic bodies; none: rigid", |p| &mut p.texture.pillar.compliance)
+        PillarCompliance = "pattern.pillar.compliance" is
+            word("column: pillars shorten under load; elastic: elastic bodies; none: rigid", |p| &mut p.pattern.pillar.compliance)
                 .optional();
         FloorContact = "floor.contact" is
-            word("false: floor contact is ignored, as in the paper; computed only by the method spectral", |p| &mut p.texture.floor)
+            word("false: floor contact is ignored, as in the paper; computed only by the method spectral", |p| &mut p.pattern.floor)
                 .label("floor contact").optional();
     }
     Adhesion {
         WorkOfAdhesion = "adhesion.work" is
-            energy_per_area("work of adhesion between lens and pillar tops, or a flat surface; on pillars only the method spectral has it", |p| &mut p.texture.adhesion.work)
+            energy_per_area("work of adhesion between lens and pillar tops, or a flat surface; on pillars only the method spectral has it", |p| &mut p.pattern.adhesion.work)
                 .label("work of adhesion").symbol("w").usual(1e-3, 0.5)
                 .range(Range::Between(Included(0.0), Unbounded)).optional().of(Quantity::WorkOfAdhesion)
-                .unwritten(|p| p.texture.adhesion.is_none());
+                .unwritten(|p| p.pattern.adhesion.is_none());
         RecedingWorkOfAdhesion = "adhesion.work_receding" is
-            energy_per_area("work of adhesion on detachment, if larger", |p| &mut p.texture.adhesion.work_receding)
+            energy_per_area("work of adhesion on detachment, if larger", |p| &mut p.pattern.adhesion.work_receding)
                 .label("work of adhesion on unloading")
                 .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
                 .of(Quantity::RecedingWorkOfAdhesion)
-                .unwritten(|p| !p.texture.adhesion.recedes);
+                .unwritten(|p| !p.pattern.adhesion.recedes);
     }
-    Texture {
+    PillarPattern {
         FloorSticks = "adhesion.floor" is
-            word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.texture.adhesion.floor)
+            word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.pattern.adhesion.floor)
                 .label("adhesive floor").optional()
-                .unwritten(|p| !p.texture.adhesion.floor.0);
+                .unwritten(|p| !p.pattern.adhesion.floor.0);
     }
     Flat {
         Flat = "surface.flat" is
-            word("true: there are no pillars, as without [texture] and [surface]", |p| &mut p.surface.flat)
+            word("true: there are no pillars, as without [pattern] and [surface]", |p| &mut p.surface.flat)
                 .optional();
     }
     HeightMap {
@@ -368,7 +372,7 @@ keys! {
             length("width of the grid, which is centred; whole periods of a periodic lattice", |p| &mut p.surface.grid_width)
                 .positive();
     }
-    Texture {
+    PillarPattern {
         MethodName = "method.name" is
             word("spectral (exact), love (boundary elements), punch or homogenised", |p| &mut p.method.name)
                 .label("method")

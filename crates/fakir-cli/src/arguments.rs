@@ -93,7 +93,7 @@ pub(crate) enum Command {
     Results(Results),
     /// Compute the critical state, in which the lens just reaches the floor
     #[command(
-        after_help = "Example: fakir transition case.toml --set texture.surface_fraction=0.2"
+        after_help = "Example: fakir transition case.toml --set pattern.surface_fraction=0.2"
     )]
     Transition(Transition),
     /// Compute the contact at an indentation or under a force
@@ -143,7 +143,7 @@ pub(crate) enum Command {
     /// With adhesive pillar tops (a case with [adhesion]) the pull-off forces of one pillar and of the bare substrate are included; the
     /// formulas for the critical state neglect adhesion.
     #[command(
-        after_help = "Example: fakir theory case.toml --set texture.surface_fraction=0.001
+        after_help = "Example: fakir theory case.toml --set pattern.surface_fraction=0.001
          fakir theory case.toml --set adhesion.work=50mJ/m2 --attraction-range 5nm"
     )]
     Theory(Theory),
@@ -161,7 +161,7 @@ pub(crate) enum Command {
     #[cfg(feature = "explore")]
     #[command(after_help = "Examples:
   fakir explore
-  fakir explore case.toml --set texture.surface_fraction=0.2 --port 8080 --no-browser
+  fakir explore case.toml --set pattern.surface_fraction=0.2 --port 8080 --no-browser
   fakir explore case.toml --set adhesion.work=50mJ/m2")]
     Explore(Explore),
     /// Print the references to cite for a result, a case, a study or a method
@@ -186,14 +186,14 @@ pub(crate) enum Command {
     /// surface fraction. Exit status 3: the target is unattainable; the closest attainable value is printed. For samples with adhesion,
     /// unloading from the critical state is computed too, for the scatter of the pull-off force and the hysteresis.
     ///
-    /// With --free heights a case with texture.top_radius gives the positions of the pillars and the curvature of their tops, and --target
+    /// With --free heights a case with pattern.top_radius gives the positions of the pillars and the curvature of their tops, and --target
     /// the target curve: a CSV file with the columns force and area, indentation and force, or indentation and area, as in
     /// force_mN,area_um2. With --output the heights are saved as pillars.csv with a case that reads it, as a solid (surface.stl) and as
     /// height maps (heights.png of 16 bits, heights.npy).
     #[command(after_help = "Examples:
   fakir design case.toml --free pitch --critical-force 1mN
   fakir design case.toml --free pitch --critical-force 1mN \\
-      --tolerance texture.pillar.height=3% --tolerance substrate.young_modulus=10%
+      --tolerance pattern.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --free pitch --floor-share 20% --at-force 1mN
   fakir design sticky.toml --free pitch --pull-off 0.1mN
   fakir design case.toml --samples 1000
@@ -221,7 +221,7 @@ pub(crate) enum Command {
     Fit(Fit),
     /// Compute many cases: a study file with axes along which a case is varied
     ///
-    /// The case has a [texture] or a [surface]; an axis is any of its keys, or a load. Computed is the critical state; with question =
+    /// The case has a [pattern] or a [surface]; an axis is any of its keys, or a load. Computed is the critical state; with question =
     /// "press" the contact under a load, with "cycle" the pull-off from adhesive tops, with "collapse" the jump-in and detachment of an
     /// adhesive floor. Every case is one row of a table; a row of a case that failed contains the reason. With --output a journal is kept
     /// in the folder, so that an interrupted or killed sweep continues with --resume; the tables are identical, byte for byte, to those of
@@ -554,7 +554,7 @@ pub(crate) struct Compare {
 pub(crate) struct Explore {
     /// Case file (TOML) to start with; `-` for standard input
     pub(crate) case: Option<PathBuf>,
-    /// Override a key of the case, as in texture.pitch=20um; may be repeated
+    /// Override a key of the case, as in pattern.pitch=20um; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
     /// Port to listen on; default: any free port
@@ -620,7 +620,7 @@ pub(crate) enum CitedMethod {
 pub(crate) struct Design {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// Parameter to determine: pitch, pitch_y, surface_fraction, texture.pillar.height, texture.pillar.diameter, lens.radius,
+    /// Parameter to determine: pitch, pitch_y, surface_fraction, pattern.pillar.height, pattern.pillar.diameter, lens.radius,
     /// lens.young_modulus, substrate.young_modulus, lens.thickness, substrate.thickness, lens.base_young_modulus or
     /// substrate.base_young_modulus; or heights: the heights of all pillars with rounded tops
     #[arg(long, value_name = "KEY", value_parser = free, requires = "wanted")]
@@ -649,7 +649,7 @@ pub(crate) struct Design {
     /// Standard deviation of manufactured heights (m, mm, um, nm), for the scatter of the curve
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, requires = "target")]
     height_error: Option<f64>,
-    /// Quantity that varies, normally distributed, with its standard deviation as a quantity or in per cent: texture.pillar.height=0.05um,
+    /// Quantity that varies, normally distributed, with its standard deviation as a quantity or in per cent: pattern.pillar.height=0.05um,
     /// substrate.young_modulus=10%; may be repeated
     #[arg(long, value_name = "KEY=DEVIATION", value_parser = tolerance)]
     tolerance: Vec<Tolerance>,
@@ -785,7 +785,7 @@ pub(crate) struct Fit {
     #[arg(long)]
     case: PathBuf,
     /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius, substrate.thickness, lens.thickness,
-    /// texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset, texture.offset_angle, adhesion.work,
+    /// pattern.pillar.height, pattern.pillar.diameter, pattern.pitch, pattern.offset, pattern.offset_angle, adhesion.work,
     /// adhesion.work_receding, contact_point, machine_compliance, force_offset, displacement_drift, force_drift; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
@@ -823,7 +823,7 @@ pub(crate) struct Fit {
     /// Standard error of displacements or indentations without one in the file (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     position_error: Option<f64>,
-    /// Override a key of the case file, as in texture.pitch=20um; may be repeated
+    /// Override a key of the case file, as in pattern.pitch=20um; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Print JSON instead of tables, in SI units
@@ -914,7 +914,7 @@ fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
 fn tolerance(text: &str) -> Result<Tolerance, String> {
     let (path, deviation) = text
         .split_once('=')
-        .ok_or("give KEY=DEVIATION, as in texture.pillar.height=3%")?;
+        .ok_or("give KEY=DEVIATION, as in pattern.pillar.height=3%")?;
     let path = path.trim();
     let key = match Key::named(path, false)[..] {
         [key] => key,
@@ -1086,7 +1086,7 @@ impl Merge {
 pub(crate) struct CaseArguments {
     /// Case file (TOML); `-` for standard input
     pub(crate) case: PathBuf,
-    /// Override a key of the case file, as in texture.pitch=20um; may be repeated
+    /// Override a key of the case file, as in pattern.pitch=20um; may be repeated
     ///
     /// The value is TOML, or a bare word or quantity. The last name of a key is sufficient if it is unique, as in pitch=20um. A pitch
     /// replaces the surface fraction of the file and vice versa; method.name replaces the whole table.

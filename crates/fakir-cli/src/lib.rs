@@ -174,12 +174,12 @@ fn answer_of_pillars(
     question: Question,
     ask: impl FnOnce(&Case) -> Result<Report, Failure>,
 ) -> Result<Status, Failure> {
-    let case = texture(file, question)?;
+    let case = pattern(file, question)?;
     deliver(command, options, file.warnings(), || ask(&case))
 }
 
 /// The case of pillars with flat tops, if it supports a question.
-fn texture(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
+fn pattern(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
     match file.any_case(&[question])? {
         AnyCase::Pillars(case) => Ok(case),
         _ => Err(failure::not_answered(question)),
@@ -250,5 +250,5 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
             file
         }
     };
-    Ok(*texture(&file, Question::Explore)?)
+    Ok(*pattern(&file, Question::Explore)?)
 }

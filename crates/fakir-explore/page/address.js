@@ -6,7 +6,7 @@
  */
 
 /** The table of the pillar pattern in the names of keys, and its former name, which older addresses contain. */
-const TABLE = "texture.";
+const TABLE = "pattern.";
 const FORMER_TABLE = "texture."; // former name
 
 /**

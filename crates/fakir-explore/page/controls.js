@@ -16,7 +16,7 @@ import { FRACTION, PITCH, RECEDING, sticks, STUCK, WORK, withSpacing } from "./s
 const DEGREE = Math.PI / 180;
 
 /** Tables of the case file that come first on the page; the others follow in their order. */
-const FIRST_TABLES = ["texture", "texture.pillar"];
+const FIRST_TABLES = ["pattern", "pattern.pillar"];
 
 /** The two words of a key that is true or false. */
 const [TRUE, FALSE] = ["true", "false"];
@@ -259,7 +259,7 @@ function isField(key) {
 }
 
 /**
- * The heading of a table: `Pillar` for `texture.pillar`.
+ * The heading of a table: `Pillar` for `pattern.pillar`.
  * @param {string} table
  * @returns {string}
  */

@@ -13,13 +13,13 @@ import { largestForceOf, sceneOf, sceneOfPreview, sceneOfStation, withFloorBefor
  * @import { Scene } from "./scene.js"
  */
 
-export const FRACTION = "texture.surface_fraction";
+export const FRACTION = "pattern.surface_fraction";
 export const FLOOR = "floor.contact";
-export const PITCH = "texture.pitch";
-export const LATTICE = "texture.lattice";
-const PITCH_Y = "texture.pitch_y";
-const LATTICE_ANGLE = "texture.lattice_angle";
-const DIAMETER = "texture.pillar.diameter";
+export const PITCH = "pattern.pitch";
+export const LATTICE = "pattern.lattice";
+const PITCH_Y = "pattern.pitch_y";
+const LATTICE_ANGLE = "pattern.lattice_angle";
+const DIAMETER = "pattern.pillar.diameter";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
 export const STUCK = "adhesion.floor";

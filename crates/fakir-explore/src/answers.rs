@@ -461,7 +461,7 @@ impl CurvePoint {
         let state = &critical.contact;
         let reduced = critical.normalized();
         Self {
-            surface_fraction: state.system.texture().surface_fraction(),
+            surface_fraction: state.system.pattern().surface_fraction(),
             force_N: state.force,
             contact_radius_m: critical.contact_radius(),
             indentation_m: state.indentation,
@@ -477,7 +477,7 @@ impl CurvePoint {
             estimate.indentation,
         );
         Self {
-            surface_fraction: system.texture().surface_fraction(),
+            surface_fraction: system.pattern().surface_fraction(),
             force_N: estimate.force,
             contact_radius_m: estimate.contact_radius(),
             indentation_m: estimate.indentation,
@@ -506,7 +506,7 @@ enum CurveLine {
 pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), Failure> {
     let case = without_adhesion(&request::case(&request.case)?);
     let system = &case.system;
-    let present = system.texture().surface_fraction();
+    let present = system.pattern().surface_fraction();
     let range = [FRACTIONS[0].min(0.5 * present), FRACTIONS[1].max(present)];
     let smooth: Vec<System> = spaced(range, 64)
         .into_iter()
@@ -527,7 +527,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
                    formula: &dyn Fn(&System) -> TransitionEstimate| {
         formulas
             .iter()
-            .filter(|system| wanted(system.texture().surface_fraction()))
+            .filter(|system| wanted(system.pattern().surface_fraction()))
             .map(|system| CurvePoint::of_formula(system, &formula(system)))
             .collect()
     };
@@ -542,7 +542,7 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
     let mut points = Vec::new();
     // At smaller surface fractions a single pillar is in contact, to which the homogenised lattice does not
     // apply.
-    let many = |system: &&System| system.texture().surface_fraction() >= limit;
+    let many = |system: &&System| system.pattern().surface_fraction() >= limit;
     for system in smooth.iter().step_by(2).filter(many) {
         worker.give_way()?;
         if let Ok(critical) = fakir::transition(system, Method::Homogenised, &run) {

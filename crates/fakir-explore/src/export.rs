@@ -210,7 +210,7 @@ fn contact_figure(
 
 /// The phase diagram with the displayed state.
 fn phase(case: &Case, state: &ContactState) -> Figure {
-    let fraction = case.system.texture().surface_fraction();
+    let fraction = case.system.pattern().surface_fraction();
     let label = format!("*φ* = {fraction:.4}");
     phase_diagram(&PhaseDiagram {
         system: case.system.clone(),

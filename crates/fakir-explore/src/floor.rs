@@ -139,7 +139,7 @@ mod tests {
 
     fn pressed() -> ContactState {
         let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
-        file.set("texture.surface_fraction=0.01").unwrap();
+        file.set("pattern.surface_fraction=0.01").unwrap();
         let system = file.case().unwrap().system;
         let load = Load::Indentation(4e-6);
         fakir::press(&system, load, Method::default(), &Run::default()).unwrap()

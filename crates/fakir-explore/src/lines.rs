@@ -73,14 +73,14 @@ fn argument(key: Key, value: &str) -> String {
 
 /// The equivalent Python code.
 fn python(case: &Case, question: Question) -> String {
-    let [lens, substrate, texture, pillar, method] =
-        ["lens", "substrate", "texture", "texture.pillar", "method"]
+    let [lens, substrate, pattern, pillar, method] =
+        ["lens", "substrate", "pattern", "pattern.pillar", "method"]
             .map(|table| arguments(case, table));
     let kind = match case.system.arrangement().name() {
-        "square" => "SquareTexture",
-        "rectangular" => "RectangularTexture",
-        "oblique" => "ObliqueTexture",
-        _ => "HexagonalTexture",
+        "square" => "SquarePattern",
+        "rectangular" => "RectangularPattern",
+        "oblique" => "ObliquePattern",
+        _ => "HexagonalPattern",
     };
     let floor = match case.system.floor_model() {
         FloorModel::Contact => "",
@@ -110,9 +110,9 @@ fn python(case: &Case, question: Question) -> String {
          system = fakir.System(\n    \
              lens=fakir.Lens({lens}),\n    \
              substrate=fakir.Substrate({substrate}),\n    \
-             texture=fakir.{kind}(\n        \
+             pattern=fakir.{kind}(\n        \
                  {pillar},\n        \
-                 {texture},\n    \
+                 {pattern},\n    \
              ),\n{floor}{adhesion}\
          )\n{question}"
     )
@@ -131,7 +131,7 @@ fn arguments(case: &Case, table: &str) -> String {
         | Key::Columns
         | Key::HeightStandardDeviation
         | Key::VacancyFraction
-        | Key::TextureSeed => case.value(*key) != plain.value(*key),
+        | Key::PillarSeed => case.value(*key) != plain.value(*key),
         key => is_on_page(*key),
     };
     let arguments = keys.filter(is_said).filter_map(|key| {
@@ -159,9 +159,9 @@ mod tests {
     fn the_command_is_the_case() {
         let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
         let changes = [
-            "texture.pitch=25um",
+            "pattern.pitch=25um",
             "lens.young_modulus=3.5MPa",
-            "texture.offset_angle=30deg",
+            "pattern.offset_angle=30deg",
             "method.name=punch",
         ];
         for change in changes {
@@ -192,24 +192,24 @@ mod tests {
     fn the_lines_for_python_are_of_the_lattice() {
         let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
         let changes = [
-            "texture.lattice=rectangular",
-            "texture.pitch=20um",
-            "texture.pitch_y=30um",
+            "pattern.lattice=rectangular",
+            "pattern.pitch=20um",
+            "pattern.pitch_y=30um",
         ];
         for change in changes {
             file.set(change).unwrap();
         }
         let rectangular = python(&file.case().unwrap(), Question::Contact(None));
         assert!(
-            rectangular.contains("fakir.RectangularTexture(")
+            rectangular.contains("fakir.RectangularPattern(")
                 && rectangular.contains("pitch=\"20 um\", pitch_y=\"30 um\", offset=0"),
             "{rectangular}"
         );
-        file.set("texture.lattice=oblique").unwrap();
-        file.set("texture.lattice_angle=70deg").unwrap();
+        file.set("pattern.lattice=oblique").unwrap();
+        file.set("pattern.lattice_angle=70deg").unwrap();
         let oblique = python(&file.case().unwrap(), Question::Contact(None));
         assert!(
-            oblique.contains("fakir.ObliqueTexture(")
+            oblique.contains("fakir.ObliquePattern(")
                 && oblique.contains("pitch_y=\"30 um\", angle=\"70 deg\", offset=0"),
             "{oblique}"
         );

@@ -144,7 +144,7 @@ mod tests {
         let start: Value = serde_json::from_str(&start(&Case::example())).unwrap();
         assert_eq!(start["case"]["lens.radius"], 2.2e-3);
         assert_eq!(start["case"]["method.name"], "spectral");
-        assert_eq!(start["case"].get("texture.pitch"), None);
+        assert_eq!(start["case"].get("pattern.pitch"), None);
         let keys = start["keys"].as_array().unwrap();
         let key = |path: &str| keys.iter().find(|key| key["key"] == path).unwrap();
         let ratio = key("substrate.poisson_ratio");
@@ -160,7 +160,7 @@ mod tests {
         );
         assert_eq!(radius["usual"], json!([1e-5, 0.1]));
         assert_eq!(ratio["usual"], json!([0.0, 0.5]));
-        assert_eq!(key("texture.surface_fraction")["label"], "surface fraction");
+        assert_eq!(key("pattern.surface_fraction")["label"], "surface fraction");
         assert_eq!(key("method.cells_per_diameter")["whole"], true);
         assert_eq!(key("substrate.thickness")["endless"], true);
         assert_eq!(radius["endless"], false);
@@ -171,8 +171,8 @@ mod tests {
         assert_eq!(form["default"], "corrected");
         assert_eq!(form["goes_with"]["words"], json!(["punch"]));
         assert_eq!(
-            key("texture.pitch")["alternative"],
-            "texture.surface_fraction"
+            key("pattern.pitch")["alternative"],
+            "pattern.surface_fraction"
         );
         for path in start["case"].as_object().unwrap().keys() {
             key(path);

@@ -70,7 +70,7 @@ impl Refusal {
         let refusal = Self::impossible(error.to_string());
         match error {
             SolveError::Interrupted => None,
-            SolveError::TextureTooDense { .. } => Some(refusal.at(Key::MethodName.path())),
+            SolveError::PatternTooDense { .. } => Some(refusal.at(Key::MethodName.path())),
             SolveError::MeshTooCoarse { .. } => Some(refusal.at(Key::CellsPerDiameter.path())),
             _ => Some(refusal),
         }

@@ -181,7 +181,7 @@ fn known(path: &str) -> Result<Key, Refusal> {
         let shown: String = path.chars().take(LONGEST_TEXT).collect();
         Refusal::impossible("unknown key")
             .at(shown)
-            .accepted("the keys of a case file, as in texture.pillar.diameter")
+            .accepted("the keys of a case file, as in pattern.pillar.diameter")
     })
 }
 
@@ -212,7 +212,7 @@ fn check_size(case: &Case) -> Result<(), Refusal> {
         Some(_) => {
             let limit = largest_fraction(&case.system, MOST_PILLARS);
             // If the other pitch is fixed, the surface fraction is inversely proportional to this one.
-            let ratio = case.system.texture().surface_fraction() / limit;
+            let ratio = case.system.pattern().surface_fraction() / limit;
             let power = if case.value(Key::PitchY).is_some() {
                 1.0
             } else {
@@ -271,7 +271,7 @@ pub(crate) fn largest_fraction(system: &System, pillars: f64) -> f64 {
             (expected_pillars(&system) / pillars).ln()
         })
     };
-    let ends = [LEAST, system.texture().surface_fraction()].map(|position| Point {
+    let ends = [LEAST, system.pattern().surface_fraction()].map(|position| Point {
         position,
         value: excess(position),
     });
@@ -348,11 +348,11 @@ mod tests {
     #[test]
     fn too_many_pillars_are_refused_with_what_is_accepted() {
         let mut dense = values(&Case::example());
-        dense.insert("texture.surface_fraction".to_owned(), Setting::Number(0.6));
+        dense.insert("pattern.surface_fraction".to_owned(), Setting::Number(0.6));
         let refusal = case(&dense).unwrap_err();
         let told = serde_json::to_string(&refusal).unwrap();
         assert!(
-            told.contains("\"key\":\"texture.surface_fraction\""),
+            told.contains("\"key\":\"pattern.surface_fraction\""),
             "{told}"
         );
         assert!(told.contains("with all else as it is, up to 0."), "{told}");

@@ -1,7 +1,7 @@
 //! Writes every figure, for the paper's lens and pillars, to the folder given as argument.
 
 use fakir::problem::{
-    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, PillarPattern, System,
 };
 use fakir::state::{CriticalState, Run};
 use fakir::theory::closed_forms;
@@ -148,9 +148,9 @@ fn spread() -> Result<Figure, Box<dyn Error>> {
         let share = (f64::from(k) + 0.5) / 2000.0;
         let normal = (share / (1.0 - share)).ln() / 1.702;
         let system = system(2e6, 0.02, 0.0)?;
-        let mut texture = system.texture().clone();
-        texture.pillar.height *= 1.0 + 0.05 * normal;
-        let system = System::new(system.lens().clone(), *system.substrate(), texture)?;
+        let mut pattern = system.pattern().clone();
+        pattern.pillar.height *= 1.0 + 0.05 * normal;
+        let system = System::new(system.lens().clone(), *system.substrate(), pattern)?;
         let critical = fakir::transition(&system, Method::Homogenised, &Run::default())?;
         values.push(critical.contact.force * 1e6);
     }
@@ -226,8 +226,8 @@ fn system(modulus: f64, surface_fraction: f64, offset: f64) -> Result<System, Bo
         radius: 2.2e-3,
         material: Material::new(2e6, 0.5),
     };
-    let texture = Texture::new(pillar, lattice.offset_by(offset));
-    Ok(System::new(lens, Material::new(modulus, 0.5), texture)?)
+    let pattern = PillarPattern::new(pillar, lattice.offset_by(offset));
+    Ok(System::new(lens, Material::new(modulus, 0.5), pattern)?)
 }
 
 fn spaced(count: usize) -> impl Iterator<Item = f64> {

@@ -410,7 +410,9 @@ pub(crate) const RED: Colour = Colour([200, 30, 30]);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture};
+    use fakir::problem::{
+        HexagonalLattice, Lens, Material, Pillar, PillarCompliance, PillarPattern,
+    };
 
     /// Pillars of unit diameter.
     fn system(lattice: HexagonalLattice) -> System {
@@ -426,7 +428,7 @@ mod tests {
             radius: 1e3,
             material: rubber,
         };
-        System::new(lens, rubber, Texture::new(pillar, lattice)).unwrap()
+        System::new(lens, rubber, PillarPattern::new(pillar, lattice)).unwrap()
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! Systems whose figures are drawn in tests.
 
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{
+    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, PillarPattern, System,
+};
 
 /// The diameter of the pillars, m.
 pub(crate) const DIAMETER: f64 = 6e-6;
@@ -18,5 +20,5 @@ pub(crate) fn system(lattice: HexagonalLattice) -> System {
         radius: 2.2e-3,
         material: rubber,
     };
-    System::new(lens, rubber, Texture::new(pillar, lattice)).unwrap()
+    System::new(lens, rubber, PillarPattern::new(pillar, lattice)).unwrap()
 }

@@ -204,7 +204,8 @@ fn places(pillars: &[CutPillar], half_width: f64, radius: f64, detail: SectionDe
 mod tests {
     use super::*;
     use fakir::problem::{
-        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+        HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, PillarPattern,
+        System,
     };
 
     const PITCH: f64 = 30e-6;
@@ -222,7 +223,12 @@ mod tests {
             compliance: PillarCompliance::Column,
         };
         let lattice = HexagonalLattice::new(PITCH).offset_by(offset);
-        System::new(lens, Material::new(1e6, 0.5), Texture::new(pillar, lattice)).unwrap()
+        System::new(
+            lens,
+            Material::new(1e6, 0.5),
+            PillarPattern::new(pillar, lattice),
+        )
+        .unwrap()
     }
 
     fn section(state: &ContactState, floor_contact: Option<Point>) -> Section {

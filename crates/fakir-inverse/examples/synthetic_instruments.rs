@@ -42,7 +42,7 @@ impl Noise {
 
 fn case(surface_fraction: &str) -> Result<Case, Box<dyn Error>> {
     let mut file = CaseFile::parse("example", &Case::example().to_toml())?;
-    file.set(&format!("texture.surface_fraction={surface_fraction}"))?;
+    file.set(&format!("pattern.surface_fraction={surface_fraction}"))?;
     file.set("substrate.young_modulus=1.4MPa")?;
     Ok(file.case()?)
 }

@@ -18,7 +18,7 @@ const NOISE: f64 = 0.5e-6;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut file = CaseFile::parse("example", &Case::example().to_toml())?;
-    file.set("texture.surface_fraction=0.01")?;
+    file.set("pattern.surface_fraction=0.01")?;
     file.set("substrate.young_modulus=1.4MPa")?;
     let case = file.case()?;
     let mut random = ChaCha12Rng::seed_from_u64(7);

@@ -21,8 +21,8 @@ const STEP: f64 = 0.08e-6;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut file = CaseFile::parse("example", &Case::example().to_toml())?;
     for truth in [
-        "texture.surface_fraction=0.03",
-        "texture.offset=0.3",
+        "pattern.surface_fraction=0.03",
+        "pattern.offset=0.3",
         "substrate.young_modulus=1.4MPa",
         "adhesion.work=35mJ/m2",
     ] {

@@ -441,7 +441,7 @@ pub fn free_keys() -> Vec<Key> {
 /// # Errors
 /// The paths of possible keys.
 pub fn free_key(name: &str) -> Result<Key, String> {
-    let name = Key::at(name).map_or(name, Key::path);
+    let name: &str = Key::at(name).map_or(name, |key| key.path());
     let mut named = free_keys();
     named.retain(|key| key.path() == name || key.name() == name);
     match named[..] {
@@ -806,7 +806,7 @@ impl Search<'_> {
                 error @ (SolveError::ContactExceedsLens { .. }
                 | SolveError::ProfileEnds { .. }
                 | SolveError::TooLarge { .. }
-                | SolveError::TextureTooDense { .. }),
+                | SolveError::PatternTooDense { .. }),
             ) => Err(Limit::Solver(error)),
             // Memory for the grid on the floor of wide lattices.
             Err(error @ SolveError::TooManyCells { .. }) if self.wanted.is_share() => {
@@ -1105,7 +1105,7 @@ mod tests {
     fn rectangular(surface_fraction: f64) -> CaseFile {
         let mut file = paper(surface_fraction);
         let pitch = file.case().unwrap().system.pitch();
-        file.set("texture.lattice=rectangular").unwrap();
+        file.set("pattern.lattice=rectangular").unwrap();
         file.set_number(Key::Pitch, pitch);
         file.set_number(Key::PitchY, 1.1 * pitch);
         file
@@ -1430,7 +1430,7 @@ mod tests {
     fn a_floor_that_carries_nothing_has_no_share() {
         for shape in ["cylinder", "plate"] {
             let mut file = paper(0.03);
-            file.set("texture.columns=3").unwrap();
+            file.set("pattern.columns=3").unwrap();
             file.set(&format!("lens.shape={shape}")).unwrap();
             let case = file.case().unwrap();
             let load = Load::Indentation(8e-6);
@@ -1453,9 +1453,9 @@ mod tests {
     fn every_case_has_ranges() {
         let mut wide = paper(0.03);
         wide.set("lens.radius=50um").unwrap();
-        wide.set("texture.pillar.diameter=120um").unwrap();
+        wide.set("pattern.pillar.diameter=120um").unwrap();
         let mut plate = paper(0.03);
-        for given in ["lens.shape=plate", "texture.columns=3"] {
+        for given in ["lens.shape=plate", "pattern.columns=3"] {
             plate.set(given).unwrap();
         }
         for file in [wide, plate] {
@@ -1499,11 +1499,11 @@ mod tests {
                 "substrate.young_modulus",
                 "substrate.thickness",
                 "substrate.base_young_modulus",
-                "texture.surface_fraction",
-                "texture.pitch",
-                "texture.pitch_y",
-                "texture.pillar.diameter",
-                "texture.pillar.height"
+                "pattern.surface_fraction",
+                "pattern.pitch",
+                "pattern.pitch_y",
+                "pattern.pillar.diameter",
+                "pattern.pillar.height"
             ]
         );
         let mut layered = paper(0.1);

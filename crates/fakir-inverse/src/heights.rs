@@ -10,7 +10,7 @@
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::numerics::dense::{Lu, Matrix};
-use fakir::problem::{Accuracy, Asperity, AsperityArray, Indenter, InvalidCaps, Load};
+use fakir::problem::{Accuracy, Asperity, AsperityArray, Indenter, InvalidAsperities, Load};
 use fakir::state::{AsperityContact, Run, SolveError};
 use std::f64::consts::PI;
 
@@ -266,7 +266,7 @@ pub enum HeightDesignError {
     },
     /// Heights that are not finite.
     #[error(transparent)]
-    Caps(#[from] InvalidCaps),
+    Caps(#[from] InvalidAsperities),
     /// The start cannot be solved.
     #[error("the heights that independent asperities would need cannot be solved: {0}")]
     Start(#[source] SolveError),

@@ -64,7 +64,7 @@ pub enum PillarHeightsError {
     },
     /// The top of a pillar would be below the floor.
     #[error(
-        "the lowest pillar would end {:.4e} m below the floor: give texture.pillar.height as {:.3e} m or more", -.lowest, .needed
+        "the lowest pillar would end {:.4e} m below the floor: give pattern.pillar.height as {:.3e} m or more", -.lowest, .needed
     )]
     BelowFloor {
         /// Height of the lowest pillar, m; not above 0.

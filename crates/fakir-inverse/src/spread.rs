@@ -102,8 +102,8 @@ pub struct Sample {
     pub offset: f64,
     /// Direction of the offset, rad.
     pub offset_angle: f64,
-    /// Seed of heights and missing pillars, `texture.seed`; `None` if pillars do not scatter.
-    pub texture_seed: Option<u32>,
+    /// Seed of heights and missing pillars, `pattern.seed`; `None` if pillars do not scatter.
+    pub pillar_seed: Option<u32>,
     /// Critical force, indentation and contact radius, or the reason why there are none.
     pub outcome: Result<Critical, String>,
     /// Forces (N) at the given indentations; empty for a sample without a critical state.
@@ -177,7 +177,7 @@ pub enum SpreadError {
     },
     /// Random positions of the lens axis among listed pillars.
     #[error(
-        "listed pillars have no cell in which a lens lands anywhere: vary texture.axis_x and texture.axis_y in its place"
+        "listed pillars have no cell in which a lens lands anywhere: vary pattern.axis_x and pattern.axis_y in its place"
     )]
     NoCell,
     /// Fewer than two samples.
@@ -363,11 +363,11 @@ impl Draw<'_> {
                 file.set_number(Key::OffsetAngle, offset_angle);
             }
             // A number of a case file represents 32 bits exactly.
-            let texture_seed = self
+            let pillar_seed = self
                 .scatters
                 .then(|| Distribution::<u32>::sample(&StandardUniform, &mut random));
-            if let Some(seed) = texture_seed {
-                file.set_number(Key::TextureSeed, f64::from(seed));
+            if let Some(seed) = pillar_seed {
+                file.set_number(Key::PillarSeed, f64::from(seed));
             }
             let case = match file.case() {
                 Ok(case) => case,
@@ -388,7 +388,7 @@ impl Draw<'_> {
                 values,
                 offset,
                 offset_angle,
-                texture_seed,
+                pillar_seed,
                 outcome,
                 forces,
             });
@@ -574,10 +574,10 @@ impl Spread {
             drawn(&Key::Offset.column(), |sample| sample.offset),
             drawn(&Key::OffsetAngle.column(), |sample| sample.offset_angle),
         ]);
-        if samples().any(|sample| sample.texture_seed.is_some()) {
-            let seeds = samples().map(|sample| sample.texture_seed.map(i64::from));
+        if samples().any(|sample| sample.pillar_seed.is_some()) {
+            let seeds = samples().map(|sample| sample.pillar_seed.map(i64::from));
             columns.push(Column {
-                name: Key::TextureSeed.column(),
+                name: Key::PillarSeed.column(),
                 values: Values::Counts(seeds.collect()),
             });
         }
@@ -776,7 +776,7 @@ mod tests {
     /// A square lattice of phi = 0.03 with scattered pillars and the lens axis off all symmetry lines.
     fn scattered(height_spread: f64, missing: f64) -> CaseFile {
         let mut file = CaseFile::parse("square", &Case::example().to_toml()).unwrap();
-        file.set("texture.lattice=square").unwrap();
+        file.set("pattern.lattice=square").unwrap();
         file.set_number(Key::SurfaceFraction, 0.03);
         file.set_number(Key::Offset, 0.3);
         file.set_number(Key::OffsetAngle, 0.35);
@@ -814,7 +814,7 @@ mod tests {
         // Each sample equals the case with its seed and values.
         for sample in &spread.samples[..2] {
             let mut file = file.clone();
-            file.set_number(Key::TextureSeed, f64::from(sample.texture_seed.unwrap()));
+            file.set_number(Key::PillarSeed, f64::from(sample.pillar_seed.unwrap()));
             file.set_number(Key::SubstrateYoungModulus, sample.values[0]);
             let case = file.case().unwrap();
             let control = Load::Indentation(3e-6);
@@ -824,7 +824,7 @@ mod tests {
         let table = spread.table(&sampling).to_csv();
         let head = table.lines().next().unwrap();
         assert!(
-            head.contains("texture.seed") && head.contains("force_at_3_um_N"),
+            head.contains("pattern.seed") && head.contains("force_at_3_um_N"),
             "{head}"
         );
     }

@@ -52,7 +52,7 @@ impl Quantity {
         }
     }
 
-    /// The exponents of the limit of dense textures, a lens on a half-space: `a_c ~ phi`,
+    /// The exponents of the limit of dense pillar patterns, a lens on a half-space: `a_c ~ phi`,
     /// `F_c ~ a_c^3`, `zeta_c ~ a_c^2`.
     #[must_use]
     pub fn dense_exponent(self) -> f64 {

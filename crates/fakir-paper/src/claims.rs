@@ -148,7 +148,7 @@ pub fn claims(evidence: &Evidence<'_>) -> Result<Vec<Claim>, CaseError> {
         power_law(evidence.grid, Quantity::Force),
         power_law(evidence.grid, Quantity::ContactRadius),
         power_law(evidence.grid, Quantity::Indentation),
-        dense_textures(evidence.grid),
+        dense_patterns(evidence.grid),
         mixed_contact(evidence.mixed),
     ]);
     Ok(claims.into_iter().flatten().collect())
@@ -613,7 +613,7 @@ fn force_distribution(state: &ContactState) -> Option<Claim> {
         finding: format!(
             "Intermediate substrate, φ = {}: {} of F_0 off in the root mean square of {} pillars, \
              at most {}.",
-            short(state.system.texture().surface_fraction()),
+            short(state.system.pattern().surface_fraction()),
             percent(root_mean_square),
             state.pillars_in_contact,
             percent(largest)
@@ -639,7 +639,7 @@ fn hertz(loading: &[ContactState]) -> Option<Claim> {
         })
         .collect();
     let (first, last) = (*ratios.first()?, *ratios.last()?);
-    let phi = loading.last()?.system.texture().surface_fraction();
+    let phi = loading.last()?.system.pattern().surface_fraction();
     Some(Claim {
         name: "hertz-loading",
         claim: "Under load the contact radius follows Hertz, a = ((3π/8) γ_ext R F)^(1/3)."
@@ -734,7 +734,7 @@ fn mixed_contact(state: &ContactState) -> Option<Claim> {
             "Intermediate substrate, φ = {}, at {} of the critical indentation: the floor bears {} of \
              the load on {} µm², out to {} of the radius of the contact on the tops; a ring of {} µm \
              or more around every pillar stays free.",
-            short(state.system.texture().surface_fraction()),
+            short(state.system.pattern().surface_fraction()),
             short(PAST),
             percent(floor.share),
             short(1e12 * floor.area),
@@ -836,7 +836,7 @@ fn each_law(grid: &Grid, quantity: Quantity, range: [f64; 2]) -> Option<[PowerLa
 /// The densest surface fraction at which the paper's experiments reached the transition.
 const OBSERVED: f64 = 0.21;
 
-fn dense_textures(grid: &Grid) -> Option<Claim> {
+fn dense_patterns(grid: &Grid) -> Option<Claim> {
     let last = |s: Substrate| grid.on_pillar(s).states.last();
     let densest = last(Substrate::Intermediate)?;
     let forces = each(|s| last(s).map(|state| state.force))?;

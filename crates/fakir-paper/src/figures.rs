@@ -183,7 +183,7 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
 
 /// The surface fraction of a state as a label: `φ = 0.1`.
 fn fraction_label(state: &ContactState) -> String {
-    format!("φ = {:.3}", state.system.texture().surface_fraction())
+    format!("φ = {:.3}", state.system.pattern().surface_fraction())
 }
 
 fn point(state: &Critical) -> CriticalPoint {
@@ -261,7 +261,7 @@ fn models(grid: &Grid, substrate: Substrate) -> Result<Vec<CriticalCurve>, Drawi
         let run = Run::default();
         match fakir::transition(&system, Method::Homogenised, &run) {
             Ok(critical) => homogenised.push(CriticalPoint::from(&critical)),
-            Err(SolveError::TextureTooDense { .. }) => {}
+            Err(SolveError::PatternTooDense { .. }) => {}
             Err(error) => return Err(error.into()),
         }
     }

@@ -103,8 +103,8 @@ pub fn study(fractions: Fractions) -> Result<Study, CaseError> {
     let offsets = OFFSETS.map(|(offset, _)| offset.to_string());
     let Fractions { from, to, points } = fractions;
     let text = format!(
-        "{}\n[axes]\n\"substrate.young_modulus\" = [{}]\n\"texture.offset\" = [{}]\n\
-         \"texture.surface_fraction\" = {{ from = {from:e}, to = {to:e}, points = {points}, \
+        "{}\n[axes]\n\"substrate.young_modulus\" = [{}]\n\"pattern.offset\" = [{}]\n\
+         \"pattern.surface_fraction\" = {{ from = {from:e}, to = {to:e}, points = {points}, \
          spacing = \"log\" }}\n",
         Case::example().to_toml(),
         moduli.join(", "),

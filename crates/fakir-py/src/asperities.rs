@@ -73,7 +73,7 @@ impl Asperities {
         Ok(Self { case })
     }
 
-    /// Reads a case file with `texture.top_radius`.
+    /// Reads a case file with `pattern.top_radius`.
     #[staticmethod]
     fn read(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
         let file = CaseFile::read(&path).map_err(|error| case_error(&error))?;
@@ -193,7 +193,7 @@ impl AsperityContact {
 
 /// The contact with rounded tops at an indentation (m) or under a force (N).
 #[pyfunction]
-pub(crate) fn press_rounded(
+pub(crate) fn press_asperities(
     py: Python<'_>,
     tops: &Asperities,
     indentation: Option<f64>,

@@ -80,7 +80,7 @@ impl Case {
         // One of the two was given; the other is derived.
         let system = &self.case.system;
         values.set_item(Key::Pitch.path(), system.pitch())?;
-        let fraction = system.texture().surface_fraction();
+        let fraction = system.pattern().surface_fraction();
         values.set_item(Key::SurfaceFraction.path(), fraction)?;
         Ok(values)
     }
@@ -153,7 +153,7 @@ impl From<fakir_case::Case> for Case {
 /// Content of a case file.
 #[derive(IntoPyObject)]
 pub(crate) enum Described {
-    Texture(Case),
+    PillarPattern(Case),
     Surface(Surface),
     Asperities(Asperities),
     Flat(Flat),
@@ -168,7 +168,7 @@ impl Described {
                 Asperities::of(file, overrides).map(Self::Asperities)
             }
             SurfaceKind::Asperities | SurfaceKind::Pillars | SurfaceKind::Flat => {
-                Case::of(file, overrides).map(Self::Texture)
+                Case::of(file, overrides).map(Self::PillarPattern)
             }
         }
     }

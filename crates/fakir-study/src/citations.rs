@@ -97,7 +97,7 @@ impl Topic {
     /// What the cases of a study make use of.
     #[must_use]
     pub fn of_study(study: &Study) -> Vec<Self> {
-        let textures = study.methods().into_iter().map(Self::Method);
+        let patterns = study.methods().into_iter().map(Self::Method);
         let surfaces = study.surfaces().iter().map(|surface| Self::Surface {
             periodic: surface.boundary == Boundary::Periodic,
             random: surface.is_random,
@@ -110,7 +110,7 @@ impl Topic {
             SurfaceKind::Flat => Some(Self::Flat),
             SurfaceKind::Pillars | SurfaceKind::HeightMap => None,
         };
-        textures
+        patterns
             .chain(adhesion)
             .chain(floor)
             .chain(layers)

@@ -98,7 +98,7 @@ impl Formula {
                 !one_pillar
             }
             Self::HomogenisedDenseLimit => {
-                !one_pillar && system.texture().surface_fraction() >= DENSE
+                !one_pillar && system.pattern().surface_fraction() >= DENSE
             }
         }
     }
@@ -147,7 +147,7 @@ pub fn closed_forms(system: &System) -> Result<Vec<ClosedForm>, SolveError> {
 /// Whether the lens touches only one pillar at the transition, by the paper's criterion.
 #[must_use]
 pub fn touches_one_pillar(system: &System) -> bool {
-    system.texture().surface_fraction() < closed_forms::small_contact_limit(system)
+    system.pattern().surface_fraction() < closed_forms::small_contact_limit(system)
 }
 
 /// The contact radius of the corrected formula for large contacts, m.

@@ -160,7 +160,7 @@ pub fn collapse(
     let threshold = floor.collapse_threshold();
     let collapsed = Collapsed {
         method: "collapsed_floor".to_owned(),
-        surface_fraction: system.texture().surface_fraction(),
+        surface_fraction: system.pattern().surface_fraction(),
         pitch: system.pitch(),
         work,
         work_over_stiffness: work / (system.reduced_modulus() * radius),

@@ -91,7 +91,7 @@ pub fn compare(
     let reference = set_differences(&mut rows);
     Ok(Comparison {
         summary: CompareSummary {
-            surface_fraction: system.texture().surface_fraction(),
+            surface_fraction: system.pattern().surface_fraction(),
             pitch_m: system.pitch(),
             reference,
             converged: rows.iter().all(|row| row.converged),

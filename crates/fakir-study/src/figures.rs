@@ -180,7 +180,7 @@ mod tests {
     fn study(tables: &str) -> Study {
         let text = format!("{tables}\n{}", Case::example().to_toml());
         let mut file = StudyFile::parse("study.toml", &text).unwrap();
-        file.set("texture.pillar.height=0.3um").unwrap();
+        file.set("pattern.pillar.height=0.3um").unwrap();
         file.study().unwrap()
     }
 

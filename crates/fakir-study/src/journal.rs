@@ -466,7 +466,7 @@ mod tests {
         );
         let mut file = StudyFile::parse("study.toml", &text).unwrap();
         file.set("method.name=homogenised").unwrap();
-        file.set("texture.surface_fraction=1e-3").unwrap();
+        file.set("pattern.surface_fraction=1e-3").unwrap();
         let study = file.study().unwrap();
         let mut options = Options::default();
         let rows = sweep(&study, &mut options).unwrap();

@@ -5,7 +5,7 @@
 //! use fakir_study::{Options, Table};
 //!
 //! let text = format!(
-//!     "[axes]\nsurface_fraction = [1e-3, 3e-3]\n\"texture.offset\" = [0, 0.5]\n{}",
+//!     "[axes]\nsurface_fraction = [1e-3, 3e-3]\n\"pattern.offset\" = [0, 0.5]\n{}",
 //!     Case::example().to_toml()
 //! );
 //! let study = StudyFile::parse("study.toml", &text)?.study()?;
@@ -13,7 +13,7 @@
 //! assert_eq!(rows.len(), 4);
 //! assert!(rows.iter().all(|row| row.problem.is_none()));
 //! let table = Table::new(&study, &rows);
-//! assert!(table.to_csv().starts_with("case,texture.surface_fraction,texture.offset,method,"));
+//! assert!(table.to_csv().starts_with("case,pattern.surface_fraction,pattern.offset,method,"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn every_case_is_in_one_chain_of_one_shard() {
-        let offsets = "\"texture.offset\" = { from = 0, to = 1, points = 19 }";
+        let offsets = "\"pattern.offset\" = { from = 0, to = 1, points = 19 }";
         let fractions = "surface_fraction = [0.01, 0.02, 0.03]";
         let words = "\"method.name\" = [\"punch\", \"homogenised\"]";
         let angles = "offset_angle = { from = 0, to = 1, points = 19 }";

@@ -245,11 +245,11 @@ impl<'a> SharedSweep<'a> {
             memory_limit: self.memory_limit,
             ..Run::default()
         };
-        let request = match (case.question, case.case.texture()) {
+        let request = match (case.question, case.case.pattern()) {
             (Question::Contact(load), _) => Request::Contact(load),
             (Question::Cycle(plan), _) => Request::Cycle(plan),
-            (Question::Collapse, Some(texture)) => {
-                let (collapsed, termination) = collapse(&texture.system, texture.method, &run)?;
+            (Question::Collapse, Some(pattern)) => {
+                let (collapsed, termination) = collapse(&pattern.system, pattern.method, &run)?;
                 let problem = (termination != Termination::Converged)
                     .then(|| termination.description().to_owned());
                 return Ok((Some(RowAnswer::Collapse(Box::new(collapsed))), problem));

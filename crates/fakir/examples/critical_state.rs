@@ -1,7 +1,7 @@
 //! Computes the load at which a lens on pillars first touches the floor between them.
 
 use fakir::problem::{
-    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, System, Texture,
+    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, PillarPattern, System,
 };
 use fakir::state::Run;
 
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         compliance: PillarCompliance::Column,
     };
     let lattice = HexagonalLattice::with_surface_fraction(0.03, pillar.diameter);
-    let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+    let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice))?;
     let critical = fakir::transition(&system, Method::default(), &Run::default())?;
 
     let contact = &critical.contact;

@@ -10,7 +10,7 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Accuracy, Adhesion, CyclePlan, HexagonalLattice, Lens, Material, Method, Pillar,
-    PillarCompliance, System, Texture,
+    PillarCompliance, PillarPattern, System,
 };
 use fakir::state::{Cycle, Run, SolveError};
 use std::error::Error;
@@ -110,7 +110,7 @@ impl Drawn {
             material: Material::new(2e6, 0.5),
         };
         let substrate = Material::new(self.modulus, 0.5);
-        let system = System::new(lens, substrate, Texture::new(pillar, lattice))?;
+        let system = System::new(lens, substrate, PillarPattern::new(pillar, lattice))?;
         let system = system.with_adhesion(self.adhesion)?;
         let (plan, method) = (CyclePlan::default(), Method::Spectral(accuracy));
         fakir::cycle(&system, plan, method, &Run::default())

@@ -1,8 +1,8 @@
-//! Prints force, contact radius and floor gap during loading of a lens on a texture, up to the load at which it reaches the floor, as
+//! Prints force, contact radius and floor gap during loading of a lens on a pillar pattern, up to the load at which it reaches the floor, as
 //! comma-separated values on standard output.
 
 use fakir::problem::{
-    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System, Texture,
+    HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, PillarPattern, System,
 };
 use fakir::state::Run;
 
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let lattice =
         HexagonalLattice::with_surface_fraction(0.03, pillar.diameter).offset_by(1.0 / 3.0);
-    let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+    let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice))?;
 
     let (method, run) = (Method::default(), Run::default());
     let critical = fakir::transition(&system, method, &run)?

@@ -3,8 +3,8 @@
 //! `cargo run --release --example mixed -- [phi] [indentation over critical] [offset] [default|accurate]`
 
 use fakir::problem::{
-    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
-    Texture,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance,
+    PillarPattern, System,
 };
 use fakir::state::Run;
 use std::time::Instant;
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         radius: 2.2e-3,
         material: rubber,
     };
-    let system = System::new(lens, substrate, Texture::new(pillar, lattice))?;
+    let system = System::new(lens, substrate, PillarPattern::new(pillar, lattice))?;
     let run = Run::default();
     let critical = fakir::transition(&system, Method::Spectral(accuracy), &run)?;
     let indentation = Load::Indentation(ratio * critical.contact.indentation);

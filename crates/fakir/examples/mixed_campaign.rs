@@ -6,8 +6,8 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
-    Texture,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance,
+    PillarPattern, System,
 };
 use fakir::state::{ContactState, Run};
 
@@ -57,7 +57,7 @@ fn row(seed: u64) -> Result<(), Box<dyn std::error::Error>> {
         let system = System::new(
             lens,
             Material::new(modulus, 0.5),
-            Texture::new(pillar, lattice),
+            PillarPattern::new(pillar, lattice),
         )?;
         let run = Run::default();
         let critical = fakir::transition(&system, Method::default(), &run)?;

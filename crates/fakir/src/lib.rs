@@ -4,13 +4,13 @@
 //! ```
 //! use fakir::problem::Method;
 //! use fakir::state::Run;
-//! use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+//! use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, PillarPattern};
 //!
 //! let rubber = Material::new(2.0e6, 0.5);
 //! let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
 //! let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
 //! let lens = Lens { radius: 2.2e-3, material: rubber };
-//! let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+//! let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice))?;
 //!
 //! let critical = fakir::transition(&system, Method::default(), &Run::default())?;
 //! assert!(critical.contact.converged());

@@ -62,12 +62,12 @@ pub fn press(
 /// ```
 /// use fakir::problem::{Load, Method, Quantity};
 /// use fakir::state::Run;
-/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, PillarPattern};
 /// # let rubber = Material::new(2.0e6, 0.5);
 /// # let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
 /// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
 /// # let lens = Lens { radius: 2.2e-3, material: rubber };
-/// # let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+/// # let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice))?;
 /// let gradient = fakir::gradient(&system, Load::FloorContact, Method::default(), &Run::default())?;
 /// let force = gradient.force.ok_or("it is prescribed")?;
 /// let by_height = force.by(Quantity::PillarHeight).ok_or("it is not known")?; // N/m
@@ -122,12 +122,12 @@ pub fn transition(
 /// ```
 /// use fakir::problem::Method;
 /// use fakir::state::Run;
-/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, PillarPattern};
 /// # let rubber = Material::new(2.0e6, 0.5);
 /// # let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
 /// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
 /// # let lens = Lens { radius: 2.2e-3, material: rubber };
-/// # let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+/// # let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice))?;
 /// let critical = fakir::transition(&system, Method::default(), &Run::default())?;
 /// for contact in fakir::press_to_floor_shares(&critical, &[0.2, 0.4], &Run::default())? {
 ///     assert!(contact.converged() && contact.force > critical.contact.force);
@@ -163,12 +163,12 @@ pub fn press_to_floor_shares(
 /// ```
 /// use fakir::problem::{Adhesion, CyclePlan, Method};
 /// use fakir::state::Run;
-/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+/// # use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, PillarPattern};
 /// # let rubber = Material::new(2.0e6, 0.5);
 /// # let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
 /// # let lattice = HexagonalLattice::with_surface_fraction(0.01, pillar.diameter);
 /// # let lens = Lens { radius: 2.2e-3, material: rubber };
-/// # let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+/// # let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice))?;
 /// let system = system.with_adhesion(Adhesion::new(50e-3))?; // J/m^2
 /// let cycle = fakir::cycle(&system, CyclePlan::default(), Method::default(), &Run::default())?;
 /// let pull_off = cycle.pull_off.as_ref().ok_or("nothing pulls")?;

@@ -9,7 +9,7 @@ use crate::numerics::convergence::{larger, within};
 use crate::problem::{
     Accuracy, ElementMesh, Feature, FloorModel, Load, Method, Question, Solver, System,
 };
-use crate::solve::elements::texture;
+use crate::solve::elements::pattern;
 use crate::state::{ContactState, LARGEST_ERROR, Run, SolveError, Termination};
 
 /// The results of both methods, and their differences.
@@ -209,7 +209,7 @@ pub fn verify(
     let answer = |cells_per_diameter: usize| match &spectral.floor {
         Some(floor) => {
             let reach = spectral.contact_radius.max(floor.radius) + 1.5 * system.pitch();
-            texture::press_with_floor(system, control, cells_per_diameter, reach, run)
+            pattern::press_with_floor(system, control, cells_per_diameter, reach, run)
         }
         None => {
             let system = system.with_floor(FloorModel::Ignored);
@@ -272,7 +272,9 @@ fn compare_meshes([coarse, fine]: &mut [ContactState; 2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture};
+    use crate::problem::{
+        HexagonalLattice, Lens, Material, Pillar, PillarCompliance, PillarPattern,
+    };
     use crate::theory::reference::intermediate;
 
     #[test]
@@ -322,9 +324,9 @@ mod tests {
             height,
             compliance: PillarCompliance::None,
         };
-        let texture = Texture::new(pillar, HexagonalLattice::new(pitch));
+        let pattern = PillarPattern::new(pillar, HexagonalLattice::new(pitch));
         let substrate = Material::new(substrate[0], substrate[1]);
-        let system = System::new(lens, substrate, texture).unwrap();
+        let system = System::new(lens, substrate, pattern).unwrap();
         let question = Load::Indentation(indentation);
         verify(&system, question, ElementMesh::default(), &Run::default()).unwrap()
     }
@@ -400,7 +402,7 @@ mod tests {
         };
         let surface_fraction = 0.245_161_375_788_943_87;
         let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
-        let system = System::new(lens, substrate, Texture::new(pillar, lattice)).unwrap();
+        let system = System::new(lens, substrate, PillarPattern::new(pillar, lattice)).unwrap();
         let run = Run::default();
         let mesh = ElementMesh::default();
         let verification = verify(&system, Load::FloorContact, mesh, &run).unwrap();

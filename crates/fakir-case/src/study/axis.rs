@@ -22,7 +22,7 @@ pub enum Variable {
 }
 
 impl Variable {
-    /// Name in a study: `"texture.surface_fraction"`, `"indentation"`.
+    /// Name in a study: `"pattern.surface_fraction"`, `"indentation"`.
     #[must_use]
     pub fn path(self) -> &'static str {
         match self {
@@ -91,7 +91,7 @@ impl Variable {
         }
     }
 
-    /// All variables of cases with a general surface, or with a texture.
+    /// All variables of cases with a general surface, or with a pattern.
     fn all(surface: bool) -> impl Iterator<Item = Self> {
         let keys = Key::ALL.into_iter();
         let keys = keys.filter(move |key| key.is_of_bodies() || key.is_of_surface() == surface);
@@ -108,7 +108,7 @@ impl Variable {
             .filter(|variable| variable.last_name() == name || variable.former_name() == Some(name))
             .collect();
         let others: &[&str] = match surface {
-            true => &["texture", "method"],
+            true => &["pattern", "method"],
             false => &["surface"],
         };
         match namesakes[..] {
@@ -140,7 +140,7 @@ impl Variable {
 pub(crate) enum Unnamed {
     Unknown(Option<&'static str>),
     Ambiguous(Vec<Variable>),
-    /// A key of a texture although the case has a general surface, or vice versa.
+    /// A key of a pillar pattern although the case has a general surface, or vice versa.
     OfTheOther {
         surface: bool,
     },
@@ -257,7 +257,7 @@ impl Axis {
         !matches!(self.values, Values::Words(_))
     }
 
-    /// A value as written in a study file: `texture.pitch = "20 um"`.
+    /// A value as written in a study file: `pattern.pitch = "20 um"`.
     pub(crate) fn setting(&self, step: usize) -> String {
         let value = match self.value(step) {
             Coordinate::Number(number) => self.variable.written(number),

@@ -75,7 +75,7 @@ impl StudyFile {
             )
             .key(path.trim())
             .label(0..path.len(), "here")
-            .accepted("for example texture.pillar.height=2um"));
+            .accepted("for example pattern.pillar.height=2um"));
         }
         self.case.set(argument)?;
         let [key] = self.case.named(path.trim())[..] else {

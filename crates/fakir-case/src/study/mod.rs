@@ -9,13 +9,13 @@
 //!
 //! [axes]
 //! pitch = { from = "10 um", to = "40 um", points = 5 }    # spacing = "log": at equal ratios
-//! "texture.offset" = [0, 0.5]
+//! "pattern.offset" = [0, 0.5]
 //! "method.name" = ["spectral", "punch"]
 //! "#;
 //! let study = fakir_case::StudyFile::parse("study.toml", &format!("{text}{case}"))?.study()?;
 //! assert_eq!(study.cases(), 20);
 //! let first = study.case(0).case;
-//! assert_eq!(first.texture().map(|case| case.system.pitch()), Some(10e-6));
+//! assert_eq!(first.pattern().map(|case| case.system.pitch()), Some(10e-6));
 //! # Ok::<(), fakir_case::CaseError>(())
 //! ```
 //!
@@ -161,7 +161,7 @@ impl Study {
         axes.map(|(axis, step)| axis.value(step)).collect()
     }
 
-    /// Description of a case, as in a study file: `texture.pitch = "10 um", texture.offset = 0.5`.
+    /// Description of a case, as in a study file: `pattern.pitch = "10 um", pattern.offset = 0.5`.
     ///
     /// # Panics
     /// If there are no more than `index` cases.
@@ -180,13 +180,13 @@ impl Study {
         }
     }
 
-    /// General surfaces of its cases, one of each kind and set of keys; empty for textures.
+    /// General surfaces of its cases, one of each kind and set of keys; empty for patterns.
     #[must_use]
     pub fn surfaces(&self) -> &[SurfaceExample] {
         &self.surfaces.examples
     }
 
-    /// Number of cells of the general surface of a case; 0 for a texture, and for a surface that
+    /// Number of cells of the general surface of a case; 0 for a pillar pattern, and for a surface that
     /// exceeds the default memory limit.
     ///
     /// # Panics
@@ -270,10 +270,10 @@ impl Study {
                 return None;
             }
             // Other keys are the same in all cases that have them.
-            let textures = self.examples.iter();
+            let patterns = self.examples.iter();
             let rounded = self.rounded.iter();
             let surfaces = self.surfaces().iter();
-            textures
+            patterns
                 .map(|case| case.value(key))
                 .chain(rounded.map(|case| case.value(key)))
                 .chain(surfaces.map(|surface| surface.value(key)))

@@ -34,7 +34,7 @@ impl AnyCase {
         if of_adhesion && adhesion.is_none() {
             return Err(file.without_adhesion());
         }
-        if asked == Asked::Collapse && case.texture().is_none() {
+        if asked == Asked::Collapse && case.pattern().is_none() {
             return Err(file
                 .missing(Key::FloorSticks)
                 .accepted("a flat surface has no floor between pillars: ask for a cycle"));

@@ -18,7 +18,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-const AXES_EXAMPLE: &str = "for example \"texture.offset\" = [0, 0.5], or pitch = { from = \"10 um\", to = \"40 um\", points = 5 }";
+const AXES_EXAMPLE: &str = "for example \"pattern.offset\" = [0, 0.5], or pitch = { from = \"10 um\", to = \"40 um\", points = 5 }";
 
 type Item<'a, 'i> = (std::ops::Range<usize>, &'a Spanned<DeValue<'i>>);
 
@@ -536,7 +536,7 @@ fn not_a_variable(place: &Place, name: &str, why: Unnamed) -> CaseError {
             format!("\"{name}\" is no key of a case"),
             match similar {
                 Some(meant) => format!("did you mean {meant}?"),
-                None => "an axis is named by a key, as in \"texture.pillar.height\" or height, or \
+                None => "an axis is named by a key, as in \"pattern.pillar.height\" or height, or \
                          by indentation or force"
                     .to_owned(),
             },
@@ -558,7 +558,7 @@ fn not_a_variable(place: &Place, name: &str, why: Unnamed) -> CaseError {
         ),
         Unnamed::OfTheOther { surface: false } => (
             "the case has no [surface]".to_owned(),
-            "a case with a [texture] has axes over keys of lens, substrate, texture and method, and \
+            "a case with a [pattern] has axes over keys of lens, substrate, pattern and method, and \
              over loads"
                 .to_owned(),
         ),

@@ -15,13 +15,13 @@ poisson_ratio = 0.5
 "#;
 
 const SITES: &str = r#"
-[texture]
+[pattern]
 lattice = "square"
 pitch = "1.5 mm"
 columns = 3
 top_radius = "526 um"
 
-[texture.pillar]
+[pattern.pillar]
 height = "200 um"
 "#;
 
@@ -137,20 +137,20 @@ fn what_rounded_tops_do_not_have_is_refused() {
         ),
         (
             with("compliance = \"column\"\n"),
-            "texture.pillar.diameter: this key is missing",
+            "pattern.pillar.diameter: this key is missing",
         ),
         (with("compliance = \"elastic\"\n"), "only for flat tops"),
         (
-            set("texture.top_radius=-1um"),
-            "texture.top_radius: cannot be",
+            set("pattern.top_radius=-1um"),
+            "pattern.top_radius: cannot be",
         ),
         (
-            set("texture.columns=9999"),
+            set("pattern.columns=9999"),
             "too many pillars with rounded tops",
         ),
         (
-            set("texture.surface_fraction=0.1"),
-            "texture.pillar.diameter: this key is missing",
+            set("pattern.surface_fraction=0.1"),
+            "pattern.pillar.diameter: this key is missing",
         ),
         (
             set("lens.radius=1mm"),
@@ -158,14 +158,14 @@ fn what_rounded_tops_do_not_have_is_refused() {
         ),
         (
             refused(&format!("{PLATE}{}", SITES.replace("columns = 3\n", ""))),
-            "texture.columns: this key is missing",
+            "pattern.columns: this key is missing",
         ),
         (
             refused(&format!(
                 "{PLATE}{}",
                 SITES.replace("height = \"200 um\"\n", "")
             )),
-            "texture.pillar.height: this key is missing",
+            "pattern.pillar.height: this key is missing",
         ),
     ] {
         assert!(told.contains(words), "{told}");
@@ -178,7 +178,7 @@ fn flat_tops_are_not_computed_in_their_place() {
     let told = |text: &str| file(text).case().unwrap_err().one_line();
     let both = told(&format!("{PLATE}{SITES}diameter = \"400 um\"\n"));
     assert!(
-        both.contains("texture.top_radius: this is computed for flat pillar tops only"),
+        both.contains("pattern.top_radius: this is computed for flat pillar tops only"),
         "{both}"
     );
     assert!(both.contains("`press`"), "{both}");

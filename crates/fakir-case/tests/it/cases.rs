@@ -53,7 +53,7 @@ fn check_paper(name: &str, substrate_modulus: f64) -> System {
             .offset_angle,
         0.0
     );
-    assert!((system.texture().surface_fraction() - 0.1).abs() < 1e-15);
+    assert!((system.pattern().surface_fraction() - 0.1).abs() < 1e-15);
     system
 }
 
@@ -69,8 +69,8 @@ fn examples_are_the_systems_of_the_paper() {
 #[test]
 fn overrides_by_the_last_name_of_a_key() {
     for (short, whole) in [
-        ("pitch=25um", "texture.pitch=25um"),
-        ("diameter=5um", "texture.pillar.diameter=5um"),
+        ("pitch=25um", "pattern.pitch=25um"),
+        ("diameter=5um", "pattern.pillar.diameter=5um"),
         ("work=20mJ/m2", "adhesion.work=20mJ/m2"),
         ("accuracy=accurate", "method.accuracy=accurate"),
     ] {
@@ -156,8 +156,8 @@ fn what_may_be_left_out() {
         r#"
         lens = { radius = 0.0022, young_modulus = 2_000_000, poisson_ratio = 0 }
         substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }
-        texture.pitch = "20 µm"
-        texture.pillar = { diameter = "6000 nm", height = "2.2 μm" }
+        pattern.pitch = "20 µm"
+        pattern.pillar = { diameter = "6000 nm", height = "2.2 μm" }
         "#,
     );
     assert_eq!(case.method, Method::default());
@@ -176,9 +176,9 @@ fn what_may_be_left_out() {
 #[test]
 fn overrides_replace_the_other_of_a_pair_and_the_method() {
     let pitch = |overrides: &[&str]| with(overrides).unwrap().system.pitch();
-    assert_eq!(pitch(&["texture.pitch=20um"]), 20e-6);
+    assert_eq!(pitch(&["pattern.pitch=20um"]), 20e-6);
     assert_eq!(
-        pitch(&["texture.pitch=20um", "texture.pitch = \"21 um\""]),
+        pitch(&["pattern.pitch=20um", "pattern.pitch = \"21 um\""]),
         21e-6
     );
     let method = |overrides: &[&str]| with(overrides).unwrap().method;
@@ -202,7 +202,7 @@ fn overrides_replace_the_other_of_a_pair_and_the_method() {
 fn overrides_take_bare_quantities() {
     let case = with(&[
         "lens.radius=3 mm",
-        "texture.offset_angle=30deg",
+        "pattern.offset_angle=30deg",
         "substrate.young_modulus=1e9",
     ]);
     let system = case.unwrap().system;
@@ -221,8 +221,8 @@ fn overrides_take_bare_quantities() {
 #[test]
 fn fractions_are_taken_in_per_cent() {
     for (text, number) in [("3%", "0.03"), ("29 %", "0.29"), ("0.7 %", "0.007")] {
-        let bare = with(&[&format!("texture.surface_fraction={number}")]).unwrap();
-        let given = with(&[&format!("texture.surface_fraction={text}")]).unwrap();
+        let bare = with(&[&format!("pattern.surface_fraction={number}")]).unwrap();
+        let given = with(&[&format!("pattern.surface_fraction={text}")]).unwrap();
         assert_eq!(given, bare);
         let example = Case::example().to_toml();
         let line = example
@@ -234,7 +234,7 @@ fn fractions_are_taken_in_per_cent() {
     }
     let error = with(&["lens.poisson_ratio=50%"]).unwrap_err();
     assert!(error.to_string().contains("expected a number"), "{error}");
-    let error = with(&["texture.surface_fraction=120 %"]).unwrap_err();
+    let error = with(&["pattern.surface_fraction=120 %"]).unwrap_err();
     assert!(error.to_string().contains("cannot be 1.2"), "{error}");
 }
 
@@ -269,17 +269,17 @@ proptest! {
             Method::Homogenised,
         ];
         let spacing = if by_pitch {
-            format!("texture.pitch={:e}", diameter * spacing)
+            format!("pattern.pitch={:e}", diameter * spacing)
         } else {
-            format!("texture.surface_fraction={}", 0.9 / (spacing * spacing))
+            format!("pattern.surface_fraction={}", 0.9 / (spacing * spacing))
         };
         let overrides = [
             format!("lens.radius={radius}"),
             format!("lens.young_modulus={modulus}"),
             format!("substrate.poisson_ratio={ratio}"),
-            format!("texture.pillar.diameter={diameter:e}"),
-            format!("texture.offset={offset}"),
-            format!("texture.offset_angle={angle}"),
+            format!("pattern.pillar.diameter={diameter:e}"),
+            format!("pattern.offset={offset}"),
+            format!("pattern.offset_angle={angle}"),
             spacing,
         ];
         let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
@@ -306,8 +306,8 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
     };
     let bodies = "lens = { radius = 2e-3, young_modulus = 2e6, poisson_ratio = 0.5 }\n\
                   substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }\n";
-    let listed = format!("{bodies}texture = {{ pillars = \"pillars.csv\" }}\n");
-    let rounded = format!("{bodies}texture = {{ pillars = \"pillars.csv\", top_radius = 1e-5 }}\n");
+    let listed = format!("{bodies}pattern = {{ pillars = \"pillars.csv\" }}\n");
+    let rounded = format!("{bodies}pattern = {{ pillars = \"pillars.csv\", top_radius = 1e-5 }}\n");
 
     write(
         "pillars.csv",
@@ -327,15 +327,15 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
         file.case()
     };
     assert_eq!(
-        given("texture.pillar.height=3um")
+        given("pattern.pillar.height=3um")
             .unwrap()
             .system
             .pillar()
             .height,
         3e-6
     );
-    let wrong = given("texture.pillar.diameter=nan").unwrap_err();
-    assert_eq!(wrong.key_path(), Some("texture.pillar.diameter"));
+    let wrong = given("pattern.pillar.diameter=nan").unwrap_err();
+    assert_eq!(wrong.key_path(), Some("pattern.pillar.diameter"));
 
     // Equal diameters equal the common one exactly, as layers and adhesion require.
     let rows = (0..7).map(|k| format!("{k}e-5,0,1e-6,{:e}\n", 0.1e-6 * 3.0));
@@ -351,7 +351,7 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
     write("pillars.csv", "x_m,y_m,height_m\n0,0,2e-6\n");
     let told = read(&listed).case().unwrap_err().one_line();
     assert!(
-        told.contains("texture.pillar.diameter: this key is missing"),
+        told.contains("pattern.pillar.diameter: this key is missing"),
         "{told}"
     );
     assert!(told.contains("a column diameter_m in "), "{told}");

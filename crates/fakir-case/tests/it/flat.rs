@@ -15,10 +15,10 @@ poisson_ratio = 0.5
 "#;
 
 const PILLARS: &str = r#"
-[texture]
+[pattern]
 pitch = "20 um"
 
-[texture.pillar]
+[pattern.pillar]
 diameter = "6 um"
 height = "2.2 um"
 "#;
@@ -50,7 +50,7 @@ fn without_pillars_and_without_a_surface_it_is_flat() {
     let pillars = file(&format!("{BODIES}{PILLARS}"));
     assert_eq!(pillars.surface_kind(), SurfaceKind::Pillars);
     let mut added = file(BODIES);
-    for setting in ["texture.pitch=20um", "texture.pillar.diameter=6um"] {
+    for setting in ["pattern.pitch=20um", "pattern.pillar.diameter=6um"] {
         added.set(setting).unwrap();
     }
     assert_eq!(added.surface_kind(), SurfaceKind::Pillars);
@@ -86,7 +86,7 @@ fn keys_of_pillars_and_other_surfaces_are_refused_where_they_stand() {
     );
     let told = refused(&format!("{BODIES}{PILLARS}{FLAT}"));
     assert!(
-        told.contains("[texture]") && told.contains("[surface]"),
+        told.contains("[pattern]") && told.contains("[surface]"),
         "{told}"
     );
     let told = refused(&format!("{BODIES}\n[method]\nname = \"punch\"\n"));

@@ -231,9 +231,9 @@ fn numbers_without_a_unit_are_plausible_or_refused() {
 /// A deprecated path is accepted in files, overrides and studies, and a warning names the new one.
 #[test]
 fn deprecated_names_are_accepted_with_a_warning() {
-    let warning = "texture.height_spread is deprecated: use texture.height_standard_deviation";
+    let warning = "pattern.height_spread is deprecated: use pattern.height_standard_deviation";
     let example = Case::example().to_toml();
-    let with = |line: &str| example.replace("[texture]\n", &format!("[texture]\n{line}\n"));
+    let with = |line: &str| example.replace("[pattern]\n", &format!("[pattern]\n{line}\n"));
     let parse = |text: &str| CaseFile::parse("case.toml", text).unwrap();
     let new = parse(&with("height_standard_deviation = 0.05"));
     assert!(new.warnings().is_empty());
@@ -242,20 +242,20 @@ fn deprecated_names_are_accepted_with_a_warning() {
     assert_eq!(old.warnings(), [warning]);
     assert!(!old.case().unwrap().to_toml().contains("height_spread"));
     let mut set = parse(&example);
-    set.set("texture.height_spread = 5 %").unwrap();
+    set.set("pattern.height_spread = 5 %").unwrap();
     assert_eq!(set.case().unwrap(), new.case().unwrap());
     assert_eq!(set.deprecations(), [warning]);
-    for name in ["\"texture.height_spread\"", "height_spread"] {
+    for name in ["\"pattern.height_spread\"", "height_spread"] {
         let axis = format!("[axes]\n{name} = [0.05, 0.1]\n{example}");
         let study = StudyFile::parse("study.toml", &axis).unwrap();
         assert_eq!(study.case().deprecations(), [warning]);
         let study = study.study().unwrap();
-        assert_eq!(study.case(0).case.texture(), Some(&new.case().unwrap()));
+        assert_eq!(study.case(0).case.pattern(), Some(&new.case().unwrap()));
     }
     let both = with("height_spread = 0.05\nheight_standard_deviation = 0.05");
     let told = CaseFile::parse("case.toml", &both).unwrap_err().one_line();
     assert!(
-        told.contains("texture.height_standard_deviation and texture.height_spread are both given"),
+        told.contains("pattern.height_standard_deviation and pattern.height_spread are both given"),
         "{told}"
     );
 }
@@ -329,19 +329,19 @@ fn missing_is_a_former_name_of_the_vacancy_fraction() {
 fn keys_without_effect_are_named() {
     let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
     assert!(file.warnings().is_empty());
-    file.set("texture.seed=7").unwrap();
-    file.set("texture.offset_angle=10deg").unwrap();
+    file.set("pattern.seed=7").unwrap();
+    file.set("pattern.offset_angle=10deg").unwrap();
     let told = file.warnings().join("; ");
     assert!(
-        told.contains("texture.offset_angle has no effect: the lens axis is on"),
+        told.contains("pattern.offset_angle has no effect: the lens axis is on"),
         "{told}"
     );
     assert!(
-        told.contains("texture.seed has no effect: nothing is random"),
+        told.contains("pattern.seed has no effect: nothing is random"),
         "{told}"
     );
-    file.set("texture.missing=0.1").unwrap();
-    file.set("texture.offset=0.1").unwrap();
+    file.set("pattern.vacancy_fraction=0.1").unwrap();
+    file.set("pattern.offset=0.1").unwrap();
     assert!(file.warnings().is_empty());
 }
 

@@ -7,11 +7,11 @@ const REST: &str = "
 [substrate]
 young_modulus = '2 MPa'
 poisson_ratio = 0.5
-[texture]
+[pattern]
 lattice = 'square'
 pitch = '20 um'
 columns = 7
-[texture.pillar]
+[pattern.pillar]
 diameter = '6 um'
 height = '2.2 um'
 ";
@@ -161,7 +161,7 @@ fn endless_lattices_are_refused_under_cylinders_and_plates() {
             error
                 .what_is_accepted()
                 .unwrap()
-                .contains("texture.columns")
+                .contains("pattern.columns")
         );
     }
 }

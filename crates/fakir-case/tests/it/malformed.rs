@@ -85,10 +85,10 @@ fn overrides_of_a_study() {
     );
     let file = StudyFile::parse("study.toml", &text).unwrap();
     for (name, argument) in [
-        ("of an axis", "texture.surface_fraction=0.3"),
-        ("of what an axis replaces", "texture.pitch=20um"),
+        ("of an axis", "pattern.surface_fraction=0.3"),
+        ("of what an axis replaces", "pattern.pitch=20um"),
         ("of no key", "axes.offset=0"),
-        ("that cannot be", "texture.pillar.diameter=0um"),
+        ("that cannot be", "pattern.pillar.diameter=0um"),
     ] {
         let mut file = file.clone();
         let error = file.set(argument).and_then(|()| file.study().map(drop));
@@ -107,14 +107,14 @@ fn a_study_is_no_case() {
 }
 
 #[test]
-fn a_surface_is_no_texture() {
+fn a_surface_is_no_pattern() {
     let text = "[surface]\nheight_map = \"map.npy\"\n";
     let error = CaseFile::parse("case.toml", text).unwrap().case();
     insta::assert_snapshot!("surface_for_texture", rendered(&error.unwrap_err()));
-    let mut texture = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
-    texture.set("surface.arrangement=square").unwrap();
-    let error = texture.case().unwrap_err();
-    let same = texture.surface_case(MEMORY).unwrap_err();
+    let mut pattern = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+    pattern.set("surface.arrangement=square").unwrap();
+    let error = pattern.case().unwrap_err();
+    let same = pattern.surface_case(MEMORY).unwrap_err();
     assert_eq!(error.one_line(), same.one_line());
     insta::assert_snapshot!("surface_over_texture", rendered(&error));
 }
@@ -122,8 +122,8 @@ fn a_surface_is_no_texture() {
 #[test]
 fn every_malformed_override_is_explained() {
     let overrides: &[(&str, &[&str])] = &[
-        ("no equals sign", &["texture.pitch"]),
-        ("unknown key", &["texture.pitsch=20um"]),
+        ("no equals sign", &["pattern.pitch"]),
+        ("unknown key", &["pattern.pitsch=20um"]),
         ("key without its table", &["young_modulus=2MPa"]),
         ("table for a key", &["method=love"]),
         ("table for one of two keys", &["lens=2mm"]),
@@ -134,19 +134,19 @@ fn every_malformed_override_is_explained() {
         ("empty", &[""]),
         ("empty value", &["lens.radius="]),
         ("wrong unit", &["lens.radius=2 MPa"]),
-        ("negative", &["texture.pillar.height=-1um"]),
+        ("negative", &["pattern.pillar.height=-1um"]),
         ("number too large", &["lens.radius=1e400 um"]),
         ("above half", &["lens.poisson_ratio = 0.6"]),
-        ("word for a number", &["texture.surface_fraction=dense"]),
+        ("word for a number", &["pattern.surface_fraction=dense"]),
         ("unknown method", &["method.name=fem"]),
-        ("pitch below the diameter", &["texture.pitch=5um"]),
+        ("pitch below the diameter", &["pattern.pitch=5um"]),
         (
             "file at fault after an override",
-            &["texture.pillar.diameter=20um", "texture.pitch=19um"],
+            &["pattern.pillar.diameter=20um", "pattern.pitch=19um"],
         ),
         (
             "both of an exclusive pair",
-            &["texture.pitch=20um", "texture.surface_fraction=0.2"],
+            &["pattern.pitch=20um", "pattern.surface_fraction=0.2"],
         ),
         (
             "accuracy of another method",

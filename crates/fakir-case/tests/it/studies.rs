@@ -15,14 +15,14 @@ fn study(tables: &str) -> Study {
     file.study().unwrap()
 }
 
-/// A case of a study of textures.
-fn texture(study: &Study, index: usize) -> Case {
-    study.case(index).case.texture().unwrap().clone()
+/// A case of a study of patterns.
+fn pattern(study: &Study, index: usize) -> Case {
+    study.case(index).case.pattern().unwrap().clone()
 }
 
 fn pitches(study: &Study) -> Vec<f64> {
     (0..study.cases())
-        .map(|index| texture(study, index).system.pitch())
+        .map(|index| pattern(study, index).system.pitch())
         .collect()
 }
 
@@ -37,12 +37,12 @@ fn the_last_axis_varies_fastest() {
     );
     assert_eq!(
         study.settings(4),
-        "texture.pitch = \"30 um\", texture.offset = 0.25"
+        "pattern.pitch = \"30 um\", pattern.offset = 0.25"
     );
     assert_eq!(study.case(4).coordinates, study.coordinates(4));
     assert_eq!(study.asked(), Asked::Transition);
     let columns: Vec<_> = study.axes().map(|axis| axis.variable().column()).collect();
-    assert_eq!(columns, ["texture.pitch_m", "texture.offset"]);
+    assert_eq!(columns, ["pattern.pitch_m", "pattern.offset"]);
 }
 
 #[test]
@@ -60,28 +60,28 @@ fn axes_that_go_together() {
 #[test]
 fn keys_without_effect_in_any_case_are_named() {
     let words = |tables: &str| study(tables).warnings();
-    let angle = "texture.offset_angle has no effect: the lens axis is on a pillar centre: texture.offset is 0";
-    let axis = "[axes]\n\"texture.offset_angle\" = [\"0 deg\", \"10 deg\", \"20 deg\"]";
+    let angle = "pattern.offset_angle has no effect: the lens axis is on a pillar centre: pattern.offset is 0";
+    let axis = "[axes]\n\"pattern.offset_angle\" = [\"0 deg\", \"10 deg\", \"20 deg\"]";
     assert_eq!(words(axis), [angle]);
-    let of_offset = format!("{axis}\n\"texture.offset\" = [0, 0.5]");
+    let of_offset = format!("{axis}\n\"pattern.offset\" = [0, 0.5]");
     assert!(words(&of_offset).is_empty());
     let fixed = |offsets: &str| {
         let text = format!(
-            "[axes]\n\"texture.offset\" = {offsets}\n{}",
+            "[axes]\n\"pattern.offset\" = {offsets}\n{}",
             Case::example().to_toml()
         );
         let mut file = StudyFile::parse("study.toml", &text).unwrap();
-        file.set("texture.offset_angle=10deg").unwrap();
+        file.set("pattern.offset_angle=10deg").unwrap();
         file.study().unwrap().warnings()
     };
     assert_eq!(fixed("[0]"), [angle]);
     assert!(fixed("[0, 0.5]").is_empty());
-    assert!(words("[axes]\n\"texture.pitch\" = [\"20 um\"]").is_empty());
+    assert!(words("[axes]\n\"pattern.pitch\" = [\"20 um\"]").is_empty());
 }
 
 #[test]
 fn dotted_names_need_no_quotes() {
-    let study = study("[axes]\ntexture.pillar.height = [1e-6, 2e-6]\ntexture.offset = [0, 0.5]");
+    let study = study("[axes]\npattern.pillar.height = [1e-6, 2e-6]\npattern.offset = [0, 0.5]");
     let axes: Vec<_> = study.axes().map(Axis::variable).collect();
     assert_eq!(
         axes,
@@ -106,7 +106,7 @@ fn ranges_begin_and_end_where_they_say() {
     }
     let study = self::study("[axes]\noffset = { from = 0.1, to = 0.7, points = 4 }");
     let offset = |index: usize| {
-        texture(&study, index)
+        pattern(&study, index)
             .system
             .hexagonal_lattice()
             .expect("a hexagonal lattice")
@@ -137,16 +137,16 @@ fn a_value_of_an_axis_is_that_of_a_case_file_bit_for_bit() {
     let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
     for argument in [
         "substrate.young_modulus=0.0021 MPa",
-        "texture.pitch=18.07 um",
-        "texture.offset_angle=10 deg",
+        "pattern.pitch=18.07 um",
+        "pattern.offset_angle=10 deg",
     ] {
         file.set(argument).unwrap();
     }
-    assert_eq!(texture(&study, 0), file.case().unwrap());
+    assert_eq!(pattern(&study, 0), file.case().unwrap());
     file.set_number(Key::SubstrateYoungModulus, 1e9);
-    assert_eq!(texture(&study, 1), file.case().unwrap());
+    assert_eq!(pattern(&study, 1), file.case().unwrap());
     file.set_number(Key::SurfaceFraction, 0.2); // in place of the pitch
-    let fraction = file.case().unwrap().system.texture().surface_fraction();
+    let fraction = file.case().unwrap().system.pattern().surface_fraction();
     assert!((fraction / 0.2 - 1.0).abs() < 1e-15);
 }
 
@@ -174,7 +174,7 @@ fn keys_of_methods_count_for_the_methods_that_have_them() {
             file.set(argument).unwrap();
         }
         let study = file.study().map_err(|error| error.to_string())?;
-        let cases = (0..study.cases()).map(|index| texture(&study, index).method);
+        let cases = (0..study.cases()).map(|index| pattern(&study, index).method);
         Ok(cases.collect())
     };
     // The example has method.accuracy = "default", which the punch lattice does not accept.
@@ -215,7 +215,7 @@ fn what_is_written_is_the_same_study() {
         assert_eq!(again.to_toml(), written);
         assert_eq!(again.cases(), study.cases());
         for index in 0..study.cases() {
-            assert_eq!(texture(&again, index), texture(&study, index));
+            assert_eq!(pattern(&again, index), pattern(&study, index));
             let [there, here] = [&again, &study].map(|study| study.case(index));
             assert_eq!(there.question, here.question);
             assert_eq!(there.coordinates, here.coordinates);
@@ -228,9 +228,9 @@ fn what_is_written_is_the_same_study() {
 fn defaults_that_are_spelt_out_are_the_same_study() {
     let text = "[axes]\noffset_angle = [0, 0.1]\n[lens]\nradius = 0.0022\nyoung_modulus = 2e6\n\
                 poisson_ratio = 0.5\n[substrate]\nyoung_modulus = 2e6\npoisson_ratio = 0.5\n\
-                [texture]\nsurface_fraction = 0.1\n[texture.pillar]\ndiameter = 6e-6\nheight = 2.2e-6";
+                [pattern]\nsurface_fraction = 0.1\n[pattern.pillar]\ndiameter = 6e-6\nheight = 2.2e-6";
     let short = StudyFile::parse("short.toml", text).unwrap();
-    let long = study("[axes]\n\"texture.offset_angle\" = [\"0 deg\", \"0.1 rad\"]");
+    let long = study("[axes]\n\"pattern.offset_angle\" = [\"0 deg\", \"0.1 rad\"]");
     assert_eq!(short.study().unwrap().to_toml(), long.to_toml());
 }
 

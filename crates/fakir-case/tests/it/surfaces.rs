@@ -82,7 +82,7 @@ fn every_form_top_and_arrangement() {
         "surface.pillar.drop=0.1um",
         "surface.pillar.compliance=none",
         "surface.pitch=15um",
-        "surface.missing=0.1",
+        "surface.vacancy_fraction=0.1",
         "surface.height_half_width=0.2",
         "surface.seed=7",
         "surface.grid.cells_per_diameter=8",

@@ -9,7 +9,7 @@ use fakir_study::citations::Topic;
 use fakir_study::compare::{compare, methods};
 use fakir_study::provenance::Provenance;
 use fakir_study::report::Report;
-use fakir_study::report::state::{radius_digits, texture_line};
+use fakir_study::report::state::{pillar_pattern_line, radius_digits};
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::{CompareSummary, MethodRow, csv, json};
 
@@ -78,7 +78,7 @@ fn text(case: &Case, summary: &CompareSummary) -> String {
     });
     format!(
         "Comparison of methods\n{}\n\n{}{against}{remarks}{sticks}",
-        texture_line(&case.system),
+        pillar_pattern_line(&case.system),
         table(rows, &columns),
     )
 }

@@ -18,7 +18,7 @@ use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::report::Report;
-use fakir_study::report::state::{QuantityList, radius_digits, texture_line};
+use fakir_study::report::state::{QuantityList, pillar_pattern_line, radius_digits};
 use fakir_study::report::table::{Column, list, table};
 use fakir_study::result::{cycle_warnings, json, warnings};
 use std::time::Instant;
@@ -115,7 +115,7 @@ pub(crate) fn run(
     Ok(Designed { report, found })
 }
 
-/// The question in words: `texture.pitch for a critical force of 1 mN`.
+/// The question in words: `pattern.pitch for a critical force of 1 mN`.
 fn words(question: Option<(Key, Wanted)>, sampling: Option<&Sampling>) -> String {
     let design = question.map(|(free, wanted)| {
         let value = format_quantity(wanted.value(), wanted.dimension());
@@ -141,7 +141,7 @@ fn design_text(answer: &Answer, case: &Case) -> String {
     format!(
         "{}\n{}\n{}\n\n{rows}",
         answer.statement(),
-        texture_line(&case.system),
+        pillar_pattern_line(&case.system),
         method_words(case.method),
     )
 }
@@ -232,7 +232,7 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
     } else {
         format!(", normal {}", varied.join(", "))
     };
-    let seeded = spread.samples.iter().any(|it| it.texture_seed.is_some());
+    let seeded = spread.samples.iter().any(|it| it.pillar_seed.is_some());
     let pillars = if seeded { ", pillars drawn anew" } else { "" };
     let head = format!(
         "Spread of {} samples, {landing}{pillars}{varied}",

@@ -17,7 +17,7 @@ use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::report::Report;
-use fakir_study::report::state::{QuantityList, strained_words, texture_line};
+use fakir_study::report::state::{QuantityList, pillar_pattern_line, strained_words};
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::json;
 use std::time::Instant;
@@ -89,7 +89,7 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
         "{}: {rows} states{out}\n{}{}\n{}, {} in {} steps, in {}\n\n",
         data.name(),
         understood(data),
-        texture_line(&case.system),
+        pillar_pattern_line(&case.system),
         method_words(case.method),
         fitted.termination.description(),
         fitted.iterations,

@@ -9,7 +9,7 @@ use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::Provenance;
 use fakir_study::report::Report;
-use fakir_study::report::state::{QuantityList, texture_line};
+use fakir_study::report::state::{QuantityList, pillar_pattern_line};
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::{
     ANNULI_ALONE, AdhesionObject, CoefficientRow, Constants, CurveRow, FormulaRow, PullOffRow,
@@ -29,7 +29,7 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
     Ok(Report {
         json: json(&summary),
         text: [
-            format!("Closed forms\n{}\n", texture_line(system)),
+            format!("Closed forms\n{}\n", pillar_pattern_line(system)),
             constants_text(&summary.constants, summary.no_homogenised.as_ref()),
             adhesion.map_or(String::new(), adhesion_text),
             floor.map_or(String::new(), |floor| stuck_floor_text(&floor)),

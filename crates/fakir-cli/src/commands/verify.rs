@@ -11,7 +11,7 @@ use fakir_case::{AnyCase, Case, CaseFile};
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::report::Report;
-use fakir_study::report::state::{difference, radius_digits, texture_line};
+use fakir_study::report::state::{difference, pillar_pattern_line, radius_digits};
 use fakir_study::report::surface::description;
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::{
@@ -121,7 +121,7 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
     };
     format!(
         "Verification by an independent method\n{}\n\n{}\n{}{}{}\n{verdict}, in {}.\n",
-        texture_line(&case.system),
+        pillar_pattern_line(&case.system),
         table(rows, &columns),
         difference("force", verification.force),
         difference("indentation", verification.indentation),

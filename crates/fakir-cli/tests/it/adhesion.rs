@@ -51,7 +51,7 @@ fn a_cycle_agrees_with_an_independent_program() {
 
 #[test]
 fn keys_of_a_cycle_are_the_contract() {
-    let few = ["--set", "texture.surface_fraction=0.003"];
+    let few = ["--set", "pattern.surface_fraction=0.003"];
     let case = adhesive();
     let arguments = [&["cycle", &case], &few[..]].concat();
     let result = Bench::new().json(&arguments);
@@ -93,7 +93,7 @@ fn keys_of_a_cycle_are_the_contract() {
 
 #[test]
 fn a_cycle_in_words() {
-    let few = ["--set", "texture.surface_fraction=0.01"];
+    let few = ["--set", "pattern.surface_fraction=0.01"];
     let case = adhesive();
     let arguments = [&["cycle", &case], &few[..]].concat();
     let shown = Bench::new().result(&arguments);
@@ -325,7 +325,7 @@ fn elements_verify_the_contact_without_adhesion_only() {
         "--set",
         "adhesion.work=0",
         "--set",
-        "texture.surface_fraction=0.003",
+        "pattern.surface_fraction=0.003",
     ];
     let found = bench.json(&[&["verify", &case], &few[..]].concat());
     assert_eq!(found["verdict"], "agree");
@@ -335,7 +335,7 @@ fn elements_verify_the_contact_without_adhesion_only() {
 #[test]
 fn a_comparison_says_what_is_without_adhesion() {
     let bench = Bench::new();
-    let few = ["--set", "texture.surface_fraction=0.003"];
+    let few = ["--set", "pattern.surface_fraction=0.003"];
     let case = adhesive();
     let arguments = [&["compare", &case], &few[..]].concat();
     let found = bench.json(&arguments);
@@ -415,7 +415,7 @@ fn theory_has_the_closed_forms_of_adhesion() {
 fn a_range_of_attraction_tells_whether_it_counts_as_small() {
     let bench = Bench::new();
     let case = adhesive();
-    let few = ["--set", "texture.surface_fraction=0.003"];
+    let few = ["--set", "pattern.surface_fraction=0.003"];
     let commands: [&[&str]; 3] = [
         &["transition", &case],
         &["press", &case, "--indentation", "1um"],
@@ -461,7 +461,7 @@ fn samples_that_stick_tell_how_pull_off_scatters() {
         "design",
         &case,
         "--set",
-        "texture.surface_fraction=0.003",
+        "pattern.surface_fraction=0.003",
         "--tolerance",
         "adhesion.work=60%",
         "--samples",
@@ -507,7 +507,7 @@ fn samples_that_stick_tell_how_pull_off_scatters() {
         "cycle",
         &case,
         "--set",
-        "texture.surface_fraction=0.003",
+        "pattern.surface_fraction=0.003",
         "--set",
         &work,
     ]);
@@ -520,9 +520,9 @@ fn samples_that_stick_tell_how_pull_off_scatters() {
         "--set",
         "adhesion.work=0",
         "--set",
-        "texture.surface_fraction=0.003",
+        "pattern.surface_fraction=0.003",
         "--tolerance",
-        "texture.pillar.height=2%",
+        "pattern.pillar.height=2%",
         "--samples",
         "2",
     ]);

@@ -65,8 +65,8 @@ fn bad_input_is_status_2_with_an_explanation_and_no_files() {
         (&["transition", "broken.toml"], "broken.toml:2:10"),
         (&["transition", "missing.toml"], "cannot read missing.toml"),
         (
-            &["transition", &case, "--set", "texture.pich=1um"],
-            "did you mean texture.pitch?",
+            &["transition", &case, "--set", "pattern.pich=1um"],
+            "did you mean pattern.pitch?",
         ),
         (
             &["transition", &case, "--set", "lens.radius=2MPa"],
@@ -140,7 +140,7 @@ fn what_the_physics_refuses_is_status_3() {
                 "--set",
                 "method.name=homogenised",
                 "--set",
-                "texture.surface_fraction=0.9",
+                "pattern.surface_fraction=0.9",
             ],
             "homogenised lattice needs a surface fraction below",
         ),
@@ -311,7 +311,7 @@ fn loads_too_small_for_a_contact_are_refused() {
         "--indentation=1e-25",
         "--indentation=0",
     ] {
-        for offset in ["texture.offset=0", "texture.offset=0.3"] {
+        for offset in ["pattern.offset=0", "pattern.offset=0.3"] {
             let arguments = ["press", &case, load, "--set", offset, "--json", "--quiet"];
             let outcome = bench.run(&arguments);
             assert!(!outcome.stdout.is_empty(), "{}", outcome.stderr);
@@ -346,16 +346,16 @@ fn loads_without_a_unit_are_plausible_or_refused() {
             "`1 mN`",
         ),
         (
-            &["design", &case, "--tolerance=texture.pillar.height=0.05"],
+            &["design", &case, "--tolerance=pattern.pillar.height=0.05"],
             "`0.05 um`",
         ),
         (
             &["design", &case, "--tolerance=substrate.young_modulus=0.1"],
             "`0.1 MPa`",
         ),
-        (&["transition", &case, "--set=texture.pitch=20"], "`20 um`"),
+        (&["transition", &case, "--set=pattern.pitch=20"], "`20 um`"),
         (
-            &["transition", &case, "--set=texture.offset_angle=30"],
+            &["transition", &case, "--set=pattern.offset_angle=30"],
             "`30 deg`",
         ),
     ];
@@ -370,7 +370,7 @@ fn loads_without_a_unit_are_plausible_or_refused() {
             "{arguments:?}: {words}"
         );
     }
-    for setting in ["texture.pitch=2e-5", "lens.radius=0.002", "lens.radius=2m"] {
+    for setting in ["pattern.pitch=2e-5", "lens.radius=0.002", "lens.radius=2m"] {
         bench.result(&["theory", &case, "--set", setting, "--quiet"]);
     }
 }
@@ -400,7 +400,7 @@ fn results_are_replaced_whole_or_not_at_all() {
         let arguments = [command, &intermediate(), "--output", "results", "--quiet"];
         bench.run(&[&arguments, more].concat())
     };
-    let small = ["--set", "texture.surface_fraction=0.01"];
+    let small = ["--set", "pattern.surface_fraction=0.01"];
     assert_eq!(save("transition", &small).status, Some(0));
     let before = bench.files("results");
     assert!(before.contains(&"pillars.csv".to_owned()));
@@ -516,7 +516,7 @@ fn ctrl_c_ends_with_130_and_saves_nothing() {
         "transition",
         "-",
         "--set",
-        "texture.surface_fraction=0.29",
+        "pattern.surface_fraction=0.29",
         "--set",
         "method.accuracy=accurate",
         "--output",
@@ -600,7 +600,7 @@ fn the_explorer_says_what_keeps_it_from_starting() {
         outcome.stderr
     );
     bench.write("pillars.csv", "x_m,y_m\n0,0\n3e-5,0\n");
-    let listed = ["texture.lattice=listed", "texture.pillars=pillars.csv"];
+    let listed = ["pattern.lattice=listed", "pattern.pillars=pillars.csv"];
     let mut arguments = vec!["explore", "--no-browser"];
     arguments.extend(listed.iter().flat_map(|setting| ["--set", setting]));
     let outcome = bench.run(&arguments);
@@ -608,7 +608,7 @@ fn the_explorer_says_what_keeps_it_from_starting() {
     assert!(
         outcome
             .stderr
-            .contains("texture.lattice: the page shows pillars on lattices"),
+            .contains("pattern.lattice: the page shows pillars on lattices"),
         "{}",
         outcome.stderr
     );
@@ -655,7 +655,7 @@ fn strained_models_fail_where_that_is_asked_for() {
     );
     assert!(strict.stdout.starts_with("Critical state"));
     // If no limit is exceeded strict mode makes no difference, and elastic pillars report their model error.
-    let elastic = ["--set", "texture.pillar.compliance=elastic", "--force=5uN"];
+    let elastic = ["--set", "pattern.pillar.compliance=elastic", "--force=5uN"];
     let light = [&["press", &case, "--strict"], &elastic[..]].concat();
     let light = bench.run(&light);
     assert_eq!(light.status, Some(0), "{}", light.stderr);
@@ -673,11 +673,11 @@ fn strained_models_fail_where_that_is_asked_for() {
 fn elastic_pillars_are_refused_at_their_key() {
     let bench = Bench::new();
     let case = intermediate();
-    let elastic = "texture.pillar.compliance=elastic";
+    let elastic = "pattern.pillar.compliance=elastic";
     for (set, words) in [
         (
-            "texture.pillar.height=31um",
-            "texture.pillar.compliance: cannot be \"elastic\"",
+            "pattern.pillar.height=31um",
+            "pattern.pillar.compliance: cannot be \"elastic\"",
         ),
         (
             "substrate.poisson_ratio=0.2",
@@ -711,8 +711,8 @@ fn keys_without_effect_are_named() {
     let bench = Bench::new();
     let case = intermediate();
     let press = ["press", &case, "--indentation=50nm", "--json"];
-    let set = ["--set", "texture.seed=3"];
-    let warning = "texture.seed has no effect: nothing is random";
+    let set = ["--set", "pattern.seed=3"];
+    let warning = "pattern.seed has no effect: nothing is random";
     let ask = |more: &[&str]| {
         let outcome = bench.run(&[&press[..], more].concat());
         assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
@@ -737,7 +737,7 @@ fn deprecated_names_of_keys_are_accepted() {
     let bench = Bench::new();
     let case = intermediate();
     let ask = |name: &str| {
-        let set = format!("texture.{name}=1%");
+        let set = format!("pattern.{name}=1%");
         let outcome = bench.run(&[
             "press",
             &case,
@@ -752,7 +752,7 @@ fn deprecated_names_of_keys_are_accepted() {
     };
     let (told, force) = ask("height_spread");
     let warning =
-        "warning: texture.height_spread is deprecated: use texture.height_standard_deviation\n";
+        "warning: pattern.height_spread is deprecated: use pattern.height_standard_deviation\n";
     assert_eq!(told, warning);
     assert_eq!(ask("height_standard_deviation"), (String::new(), force));
 }
@@ -765,10 +765,10 @@ fn contacts_beyond_half_the_lens_radius_are_refused_on_one_pillar_too() {
     let mut arguments = vec!["press", &case, "--quiet"];
     for given in [
         "lens.radius=100um",
-        "texture.pitch=400um",
-        "texture.pillar.diameter=190um",
-        "texture.pillar.height=70um",
-        "texture.pillar.compliance=none",
+        "pattern.pitch=400um",
+        "pattern.pillar.diameter=190um",
+        "pattern.pillar.height=70um",
+        "pattern.pillar.compliance=none",
     ] {
         arguments.extend(["--set", given]);
     }

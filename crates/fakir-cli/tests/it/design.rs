@@ -8,11 +8,11 @@ use crate::common::{Bench, example};
 fn what_is_designed_has_the_wanted_force() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
-    let held = ["--set", "texture.pitch=30um"];
+    let held = ["--set", "pattern.pitch=30um"];
     for (free, key, from) in [
-        ("pitch", "texture.pitch", "40um"),
-        ("texture.pillar.height", "texture.pillar.height", "1um"),
-        ("diameter", "texture.pillar.diameter", "4um"),
+        ("pitch", "pattern.pitch", "40um"),
+        ("pattern.pillar.height", "pattern.pillar.height", "1um"),
+        ("diameter", "pattern.pillar.diameter", "4um"),
         ("radius", "lens.radius", "1mm"),
         ("lens.young_modulus", "lens.young_modulus", "1MPa"),
         ("substrate.young_modulus", "substrate.young_modulus", "9MPa"),
@@ -35,18 +35,18 @@ fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let drawn = |tolerance: &str, more: &[&str]| {
-        let thin = "texture.surface_fraction=0.05 %";
+        let thin = "pattern.surface_fraction=0.05 %";
         let arguments = ["design", &case, "--set", thin, "--tolerance", tolerance];
         bench.json(&[&arguments[..], more].concat())["spread"].clone()
     };
-    let relative = drawn("texture.pillar.height=3 %", &["--samples", "6"]);
+    let relative = drawn("pattern.pillar.height=3 %", &["--samples", "6"]);
     let absolute = drawn(
-        "texture.pillar.height=0.066um",
+        "pattern.pillar.height=0.066um",
         &["--samples", "6", "--seed", "1"],
     );
     assert_eq!(relative, absolute);
     let help = bench.result(&["design", "--help"]);
-    let all = drawn("texture.pillar.height=3%", &[]);
+    let all = drawn("pattern.pillar.height=3%", &[]);
     let told = format!("; {} if there are any", all["samples"]);
     let help: Vec<_> = help.split_whitespace().collect();
     assert!(help.join(" ").contains(&told), "{told}");
@@ -59,14 +59,14 @@ fn last_names_are_enough_where_one_key_has_them() {
     use fakir_inverse::fit::Parameter;
     assert_eq!(
         free_key("surface_fraction"),
-        free_key("texture.surface_fraction")
+        free_key("pattern.surface_fraction")
     );
     assert!(free_key("young_modulus").is_err_and(|told| told.contains("lens.young_modulus")));
-    assert_eq!(Parameter::named("pitch"), Parameter::named("texture.pitch"));
+    assert_eq!(Parameter::named("pitch"), Parameter::named("pattern.pitch"));
     assert!(Parameter::named("pitch").is_some() && Parameter::named("young_modulus").is_none());
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
-    let names = ["pitch=25um", "texture.pitch=25um"];
+    let names = ["pitch=25um", "pattern.pitch=25um"];
     let [short, whole] = names.map(|set| bench.result(&["theory", &case, "--set", set]));
     assert_eq!(short, whole);
     for arguments in [
@@ -98,7 +98,7 @@ fn what_cannot_be_had_is_status_3_with_the_nearest() {
     let outcome = bench.run(&[&arguments[..], &["--critical-force", "1nN"]].concat());
     assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
     assert!(
-        outcome.stdout.starts_with("No texture.pitch gives"),
+        outcome.stdout.starts_with("No pattern.pitch gives"),
         "{}",
         outcome.stdout
     );
@@ -109,11 +109,11 @@ fn what_cannot_be_had_is_status_3_with_the_nearest() {
 fn heights_are_found_under_a_lens_without_a_radius() {
     let bench = Bench::new();
     let case = example("profile.toml");
-    let arguments = ["design", &case, "--free", "texture.pillar.height"];
+    let arguments = ["design", &case, "--free", "pattern.pillar.height"];
     let answer = bench.json(&[&arguments[..], &["--critical-force", "100uN"]].concat());
     assert_eq!(answer["design"]["status"], "found");
     let share = ["--floor-share", "15%", "--at-indentation", "8um"];
-    let plate = ["--set", "lens.shape=plate", "--set", "texture.columns=3"];
+    let plate = ["--set", "lens.shape=plate", "--set", "pattern.columns=3"];
     let flat = example("paper-intermediate.toml");
     let outcome =
         bench.run(&[&["design", &flat], &arguments[2..], &share[..], &plate[..]].concat());
@@ -159,7 +159,7 @@ fn what_is_designed_has_the_wanted_floor_share() {
         "{text}"
     );
     assert!(
-        text.contains("% of the floor share for 1 % of texture.pitch"),
+        text.contains("% of the floor share for 1 % of pattern.pitch"),
         "{text}"
     );
 }
@@ -275,11 +275,11 @@ fn what_makes_no_sense_is_status_2() {
             "the method \"punch\": this method ignores the floor",
         ),
         (
-            &["design", &case, "--tolerance", "texture.pillar.height=0%"],
+            &["design", &case, "--tolerance", "pattern.pillar.height=0%"],
             "must be a number greater than 0",
         ),
         (
-            &["design", &case, "--tolerance", "texture.hight=1%"],
+            &["design", &case, "--tolerance", "pattern.hight=1%"],
             "no key",
         ),
         (&["design", &case, "--samples", "1"], "at least 2 samples"),
@@ -319,7 +319,7 @@ fn what_makes_no_sense_is_status_2() {
 fn a_spread_is_saved_with_its_samples() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
-    let thin = "texture.surface_fraction=0.005";
+    let thin = "pattern.surface_fraction=0.005";
     let arguments = [
         "design",
         &case,
@@ -330,7 +330,7 @@ fn a_spread_is_saved_with_its_samples() {
         "--output",
         "spread",
     ];
-    let tolerance = ["--tolerance", "texture.pillar.height=0.05um"];
+    let tolerance = ["--tolerance", "pattern.pillar.height=0.05um"];
     let answer = bench.json(&[&arguments[..], &tolerance].concat());
     assert_eq!(answer["spread"]["samples"], 20);
     let samples = bench.read("spread/samples.csv");
@@ -347,11 +347,11 @@ fn a_spread_is_saved_with_its_samples() {
         "--set",
         thin,
         "--set",
-        &format!("texture.pillar.height={}", row[1]),
+        &format!("pattern.pillar.height={}", row[1]),
         "--set",
-        &format!("texture.offset={}", row[2]),
+        &format!("pattern.offset={}", row[2]),
         "--set",
-        &format!("texture.offset_angle={}", row[3]),
+        &format!("pattern.offset_angle={}", row[3]),
     ]);
     let force: f64 = row[4].parse().unwrap_or(0.0);
     assert_eq!(again["critical_force_N"].as_f64(), Some(force));
@@ -377,7 +377,7 @@ fn a_folder_with_something_in_it_is_left_alone() {
 fn thicknesses_scatter_and_are_sought() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
-    let film = ["--set", "texture.surface_fraction=1 %", "--set"];
+    let film = ["--set", "pattern.surface_fraction=1 %", "--set"];
     let of = |thickness: &str| {
         let set = format!("substrate.thickness={thickness}");
         let answer = bench.json(&[&["transition", &case][..], &film, &[&set]].concat());

@@ -90,9 +90,9 @@ fn limits_of_the_model_are_those_of_press() {
         "--set",
         "lens.radius=100um",
         "--set",
-        "texture.surface_fraction=0.2",
+        "pattern.surface_fraction=0.2",
         "--set",
-        "texture.pillar.height=8um",
+        "pattern.pillar.height=8um",
         "--set",
         "method.name=punch",
     ];
@@ -211,7 +211,7 @@ fn examples_of_instruments_give_their_truths() {
         (
             "microscope.csv",
             "substrate.young_modulus",
-            &["--set", "texture.surface_fraction=0.05"],
+            &["--set", "pattern.surface_fraction=0.05"],
             &[("_Pa", 1.4e6)],
         ),
     ];

@@ -13,13 +13,13 @@ poisson_ratio = 0.22
 young_modulus = "1.5 MPa"
 poisson_ratio = 0.5
 
-[texture]
+[pattern]
 lattice = "square"
 pitch = "1.5 mm"
 columns = 5
 top_radius = "526 um"
 
-[texture.pillar]
+[pattern.pillar]
 height = "200 um"
 "#;
 
@@ -117,7 +117,7 @@ fn force_of_the_indentation_with_columns() {
         "curve.csv",
         "indentation_um,force_mN\n20,12\n40,42\n60,90\n",
     );
-    let columns = ["--set", "texture.pillar.diameter=1mm", "--output", "found"];
+    let columns = ["--set", "pattern.pillar.diameter=1mm", "--output", "found"];
     let answer = bench.json(&[&DESIGN[..], &columns].concat());
     assert_eq!(
         answer["design"]["status"], "found",
@@ -220,13 +220,13 @@ fn a_stated_error_above_a_half_is_no_answer() {
     let leaning = [
         "lens.shape=sphere",
         "lens.radius=5mm",
-        "texture.pitch=300um",
-        "texture.columns=1",
-        "texture.offset=0.5",
-        "texture.top_radius=12mm",
-        "texture.pillar.height=2mm",
-        "texture.pillar.diameter=220um",
-        "texture.pillar.compliance=none",
+        "pattern.pitch=300um",
+        "pattern.columns=1",
+        "pattern.offset=0.5",
+        "pattern.top_radius=12mm",
+        "pattern.pillar.height=2mm",
+        "pattern.pillar.diameter=220um",
+        "pattern.pillar.compliance=none",
     ];
     let set = leaning.map(|setting| ["--set", setting]).concat();
     let outcome = bench.run(&[&DESIGN[..], &["--json"], &set[..]].concat());
@@ -260,7 +260,7 @@ fn what_makes_no_sense_is_status_2() {
     bench.write("falls.csv", "force_mN,area_um2\n30,200000\n40,190000\n");
     bench.write("word.csv", "force_mN,area_um2\n30,wide\n");
     let design = ["design", "case.toml"];
-    let set = ["--set", "texture.pillar.height=10um"];
+    let set = ["--set", "pattern.pillar.height=10um"];
     for (arguments, told) in [
         (
             &["--free", "heights", "--target", "falls.csv"][..],
@@ -312,7 +312,7 @@ fn what_makes_no_sense_is_status_2() {
         ),
         (
             &[&["--free", "heights", "--target", "curve.csv"][..], &set].concat(),
-            "below the floor: give texture.pillar.height",
+            "below the floor: give pattern.pillar.height",
         ),
     ] {
         let outcome = bench.run(&[&design[..], arguments].concat());
@@ -330,7 +330,7 @@ fn what_makes_no_sense_is_status_2() {
 #[test]
 fn one_rounded_top_is_a_contact_of_hertz() {
     let bench = bench();
-    let press = ["press", "case.toml", "--set", "texture.columns=1"];
+    let press = ["press", "case.toml", "--set", "pattern.columns=1"];
     let answer = bench.json(&[&press[..], &["--indentation", "2um"]].concat());
     let force = 4.0 / 3.0 * modulus() * 526e-6f64.sqrt() * 2e-6f64.powf(1.5);
     assert_close(&answer["force_N"], force, 1e-9);
@@ -376,7 +376,7 @@ fn a_lens_on_a_rounded_top() {
         "--set",
         "lens.radius=5mm",
         "--set",
-        "texture.columns=1",
+        "pattern.columns=1",
         "--indentation",
         "2um",
     ];
@@ -395,11 +395,11 @@ fn the_floor_and_wide_contacts_are_said() {
         "press",
         "case.toml",
         "--set",
-        "texture.columns=1",
+        "pattern.columns=1",
         "--indentation",
         "60um",
     ];
-    let outcome = bench.run(&[&press[..], &["--set", "texture.pillar.height=50um"]].concat());
+    let outcome = bench.run(&[&press[..], &["--set", "pattern.pillar.height=50um"]].concat());
     assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
     assert!(
         outcome.stderr.contains("the floor may be reached"),
@@ -427,7 +427,7 @@ fn the_floor_and_wide_contacts_are_said() {
 #[test]
 fn a_loading_of_rounded_tops() {
     let bench = bench();
-    let approach = ["approach", "case.toml", "--set", "texture.columns=1"];
+    let approach = ["approach", "case.toml", "--set", "pattern.columns=1"];
     let endless = bench.run(&approach);
     assert_eq!(endless.status, Some(2), "{}", endless.stderr);
     assert!(
@@ -459,7 +459,7 @@ fn a_loading_of_rounded_tops() {
 #[test]
 fn a_sweep_of_rounded_tops() {
     let bench = bench();
-    let study = "[study]\nquestion = \"press\"\nindentation = \"2 um\"\n[axes]\n\"texture.top_radius\" = [\"300 um\", \"526 um\"]";
+    let study = "[study]\nquestion = \"press\"\nindentation = \"2 um\"\n[axes]\n\"pattern.top_radius\" = [\"300 um\", \"526 um\"]";
     let case = CASE
         .replace("top_radius = \"526 um\"\n", "")
         .replace("columns = 5", "columns = 1");
@@ -486,7 +486,7 @@ fn every_other_command_refuses_rounded_tops() {
     bench.write("data.csv", "indentation_m,force_N\n1e-6,1e-6\n2e-6,3e-6\n");
     bench.write(
         "study.toml",
-        &format!("[axes]\n\"texture.pitch\" = [1e-3, 2e-3]\n{CASE}"),
+        &format!("[axes]\n\"pattern.pitch\" = [1e-3, 2e-3]\n{CASE}"),
     );
     let floor = bench.run(&["transition", "case.toml"]);
     assert_eq!(floor.status, Some(2), "{}", floor.stderr);

@@ -119,7 +119,7 @@ fn past_the_transition_the_floor_bears_its_part() {
     let press = |more: &[&str]| {
         let case = intermediate();
         let question = ["press", &case, "--indentation", "6um"];
-        let dilute = ["--set", "texture.surface_fraction=0.03"];
+        let dilute = ["--set", "pattern.surface_fraction=0.03"];
         bench.json(&[&question[..], &dilute, more].concat())
     };
     let (mixed, without) = (press(&[]), press(&["--without-floor", "--quiet"]));
@@ -157,7 +157,7 @@ fn a_loading_goes_on_through_the_transition() {
     let approach = |end: [&str; 2]| {
         let case = intermediate();
         let question = ["approach", &case, "--step", "1.5um", end[0], end[1]];
-        let dilute = ["--set", "texture.surface_fraction=0.01"];
+        let dilute = ["--set", "pattern.surface_fraction=0.01"];
         bench.json(&[&question[..], &dilute].concat())
     };
     let found = approach(["--to", "4um"]);
@@ -181,7 +181,7 @@ fn a_loading_goes_on_through_the_transition() {
         "approach",
         &intermediate(),
         "--set",
-        "texture.offset=0.5",
+        "pattern.offset=0.5",
         "--to",
         "1nm",
     ]);
@@ -226,7 +226,7 @@ fn approach_ends_at_the_critical_state() {
         "approach",
         &intermediate(),
         "--set",
-        "texture.surface_fraction=0.01",
+        "pattern.surface_fraction=0.01",
     ];
     let result = bench.json(&[&arguments[..], &["--step", "1um"]].concat());
     let states = result["states"].as_array().unwrap();
@@ -270,7 +270,7 @@ fn theory_says_where_models_hold() {
         let case = example("paper-intermediate.toml");
         bench.result(&["theory", &case, "--set", setting])
     };
-    let thin = theory("texture.surface_fraction=0.1 %");
+    let thin = theory("pattern.surface_fraction=0.1 %");
     let row = |text: &str, name: &str| -> String {
         let line = text.lines().find(|line| line.starts_with(name));
         let words: Vec<_> = line.unwrap_or_default().split_whitespace().collect();
@@ -286,7 +286,7 @@ fn theory_says_where_models_hold() {
         "homogenised lattice possible yes only below a surface fraction of 0.8669"
     );
     // Higher pillars shorten more, so that the limit exceeds the largest fraction that discs can cover: no limit.
-    let high = theory("texture.pillar.height=20um");
+    let high = theory("pattern.pillar.height=20um");
     assert_eq!(
         row(&high, "homogenised lattice possible"),
         "homogenised lattice possible yes at every surface fraction"
@@ -295,7 +295,7 @@ fn theory_says_where_models_hold() {
 
 #[test]
 fn theory_knows_the_coefficients_and_the_small_contact() {
-    let arguments = ["--set", "texture.surface_fraction=0.001"];
+    let arguments = ["--set", "pattern.surface_fraction=0.001"];
     let result = Bench::new().json(&[&["theory", &intermediate()], &arguments[..]].concat());
     let coefficients = result["coefficients"].as_array().unwrap();
     let limits = [
@@ -331,7 +331,7 @@ fn compare_puts_the_methods_side_by_side() {
         "compare",
         &intermediate(),
         "--set",
-        "texture.surface_fraction=0.01",
+        "pattern.surface_fraction=0.01",
     ];
     let result = Bench::new().json(&arguments);
     assert_eq!(result["reference"], "spectral_accurate");
@@ -389,9 +389,9 @@ fn tables() {
     insta::assert_snapshot!("theory", bench.result(&["theory", &intermediate()]));
     let floor_first = [
         "--set",
-        "texture.pitch=300um",
+        "pattern.pitch=300um",
         "--set",
-        "texture.offset=0.5",
+        "pattern.offset=0.5",
     ];
     insta::assert_snapshot!(
         "floor_first",
@@ -405,7 +405,7 @@ fn one_pillar_in_the_table() {
         "transition",
         &intermediate(),
         "--set",
-        "texture.pitch=300um",
+        "pattern.pitch=300um",
     ];
     let table = Bench::new().result(&arguments);
     // 1.507047291e-5 N, 2.471482591e-6 m in the reference.
@@ -418,7 +418,7 @@ fn output_holds_the_result_and_the_case() {
     let bench = Bench::new();
     let arguments = [
         "--set",
-        "texture.surface_fraction=0.01",
+        "pattern.surface_fraction=0.01",
         "--output",
         "results/first",
     ];
@@ -449,8 +449,8 @@ fn output_holds_the_result_and_the_case() {
     let rows: Vec<&str> = pillars.lines().collect();
     assert_eq!(
         rows[0],
-        "i,j,x_m,y_m,status,force_N,centre_pressure_Pa,smallest_edge_coefficient_Pa,\
-         largest_edge_coefficient_Pa"
+        "i,j,x_m,y_m,status,force_N,centre_pressure_Pa,smallest_stress_intensity_factor_Pa,\
+         largest_stress_intensity_factor_Pa"
     );
     assert_eq!(
         rows.len() - 1,
@@ -546,7 +546,7 @@ fn what_to_cite_follows_from_the_method() {
     assert!(keys(&[&intermediate()]).contains(&"Copson1947".to_owned()));
     assert!(keys(&[&example("square-pillars.toml")]).contains(&"Crandall1994".to_owned()));
 
-    let study = "[axes]\n\"texture.pitch\" = [\"20 um\", \"30 um\"]\n\
+    let study = "[axes]\n\"pattern.pitch\" = [\"20 um\", \"30 um\"]\n\
                  \"method.name\" = [\"punch\", \"homogenised\"]\n";
     let case = bench.read("results/case.toml");
     let (case, _) = case.split_once("[method]").unwrap();
@@ -580,9 +580,9 @@ fn threads_do_not_change_the_result() {
 fn gradients_are_differences_of_answers() {
     let bench = Bench::new();
     let case = intermediate();
-    let fraction = ["--set", "texture.surface_fraction=0.01"];
+    let fraction = ["--set", "pattern.surface_fraction=0.01"];
     let height = |height: &str| {
-        let set = format!("texture.pillar.height={height}");
+        let set = format!("pattern.pillar.height={height}");
         let arguments = [&["transition", &case, "--set", &set][..], &fraction].concat();
         let result = bench.json(&arguments);
         ["critical_force_N", "critical_indentation_m"].map(|key| result[key].as_f64().unwrap())
@@ -593,7 +593,7 @@ fn gradients_are_differences_of_answers() {
     let gradient = &result["gradient"];
     for (k, what) in ["force_N", "indentation_m"].into_iter().enumerate() {
         let expected = (above[k] - below[k]) / 0.4e-9;
-        assert_close(&gradient[what]["texture.pillar.height"], expected, 1e-5);
+        assert_close(&gradient[what]["pattern.pillar.height"], expected, 1e-5);
     }
     let pillars = gradient["pillars"].as_array().unwrap();
     assert_eq!(
@@ -605,7 +605,7 @@ fn gradients_are_differences_of_answers() {
         .iter()
         .map(|pillar| pillar["force_N_per_m"].as_f64().unwrap())
         .sum();
-    assert_close(&gradient["force_N"]["texture.pillar.height"], sum, 1e-6);
+    assert_close(&gradient["force_N"]["pattern.pillar.height"], sum, 1e-6);
 }
 
 #[test]
@@ -634,9 +634,9 @@ fn keys_of_gradients_are_the_contract() {
         "lens.young_modulus",
         "substrate.poisson_ratio",
         "substrate.young_modulus",
-        "texture.pillar.diameter",
-        "texture.pillar.height",
-        "texture.pitch",
+        "pattern.pillar.diameter",
+        "pattern.pillar.height",
+        "pattern.pitch",
     ];
     assert_eq!(of_keys, quantities);
     let pillar = gradient["pillars"][0].as_object().unwrap();

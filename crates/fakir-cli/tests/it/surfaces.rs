@@ -422,7 +422,7 @@ fn pillars_are_verified_on_two_meshes() {
 }
 
 #[test]
-fn other_commands_need_a_texture() {
+fn other_commands_need_a_pattern() {
     for (command, reason) in [
         ("theory", "valid for round pillars"),
         ("compare", "elements"),
@@ -432,7 +432,7 @@ fn other_commands_need_a_texture() {
         let explained = text(&output.stderr);
         assert!(explained.contains(reason), "{explained}");
     }
-    let both = ["--indentation", "1um", "--set", "texture.pitch=20um"];
+    let both = ["--indentation", "1um", "--set", "pattern.pitch=20um"];
     let output = fakir("press", &example("square-pillars.toml"), &both);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("are both given"));
@@ -539,8 +539,8 @@ fn a_film_under_a_height_map_is_that_under_pillars() {
     let surface = "[surface]\narrangement = \"hexagonal\"\npitch = \"20 um\"\n\
          [surface.pillar]\ncross_section = \"circle\"\ndiameter = \"6 um\"\nheight = \"2 um\"\n\
          [surface.grid]\nwidth = \"130 um\"\ncells_per_diameter = 8\n";
-    let texture = "[texture]\npitch = \"20 um\"\n\
-         [texture.pillar]\ndiameter = \"6 um\"\nheight = \"2 um\"\n";
+    let pattern = "[pattern]\npitch = \"20 um\"\n\
+         [pattern.pillar]\ndiameter = \"6 um\"\nheight = \"2 um\"\n";
     let asked = |name: &str, rest: &str| {
         let case = folder.path().join(name);
         std::fs::write(&case, format!("{bodies}{rest}")).expect("a case for the test");
@@ -554,7 +554,7 @@ fn a_film_under_a_height_map_is_that_under_pillars() {
         )
     };
     let cells = asked("surface.toml", surface);
-    let discs = asked("texture.toml", texture);
+    let discs = asked("pattern.toml", pattern);
     let allowed = number(&cells, "/relative_error_estimate/force")
         + number(&discs, "/relative_error_estimate/force");
     let ratio = number(&cells, "/force_N") / number(&discs, "/force_N");

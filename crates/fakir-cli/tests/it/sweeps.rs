@@ -10,7 +10,7 @@ const STUDY: &str = r#"
 [study]
 case = "case.toml"
 [axes]
-"texture.offset" = [0, 0.1, 0.2, 0.3, 0.4, 0.5]
+"pattern.offset" = [0, 0.1, 0.2, 0.3, 0.4, 0.5]
 surface_fraction = { from = 1e-3, to = 1e-2, points = 20, spacing = "log" }
 "#;
 
@@ -198,10 +198,10 @@ fn what_cannot_be_is_status_2_and_touches_nothing() {
     std::fs::create_dir(bench.path("full")).unwrap();
     bench.write("full/mine", "mine");
     let attempts: [(&[&str], &str); 12] = [
-        (&["broken.toml"], "did you mean texture.offset?"),
+        (&["broken.toml"], "did you mean pattern.offset?"),
         (&["case.toml"], "has no table [axes]"),
         (&["missing.toml"], "cannot read missing.toml"),
-        (&["study.toml", "--set", "texture.offset=0"], "is an axis"),
+        (&["study.toml", "--set", "pattern.offset=0"], "is an axis"),
         (&["study.toml", "--shard", "0/4"], "no shard"),
         (&["study.toml", "--shard", "5/4"], "no shard"),
         (&["study.toml", "--shard", "x"], "no shard"),
@@ -344,14 +344,14 @@ fn a_row_is_what_the_command_for_one_case_gives() {
     let bench = bench();
     let rows = bench.json(&["sweep", "study.toml"]);
     let row = &rows["rows"][39]; // at the end of a range
-    assert_eq!(row["texture.surface_fraction"], 1e-2);
+    assert_eq!(row["pattern.surface_fraction"], 1e-2);
     let alone = bench.json(&[
         "transition",
         "case.toml",
         "--set",
-        "texture.offset=0.1",
+        "pattern.offset=0.1",
         "--set",
-        "texture.surface_fraction=0.01",
+        "pattern.surface_fraction=0.01",
     ]);
     crate::common::assert_close(
         &row["critical_force_N"],
@@ -427,8 +427,8 @@ fn a_key_without_effect_is_named_once() {
     let bench = bench();
     let study = "[study]\ncase = \"case.toml\"\n[axes]\nsurface_fraction = [1e-3, 2e-3]\n";
     bench.write("study.toml", study);
-    let angle = ["--set", "texture.offset_angle=10deg"];
-    let words = "texture.offset_angle has no effect: the lens axis is on a pillar centre: texture.offset is 0";
+    let angle = ["--set", "pattern.offset_angle=10deg"];
+    let words = "pattern.offset_angle has no effect: the lens axis is on a pillar centre: pattern.offset is 0";
     let outcome = bench.run(&[&["sweep", "study.toml", "--json"], &angle[..]].concat());
     assert_eq!(outcome.status, Some(0), "{}", outcome.stderr);
     assert_eq!(outcome.stderr, format!("warning: {words}\n"));

@@ -18,7 +18,7 @@ fn sticky(surface_fraction: f64, work: &str) -> Value {
 /// Result of the library for the same case.
 fn cycle(surface_fraction: f64, work: &str) -> Cycle {
     let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
-    file.set(&format!("texture.surface_fraction={surface_fraction}"))
+    file.set(&format!("pattern.surface_fraction={surface_fraction}"))
         .unwrap();
     file.set(&format!("adhesion.work={work}")).unwrap();
     let case = file.case().unwrap();
@@ -130,8 +130,8 @@ fn a_lens_that_meets_the_floor_first_has_nothing_to_pull() {
     let server = Running::start();
     let mut flat = sticky(0.0004, "50 mJ/m2");
     // Half-way between pillars so far apart that the floor is nearer.
-    flat["texture.offset"] = json!(0.5);
-    flat["texture.pillar.height"] = json!("0.1 um");
+    flat["pattern.offset"] = json!(0.5);
+    flat["pattern.pillar.height"] = json!("0.1 um");
     flat["lens.radius"] = json!("0.3 mm");
     let answer = server.ask("/api/cycle", &question(server.next(), &flat));
     assert_eq!(answer.status, 200, "{}", answer.body);

@@ -35,7 +35,7 @@ fn ten_thousand_odd_requests_leave_it_as_it_was() {
                 let mut asked = question(number, &case(0.001));
                 let keys = [
                     "lens.radius",
-                    "texture.pillar.height",
+                    "pattern.pillar.height",
                     "method.name",
                     "nothing",
                 ];

@@ -102,7 +102,7 @@ fn answers_are_those_of_the_library() {
     let critical = fakir::transition(
         &{
             let mut file = fakir_case::CaseFile::parse("case", &Case::example().to_toml()).unwrap();
-            file.set("texture.surface_fraction=0.01").unwrap();
+            file.set("pattern.surface_fraction=0.01").unwrap();
             file.case().unwrap().system
         },
         Method::default(),
@@ -279,10 +279,10 @@ fn what_cannot_be_is_refused_at_its_key() {
         let told: Value = serde_json::from_str(&answer.body).unwrap();
         (answer.status, told)
     };
-    let (status, told) = refused(&|q| q["case"]["texture.pillar.height"] = json!("5 mm"));
+    let (status, told) = refused(&|q| q["case"]["pattern.pillar.height"] = json!("5 mm"));
     assert_eq!(
         (status, &told["key"]),
-        (422, &json!("texture.pillar.height"))
+        (422, &json!("pattern.pillar.height"))
     );
     assert_eq!(told["message"], "cannot be 5 mm");
     assert!(
@@ -293,10 +293,10 @@ fn what_cannot_be_is_refused_at_its_key() {
     );
     let (status, told) = refused(&|q| q["case"]["lens.radius"] = json!("2 MPa"));
     assert_eq!((status, &told["key"]), (422, &json!("lens.radius")));
-    let (status, told) = refused(&|q| q["case"]["texture.surface_fraction"] = json!(0.6));
+    let (status, told) = refused(&|q| q["case"]["pattern.surface_fraction"] = json!(0.6));
     assert_eq!(
         (status, &told["key"]),
-        (422, &json!("texture.surface_fraction"))
+        (422, &json!("pattern.surface_fraction"))
     );
     assert!(
         told["accepted"].as_str().unwrap().contains("up to 0."),
@@ -328,7 +328,7 @@ fn files_are_those_of_the_command_line() {
         .unwrap()
         .case()
         .unwrap();
-    assert!((read.system.texture().surface_fraction() - 0.01).abs() < 1e-15);
+    assert!((read.system.pattern().surface_fraction() - 0.01).abs() < 1e-15);
     let summary: Value = serde_json::from_str(&file("summary.json").body).unwrap();
     assert_eq!(summary["regime"], "top_first");
     let pillars = file("pillars.csv").body;

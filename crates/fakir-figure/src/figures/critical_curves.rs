@@ -22,7 +22,7 @@ pub struct CriticalPoint {
 impl From<&CriticalState> for CriticalPoint {
     fn from(critical: &CriticalState) -> Self {
         Self {
-            surface_fraction: critical.contact.system.texture().surface_fraction(),
+            surface_fraction: critical.contact.system.pattern().surface_fraction(),
             reduced: critical.normalized(),
         }
     }
@@ -33,7 +33,7 @@ impl CriticalPoint {
     #[must_use]
     pub fn of_estimate(system: &System, estimate: &TransitionEstimate) -> Self {
         Self {
-            surface_fraction: system.texture().surface_fraction(),
+            surface_fraction: system.pattern().surface_fraction(),
             reduced: Normalized::new(
                 system,
                 estimate.force,

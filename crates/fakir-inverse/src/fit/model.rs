@@ -1227,7 +1227,7 @@ mod tests {
         const STEP: f64 = 1e-3;
         let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
         for given in [
-            "texture.surface_fraction=0.01",
+            "pattern.surface_fraction=0.01",
             "substrate.thickness=0.5 mm",
             "lens.thickness=1 mm",
         ] {

@@ -68,7 +68,7 @@ impl Parameter {
     /// Returns the parameters with that name, or with that last part of a key.
     #[must_use]
     pub fn all_named(name: &str) -> Vec<Self> {
-        let name = Key::at(name).map_or(name, Key::path);
+        let name: &str = Key::at(name).map_or(name, |key| key.path());
         let is_named = |parameter: &Self| {
             let last = matches!(parameter, Self::Key(key) if key.name() == name);
             last || parameter.name() == name

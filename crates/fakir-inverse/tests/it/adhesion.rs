@@ -21,7 +21,7 @@ const NOISE: f64 = 0.5e-6;
 /// The paper's intermediate substrate at a surface fraction of 0.03, with adhesion of 30 mJ/m^2 unless overridden.
 fn case_file(overrides: &[&str]) -> CaseFile {
     let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
-    file.set("texture.surface_fraction=0.03").unwrap();
+    file.set("pattern.surface_fraction=0.03").unwrap();
     file.set("adhesion.work=30mJ/m2").unwrap();
     for argument in overrides {
         file.set(argument).unwrap();
@@ -146,8 +146,8 @@ fn close(value: f64, truth: f64, tolerance: f64) -> bool {
 #[ignore = "slow: fits of many cycles"]
 fn intervals_hold_the_truth_in_most_draws() {
     for (offset, compliance, count) in [
-        ("texture.offset=0.3", 0.0, 4),
-        ("texture.offset=0", COMPLIANCE, 3),
+        ("pattern.offset=0.3", 0.0, 4),
+        ("pattern.offset=0", COMPLIANCE, 3),
     ] {
         let (inside, works) = draws(offset, 0.1e-6, NOISE, compliance, count);
         eprintln!("{offset}, {compliance}: inside {inside:?} of {count}");
@@ -166,7 +166,7 @@ fn intervals_hold_the_truth_in_most_draws() {
 fn small_data(overrides: &[&str], step: f64) -> Vec<(Column, Vec<f64>)> {
     let file = case_file(
         &[
-            &["texture.surface_fraction=0.01", "texture.offset=0.3"],
+            &["pattern.surface_fraction=0.01", "pattern.offset=0.3"],
             overrides,
         ]
         .concat(),
@@ -183,7 +183,7 @@ fn small_data(overrides: &[&str], step: f64) -> Vec<(Column, Vec<f64>)> {
 #[test]
 fn a_receding_work_is_told_from_data_of_both_branches() {
     let data = Measurements::new(&small_data(&["adhesion.work_receding=80mJ/m2"], 0.1e-6)).unwrap();
-    let first = case_file(&["texture.surface_fraction=0.01", "texture.offset=0.3"]);
+    let first = case_file(&["pattern.surface_fraction=0.01", "pattern.offset=0.3"]);
     let options = FitOptions {
         contact_point: Some(CONTACT_POINT),
         force_offset: OFFSET,
@@ -208,8 +208,8 @@ fn a_receding_work_is_told_from_data_of_both_branches() {
 #[test]
 fn a_work_of_adhesion_that_vanishes_has_a_one_sided_interval() {
     let file = case_file(&[
-        "texture.surface_fraction=0.01",
-        "texture.offset=0.3",
+        "pattern.surface_fraction=0.01",
+        "pattern.offset=0.3",
         "adhesion.work=0",
     ]);
     let case = file.case().unwrap();
@@ -261,8 +261,8 @@ fn both_works_of_adhesion_are_fitted_from_one_guess() {
         ..FitOptions::default()
     };
     let guess = [
-        "texture.surface_fraction=0.01",
-        "texture.offset=0.3",
+        "pattern.surface_fraction=0.01",
+        "pattern.offset=0.3",
         "adhesion.work=80mJ/m2",
     ];
     let fitted = fit(
@@ -285,7 +285,7 @@ fn both_works_of_adhesion_are_fitted_from_one_guess() {
 #[test]
 fn an_offset_of_the_force_is_found() {
     let file = case_file(&[
-        "texture.surface_fraction=0.01",
+        "pattern.surface_fraction=0.01",
         "adhesion.work=0",
         "method.name=homogenised",
     ]);
@@ -319,7 +319,7 @@ fn an_offset_of_the_force_is_found() {
 fn what_the_data_of_adhesion_lack_is_told() {
     let told = |columns: &[(Column, Vec<f64>)], work: &str, free: &[Parameter]| {
         let data = Measurements::new(columns).unwrap();
-        let file = case_file(&["texture.surface_fraction=0.01", work]);
+        let file = case_file(&["pattern.surface_fraction=0.01", work]);
         fit(&file, &data, free, &FitOptions::default(), &Run::default())
             .unwrap_err()
             .to_string()
@@ -393,7 +393,7 @@ fn branches_are_given_or_found() {
         let data = Measurements::from_csv("data", text.as_bytes(), &[])
             .unwrap()
             .with_force_error(1e-7);
-        let file = case_file(&["texture.surface_fraction=0.01"]);
+        let file = case_file(&["pattern.surface_fraction=0.01"]);
         let fitted = run_fit(&file, &data, &[SUBSTRATE], 0.0);
         fitted.rows.iter().map(|row| row.branch).collect()
     };

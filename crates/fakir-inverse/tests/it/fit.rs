@@ -22,7 +22,7 @@ const COMPLIANCE: f64 = 2e-3;
 /// the transition. The method is the homogenised lattice, which is fast, unless overridden.
 fn case_file(overrides: &[&str]) -> CaseFile {
     let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
-    file.set("texture.surface_fraction=0.01").unwrap();
+    file.set("pattern.surface_fraction=0.01").unwrap();
     file.set("method.name=homogenised").unwrap();
     for argument in overrides {
         file.set(argument).unwrap();
@@ -118,7 +118,7 @@ fn contact_radius_under_a_force_gives_the_modulus() {
     // Within its error: the radius is accurate to a fraction of the pitch.
     let truth = case_file(&[
         "substrate.young_modulus=1.3MPa",
-        "texture.surface_fraction=0.05",
+        "pattern.surface_fraction=0.05",
         SPECTRAL,
     ]);
     let depths: Vec<f64> = (1..=20).map(|k| 0.35e-6 * f64::from(k)).collect();
@@ -126,7 +126,7 @@ fn contact_radius_under_a_force_gives_the_modulus() {
     let columns = [(Column::Force, force), (Column::ContactRadius, radius)];
     let data = Measurements::new(&columns).unwrap();
     let fitted = run_fit(
-        &case_file(&["texture.surface_fraction=0.05", SPECTRAL]),
+        &case_file(&["pattern.surface_fraction=0.05", SPECTRAL]),
         &data,
         &[SUBSTRATE],
     );
@@ -140,7 +140,7 @@ fn contact_radius_under_a_force_gives_the_modulus() {
 /// supports.
 fn fit_of_radii(overrides: &[&str]) -> Fit {
     let kind = |modulus: &str| {
-        let common = ["texture.surface_fraction=0.015", SPECTRAL, modulus];
+        let common = ["pattern.surface_fraction=0.015", SPECTRAL, modulus];
         case_file(&[&common[..], overrides].concat())
     };
     let depths = [0.8e-6, 1.6e-6];
@@ -153,11 +153,11 @@ fn fit_of_radii(overrides: &[&str]) -> Fit {
 #[test]
 fn contact_radii_are_fitted_on_any_arrangement_under_any_lens() {
     let scattered = [
-        "texture.lattice=square",
-        "texture.columns=7",
-        "texture.rotation=20 deg",
-        "texture.missing=0.1",
-        "texture.height_spread=0.02",
+        "pattern.lattice=square",
+        "pattern.columns=7",
+        "pattern.rotation=20 deg",
+        "pattern.vacancy_fraction=0.1",
+        "pattern.height_spread=0.02",
     ];
     for overrides in [&scattered[..], &["lens.shape=paraboloid"]] {
         let fitted = fit_of_radii(overrides);
@@ -177,8 +177,8 @@ fn contact_radii_are_fitted_on_any_arrangement_under_any_lens() {
 fn rows_outside_of_the_model_are_named_and_left_out() {
     const FORCE_OFFSET: f64 = 135e-6;
     let kind = |modulus: &str| {
-        let small = ["lens.radius=100um", "texture.pillar.height=10um"];
-        case_file(&[&small[..], &["texture.surface_fraction=0.2", modulus]].concat())
+        let small = ["lens.radius=100um", "pattern.pillar.height=10um"];
+        case_file(&[&small[..], &["pattern.surface_fraction=0.2", modulus]].concat())
     };
     let depths = [-30e-6, -20e-6, -10e-6, -1e-6, 1e-6, 3e-6, 5e-6, 7e-6, 9e-6];
     let truth = kind("substrate.young_modulus=1.3MPa");
@@ -213,7 +213,7 @@ fn rows_outside_of_the_model_are_named_and_left_out() {
 #[test]
 fn moduli_that_force_cannot_tell_apart() {
     // Without columns only the common compliance of both bodies has an effect.
-    let file = case_file(&["texture.pillar.compliance=none", "lens.young_modulus=3MPa"]);
+    let file = case_file(&["pattern.pillar.compliance=none", "lens.young_modulus=3MPa"]);
     let [displacement, force, _] = loading(&file, &indentations(12));
     let columns = [(Column::Displacement, displacement), (Column::Force, force)];
     let data = Measurements::new(&columns)
@@ -242,7 +242,7 @@ fn moduli_that_force_cannot_tell_apart() {
 #[test]
 fn what_the_load_does_not_show() {
     // On a pillar the direction of the offset has no effect.
-    let file = case_file(&["texture.offset=0"]);
+    let file = case_file(&["pattern.offset=0"]);
     let [displacement, force, _] = loading(&file, &indentations(8));
     let columns = [(Column::Displacement, displacement), (Column::Force, force)];
     let data = Measurements::new(&columns)
@@ -252,7 +252,7 @@ fn what_the_load_does_not_show() {
     let fitted = run_fit(&file, &data, &[Parameter::ContactPoint, angle]);
     assert_eq!(
         fitted.undetermined[0].statement,
-        "force alone does not determine texture.offset_angle"
+        "force alone does not determine pattern.offset_angle"
     );
 }
 
@@ -773,7 +773,7 @@ const FILM: &str = "substrate.thickness=0.2 mm";
 
 /// A case at a surface fraction of 0.03, where the contact reaches out to four tenths of the thickness of the film.
 fn film_case(overrides: &[&str]) -> CaseFile {
-    let film = ["texture.surface_fraction=0.03", SPECTRAL];
+    let film = ["pattern.surface_fraction=0.03", SPECTRAL];
     case_file(&[&film[..], overrides].concat())
 }
 

@@ -187,8 +187,8 @@ impl Scope {
                     "substrate.young_modulus",
                     &Substrate::ALL.map(Substrate::young_modulus),
                 );
-                axis("texture.offset", &[0.0]);
-                axis("texture.surface_fraction", &self.fractions);
+                axis("pattern.offset", &[0.0]);
+                axis("pattern.surface_fraction", &self.fractions);
                 axis("adhesion.work", &self.works);
             }
             Part::Offsets => {
@@ -196,14 +196,14 @@ impl Scope {
                     "substrate.young_modulus",
                     &[Substrate::Rigid, Substrate::Intermediate].map(Substrate::young_modulus),
                 );
-                axis("texture.offset", &self.offsets);
-                axis("texture.surface_fraction", &self.offset_fractions);
+                axis("pattern.offset", &self.offsets);
+                axis("pattern.surface_fraction", &self.offset_fractions);
                 axis("adhesion.work", &self.works);
             }
             Part::Sizes => {
-                axis("texture.pillar.height", &self.heights);
-                axis("texture.pillar.diameter", &self.diameters);
-                axis("texture.surface_fraction", &self.sized_fractions);
+                axis("pattern.pillar.height", &self.heights);
+                axis("pattern.pillar.diameter", &self.diameters);
+                axis("pattern.surface_fraction", &self.sized_fractions);
                 axis("adhesion.work", &self.sized_works);
             }
             Part::Check | Part::Cells => {

@@ -25,7 +25,7 @@ fn on_pillar(rows: &[Record], young_modulus: f64) -> Vec<&Record> {
     rows.iter()
         .filter(|row| {
             let modulus = number(row, "substrate.young_modulus_Pa");
-            (modulus / young_modulus - 1.0).abs() < 1e-12 && number(row, "texture.offset") == 0.0
+            (modulus / young_modulus - 1.0).abs() < 1e-12 && number(row, "pattern.offset") == 0.0
         })
         .collect()
 }
@@ -92,7 +92,7 @@ fn the_report_says_what_the_tables_say() {
     // The force on one pillar, and the ratio of the substrates.
     let near = |modulus: f64| {
         let rows = on_pillar(&rows, modulus);
-        let away = |row: &&&Record| (number(row, "texture.surface_fraction") / 1e-3).ln().abs();
+        let away = |row: &&&Record| (number(row, "pattern.surface_fraction") / 1e-3).ln().abs();
         let row = rows.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
         number(row.unwrap(), "critical_force_N")
     };
@@ -109,7 +109,7 @@ fn the_report_says_what_the_tables_say() {
     let points: Vec<(f64, f64)> = on_pillar(&rows, 2e6)
         .into_iter()
         .map(|row| {
-            let phi = number(row, "texture.surface_fraction");
+            let phi = number(row, "pattern.surface_fraction");
             (phi, number(row, "critical_force_N"))
         })
         .filter(|(phi, _)| (0.01..=0.05).contains(phi))

@@ -31,7 +31,7 @@ fn typical(rows: &[Record], work: f64) -> &Record {
             row,
             "substrate.young_modulus_Pa",
             Substrate::Intermediate.young_modulus(),
-        ) && near(row, "texture.surface_fraction", 0.03)
+        ) && near(row, "pattern.surface_fraction", 0.03)
             && near(row, "adhesion.work_J_per_m2", work)
     });
     found.expect("a row")

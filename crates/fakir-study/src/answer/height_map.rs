@@ -74,7 +74,7 @@ impl Kind for SurfaceCase {
             }
             Maps::Points(Some(_)) => {
                 return Err(AnswerError::Refused(
-                    "--field-points is for textures: the fields of a surface are saved on its own cells, as \
+                    "--field-points is for pillar patterns: the fields of a surface are saved on its own cells, as \
                      many as its file or surface.grid gives",
                 ));
             }

@@ -8,7 +8,7 @@ use crate::figures::saved;
 use crate::numbers::{significant, with_unit};
 use crate::provenance::{Provenance, method_words};
 use crate::record::{GradientObject, Record};
-use crate::report::state::{QuantityList, radius_digits, texture_line};
+use crate::report::state::{QuantityList, pillar_pattern_line, radius_digits};
 use crate::result::pillars;
 use fakir::problem::{CyclePlan, FloorModel, Load, Method, Solver, System};
 use fakir::state::{ContactState, CriticalState, Limit, Normalized, Regime, Run, SolveError};
@@ -35,7 +35,7 @@ impl Kind for Case {
     }
 
     fn lines(&self) -> [String; 2] {
-        [texture_line(&self.system), self.method()]
+        [pillar_pattern_line(&self.system), self.method()]
     }
 
     fn method(&self) -> String {
@@ -288,7 +288,7 @@ pub(super) fn cost(system: &System, method: Method) -> f64 {
         return OVERHEAD + SOME_PILLARS;
     }
     let growth = 4.0 * lens * pillar.height / pillar.diameter.powi(2);
-    let radius = (growth * system.texture().surface_fraction()).hypot(1.0); // in pitches
+    let radius = (growth * system.pattern().surface_fraction()).hypot(1.0); // in pitches
     let radius = radius.min(0.5 * lens / system.pitch());
     let pillars = radius * radius;
     match method {

@@ -273,7 +273,7 @@ impl Recorded for CriticalState {
             Named::number(
                 "surface_fraction",
                 "surface fraction of the pillar tops",
-                |it: &Self| it.contact.system.texture().surface_fraction(),
+                |it: &Self| it.contact.system.pattern().surface_fraction(),
             )
             .symbol("φ"),
             Named::number(

@@ -303,7 +303,7 @@ impl Recorded for Cycle {
             Named::number(
                 "surface_fraction",
                 "surface fraction of the pillar tops",
-                |it: &Self| it.system.texture().surface_fraction(),
+                |it: &Self| it.system.pattern().surface_fraction(),
             )
             .symbol("φ"),
             Named::number(

@@ -31,9 +31,9 @@ pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) 
     }
 }
 
-/// The texture in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
-pub fn texture_line(system: &System) -> String {
-    let fraction = plain(system.texture().surface_fraction());
+/// The pattern in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
+pub fn pillar_pattern_line(system: &System) -> String {
+    let fraction = plain(system.pattern().surface_fraction());
     let pitch = with_unit(system.pitch(), Dimension::Length, DIGITS);
     let line = match system.arrangement() {
         Arrangement::Hexagonal(lattice) => format!(

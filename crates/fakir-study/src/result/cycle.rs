@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn a_jump_without_a_resolved_area_keeps_the_cycle() {
         let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
-        for setting in ["texture.surface_fraction=0.003", "adhesion.work=20mJ/m2"] {
+        for setting in ["pattern.surface_fraction=0.003", "adhesion.work=20mJ/m2"] {
             file.set(setting).unwrap();
         }
         let case = file.case().unwrap();

@@ -34,11 +34,11 @@ pub fn pillars_of(pillars: &[PillarState]) -> Table {
             },
             numbers("force_N", |pillar| Some(pillar.force)),
             numbers("centre_pressure_Pa", |pillar| Some(pillar.centre_pressure)),
-            numbers("smallest_edge_coefficient_Pa", |pillar| {
-                pillar.edge_coefficient.map(|[smallest, _]| smallest)
+            numbers("smallest_stress_intensity_factor_Pa", |pillar| {
+                pillar.stress_intensity_factor.map(|[smallest, _]| smallest)
             }),
-            numbers("largest_edge_coefficient_Pa", |pillar| {
-                pillar.edge_coefficient.map(|[_, largest]| largest)
+            numbers("largest_stress_intensity_factor_Pa", |pillar| {
+                pillar.stress_intensity_factor.map(|[_, largest]| largest)
             }),
         ],
     }

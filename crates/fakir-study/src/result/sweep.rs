@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn a_summary_has_the_rows_that_no_folder_has() {
         let text = format!(
-            "[axes]\n\"texture.offset\" = [0, 0.5]\n{}",
+            "[axes]\n\"pattern.offset\" = [0, 0.5]\n{}",
             Case::example().to_toml()
         );
         let mut file = StudyFile::parse("study.toml", &text).unwrap();
@@ -88,7 +88,7 @@ mod tests {
             (&in_memory["cases"], &in_memory["failed"]),
             (&2.into(), &1.into())
         );
-        assert_eq!(in_memory["problems"][0]["settings"], "texture.offset = 0.5");
+        assert_eq!(in_memory["problems"][0]["settings"], "pattern.offset = 0.5");
         assert_eq!(in_memory["problems"][0]["problem"], "a reason");
         assert_eq!(in_memory["rows"].as_array().unwrap().len(), 2);
         assert_eq!(in_memory["wall_time_s"], 2.0);

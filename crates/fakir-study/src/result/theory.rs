@@ -161,7 +161,7 @@ impl TheorySummary {
         let (critical_states, no_homogenised) = critical_rows(system)?;
         let radii = radii(system);
         Ok(Self {
-            surface_fraction: system.texture().surface_fraction(),
+            surface_fraction: system.pattern().surface_fraction(),
             pitch_m: system.pitch(),
             constants: constants(system),
             adhesion,

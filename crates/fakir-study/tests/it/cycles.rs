@@ -48,8 +48,8 @@ fn rows_are_those_of_single_cycles() {
     let of = |name: &str| numbers(&table, name);
     for index in [0, 5] {
         let case = study.case(index).case;
-        let system = case.texture().unwrap().system.clone();
-        let method = case.texture().unwrap().method;
+        let system = case.pattern().unwrap().system.clone();
+        let method = case.pattern().unwrap().method;
         let cycle = fakir::cycle(&system, CyclePlan::default(), method, &Run::default()).unwrap();
         let pull_off = cycle.pull_off.as_ref().unwrap();
         for (name, expected) in [
@@ -107,7 +107,7 @@ fn pillars_far_apart_lose_what_each_has_stored() {
     let rows = sweep(&study, &mut Options::default()).unwrap();
     let found = numbers(&Table::new(&study, &rows), "normalized_hysteresis")[0];
     let case = study.case(0).case;
-    let kappa = case.texture().unwrap().system.column_compliance_ratio();
+    let kappa = case.pattern().unwrap().system.column_compliance_ratio();
     let limit = 2.0 * (1.0 + kappa);
     assert!(found < limit && found > 0.75 * limit, "{found} of {limit}");
 }
@@ -186,8 +186,8 @@ fn cycles_turn_and_are_driven_as_the_study_says() {
         retract: true,
     };
     let case = study.case(1).case;
-    let texture = case.texture().unwrap();
-    let cycle = fakir::cycle(&texture.system, plan, texture.method, &Run::default()).unwrap();
+    let pattern = case.pattern().unwrap();
+    let cycle = fakir::cycle(&pattern.system, plan, pattern.method, &Run::default()).unwrap();
     assert_eq!(
         numbers(&table, "hysteresis_J")[1].to_bits(),
         cycle.loop_area.to_bits()

@@ -14,18 +14,18 @@ use tempfile::TempDir;
 
 const BODIES: &str = "[lens]\nradius = \"500 um\"\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.45\n\
     [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.45\n";
-const PILLAR: &str = "[texture.pillar]\ndiameter = \"6 um\"\nheight = \"0.2 um\"\n";
-const ENDLESS: &str = "[texture]\npitch = \"20 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n";
-const FINITE: &str = "[texture]\nlattice = \"square\"\npitch = \"11 um\"\noffset = 0.3\n\
+const PILLAR: &str = "[pattern.pillar]\ndiameter = \"6 um\"\nheight = \"0.2 um\"\n";
+const ENDLESS: &str = "[pattern]\npitch = \"20 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n";
+const FINITE: &str = "[pattern]\nlattice = \"square\"\npitch = \"11 um\"\noffset = 0.3\n\
     offset_angle = \"20 deg\"\ncolumns = 2\n";
 const SPECTRAL: &str = "name = \"spectral\"";
 const LOVE: &str = "name = \"love\"\ncells_per_diameter = 8";
-const LISTED: &str = "[texture]\nlattice = \"listed\"\npillars = \"pillars.csv\"\n";
-const ROUNDED: &str = "[texture]\npitch = \"6 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n\
-    columns = 2\ntop_radius = \"20 um\"\n[texture.pillar]\nheight = \"0.14 um\"\n";
+const LISTED: &str = "[pattern]\nlattice = \"listed\"\npillars = \"pillars.csv\"\n";
+const ROUNDED: &str = "[pattern]\npitch = \"6 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n\
+    columns = 2\ntop_radius = \"20 um\"\n[pattern.pillar]\nheight = \"0.14 um\"\n";
 const MAP: &str = "[surface]\nheight_map = \"map.txt\"\ncell_size = \"3 um\"\nfloor = \"0.1 um\"\n";
 const PATTERN: &str = "[surface]\narrangement = \"square\"\npitch = \"12 um\"\noffset = 0.3\n\
-    offset_angle = \"20 deg\"\nmissing = 0.2\n[surface.pillar]\ncross_section = \"square\"\nside = \"6 um\"\n\
+    offset_angle = \"20 deg\"\nvacancy_fraction = 0.2\n[surface.pillar]\ncross_section = \"square\"\nside = \"6 um\"\n\
     height = \"0.3 um\"\n[surface.grid]\nwidth = \"48 um\"\ncells_per_diameter = 4\n";
 
 /// Below the critical state of all cases, m; for rounded tops just past the height.
@@ -69,12 +69,12 @@ fn companions(key: Key, word: &str, folder: &Path) -> Vec<String> {
         vec![format!("{key}={:?}", path.display().to_string())]
     };
     let settings: &[&str] = match (key, word) {
-        (Key::Lattice, "hexagonal" | "square") => &["texture.pitch=13um"],
-        (Key::Lattice, "rectangular") => &["texture.pitch=12um", "texture.pitch_y=12.5um"],
+        (Key::Lattice, "hexagonal" | "square") => &["pattern.pitch=13um"],
+        (Key::Lattice, "rectangular") => &["pattern.pitch=12um", "pattern.pitch_y=12.5um"],
         (Key::Lattice, "oblique") => &[
-            "texture.pitch=12um",
-            "texture.pitch_y=12.5um",
-            "texture.lattice_angle=70deg",
+            "pattern.pitch=12um",
+            "pattern.pitch_y=12.5um",
+            "pattern.lattice_angle=70deg",
         ],
         (Key::Lattice, "listed") => return named(Key::Pillars, "pillars.csv"),
         (Key::LensShape, "profile") => return named(Key::LensProfile, "profile.csv"),
@@ -108,10 +108,10 @@ fn companions(key: Key, word: &str, folder: &Path) -> Vec<String> {
 /// Additional settings with which a key is tried, so that it has an effect, or none.
 fn contexts(key: Key) -> &'static [&'static [&'static str]] {
     match key {
-        Key::TextureSeed => &[&["texture.height_standard_deviation=0.1"]],
-        Key::OffsetAngle => &[&["texture.offset=0"]],
+        Key::PillarSeed => &[&["pattern.height_standard_deviation=0.1"]],
+        Key::OffsetAngle => &[&["pattern.offset=0"]],
         Key::LensTiltDirection => &[&["lens.tilt=1deg"]],
-        Key::PillarCompliance => &[&["texture.pillar.diameter=5um"]],
+        Key::PillarCompliance => &[&["pattern.pillar.diameter=5um"]],
         Key::SubstrateBase | Key::SubstrateBaseYoungModulus | Key::SubstrateBasePoissonRatio => {
             &[&["substrate.thickness=5um"]]
         }
@@ -120,9 +120,9 @@ fn contexts(key: Key) -> &'static [&'static [&'static str]] {
         }
         Key::RecedingWorkOfAdhesion => &[&["adhesion.work=0.1mJ/m2"]],
         // A floor with few holes, which takes little time.
-        Key::FloorSticks => &[&["adhesion.work=0.1mJ/m2", "texture.columns=2"]],
+        Key::FloorSticks => &[&["adhesion.work=0.1mJ/m2", "pattern.columns=2"]],
         Key::PatternOffsetAngle => &[&["surface.offset=0"]],
-        Key::Seed => &[&["surface.missing=0"]],
+        Key::Seed => &[&["surface.vacancy_fraction=0"]],
         Key::Orientation => &[&[
             "surface.pillar.cross_section=circle",
             "surface.pillar.diameter=6um",
@@ -395,7 +395,7 @@ fn words_of(key: Key) -> Vec<String> {
     let stands_for = match key {
         Key::Rotation => "without rotation",
         Key::Columns => "infinite",
-        Key::HeightStandardDeviation | Key::VacancyFraction | Key::TextureSeed => "equal pillars",
+        Key::HeightStandardDeviation | Key::VacancyFraction | Key::PillarSeed => "equal pillars",
         Key::WorkOfAdhesion => "adhesion is supported",
         Key::RecedingWorkOfAdhesion => "adhesion.work",
         _ => key.path(),
@@ -489,35 +489,35 @@ fn check(cases: &[(&str, String)]) {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-fn texture(arrangement: &str, method: &str) -> String {
+fn pattern(arrangement: &str, method: &str) -> String {
     format!("{BODIES}{arrangement}{PILLAR}[method]\n{method}\n")
 }
 
 #[test]
 fn endless_lattices_by_the_spectral_method() {
-    check(&[("endless", texture(ENDLESS, SPECTRAL))]);
+    check(&[("endless", pattern(ENDLESS, SPECTRAL))]);
 }
 
 #[test]
 fn finite_lattices_by_the_spectral_method() {
-    check(&[("finite", texture(FINITE, SPECTRAL))]);
+    check(&[("finite", pattern(FINITE, SPECTRAL))]);
 }
 
 #[test]
 fn listed_pillars_by_the_spectral_method() {
-    check(&[("listed", texture(LISTED, SPECTRAL))]);
+    check(&[("listed", pattern(LISTED, SPECTRAL))]);
 }
 
 #[test]
 fn endless_lattices_by_elements() {
-    check(&[("endless", texture(ENDLESS, LOVE))]);
+    check(&[("endless", pattern(ENDLESS, LOVE))]);
 }
 
 #[test]
 fn finitely_many_pillars_by_elements() {
     check(&[
-        ("finite", texture(FINITE, LOVE)),
-        ("listed", texture(LISTED, LOVE)),
+        ("finite", pattern(FINITE, LOVE)),
+        ("listed", pattern(LISTED, LOVE)),
     ]);
 }
 
@@ -525,8 +525,8 @@ fn finitely_many_pillars_by_elements() {
 #[test]
 fn endless_lattices_by_approximate_methods() {
     check(&[
-        ("punch", texture(ENDLESS, "name = \"punch\"")),
-        ("homogenised", texture(ENDLESS, "name = \"homogenised\"")),
+        ("punch", pattern(ENDLESS, "name = \"punch\"")),
+        ("homogenised", pattern(ENDLESS, "name = \"homogenised\"")),
     ]);
 }
 

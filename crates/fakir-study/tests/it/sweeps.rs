@@ -79,7 +79,7 @@ fn rows_do_not_depend_on_threads_and_are_those_of_single_cases() {
         panic!("forces are numbers")
     };
     for (index, force) in forces.iter().enumerate() {
-        let case = study.case(index).case.texture().unwrap().clone();
+        let case = study.case(index).case.pattern().unwrap().clone();
         let alone = fakir::transition(&case.system, case.method, &Default::default()).unwrap();
         let (force, alone) = (force.unwrap(), alone.contact.force);
         // A start from a neighbouring case changes the residual of the iteration.

@@ -3,7 +3,7 @@
 use crate::draw::{Asked, Drawn, control};
 use fakir::problem::{
     Accuracy, Arrangement, ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar,
-    PunchForm, System, Texture,
+    PillarPattern, PunchForm, System,
 };
 use fakir::state::{ContactState, ErrorEstimate, Run, SolveError};
 use fakir::{Verdict, verify};
@@ -282,7 +282,7 @@ fn units(drawn: &Drawn, control: Load, state: &ContactState, findings: &mut Find
             material: scaled(&system.lens().material),
         },
         scaled(system.substrate()),
-        Texture {
+        PillarPattern {
             pillar: Pillar {
                 diameter: pillar.diameter * LENGTH,
                 height: pillar.height * LENGTH,

@@ -3,8 +3,8 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Arrangement, HexagonalLattice, Lens, Load, Material, Pillar, PillarCompliance, Point, System,
-    Texture,
+    Arrangement, HexagonalLattice, Lens, Load, Material, Pillar, PillarCompliance, PillarPattern,
+    Point, System,
 };
 use std::f64::consts::{FRAC_PI_6, PI, TAU};
 
@@ -69,8 +69,8 @@ impl Drawn {
         format!(
             "# seed {}, system {}: {:?}\n[lens]\nradius = {:e}\nyoung_modulus = {:e}\npoisson_ratio = {}\n\
              [substrate]\nyoung_modulus = {:e}\npoisson_ratio = {}\n\
-             [texture]\nlattice = \"hexagonal\"\npitch = {:e}\noffset = {}\noffset_angle = {}\n\
-             [texture.pillar]\ndiameter = {:e}\nheight = {:e}\ncompliance = \"{compliance}\"\n",
+             [pattern]\nlattice = \"hexagonal\"\npitch = {:e}\noffset = {}\noffset_angle = {}\n\
+             [pattern.pillar]\ndiameter = {:e}\nheight = {:e}\ncompliance = \"{compliance}\"\n",
             self.seed,
             self.number,
             self.asked,
@@ -136,7 +136,7 @@ impl Random {
             radius,
             material: lens,
         };
-        let texture = Texture {
+        let pattern = PillarPattern {
             pillar: Pillar {
                 diameter,
                 height: height.min(0.5 * radius),
@@ -148,7 +148,7 @@ impl Random {
                 ..HexagonalLattice::with_surface_fraction(surface_fraction, diameter)
             }),
         };
-        System::new(lens, substrate, texture).expect("drawn within what is allowed")
+        System::new(lens, substrate, pattern).expect("drawn within what is allowed")
     }
 
     /// Offset in pitches and its angle: at sites of symmetry, close to these, or anywhere.

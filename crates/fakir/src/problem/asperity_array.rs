@@ -106,25 +106,25 @@ impl AsperityArray {
         indenter: Indenter,
         substrate: Material,
         asperities: Vec<Asperity>,
-    ) -> Result<Self, InvalidCaps> {
+    ) -> Result<Self, InvalidAsperities> {
         indenter.check()?;
         Requirement::Positive.check(Quantity::SubstrateYoungModulus, substrate.young_modulus)?;
         Requirement::PoissonRatio
             .check(Quantity::SubstratePoissonRatio, substrate.poisson_ratio)?;
         if asperities.is_empty() {
-            return Err(InvalidCaps::None);
+            return Err(InvalidAsperities::None);
         }
         for (number, asperity) in asperities.iter().enumerate() {
             asperity
                 .check()
-                .map_err(|invalid| InvalidCaps::Asperity { number, invalid })?;
+                .map_err(|invalid| InvalidAsperities::Asperity { number, invalid })?;
         }
         for (number, one) in asperities.iter().enumerate() {
             for (other, two) in asperities.iter().enumerate().skip(number + 1) {
                 let distance = (one.apex[0] - two.apex[0]).hypot(one.apex[1] - two.apex[1]);
                 let least = one.rim_radius.unwrap_or(0.0) + two.rim_radius.unwrap_or(0.0);
                 if distance <= 0.0 || distance < least {
-                    return Err(InvalidCaps::TooClose {
+                    return Err(InvalidAsperities::TooClose {
                         asperities: [number, other],
                         distance,
                         least,
@@ -180,7 +180,7 @@ impl AsperityArray {
     ///
     /// # Panics
     /// If the number of heights is not the number of asperities.
-    pub fn with_heights(&self, heights: &[f64]) -> Result<Self, InvalidCaps> {
+    pub fn with_heights(&self, heights: &[f64]) -> Result<Self, InvalidAsperities> {
         assert_eq!(
             heights.len(),
             self.asperities.len(),
@@ -193,7 +193,7 @@ impl AsperityArray {
         for (number, asperity) in asperities.iter().enumerate() {
             asperity
                 .check()
-                .map_err(|invalid| InvalidCaps::Asperity { number, invalid })?;
+                .map_err(|invalid| InvalidAsperities::Asperity { number, invalid })?;
         }
         Ok(Self {
             asperities,
@@ -237,7 +237,7 @@ mod tests {
             AsperityArray::new(Indenter::Flat(None), rubber, asperities)
         };
         let good = Asperity::new([0.0, 0.0], 1e-4);
-        assert_eq!(of(Vec::new()), Err(InvalidCaps::None));
+        assert_eq!(of(Vec::new()), Err(InvalidAsperities::None));
         let told = |bad: Asperity| of(vec![good, bad]).unwrap_err().to_string();
         let beside = Asperity::new([1e-5, 0.0], 1e-4);
         assert!(of(vec![good, beside]).is_ok());

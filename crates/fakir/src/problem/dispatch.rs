@@ -556,14 +556,14 @@ static RULES: &[Rule] = &[
         HEIGHT_MAP,
         &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
         "adhesion is not supported on a height map",
-        "leave it out, or describe round pillars as a texture, which supports adhesion",
+        "leave it out, or describe round pillars as a [pattern], which supports adhesion",
     ),
     rule(
         ANY,
         HEIGHT_MAP,
         &[NOT_LEVEL],
         "a height map supports only a sphere or a level plate",
-        "leave out the shape of the lens, or describe round pillars as a texture",
+        "leave out the shape of the lens, or describe round pillars as a [pattern]",
     ),
     rule(
         ANY,
@@ -577,7 +577,7 @@ static RULES: &[Rule] = &[
         HEIGHT_MAP,
         &[&[Feature::ElasticPillars]],
         "elastic pillars are not supported on a height map",
-        "use columns, or describe round pillars as a texture",
+        "use columns, or describe round pillars as a [pattern]",
     ),
     rule(
         &[Question::Gradient],

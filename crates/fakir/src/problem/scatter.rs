@@ -97,7 +97,7 @@ impl Disorder {
     /// Height of the pillar with an index, relative to the common height; `None` if the pillar is missing.
     ///
     /// Published samples must be reproducible in every version, so that each law keeps the random stream with which it was introduced:
-    /// textures have normally distributed heights, height maps uniformly distributed ones.
+    /// pillar patterns have normally distributed heights, height maps uniformly distributed ones.
     #[must_use]
     pub fn height_ratio(&self, index: (i64, i64)) -> Option<f64> {
         match self.heights.law {

@@ -44,7 +44,7 @@ impl PillarPattern {
 /// A lens above a patterned substrate: the complete problem, validated.
 ///
 /// ```
-/// use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+/// use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, PillarPattern};
 ///
 /// let rubber = Material::new(2.0e6, 0.5);
 /// let pillar = Pillar { diameter: 6.0e-6, height: 2.2e-6, compliance: PillarCompliance::Column };
@@ -52,7 +52,7 @@ impl PillarPattern {
 /// let system = System::new(
 ///     Lens { radius: 2.2e-3, material: rubber },
 ///     rubber,
-///     Texture::new(pillar, lattice),
+///     PillarPattern::new(pillar, lattice),
 /// )?;
 /// assert!((system.reduced_modulus() - 1.0e6 / 0.75).abs() < 1e-3);
 /// # Ok::<(), fakir::problem::InvalidQuantity>(())
@@ -61,7 +61,7 @@ impl PillarPattern {
 pub struct System {
     lens: ShapedLens,
     substrate: Material,
-    texture: Texture,
+    pattern: PillarPattern,
     floor: FloorModel,
     adhesion: Adhesion,
     leaning: bool,
@@ -90,12 +90,12 @@ impl System {
     pub fn new(
         lens: impl Into<ShapedLens>,
         substrate: Material,
-        texture: Texture,
+        pattern: PillarPattern,
     ) -> Result<Self, InvalidQuantity> {
         use Quantity as Q;
         use Requirement as R;
         let lens = lens.into();
-        let pillar = texture.pillar;
+        let pillar = pattern.pillar;
         lens.check()?;
         R::Positive.check(Q::SubstrateYoungModulus, substrate.young_modulus)?;
         R::PoissonRatio.check(Q::SubstratePoissonRatio, substrate.poisson_ratio)?;
@@ -107,14 +107,14 @@ impl System {
             R::Positive
         };
         height.check(Q::PillarHeight, pillar.height)?;
-        texture.arrangement.check(pillar.diameter, lens_height)?;
-        if !lens.is_axisymmetric() && !texture.arrangement.is_finite() {
+        pattern.arrangement.check(pillar.diameter, lens_height)?;
+        if !lens.is_axisymmetric() && !pattern.arrangement.is_finite() {
             R::FiniteUnder(lens.shape_name()).check(Q::Columns, f64::INFINITY)?;
         }
         let system = Self {
             lens,
             substrate,
-            texture,
+            pattern,
             floor: FloorModel::Contact,
             adhesion: Adhesion::NONE,
             leaning: true,
@@ -333,7 +333,7 @@ impl System {
     /// The pillars and their lattice.
     #[must_use]
     pub fn pattern(&self) -> &PillarPattern {
-        &self.texture
+        &self.pattern
     }
 
     /// Former name of [`pattern`](Self::pattern).
@@ -347,13 +347,13 @@ impl System {
     /// The pillar shape.
     #[must_use]
     pub fn pillar(&self) -> &Pillar {
-        &self.texture.pillar
+        &self.pattern.pillar
     }
 
     /// The positions of the pillars.
     #[must_use]
     pub fn arrangement(&self) -> &Arrangement {
-        &self.texture.arrangement
+        &self.pattern.arrangement
     }
 
     /// The infinite hexagonal lattice of equal pillars, if the arrangement is one.
@@ -486,8 +486,8 @@ impl System {
         &self,
         arrangement: impl Into<Arrangement>,
     ) -> Result<Self, InvalidQuantity> {
-        let texture = Texture::new(self.texture.pillar, arrangement);
-        let system = Self::new(self.lens.clone(), self.substrate, texture)?;
+        let pattern = PillarPattern::new(self.pattern.pillar, arrangement);
+        let system = Self::new(self.lens.clone(), self.substrate, pattern)?;
         Self {
             floor: self.floor,
             adhesion: self.adhesion,
@@ -516,7 +516,7 @@ mod tests {
                 material: Material::new(2.0e6, 0.5),
             },
             Material::new(young_modulus, 0.5),
-            Texture::new(
+            PillarPattern::new(
                 pillar,
                 HexagonalLattice::with_surface_fraction(0.1, pillar.diameter),
             ),
@@ -532,7 +532,7 @@ mod tests {
         assert!((system.internal_compliance() / (0.75e-6 + column) - 1.0).abs() < 1e-14);
         assert!((system.external_compliance() / (1.5e-6 / PI) - 1.0).abs() < 1e-14);
         assert!((system.column_compliance_ratio() / (column / 0.75e-6) - 1.0).abs() < 1e-14);
-        assert!((system.texture().surface_fraction() - 0.1).abs() < 1e-15);
+        assert!((system.pattern().surface_fraction() - 0.1).abs() < 1e-15);
     }
 
     #[test]

@@ -78,7 +78,7 @@ impl Tops {
 mod tests {
     use super::super::lattice::HexagonalLattice;
     use crate::problem::InvalidQuantity;
-    use crate::problem::{Lens, Material, Pillar, PillarCompliance, System, Texture};
+    use crate::problem::{Lens, Material, Pillar, PillarCompliance, PillarPattern, System};
 
     #[test]
     fn copies_of_a_hollow_site() -> Result<(), InvalidQuantity> {
@@ -93,7 +93,7 @@ mod tests {
             material: rubber,
         };
         let lattice = HexagonalLattice::new(1.0);
-        let system = System::new(lens, rubber, Texture::new(pillar, lattice))?;
+        let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice))?;
         let hollow = [1.0 / 3f64.sqrt(), 0.0];
         assert_eq!(system.symmetric_copies(hollow).len(), 6);
         assert_eq!(system.symmetric_copies([0.5, 0.1]).len(), 12);

@@ -790,7 +790,7 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
             } else {
                 0.0
             },
-            edge_coefficient: top.domain.is_full().then(edge),
+            stress_intensity_factor: top.domain.is_full().then(edge),
         }
     };
     let mut pillars: Vec<PillarState> = tops.iter().map(pillar).collect();

@@ -583,7 +583,7 @@ fn patch_state(
         status: PillarStatus::Partial,
         force,
         centre_pressure: fields.pressure(centre),
-        edge_coefficient: Some([0.0; 2]),
+        stress_intensity_factor: Some([0.0; 2]),
     };
     let indentation = patch.indentation * scene.length;
     let [error, radius_error] = patch_errors(scene, patch, &body);
@@ -634,7 +634,7 @@ fn elements(
             status: pillar.status,
             force: pillar.force * scene.force(),
             centre_pressure: pillar.centre_pressure * scene.pressure,
-            edge_coefficient: None,
+            stress_intensity_factor: None,
         })
         .collect();
     nearest_first(&mut pillars, |pillar| pillar, scene.length);

@@ -198,7 +198,7 @@ pub(super) fn assemble(
 fn as_known(pillar: PillarState, system: &System) -> PillarState {
     match system.pillar().compliance {
         PillarCompliance::Elastic => PillarState {
-            edge_coefficient: None,
+            stress_intensity_factor: None,
             ..pillar
         },
         PillarCompliance::Column | PillarCompliance::None => pillar,

@@ -879,7 +879,7 @@ mod tests {
     use super::*;
     use crate::numerics::quadrature::gauss_legendre;
     use crate::problem::{
-        Adhesion, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, Texture,
+        Adhesion, HexagonalLattice, Lens, Material, Pillar, PillarCompliance, PillarPattern,
     };
 
     /// The paper's intermediate substrate with a surface fraction, and a work of adhesion in mJ/m^2.
@@ -895,7 +895,7 @@ mod tests {
             material: rubber,
         };
         let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
-        let system = System::new(lens, rubber, Texture::new(pillar, lattice)).unwrap();
+        let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice)).unwrap();
         let sticky = system.with_adhesion(Adhesion::new(work * 1e-3)).unwrap();
         CollapsedFloor::new(&sticky, largest_indentation).unwrap()
     }

@@ -129,7 +129,7 @@ fn edge_error(degree: usize) -> f64 {
 
 /// The rim of a fully touched pillar is exact unless it is about to lift off.
 fn full_error(pillar: &TouchedPillar) -> f64 {
-    match pillar.state.edge_coefficient {
+    match pillar.state.stress_intensity_factor {
         Some([least, most]) if least < NEAR_LIFT_OFF * most => LIFT_OFF,
         _ => 0.0,
     }

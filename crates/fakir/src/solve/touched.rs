@@ -88,7 +88,7 @@ pub(super) fn touched_pillars(newton: &Newton<'_>) -> Vec<TouchedPillar> {
             status,
             force: disc.force() * unit_force,
             centre_pressure: samples.centre_density(&disc) * pressure,
-            edge_coefficient: Some(samples.edge_range(&disc).map(|q| q * pressure)),
+            stress_intensity_factor: Some(samples.edge_range(&disc).map(|q| q * pressure)),
         };
         TouchedPillar {
             place: pillar,

@@ -33,7 +33,7 @@ impl ContactState {
         for pillar in &mut self.pillars {
             check_number("force on a pillar", &mut pillar.force)?;
             check_number("pressure on a pillar", &mut pillar.centre_pressure)?;
-            for coefficient in pillar.edge_coefficient.iter_mut().flatten() {
+            for coefficient in pillar.stress_intensity_factor.iter_mut().flatten() {
                 check_number("pressure at the edge of a pillar", coefficient)?;
             }
         }
@@ -138,7 +138,7 @@ mod tests {
             status: PillarStatus::Full,
             force: 1e-6,
             centre_pressure: 1.0,
-            edge_coefficient: Some([1.0, 2.0]),
+            stress_intensity_factor: Some([1.0, 2.0]),
         }];
         state
     }
@@ -157,8 +157,8 @@ mod tests {
             |state| &mut state.error.indentation,
             |state| &mut state.pillars[0].force,
             |state| &mut state.pillars[0].centre_pressure,
-            |state| &mut state.pillars[0].edge_coefficient.as_mut().unwrap()[0],
-            |state| &mut state.pillars[0].edge_coefficient.as_mut().unwrap()[1],
+            |state| &mut state.pillars[0].stress_intensity_factor.as_mut().unwrap()[0],
+            |state| &mut state.pillars[0].stress_intensity_factor.as_mut().unwrap()[1],
         ];
         for place in places {
             for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -52,7 +52,7 @@ pub struct PillarState {
     /// Smallest and largest stress intensity factor around the rim, Pa, normalised as `q = -K_I/sqrt(pi a)`, positive under compression: the
     /// pressure near the edge of a pillar of radius `a` is `q/sqrt(1 - (r/a)^2)`, that is `q sqrt(a/(2 s))` at a distance `s` from the edge,
     /// and infinite at the edge unless `q` is zero. `None` for methods that do not resolve it.
-    pub edge_coefficient: Option<[f64; 2]>,
+    pub stress_intensity_factor: Option<[f64; 2]>,
 }
 
 impl PillarState {

@@ -81,7 +81,7 @@ pub enum SolveError {
         "the homogenised lattice needs a surface fraction below {limit:.3} for these materials, \
          but it is {surface_fraction:.3}: widen the pitch or use the spectral method"
     )]
-    TextureTooDense {
+    PatternTooDense {
         /// Fraction of the surface covered by pillar tops.
         surface_fraction: f64,
         /// Largest surface fraction of the model for this lens and substrate.

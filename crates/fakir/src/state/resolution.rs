@@ -79,7 +79,7 @@ mod tests {
     use super::Remedy;
     use crate::problem::{
         ElementMesh, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance,
-        System, Texture,
+        PillarPattern, System,
     };
     use crate::state::{ContactState, ErrorEstimate, FloorErrors, Run, Solution, Termination};
 
@@ -97,8 +97,8 @@ mod tests {
             radius: 2.2e-3,
             material: Material::new(2e6, 0.5),
         };
-        let texture = Texture::new(pillar, HexagonalLattice::new(30e-6));
-        let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
+        let pattern = PillarPattern::new(pillar, HexagonalLattice::new(30e-6));
+        let system = System::new(lens, Material::new(2e6, 0.5), pattern).unwrap();
         crate::press(&system, control, method, &Run::default()).unwrap()
     }
 

@@ -35,7 +35,7 @@ pub trait Solution {
     }
 }
 
-/// A contact of a lens or plate with a texture or a general surface. Loading curves, their figures and warnings use only this trait, so
+/// A contact of a lens or plate with a pillar pattern or a general surface. Loading curves, their figures and warnings use only this trait, so
 /// that they are the same for all contacts.
 pub trait Contact: Solution {
     /// Indentation, m.

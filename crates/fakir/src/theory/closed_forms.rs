@@ -153,7 +153,7 @@ pub fn small_contact_limit(system: &System) -> f64 {
 #[must_use]
 pub fn large_contact(system: &System, form: Form) -> TransitionEstimate {
     let (gamma_int, gamma_ext) = compliances(system);
-    let root_phi = system.texture().surface_fraction().sqrt();
+    let root_phi = system.pattern().surface_fraction().sqrt();
     let contact_radius = large_contact_radius(system, Form::Corrected);
     let ratio = contact_radius / system.pitch();
     let spread = match form {
@@ -175,7 +175,7 @@ pub fn large_contact(system: &System, form: Form) -> TransitionEstimate {
 /// paper, `sqrt(e^2 + phi R h)` (erratum 2).
 #[must_use]
 pub fn large_contact_radius(system: &System, form: Form) -> f64 {
-    let phi = system.texture().surface_fraction();
+    let phi = system.pattern().surface_fraction();
     let (radius, h) = (system.lens().sphere_radius(), system.pillar().height);
     let e = system.pitch();
     match form {
@@ -275,7 +275,7 @@ mod tests {
     use super::super::reference::paper;
     use super::super::reference::reference;
     use super::*;
-    use crate::problem::{HexagonalLattice, Lens, PillarCompliance, Texture};
+    use crate::problem::{HexagonalLattice, Lens, PillarCompliance, PillarPattern};
 
     /// Deviation of a closed form from the reference, in per cent.
     fn percent(value: f64, reference: f64) -> f64 {
@@ -295,7 +295,12 @@ mod tests {
             pitch: system.pitch() * factor,
             ..*system.hexagonal_lattice().unwrap()
         };
-        System::new(lens, *system.substrate(), Texture::new(pillar, lattice)).unwrap()
+        System::new(
+            lens,
+            *system.substrate(),
+            PillarPattern::new(pillar, lattice),
+        )
+        .unwrap()
     }
 
     #[test]
@@ -320,11 +325,11 @@ mod tests {
         let system = paper(1e-4, RIGID, PillarCompliance::None);
         let mut pillar = *system.pillar();
         pillar.diameter *= 1e-5;
-        let texture = Texture {
+        let pattern = PillarPattern {
             pillar,
-            ..system.texture().clone()
+            ..system.pattern().clone()
         };
-        let narrow = System::new(system.lens().clone(), *system.substrate(), texture).unwrap();
+        let narrow = System::new(system.lens().clone(), *system.substrate(), pattern).unwrap();
         let mu_c = (small_contact_factor(&narrow) - 1.0) / 3.0;
         let excess = one_pillar(&narrow).floor_contact_distance
             / small_contact(&narrow).floor_contact_distance

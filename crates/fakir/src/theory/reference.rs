@@ -1,6 +1,8 @@
 //! The systems of the paper and the reference critical states, for tests.
 
-use crate::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use crate::problem::{
+    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, PillarPattern, System,
+};
 
 /// Young's moduli of the rigid, intermediate and soft substrates of the paper, Pa.
 pub(crate) const RIGID: f64 = 1e9;
@@ -41,7 +43,7 @@ pub(crate) fn on_lattice(
             material: Material::new(2e6, 0.5),
         },
         Material::new(substrate_modulus, 0.5),
-        Texture::new(pillar, lattice),
+        PillarPattern::new(pillar, lattice),
     )
     .unwrap()
 }
@@ -75,7 +77,7 @@ pub(crate) fn reference(system: &System) -> Reference {
         .find_map(|record| {
             let number = |column: usize| record[column].parse::<f64>().unwrap();
             let near = |value: f64, wanted: f64| (value - wanted).abs() <= 1e-9 * wanted;
-            let wanted = near(number(0), system.texture().surface_fraction())
+            let wanted = near(number(0), system.pattern().surface_fraction())
                 && near(number(1), system.hexagonal_lattice().unwrap().offset)
                 && near(number(2), system.substrate().young_modulus)
                 && &record[3] == compliance;

@@ -50,7 +50,7 @@ fn a_lone_top_pulls_as_a_flat_punch() {
         (1e4, PillarCompliance::Column),
     ] {
         let of_paper = paper_system(HexagonalLattice::new(0.1), substrate, compliance);
-        let system = System::new(lens, *of_paper.substrate(), of_paper.texture().clone()).unwrap();
+        let system = System::new(lens, *of_paper.substrate(), of_paper.pattern().clone()).unwrap();
         let system = system.with_adhesion(Adhesion::new(work)).unwrap();
         let expected = pull_off_under_lens(system.reduced_modulus(), 3e-6, work, lens.radius);
         for drive in [
@@ -829,7 +829,7 @@ fn one_listed_pillar_pulls_as_a_flat_punch() {
         radius: 22.0,
         material: Material::new(2e6, 0.5),
     };
-    let system = System::new(lens, *of_paper.substrate(), of_paper.texture().clone()).unwrap();
+    let system = System::new(lens, *of_paper.substrate(), of_paper.pattern().clone()).unwrap();
     let system = system.with_adhesion(Adhesion::new(0.05)).unwrap();
     let expected = pull_off_under_lens(system.reduced_modulus(), 3e-6, 0.05, lens.radius);
     let plan = CyclePlan {

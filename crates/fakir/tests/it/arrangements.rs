@@ -2,8 +2,8 @@
 
 use fakir::problem::{
     Accuracy, Arrangement, Disorder, HexagonalLattice, InvalidQuantity, LatticeForm, Lens,
-    ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice,
-    Quantity, RandomPlaces, Requirement, Scatter, System, Texture, Unsupported,
+    ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern,
+    PlaneLattice, Quantity, RandomPlaces, Requirement, Scatter, System, Unsupported,
 };
 use fakir::state::{ContactState, CriticalState, Run, SolveError};
 use std::f64::consts::PI;
@@ -30,7 +30,7 @@ fn system_under(radius: f64, arrangement: impl Into<Arrangement>) -> System {
         height: 2.2e-6,
         compliance: PillarCompliance::None,
     };
-    System::new(lens, MATERIAL, Texture::new(pillar, arrangement)).expect("a valid system")
+    System::new(lens, MATERIAL, PillarPattern::new(pillar, arrangement)).expect("a valid system")
 }
 
 fn form_of(phi: f64) -> LatticeForm {

@@ -3,7 +3,7 @@
 use fakir::problem::{
     Adhesion, Arrangement, CyclePlan, ElementMesh, Feature, HexagonalLattice, Layer, LensProfile,
     LensShape, ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList,
-    PunchForm, Question, ShapedLens, Solver, System, Texture, Unsupported,
+    PillarPattern, PunchForm, Question, ShapedLens, Solver, System, Unsupported,
 };
 use fakir::state::{Run, SolveError};
 use std::sync::Arc;
@@ -113,7 +113,7 @@ impl Choice {
             },
         };
         let lens = ShapedLens::new(shape, rubber);
-        let system = System::new(lens, rubber, Texture::new(pillar, arrangement)).ok()?;
+        let system = System::new(lens, rubber, PillarPattern::new(pillar, arrangement)).ok()?;
         let system = system.with_layers(self.film.then(|| Layer::new(0.1e-3)), None);
         let adhesion = match self.sticks {
             0 => return system.ok(),

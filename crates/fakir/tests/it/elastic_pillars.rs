@@ -5,8 +5,8 @@
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
     Accuracy, Adhesion, Disorder, ElementMesh, HexagonalLattice, LatticeForm, Lens, LensShape,
-    ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList, PlaneLattice,
-    PunchForm, Quantity, Requirement, Scatter, ShapedLens, System, Texture,
+    ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern,
+    PlaneLattice, PunchForm, Quantity, Requirement, Scatter, ShapedLens, System,
 };
 use fakir::state::{Run, Warning};
 
@@ -29,7 +29,7 @@ fn one_pillar(slenderness: f64, poisson_ratio: f64, share: f64, like: PillarComp
         material: of_share(1.0 - share),
     };
     let lattice = HexagonalLattice::new(100.0 * diameter);
-    System::new(lens, of_share(share), Texture::new(pillar, lattice)).expect("a valid system")
+    System::new(lens, of_share(share), PillarPattern::new(pillar, lattice)).expect("a valid system")
 }
 
 /// `u a E*/F` of an isolated pillar, from the compliances that the system reports.
@@ -114,7 +114,7 @@ fn textured(phi: f64, height: f64, modulus: f64, like: PillarCompliance) -> Syst
     System::new(
         paper_lens(),
         Material::new(modulus, 0.5),
-        Texture::new(pillar, paper_lattice(phi, 0.0)),
+        PillarPattern::new(pillar, paper_lattice(phi, 0.0)),
     )
     .expect("a valid system")
 }
@@ -177,7 +177,7 @@ fn listed_pillars_give_way_by_their_own_height_and_diameter() {
         height: 3.0e-6,
         ..paper_pillar(ELASTIC)
     };
-    let system = System::new(plate, material, Texture::new(pillar, list)).unwrap();
+    let system = System::new(plate, material, PillarPattern::new(pillar, list)).unwrap();
     let depth = 0.1e-6;
     let state = fakir::press(&system, Load::Indentation(depth), SPECTRAL, &Run::default()).unwrap();
     for found in &state.pillars {
@@ -215,8 +215,8 @@ fn pillars_lean_as_beams_on_a_half_space() {
             height: pillar.height,
             diameter: pillar.diameter,
         }]);
-        let texture = Texture::new(pillar, list.unwrap());
-        let system = System::new(plate, material, texture).unwrap();
+        let pattern = PillarPattern::new(pillar, list.unwrap());
+        let system = System::new(plate, material, pattern).unwrap();
         let load = Load::Force(20e-6);
         let state = fakir::press(&system, load, SPECTRAL, &Run::default()).unwrap();
         assert_eq!(state.pillars_partially_in_contact, 0);
@@ -225,7 +225,7 @@ fn pillars_lean_as_beams_on_a_half_space() {
             assert!(fields.gap(point).abs() < 1e-9 * state.indentation);
         }
         let [low, high] = [-1.5e-6, 1.5e-6].map(|x| fields.pressure([x, 0.0]));
-        assert!(state.pillars[0].edge_coefficient.is_none() == (like == ELASTIC));
+        assert!(state.pillars[0].stress_intensity_factor.is_none() == (like == ELASTIC));
         low - high
     };
     let softer = antisymmetric(PillarCompliance::None) / antisymmetric(ELASTIC);
@@ -305,7 +305,7 @@ fn derivatives_are_those_of_differences() {
         System::new(
             lens,
             Material::new(substrate, ratio),
-            Texture::new(pillar, lattice),
+            PillarPattern::new(pillar, lattice),
         )
         .unwrap()
     };
@@ -354,7 +354,7 @@ fn what_is_not_known_of_elastic_pillars_is_refused() {
         System::new(
             paper_lens(),
             Material::new(INTERMEDIATE, ratio),
-            Texture::new(pillar, paper_lattice(0.1, 0.0)),
+            PillarPattern::new(pillar, paper_lattice(0.1, 0.0)),
         )
     };
     assert!(of(0.12e-6, 0.5).is_ok() && of(30e-6, 0.3).is_ok());

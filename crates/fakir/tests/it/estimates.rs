@@ -2,7 +2,7 @@
 
 use fakir::problem::{
     Accuracy, ElementMesh, HexagonalLattice, Lens, ListedPillar, Load, Material, Method, Pillar,
-    PillarCompliance, PillarList, PunchForm, System, Texture,
+    PillarCompliance, PillarList, PillarPattern, PunchForm, System,
 };
 use fakir::state::{ContactState, Run};
 
@@ -55,7 +55,7 @@ fn check_three_pillars(cells_per_diameter: usize) {
     };
     let substrate = Material::new(28898431.329092845, 0.0);
     let system =
-        System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
+        System::new(lens, substrate, PillarPattern::new(pillar, lattice)).expect("a valid system");
     let default = critical(&system, Method::Spectral(Accuracy::Default));
     let accurate = critical(&system, Method::Spectral(Accuracy::Accurate));
     let mesh = ElementMesh {
@@ -98,7 +98,7 @@ fn a_sphere_on_one_wide_pillar() {
     };
     let substrate = Material::new(1384510805855967.0, 0.0);
     let system =
-        System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
+        System::new(lens, substrate, PillarPattern::new(pillar, lattice)).expect("a valid system");
     let default = critical(&system, Method::Spectral(Accuracy::Default));
     let accurate = critical(&system, Method::Spectral(Accuracy::Accurate));
     let ratios = over_estimates(&default, &accurate);
@@ -129,7 +129,7 @@ fn a_touch_that_only_the_whole_lens_shape_shows() {
     };
     let substrate = Material::new(4.563307782112325e8, 0.4054807325243255);
     let system =
-        System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
+        System::new(lens, substrate, PillarPattern::new(pillar, lattice)).expect("a valid system");
     let press = |accuracy| {
         let load = Load::Indentation(8.787422628639028e-9);
         fakir::press(&system, load, Method::Spectral(accuracy), &Run::default()).expect("a contact")
@@ -143,7 +143,7 @@ fn a_touch_that_only_the_whole_lens_shape_shows() {
 }
 
 #[test]
-fn slivers_beside_a_pillar_in_a_dense_texture() {
+fn slivers_beside_a_pillar_in_a_dense_pattern() {
     // A pillar and narrow contacts at the rims of its six close neighbours. The effect of neighbours on a narrow contact through modes
     // beyond the degree of the coupling was not included in the estimate: the default accuracy estimated an error of 5.9e-5 of the
     // indentation and differed by 2.4e-4 from the accurate one.
@@ -163,7 +163,7 @@ fn slivers_beside_a_pillar_in_a_dense_texture() {
     };
     let substrate = Material::new(1.7883847380019582e4, 0.5);
     let system =
-        System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system");
+        System::new(lens, substrate, PillarPattern::new(pillar, lattice)).expect("a valid system");
     // The force at which the indentation of punches is about 1 nm.
     let punches = Method::Punch(PunchForm::Corrected);
     let near = Load::Indentation(9.832207915745805e-10);
@@ -201,8 +201,8 @@ fn two_pillars_that_nearly_touch() {
         radius: 2e-3,
         material: Material::new(70e9, 0.2),
     };
-    let texture = Texture::new(pillar, list);
-    let system = System::new(lens, Material::new(1e6, 0.5), texture).expect("a valid system");
+    let pattern = PillarPattern::new(pillar, list);
+    let system = System::new(lens, Material::new(1e6, 0.5), pattern).expect("a valid system");
     for accuracy in [Accuracy::Default, Accuracy::Accurate] {
         let load = Load::Indentation(100e-9);
         let method = Method::Spectral(accuracy);

@@ -5,8 +5,8 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use fakir::problem::{
     Accuracy, Adhesion, Base, CyclePlan, FloorModel, Layer, Lens, LensShape, ListedPillar, Load,
-    LoadingMode, Material, Method, Pillar, PillarCompliance, PillarList, ShapedLens, System,
-    Texture, UnloadingPoint,
+    LoadingMode, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern, ShapedLens,
+    System, UnloadingPoint,
 };
 use fakir::state::{ContactState, Cycle, PillarStatus, Run, Solution, Termination};
 use fakir::theory::adhesion::{
@@ -27,7 +27,7 @@ fn one_pillar(lens: ShapedLens, substrate: Material, diameter: f64, centre: [f64
         height: pillar.height,
     };
     let list = PillarList::new(vec![listed]).unwrap();
-    System::new(lens, substrate, Texture::new(pillar, list)).unwrap()
+    System::new(lens, substrate, PillarPattern::new(pillar, list)).unwrap()
 }
 
 /// A number between two bounds, uniformly distributed in its logarithm.

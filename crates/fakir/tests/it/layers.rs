@@ -8,8 +8,8 @@ use crate::common::{INTERMEDIATE, paper_lattice, paper_pillar, paper_system};
 use fakir::problem::{
     Accuracy, Arrangement, Base, Boundary, ElementMesh, FloorModel, Grid, HeightMap,
     HexagonalLattice, Indenter, Layer, LensShape, ListedPillar, Load, Material, MeshLayout, Method,
-    Pillar, PillarCompliance, PillarList, PunchForm, Quantity, ShapedLens, SurfaceSystem, System,
-    Texture,
+    Pillar, PillarCompliance, PillarList, PillarPattern, PunchForm, Quantity, ShapedLens,
+    SurfaceSystem, System,
 };
 use fakir::state::{ContactState, Gradient, Run, SolveError, Warning};
 use fakir::theory::layer::{LayerResponse, Layers, asperity_reduction};
@@ -610,7 +610,7 @@ fn thin_contacts_are_shifted_and_bent() {
         radius: lens_radius,
         material: rubber,
     };
-    let bent = System::new(lens, rubber, system.texture().clone()).unwrap();
+    let bent = System::new(lens, rubber, system.pattern().clone()).unwrap();
     let half_space = transition(&bent, Accuracy::Default);
     // LAYER.md: 1e-4 to 2e-4 of the force at a_c/t = 0.2.
     assert!((half_space.force / with.force - 1.0).abs() < 3e-4);
@@ -668,7 +668,7 @@ fn listed(places: &[[f64; 2]], thickness: f64) -> System {
         radius: 2.2e-3,
         material: rubber,
     };
-    let system = System::new(lens, rubber, Texture::new(pillar, arrangement)).unwrap();
+    let system = System::new(lens, rubber, PillarPattern::new(pillar, arrangement)).unwrap();
     let film = Layer::new(1e-6 * thickness);
     system.with_layers(Some(film), None).unwrap()
 }
@@ -761,7 +761,7 @@ fn second_opinions_agree_on_layers() {
 }
 
 #[test]
-#[ignore = "slow: denser textures, one layer alone, and elements on the whole pattern"]
+#[ignore = "slow: denser patterns, one layer alone, and elements on the whole pattern"]
 fn more_second_opinions_agree_on_layers() {
     let [film, lens] = film_and_lens();
     for (phi, layers) in [(0.01, [film, None]), (0.03, [film, lens])] {
@@ -876,12 +876,12 @@ fn a_bare_floor_is_a_sphere_on_a_layer() {
     let paraboloid = ShapedLens::new(LensShape::Paraboloid { radius: 2.2e-3 }, rubber);
     let pillar = paper_pillar(PillarCompliance::Column);
     let far = listed(&[[300.0, 0.0], [-250.0, 260.0], [10.0, -330.0]], 5.0);
-    let texture = Texture::new(pillar, far.arrangement().clone());
+    let pattern = PillarPattern::new(pillar, far.arrangement().clone());
     let contact = 60e-6;
     for ratio in [1.0, 2.0] {
         let film = Layer::new(contact / ratio);
         let exact = Layers::new([(rubber, Some(film)), (rubber, None)]).sphere(2.2e-3, contact);
-        let system = System::new(paraboloid.clone(), rubber, texture.clone()).unwrap();
+        let system = System::new(paraboloid.clone(), rubber, pattern.clone()).unwrap();
         let system = system.with_layers(Some(film), None).unwrap();
         let load = Load::Indentation(pillar.height + exact.indentation);
         let state = fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
@@ -1001,23 +1001,23 @@ fn gradient((load, listed): (Load, bool), parts: [f64; 12]) -> Gradient {
         radius,
         material: Material::new(lens, lens_ratio),
     };
-    let texture = if listed {
+    let pattern = if listed {
         let places = hexagon(1e6 * pitch).into_iter().map(|at| ListedPillar {
             centre: at.map(|at| 1e-6 * at + 1e-6),
             height,
             diameter,
         });
         let list = PillarList::new(places.collect()).unwrap();
-        Texture::new(pillar, Arrangement::Listed(Arc::new(list)))
+        PillarPattern::new(pillar, Arrangement::Listed(Arc::new(list)))
     } else {
         let lattice = HexagonalLattice {
             pitch,
             offset: 0.2,
             offset_angle: 0.3,
         };
-        Texture::new(pillar, lattice)
+        PillarPattern::new(pillar, lattice)
     };
-    let system = System::new(lens, Material::new(substrate, ratio), texture).unwrap();
+    let system = System::new(lens, Material::new(substrate, ratio), pattern).unwrap();
     let back = Layer {
         thickness: back,
         base: Base::Elastic(Material::new(base, base_ratio)),

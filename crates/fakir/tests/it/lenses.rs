@@ -3,8 +3,8 @@
 use fakir::problem::{
     Accuracy, Adhesion, Arrangement, Boundary, Grid, HeightMap, HexagonalLattice, Indenter,
     InvalidQuantity, LatticeForm, Lens, LensProfile, LensShape, ListedPillar, Load, Material,
-    Method, Pillar, PillarCompliance, PillarList, PlaneLattice, Point, PunchForm, Quantity,
-    Requirement, ShapedLens, SurfaceSystem, System, Texture, Unsupported,
+    Method, Pillar, PillarCompliance, PillarList, PillarPattern, PlaneLattice, Point, PunchForm,
+    Quantity, Requirement, ShapedLens, SurfaceSystem, System, Unsupported,
 };
 use fakir::state::{ContactState, Run, SolveError, Warning};
 use std::f64::consts::PI;
@@ -36,7 +36,7 @@ fn of_shape(
     System::new(
         lens,
         MATERIAL,
-        Texture::new(pillar(compliance), arrangement),
+        PillarPattern::new(pillar(compliance), arrangement),
     )
 }
 
@@ -124,7 +124,7 @@ fn paraboloids_scale_exactly_and_spheres_do_not() {
             ..pillar(PillarCompliance::None)
         };
         let lens = ShapedLens::new(shape(RADIUS / stretch), MATERIAL);
-        let system = System::new(lens, MATERIAL, Texture::new(pillar, lattice)).unwrap();
+        let system = System::new(lens, MATERIAL, PillarPattern::new(pillar, lattice)).unwrap();
         let method = Method::Spectral(Accuracy::Default);
         let state = fakir::transition(&system, method, &Run::default()).unwrap();
         assert!(state.contact.converged());

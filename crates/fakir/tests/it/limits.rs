@@ -3,7 +3,7 @@
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
     FloorModel, HexagonalLattice, Layer, Lens, ListedPillar, Load, Material, Method, Pillar,
-    PillarCompliance, PillarList, System, Texture,
+    PillarCompliance, PillarList, PillarPattern, System,
 };
 use fakir::state::{ContactState, Limit, Run};
 use std::f64::consts::PI;
@@ -35,7 +35,7 @@ fn of_height(height: f64, phi: f64, modulus: f64) -> System {
     System::new(
         paper_lens(),
         Material::new(modulus, 0.5),
-        Texture::new(pillar, paper_lattice(phi, 0.0)),
+        PillarPattern::new(pillar, paper_lattice(phi, 0.0)),
     )
     .expect("a valid system")
 }
@@ -53,8 +53,8 @@ fn the_floor_beyond_the_pillars_is_part_of_the_contact() {
         diameter: 6e-6,
     };
     let list = PillarList::new(vec![pillar(-5e-6), pillar(5e-6)]).expect("pillars apart");
-    let texture = Texture::new(paper_pillar(COLUMN), list);
-    let system = System::new(lens, Material::new(INTERMEDIATE, 0.5), texture);
+    let pattern = PillarPattern::new(paper_pillar(COLUMN), list);
+    let system = System::new(lens, Material::new(INTERMEDIATE, 0.5), pattern);
     let state = press(&system.expect("a valid system"), Load::Indentation(30e-6));
     let floor = state.floor.as_ref().expect("a floor in contact");
     assert!(floor.radius > 3.0 * state.contact_radius);
@@ -96,7 +96,7 @@ fn wide_contacts() {
     let pillar = paper_pillar(COLUMN);
     let lattice = HexagonalLattice::with_surface_fraction(0.2, pillar.diameter);
     let substrate = Material::new(INTERMEDIATE, 0.5);
-    let system = System::new(lens, substrate, Texture::new(pillar, lattice)).unwrap();
+    let system = System::new(lens, substrate, PillarPattern::new(pillar, lattice)).unwrap();
     let state = press(&system, Load::Indentation(8e-6));
     let ratio = state.contact_radius / 100e-6;
     for name in ["slope", "contact_radius_over_lens_radius"] {
@@ -148,8 +148,8 @@ fn columns_beside_elastic_pillars() {
     assert!(limit(&critical(&system), "pillar_compliance").strained);
     // For other materials no data are available.
     let cork = Material::new(INTERMEDIATE, 0.1);
-    let texture = Texture::new(paper_pillar(COLUMN), paper_lattice(0.1, 0.0));
-    let system = System::new(paper_lens(), cork, texture).unwrap();
+    let pattern = PillarPattern::new(paper_pillar(COLUMN), paper_lattice(0.1, 0.0));
+    let system = System::new(paper_lens(), cork, pattern).unwrap();
     let limits = critical(&system).limits(None);
     assert!(limits.iter().all(|limit| limit.name != "pillar_compliance"));
 }

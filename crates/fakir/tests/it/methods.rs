@@ -1,4 +1,4 @@
-//! Requirements for every method, on textures and on general surfaces.
+//! Requirements for every method, on pillar patterns and on general surfaces.
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_system};
 use fakir::problem::pattern::{Pattern, PillarShape};
@@ -48,7 +48,7 @@ impl From<SolveError> for Refusal {
 /// A method, on the paper's pillars of rubber.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Subject {
-    Texture(Method),
+    PillarPattern(Method),
     /// Elements on a height map.
     Surface(Boundary, Form),
 }
@@ -90,11 +90,11 @@ fn subjects() -> Vec<Subject> {
         Subject::Surface(Boundary::Periodic, Form::Lens),
         Subject::Surface(Boundary::Periodic, Form::Plate),
     ];
-    let methods = methods.into_iter().map(Subject::Texture);
+    let methods = methods.into_iter().map(Subject::PillarPattern);
     methods.chain(surfaces).collect()
 }
 
-fn texture(offset: f64, degrees: f64) -> System {
+fn pattern(offset: f64, degrees: f64) -> System {
     let lattice = HexagonalLattice {
         offset,
         offset_angle: f64::to_radians(degrees),
@@ -155,8 +155,8 @@ impl Subject {
         run: &Run<'_>,
     ) -> Result<Answer, Refusal> {
         match self {
-            Self::Texture(method) => {
-                let system = texture(offset, degrees);
+            Self::PillarPattern(method) => {
+                let system = pattern(offset, degrees);
                 let (state, place) = match question {
                     Load::FloorContact => {
                         let critical = fakir::transition(&system, method, run)?;
@@ -169,7 +169,7 @@ impl Subject {
                 others.extend(place);
                 for pillar in &state.pillars {
                     others.extend([pillar.force, pillar.centre_pressure]);
-                    others.extend(pillar.edge_coefficient.iter().flatten());
+                    others.extend(pillar.stress_intensity_factor.iter().flatten());
                 }
                 Ok(Answer {
                     force: state.force,
@@ -196,7 +196,7 @@ impl Subject {
 
     /// Whether the memory depends on the size of the problem.
     fn is_limited(self) -> bool {
-        self != Self::Texture(Method::Homogenised)
+        self != Self::PillarPattern(Method::Homogenised)
     }
 }
 
@@ -353,7 +353,7 @@ fn check_numbers(step: usize) {
                     Load::FloorContact => 0.0,
                 };
                 assert!(error.abs() < 1e-6, "{subject:?} {load:?}: {error:e}");
-            } else if matches!(subject, Subject::Texture(_)) {
+            } else if matches!(subject, Subject::PillarPattern(_)) {
                 assert!(force >= 1.0 && indentation >= 1.0, "{subject:?} {load:?}");
             }
         }
@@ -377,8 +377,8 @@ fn what_is_beyond_the_equator_is_out_of_reach() {
         ..paper_lens()
     };
     let lattice = paper_lattice(0.008, 0.5);
-    let texture = fakir::problem::Texture::new(pillar, lattice);
-    let system = System::new(lens, lens.material, texture).expect("a valid system");
+    let pattern = fakir::problem::PillarPattern::new(pillar, lattice);
+    let system = System::new(lens, lens.material, pattern).expect("a valid system");
     let transition = |method| {
         let critical = fakir::transition(&system, method, &Run::default()).expect("an answer");
         assert!(critical.contact.converged(), "{method:?}");
@@ -388,7 +388,7 @@ fn what_is_beyond_the_equator_is_out_of_reach() {
     // Reference: two fine meshes of elements, which differ by 2e-4.
     assert!((exact.force / 14.488e-6 - 1.0).abs() < 1e-3);
     for subject in subjects() {
-        let Subject::Texture(method) = subject else {
+        let Subject::PillarPattern(method) = subject else {
             continue;
         };
         if method == Method::Homogenised {
@@ -426,8 +426,8 @@ fn wide_pillars_reach_beyond_a_small_lens() {
         offset_angle: 0.523_598_775_598_298_8,
         ..HexagonalLattice::with_surface_fraction(0.153_675_026_399_087_14, pillar.diameter)
     };
-    let texture = fakir::problem::Texture::new(pillar, lattice);
-    let system = System::new(lens, substrate, texture).expect("a valid system");
+    let pattern = fakir::problem::PillarPattern::new(pillar, lattice);
+    let system = System::new(lens, substrate, pattern).expect("a valid system");
     let transition = |method| {
         let critical = fakir::transition(&system, method, &Run::default()).expect("an answer");
         assert!(critical.contact.converged(), "{method:?}");
@@ -442,16 +442,16 @@ fn wide_pillars_reach_beyond_a_small_lens() {
     assert!(difference < 0.02 && difference <= elements.error.force + exact.error.force);
 }
 
-/// A texture is invariant under rotations by 60 degrees and reflections.
+/// A pillar pattern is invariant under rotations by 60 degrees and reflections.
 #[test]
-fn symmetric_textures_have_the_same_answers() {
+fn symmetric_patterns_have_the_same_answers() {
     // A rotation and a reflection, which generate all others.
     compare_images(&[Load::Indentation(3e-6)], &[70.0, -10.0]);
 }
 
 #[test]
 #[ignore = "slow: under a force and where the floor is reached, and half-way round"]
-fn symmetric_textures_have_the_same_answers_to_all_questions() {
+fn symmetric_patterns_have_the_same_answers_to_all_questions() {
     let questions = [
         Load::FloorContact,
         Load::Indentation(3e-6),
@@ -515,11 +515,11 @@ fn errors_where_the_floor_is_reached_are_as_estimated() {
 /// Methods with an error estimate: the accurate spectral method is within it. For the homogenised lattice it is the error of the numbers,
 /// not of the model.
 fn check_errors(questions: &[Load]) {
-    let exact = Subject::Texture(Method::Spectral(Accuracy::Accurate));
+    let exact = Subject::PillarPattern(Method::Spectral(Accuracy::Accurate));
     for &question in questions {
         let exact = exact.ask(question, &Run::default()).expect("an answer");
         for subject in subjects() {
-            if !matches!(subject, Subject::Texture(method) if method != Method::Homogenised) {
+            if !matches!(subject, Subject::PillarPattern(method) if method != Method::Homogenised) {
                 continue;
             }
             let answer = subject.ask(question, &Run::default()).expect("an answer");

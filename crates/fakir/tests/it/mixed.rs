@@ -353,7 +353,7 @@ fn copies_of_an_offset_agree() {
 /// Results depend on the ratios of lengths and of moduli only.
 #[test]
 fn results_scale() {
-    use fakir::problem::{Lens, Material, Pillar, Texture};
+    use fakir::problem::{Lens, Material, Pillar, PillarPattern};
     let small = system(0.03, 2e6, 0.2);
     let large = {
         let pillar = Pillar {
@@ -367,7 +367,12 @@ fn results_scale() {
         };
         let mut lattice = paper_lattice(0.03, 0.2);
         lattice.pitch *= 1e3;
-        System::new(lens, Material::new(2e9, 0.5), Texture::new(pillar, lattice)).unwrap()
+        System::new(
+            lens,
+            Material::new(2e9, 0.5),
+            PillarPattern::new(pillar, lattice),
+        )
+        .unwrap()
     };
     let a = pressed(&small, Load::Indentation(6e-6), Accuracy::Default);
     let b = pressed(&large, Load::Indentation(6e-3), Accuracy::Default);

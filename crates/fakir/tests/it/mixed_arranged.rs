@@ -7,8 +7,8 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Accuracy, Arrangement, Disorder, ElementMesh, LatticeForm, LensProfile, LensShape,
-    ListedPillar, Load, Material, Method, PillarCompliance, PillarList, PlaneLattice, Scatter,
-    ShapedLens, System, Texture,
+    ListedPillar, Load, Material, Method, PillarCompliance, PillarList, PillarPattern,
+    PlaneLattice, Scatter, ShapedLens, System,
 };
 use fakir::state::{ContactState, Run, SolveError};
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ const DIAMETER: f64 = 6e-6;
 fn under(lens: impl Into<ShapedLens>, arrangement: impl Into<Arrangement>) -> System {
     let pillar = paper_pillar(PillarCompliance::Column);
     let substrate = Material::new(INTERMEDIATE, 0.5);
-    System::new(lens, substrate, Texture::new(pillar, arrangement)).expect("a valid system")
+    System::new(lens, substrate, PillarPattern::new(pillar, arrangement)).expect("a valid system")
 }
 
 fn system(arrangement: impl Into<Arrangement>) -> System {

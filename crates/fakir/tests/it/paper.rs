@@ -191,10 +191,10 @@ fn homogenised_lattice() {
     }
 }
 
-/// `F_0 gamma_int/(h d) = S` for the pillar under the lens axis, 0.4 % in dense textures; and the explicit limit based on it, 7 % too low
+/// `F_0 gamma_int/(h d) = S` for the pillar under the lens axis, 0.4 % in dense pillar patterns; and the explicit limit based on it, 7 % too low
 /// in force at 0.2 and 30 % at 0.1.
 #[test]
-fn dense_textures() {
+fn dense_patterns() {
     for (state, low) in INTERMEDIATE_STATES[2..].iter().zip([0.300, 0.071]) {
         let contact = &state.contact;
         let pillar = contact.system.pillar();

@@ -3,8 +3,8 @@
 //! The cases are the same in every run; a failing case is shrunk and printed.
 
 use fakir::problem::{
-    FloorModel, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, Point,
-    System, Texture,
+    FloorModel, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance,
+    PillarPattern, Point, System,
 };
 use fakir::state::{ContactState, Fields, PillarState, PillarStatus, Regime, Run, SolveError};
 use proptest::prelude::*;
@@ -92,12 +92,12 @@ fn system(
         radius,
         material: lens,
     };
-    System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system")
+    System::new(lens, substrate, PillarPattern::new(pillar, lattice)).expect("a valid system")
 }
 
 /// Systems whose critical contact radius, about `e sqrt(1 + s^2)` with `s = R h/e^2`, is a few pitches: `s` is random instead of the lens
 /// radius.
-fn textures() -> impl Strategy<Value = System> {
+fn patterns() -> impl Strategy<Value = System> {
     let size = log_uniform(0.02, 6.0);
     let height = log_uniform(1e-3, 0.2);
     (size, height, lattice(), materials(), compliance()).prop_map(
@@ -165,7 +165,7 @@ fn punch_force(state: &ContactState) -> f64 {
 fn summary(state: &ContactState) -> String {
     format!(
         "phi = {:.3e}, kappa = {:.3e}, R/d = {:.3e}; {} pillars, {} partially; {:?}",
-        state.system.texture().surface_fraction(),
+        state.system.pattern().surface_fraction(),
         state.system.column_compliance_ratio(),
         state.system.lens().sphere_radius() / DIAMETER,
         state.pillars_in_contact,
@@ -226,7 +226,7 @@ fn check_numbers(state: &ContactState) -> Result<(), TestCaseError> {
     );
     for pillar in pillars {
         prop_assert!(pillar.force >= -zero, "{pillar:?}");
-        let edge = pillar.edge_coefficient;
+        let edge = pillar.stress_intensity_factor;
         prop_assert!(
             edge.is_some_and(|[low, high]| 0.0 <= low && low <= high && high.is_finite()),
             "{pillar:?}"
@@ -502,7 +502,7 @@ fn many_critical_states_just_reach_the_floor() {
 }
 
 fn check_critical(number: u32) {
-    check(number, &textures(), 0.9, |system, tally| {
+    check(number, &patterns(), 0.9, |system, tally| {
         let transition = |system: &System| {
             solution(fakir::transition(
                 system,

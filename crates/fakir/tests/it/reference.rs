@@ -94,7 +94,7 @@ impl Row {
     fn name(&self) -> String {
         format!(
             "phi = {}, offset {}, E_s = {:e} Pa, {:?}",
-            self.system.texture().surface_fraction(),
+            self.system.pattern().surface_fraction(),
             self.system
                 .hexagonal_lattice()
                 .expect("a hexagonal lattice")

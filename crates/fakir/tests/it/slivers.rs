@@ -1,13 +1,13 @@
 //! Contacts at very light load: a lens beside a pillar touches its rim, and the contact is narrow along it.
 
 use fakir::problem::{
-    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance, System,
-    Texture,
+    Accuracy, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance,
+    PillarPattern, System,
 };
 use fakir::state::{ContactState, Run};
 use std::f64::consts::FRAC_PI_6;
 
-/// The paper's texture at a surface fraction of 0.01 with the lens axis beside a pillar.
+/// The paper's pattern at a surface fraction of 0.01 with the lens axis beside a pillar.
 fn beside_a_pillar() -> System {
     let rubber = Material::new(2e6, 0.5);
     let lens = Lens {
@@ -24,7 +24,7 @@ fn beside_a_pillar() -> System {
         offset_angle: FRAC_PI_6,
         ..HexagonalLattice::with_surface_fraction(0.1, 6e-6)
     };
-    System::new(lens, rubber, Texture::new(pillar, lattice)).expect("a valid system")
+    System::new(lens, rubber, PillarPattern::new(pillar, lattice)).expect("a valid system")
 }
 
 fn first_touch(system: &System) -> f64 {

@@ -440,8 +440,8 @@ fn cancelled_from_the_progress_report() {
     assert_eq!(error, SolveError::Interrupted);
 }
 
-/// The paper's texture on the intermediate substrate, under the lens out to `reach`, with the given number of cells across a pillar.
-fn paper_texture(surface_fraction: f64, offset: f64, reach: f64, across: usize) -> SurfaceSystem {
+/// The paper's pattern on the intermediate substrate, under the lens out to `reach`, with the given number of cells across a pillar.
+fn paper_pattern(surface_fraction: f64, offset: f64, reach: f64, across: usize) -> SurfaceSystem {
     let pillar = paper_pillar(PillarCompliance::Column);
     let size = pillar.diameter / across as f64;
     let cells = 2 * (reach / size).ceil() as usize;
@@ -470,7 +470,7 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
     );
     let spectral = fakir::transition(&system, Method::default(), &Run::default()).unwrap();
     let (force, indentation) = (spectral.contact.force, spectral.contact.indentation);
-    let plain = paper_texture(0.03, 0.0, 150.0e-6, 12);
+    let plain = paper_pattern(0.03, 0.0, 150.0e-6, 12);
     let matched = plain.clone().with_round_tops(6.0e-6).unwrap();
     // About 0.24/12 without correction for the outline of the cells (first order in the cell size).
     for (system, tolerance, distance) in [(plain, 0.02, 0.25e-6), (matched, 0.003, 0.1e-6)] {
@@ -503,7 +503,7 @@ fn floor_is_reached_where_the_spectral_method_finds_it() {
 #[test]
 #[ignore = "slow: fine meshes"]
 fn floor_takes_its_share_past_the_transition() {
-    let system = paper_texture(0.03, 0.0, 200.0e-6, 8);
+    let system = paper_pattern(0.03, 0.0, 200.0e-6, 8);
     let by_height = system.clone().with_floor(Floor::AtOrBelow(1.0e-9));
     let critical = system.transition(&Run::default()).unwrap();
     let at = |factor: f64| {
@@ -540,7 +540,7 @@ fn pressing_before_the_transition_agrees_with_the_spectral_method() {
     );
     let load = Load::Indentation(3.0e-6);
     let spectral = fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
-    let surface = paper_texture(0.03, 0.0, 130.0e-6, 16);
+    let surface = paper_pattern(0.03, 0.0, 130.0e-6, 16);
     let surface = surface.with_round_tops(6.0e-6).unwrap();
     let contact = press(&surface, load);
     assert!((contact.force / spectral.force - 1.0).abs() < 3e-3);
@@ -552,7 +552,7 @@ fn pressing_before_the_transition_agrees_with_the_spectral_method() {
 #[test]
 fn floor_before_any_pillar() {
     // As in the reference table: zeta_c = h, F_c = 0.
-    let system = paper_texture(0.0005, 3f64.sqrt() / 2.0, 140.0e-6, 4);
+    let system = paper_pattern(0.0005, 3f64.sqrt() / 2.0, 140.0e-6, 4);
     let critical = system.transition(&Run::default()).unwrap();
     assert_eq!(critical.regime, Regime::BottomFirst);
     // The lowest point of the lens is at a corner of cells, half a diagonal from a centre.

@@ -4,7 +4,7 @@ use crate::common::squares::CoveredPillars;
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
     Accuracy, Arrangement, FloorModel, HexagonalLattice, Lens, Load, Material, Method, Pillar,
-    PillarCompliance, Point, PunchForm, System, Texture,
+    PillarCompliance, PillarPattern, Point, PunchForm, System,
 };
 use fakir::state::{
     CancelToken, ContactState, CriticalState, Fields, PillarStatus, Regime, Run, SolveError, Stage,
@@ -33,7 +33,7 @@ fn rubber(lens_radius: f64, pillar: Pillar, lattice: HexagonalLattice) -> System
         ..paper_lens()
     };
     let substrate = Material::new(INTERMEDIATE, 0.5);
-    System::new(lens, substrate, Texture::new(pillar, lattice)).expect("a valid system")
+    System::new(lens, substrate, PillarPattern::new(pillar, lattice)).expect("a valid system")
 }
 
 /// The paper's intermediate system with any position of the lens axis.
@@ -91,7 +91,7 @@ fn flat_punch_alone() {
             assert_near(state.contact_radius, a, 1e-12);
             let mean = force / (PI * a * a);
             assert_near(state.pillars[0].centre_pressure, 0.5 * mean, 1e-8);
-            for edge in state.pillars[0].edge_coefficient.expect("spectral") {
+            for edge in state.pillars[0].stress_intensity_factor.expect("spectral") {
                 assert_near(edge, 0.5 * mean, 1e-8);
             }
             for r in [1.01, 1.5, 3.0, 10.0, 100.0] {
@@ -338,7 +338,7 @@ fn lengths_and_moduli_scale() {
                 material,
             },
             material,
-            Texture {
+            PillarPattern {
                 pillar: Pillar {
                     diameter: pillar.diameter * length,
                     height: pillar.height * length,
@@ -752,8 +752,8 @@ fn a_lens_narrower_than_the_pitch_meets_the_floor() {
         radius: 30e-6,
         material: Material::new(2e6, 0.5),
     };
-    let texture = Texture::new(paper_pillar(PillarCompliance::Column), lattice);
-    let system = System::new(lens, Material::new(2e6, 0.5), texture).unwrap();
+    let pattern = PillarPattern::new(paper_pillar(PillarCompliance::Column), lattice);
+    let system = System::new(lens, Material::new(2e6, 0.5), pattern).unwrap();
     let state = press(&system, Load::Force(0.0), Method::default());
     assert_near(state.indentation, system.pillar().height, 1e-15);
     assert!(state.smallest_floor_gap.abs() < 1e-15);

@@ -177,9 +177,9 @@ pub(crate) fn case(surface_fraction: f64) -> Value {
         "lens.poisson_ratio": 0.5,
         "substrate.young_modulus": 2e6,
         "substrate.poisson_ratio": 0.5,
-        "texture.surface_fraction": surface_fraction,
-        "texture.pillar.diameter": 6e-6,
-        "texture.pillar.height": 2.2e-6,
+        "pattern.surface_fraction": surface_fraction,
+        "pattern.pillar.diameter": 6e-6,
+        "pattern.pillar.height": 2.2e-6,
     })
 }
 

@@ -94,7 +94,7 @@ mod tests {
         let system = System::new(
             Lens { radius, material },
             material,
-            crate::problem::system::Texture::new(pillar, HexagonalLattice::new(5.0)),
+            crate::problem::system::PillarPattern::new(pillar, HexagonalLattice::new(5.0)),
         )
         .unwrap();
         let problem = Scene::new(&system);

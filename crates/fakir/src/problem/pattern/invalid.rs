@@ -118,9 +118,9 @@ pub enum InvalidPattern {
         /// The accepted values.
         requirement: &'static str,
     },
-    /// Elastic pillars, whose compliance is available only for flat cylinders of a texture.
+    /// Elastic pillars, whose compliance is available only for flat cylinders of a pattern.
     #[error(
-        "the compliance of elastic pillars is available only for the cylinders of a texture: here pillars \
+        "the compliance of elastic pillars is available only for the cylinders of a pillar pattern: here pillars \
          must be columns or rigid"
     )]
     NotElastic,

@@ -9,9 +9,9 @@
 
 mod active;
 mod closing;
+pub(crate) mod pattern;
 pub(crate) mod pillars;
 pub mod separation;
 pub mod solver;
 pub mod surface;
 mod surface_level;
-pub(crate) mod texture;

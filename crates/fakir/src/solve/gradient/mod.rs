@@ -40,7 +40,7 @@ pub(crate) fn gradient(
     }
     if find_patch(&scene, target).is_some() {
         return Err(refused(
-            "the lens touches a part of one pillar top and nothing else, and so does not see its texture; raise the load",
+            "the lens touches a part of one pillar top and nothing else, and so does not see its pattern; raise the load",
         ));
     }
     let guess = homogenised_radius(system, &scene, target);

@@ -5,7 +5,8 @@ use crate::problem::column::Column;
 use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Disorder, HexagonalLattice, Lens, Pillar, PillarCompliance, PlaneLattice, Scatter, Texture,
+    Disorder, HexagonalLattice, Lens, Pillar, PillarCompliance, PillarPattern, PlaneLattice,
+    Scatter,
 };
 use crate::solve::newton::Degrees;
 use crate::solve::spectral::Solution;
@@ -501,9 +502,9 @@ impl Hexagonal {
         };
         let material = Material::new(lens, lens_ratio);
         let lens = Lens { radius, material };
-        let texture = match self.scatter {
-            None => Texture::new(pillar, lattice),
-            Some(seed) => Texture::new(
+        let pattern = match self.scatter {
+            None => PillarPattern::new(pillar, lattice),
+            Some(seed) => PillarPattern::new(
                 pillar,
                 PlaneLattice {
                     offset,
@@ -517,7 +518,7 @@ impl Hexagonal {
                 },
             ),
         };
-        System::new(lens, Material::new(substrate, ratio), texture).unwrap()
+        System::new(lens, Material::new(substrate, ratio), pattern).unwrap()
     }
 
     fn scaled(&self, which: usize, by: f64) -> System {
@@ -716,17 +717,17 @@ fn identities(hexagonal: &Hexagonal, control: Load, found: &Gradient) -> Vec<(&'
 
 #[test]
 fn many_pillars() {
-    compare_texture(0.1);
+    compare_pattern(0.1);
 }
 
 #[test]
 #[ignore = "slow: twice as dense"]
 fn very_many_pillars() {
-    compare_texture(0.2);
+    compare_pattern(0.2);
 }
 
 /// The paper's patterns with many pillars, where the coupling is a convolution.
-fn compare_texture(phi: f64) {
+fn compare_pattern(phi: f64) {
     let run = Run::default();
     let lattice = reference::lattice(phi).offset_by(0.2);
     let column = PillarCompliance::Column;

@@ -44,7 +44,7 @@ impl HomogenisedLattice {
     /// Computes the constants.
     ///
     /// # Errors
-    /// [`SolveError::TextureTooDense`] if `beta` is not positive: at and above the [`largest_surface_fraction`]. [`Unsupported`] unless
+    /// [`SolveError::PatternTooDense`] if `beta` is not positive: at and above the [`largest_surface_fraction`]. [`Unsupported`] unless
     /// equal pillars form the infinite hexagonal lattice and the lens is a sphere.
     pub fn new(system: &System) -> Result<Self, SolveError> {
         if system.lens().sphere().is_none() {
@@ -59,8 +59,8 @@ impl HomogenisedLattice {
         let [at_site, _] = added_by_layers(system);
         let layer_compliance = cell * (own + neighbours * site_potential() + at_site);
         if layer_compliance <= 0.0 {
-            return Err(SolveError::TextureTooDense {
-                surface_fraction: system.texture().surface_fraction(),
+            return Err(SolveError::PatternTooDense {
+                surface_fraction: system.pattern().surface_fraction(),
                 limit: largest_surface_fraction(system),
             });
         }
@@ -146,7 +146,7 @@ pub fn largest_surface_fraction(system: &System) -> f64 {
 pub fn dense_limit(system: &System) -> TransitionEstimate {
     let (c, radius) = (system.contact_compliance(), system.lens().sphere_radius());
     let pillar = system.pillar();
-    let phi = system.texture().surface_fraction();
+    let phi = system.pattern().surface_fraction();
     let contact_radius =
         2.0 * radius * pillar.height * phi * central_force_amplification(system) * c
             / (pillar.diameter * system.internal_compliance());
@@ -351,7 +351,7 @@ fn nearest_hollow(system: &System) -> Point {
 mod tests {
     use super::*;
     use crate::numerics::workers::CancelToken;
-    use crate::problem::{HexagonalLattice, Lens, Material, PillarCompliance, Texture};
+    use crate::problem::{HexagonalLattice, Lens, Material, PillarCompliance, PillarPattern};
     use crate::state::{CriticalState, Regime};
     use crate::theory::reference::{RIGID, intermediate, paper, reference};
 
@@ -379,9 +379,9 @@ mod tests {
 
     /// The system with its pillars `factor` times as high.
     fn with_height(system: &System, factor: f64) -> System {
-        let mut texture = system.texture().clone();
-        texture.pillar.height *= factor;
-        System::new(system.lens().clone(), *system.substrate(), texture).unwrap()
+        let mut pattern = system.pattern().clone();
+        pattern.pillar.height *= factor;
+        System::new(system.lens().clone(), *system.substrate(), pattern).unwrap()
     }
 
     #[test]
@@ -475,7 +475,7 @@ mod tests {
             radius: length * system.lens().sphere_radius(),
             material,
         };
-        let scaled = System::new(lens, material, Texture::new(pillar, lattice)).unwrap();
+        let scaled = System::new(lens, material, PillarPattern::new(pillar, lattice)).unwrap();
         let (one, other) = (critical(&system).contact, critical(&scaled).contact);
         let force = modulus * length * length;
         assert!((other.force / (force * one.force) - 1.0).abs() < 1e-11);
@@ -563,7 +563,7 @@ mod tests {
         assert!(matches!(refused, SolveError::ContactExceedsLens { .. }));
         let dense = paper(0.6, RIGID, PillarCompliance::None);
         let refused = transition(&dense, &run).unwrap_err();
-        assert!(matches!(refused, SolveError::TextureTooDense { .. }));
+        assert!(matches!(refused, SolveError::PatternTooDense { .. }));
         let cancel = CancelToken::default();
         cancel.cancel();
         let run = Run {

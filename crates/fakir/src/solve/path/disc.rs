@@ -5,7 +5,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::roots;
 use crate::problem::Point;
 use crate::solve::floor::{Discs, LoadedDiscs};
-use crate::solve::rules::fronts::{Domain, LEVELS, critical_edge_coefficient};
+use crate::solve::rules::fronts::{Domain, LEVELS, critical_stress_intensity_factor};
 use crate::solve::rules::patch::{Patch, PatchSolver};
 use crate::state::Run;
 use std::convert::Infallible;
@@ -117,7 +117,7 @@ pub(super) struct Edge<'a> {
 
 impl Edge<'_> {
     pub(super) fn at(&self, radius: f64) -> Patch {
-        let edge = -critical_edge_coefficient(self.work / radius);
+        let edge = -critical_stress_intensity_factor(self.work / radius);
         self.inside.solver.with_edge(radius, self.sag, edge)
     }
 

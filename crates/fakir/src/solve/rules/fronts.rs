@@ -122,7 +122,7 @@ impl Works {
 }
 
 /// `q_c` for a work of adhesion: the stress intensity factor, over the root of `pi a`, at which the rim of a top detaches.
-pub(crate) fn critical_edge_coefficient(work: f64) -> f64 {
+pub(crate) fn critical_stress_intensity_factor(work: f64) -> f64 {
     (2.0 * work / PI).sqrt()
 }
 
@@ -403,7 +403,7 @@ impl Fronts {
 
     /// Whether the whole rim of a top in full contact stays attached.
     fn holds(&self, load: &[f64], work: f64) -> bool {
-        let critical = critical_edge_coefficient(work);
+        let critical = critical_stress_intensity_factor(work);
         if self.lowest_edge(Line::at(load), 0.0) > -critical {
             return true;
         }
@@ -549,7 +549,7 @@ impl Fronts {
                 .into_iter()
                 .all(|l| l < 0.0),
             Course::Unloading if domain.is_full() => {
-                let held = -critical_edge_coefficient(self.works.receding);
+                let held = -critical_stress_intensity_factor(self.works.receding);
                 ends.map(|t| self.lowest_edge(load, t))
                     .into_iter()
                     .all(|q| q > held)
@@ -639,7 +639,7 @@ impl Fronts {
 
     /// Position along the line at which the first point of the rim exceeds the critical tension.
     fn releasing(&self, load: Line<'_>, work: f64) -> Option<f64> {
-        let critical = critical_edge_coefficient(work);
+        let critical = critical_stress_intensity_factor(work);
         let rows = self.rim.chunks_exact(self.count());
         let times = rows.filter_map(|row| {
             let (start, along) = (sum(row, load.start) + critical, sum(row, load.along));
@@ -654,7 +654,7 @@ impl Fronts {
 
     /// Position along the line from which the whole rim would stay attached.
     fn holding(&self, load: Line<'_>, work: f64) -> Option<f64> {
-        let critical = critical_edge_coefficient(work);
+        let critical = critical_stress_intensity_factor(work);
         let mut last = 0.0_f64;
         for row in self.rim.chunks_exact(self.count()) {
             let (start, along) = (sum(row, load.start) + critical, sum(row, load.along));

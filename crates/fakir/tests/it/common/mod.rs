@@ -2,7 +2,9 @@
 
 pub(crate) mod squares;
 
-use fakir::problem::{HexagonalLattice, Lens, Material, Pillar, PillarCompliance, System, Texture};
+use fakir::problem::{
+    HexagonalLattice, Lens, Material, Pillar, PillarCompliance, PillarPattern, System,
+};
 
 /// Young's modulus of the lens and of the paper's intermediate substrate, Pa.
 pub(crate) const INTERMEDIATE: f64 = 2.0e6;
@@ -34,7 +36,7 @@ pub(crate) fn paper_system(
     System::new(
         paper_lens(),
         Material::new(substrate_modulus, 0.5),
-        Texture::new(pillar, lattice),
+        PillarPattern::new(pillar, lattice),
     )
     .expect("a system of the paper is valid")
 }

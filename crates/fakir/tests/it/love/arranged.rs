@@ -5,7 +5,7 @@ use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
     Arrangement, Disorder, ElementMesh, LatticeForm, ListedPillar, Load, Material, MeshLayout,
-    Method, PillarCompliance, PillarList, PlaneLattice, Scatter, System, Texture,
+    Method, PillarCompliance, PillarList, PillarPattern, PlaneLattice, Scatter, System,
 };
 use fakir::state::{Run, SolveError};
 use fakir::{Verdict, Verification, verify};
@@ -17,8 +17,8 @@ const DIAMETER: f64 = 6e-6;
 fn system(arrangement: impl Into<Arrangement>) -> System {
     let pillar = paper_pillar(PillarCompliance::Column);
     let substrate = Material::new(INTERMEDIATE, 0.5);
-    let texture = Texture::new(pillar, arrangement);
-    System::new(paper_lens(), substrate, texture).expect("a valid system")
+    let pattern = PillarPattern::new(pillar, arrangement);
+    System::new(paper_lens(), substrate, pattern).expect("a valid system")
 }
 
 fn square(surface_fraction: f64) -> PlaneLattice {
@@ -123,7 +123,7 @@ impl Random {
 
     /// The load: a contact of a few pitches, a force, or, if this would touch few pillars, contact with the floor.
     fn control(&mut self, system: &System) -> Load {
-        if system.texture().surface_fraction() < 0.02 {
+        if system.pattern().surface_fraction() < 0.02 {
             return Load::FloorContact;
         }
         let reach = system.pitch() * self.uniform(0.5, 2.5);
@@ -133,7 +133,7 @@ impl Random {
             return Load::Indentation(indentation);
         }
         // A flat punch for every pillar within reach, at somewhat less than half the indentation.
-        let pillars = (PI * reach * reach * system.texture().surface_fraction()
+        let pillars = (PI * reach * reach * system.pattern().surface_fraction()
             / (0.25 * PI * DIAMETER * DIAMETER))
             .max(1.0);
         Load::Force(0.3 * pillars * system.reduced_modulus() * DIAMETER * depth)

@@ -57,7 +57,7 @@ class AsperityArray:
 
     >>> x, y = np.meshgrid([-1e-3, 0.0, 1e-3], [-1e-3, 0.0, 1e-3])
     >>> rubber, glass = Substrate("1.5 MPa", 0.5), Plate("70 GPa", 0.22)
-    >>> tops = RoundedTops(x, y, 100e-6, "500 um", glass, rubber)
+    >>> tops = AsperityArray(x, y, 100e-6, "500 um", glass, rubber)
     >>> contact = tops.press(force="10 mN")
     >>> contact.pillars_in_contact
     9
@@ -115,7 +115,7 @@ class AsperityArray:
             else si(reference_height, "length", "reference_height")
         )
         self._hold(
-            _fakir.Rounded(
+            _fakir.Asperities(
                 np.stack(columns, axis=1).tolist(),
                 si(top_radius, "length", "top_radius"),
                 reference,
@@ -128,7 +128,7 @@ class AsperityArray:
         )
 
     @classmethod
-    def _of(cls, rounded: _fakir.Rounded) -> RoundedTops:
+    def _of(cls, rounded: _fakir.Asperities) -> AsperityArray:
         made = cls.__new__(cls)
         made._hold(rounded)
         return made
@@ -141,7 +141,7 @@ class AsperityArray:
         *,
         set: Overrides | None = None,
     ) -> AsperityArray:
-        """Reads a case file with ``texture.top_radius``; ``overrides`` contains values of keys, as ``--set`` of the command
+        """Reads a case file with ``pattern.top_radius``; ``overrides`` contains values of keys, as ``--set`` of the command
         line. ``set`` is its deprecated name."""
         given = settings(overrides_of(overrides, set))
         return cls._of(_fakir.Asperities.read(fspath(path), given))
@@ -154,8 +154,8 @@ class AsperityArray:
         given = settings(overrides_of(overrides, set))
         return cls._of(_fakir.Asperities.parse("case.toml", text, given))
 
-    def _hold(self, rounded: _fakir.Rounded) -> None:
-        self._rounded = rounded
+    def _hold(self, rounded: _fakir.Asperities) -> None:
+        self._asperities = rounded
         self.indenter, self.substrate = bodies_of(rounded)
         self.top_radius, self.reference_height = rounded.top_radius, rounded.height
         columns = np.asarray(rounded.pillars(), dtype=np.float64).T
@@ -163,15 +163,15 @@ class AsperityArray:
 
     def to_toml(self, table: str = "pillars.csv") -> str:
         """The case as a commented file, which reads the tops from a table of that name in the same folder: see `to_csv`."""
-        return self._rounded.to_toml(table)
+        return self._asperities.to_toml(table)
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Writes the table for ``pillars = "..."`` in a case file."""
-        _write(path, self._rounded.table().encode())
+        _write(path, self._asperities.table().encode())
 
     def to_stl(self, path: str | PathLike[str]) -> None:
         """Writes the surface as a solid in STL, lengths in mm."""
-        _write(path, bytes(self._rounded.stl()))
+        _write(path, bytes(self._asperities.stl()))
 
     def press(
         self,
@@ -181,14 +181,14 @@ class AsperityArray:
         threads: int = 1,
         progress: Progress | None = None,
         memory_limit: int | None = None,
-    ) -> RoundedContact:
+    ) -> AsperityContact:
         """Computes the contact at an indentation (m) or under a force (N): exactly one of them.
 
         The indentation is zero where the indenter is level with the reference height. Adhesion and the floor are neglected.
         """
         run = options(threads, progress, memory_limit)
-        contact = _fakir.press_rounded(self._rounded, *load(indentation, force), run)
-        result = RoundedContact(self, contact)
+        contact = _fakir.press_asperities(self._asperities, *load(indentation, force), run)
+        result = AsperityContact(self, contact)
         warn(contact.warnings)
         if not result.converged:
             raise NotConverged(f"the solution {result.termination}", result)
@@ -200,15 +200,15 @@ class AsperityArray:
     def __repr__(self) -> str:
         under = "a plate" if isinstance(self.indenter, Plate) else f"a {self.indenter}"
         radius = engineering(self.top_radius, "m", 4)
-        return f"fakir.RoundedTops: {len(self)} tops of radius of curvature {radius}, under {under}"
+        return f"fakir.AsperityArray: {len(self)} tops of radius of curvature {radius}, under {under}"
 
 
 class AsperityContact(AsperityPressNumbers):
     """The contact with rounded tops. Numbers are in SI units; arrays have one value for every top."""
 
-    _titles = ("fakir.RoundedContact", "Contact with rounded tops")
+    _titles = ("fakir.AsperityContact", "Contact with rounded tops")
 
-    tops: RoundedTops
+    tops: AsperityArray
     """The problem."""
     x: FloatArray
     """Centre of every contact, m; for a top that is not touched, its point closest to contact."""
@@ -220,7 +220,7 @@ class AsperityContact(AsperityPressNumbers):
     gap: FloatArray
     """Gap above every top that is not touched, m; 0 for the others."""
 
-    def __init__(self, tops: RoundedTops, contact: _fakir.RoundedContact) -> None:
+    def __init__(self, tops: AsperityArray, contact: _fakir.AsperityContact) -> None:
         super().__init__(contact)
         self.tops, self._columns = tops, dict(contact.pillars())
         self.x, self.y, self.radius, self.forces, self.gap = (
@@ -253,7 +253,7 @@ class HeightDesign(Result):
 
     _titles = ("fakir.HeightDesign", "Designed heights")
 
-    tops: RoundedTops
+    tops: AsperityArray
     """The tops with the resulting heights."""
     load: FloatArray
     """Forces (N) or indentations (m)."""
@@ -267,7 +267,7 @@ class HeightDesign(Result):
     """Relative standard deviation due to the height error, if that was given."""
 
     def __init__(
-        self, summary: dict[str, Any], tops: RoundedTops, columns: list[tuple[str, Any]]
+        self, summary: dict[str, Any], tops: AsperityArray, columns: list[tuple[str, Any]]
     ) -> None:
         self._summary, self.tops = summary, tops
         self._columns = dict(columns)
@@ -310,7 +310,7 @@ class HeightDesign(Result):
 
 
 def design_heights(
-    tops: RoundedTops,
+    tops: AsperityArray,
     *,
     force: object = None,
     indentation: object = None,
@@ -346,7 +346,7 @@ def design_heights(
     Examples
     --------
     >>> x, y = np.meshgrid(1.5e-3 * np.arange(3.0), 1.5e-3 * np.arange(3.0))
-    >>> tops = RoundedTops(x, y, 200e-6, "526 um", Plate("70 GPa", 0.22), Substrate("1.5 MPa", 0.5))
+    >>> tops = AsperityArray(x, y, 200e-6, "526 um", Plate("70 GPa", 0.22), Substrate("1.5 MPa", 0.5))
     >>> found = design_heights(tops, force=[2e-3, 4e-3, 6e-3], area=[1.2e-8, 2.4e-8, 3.6e-8])
     >>> found.found
     True
@@ -368,14 +368,14 @@ def design_heights(
         raise ValueError(f"height_error is {error}: it must be a length greater than 0")
     run = options(threads, progress, memory_limit)
     summary, rounded, columns = _fakir.design_heights(
-        tops._rounded,
+        tops._asperities,
         f"{value} of the {over}",
         np.stack([load_values, values], axis=1).tolist(),
         seed,
         error,
         run,
     )
-    return HeightDesign(json.loads(summary), RoundedTops._of(rounded), columns)
+    return HeightDesign(json.loads(summary), AsperityArray._of(rounded), columns)
 
 
 def _curve(values: object, name: str) -> FloatArray:

@@ -12,12 +12,12 @@ X, Y = np.meshgrid(PITCH * np.arange(3.0), PITCH * np.arange(3.0))
 
 
 def tops(**options):
-    return fakir.RoundedTops(X, Y, 200e-6, "526 um", GLASS, RUBBER, **options)
+    return fakir.AsperityArray(X, Y, 200e-6, "526 um", GLASS, RUBBER, **options)
 
 
 def test_one_top_is_a_contact_of_hertz():
     """F = 4/3 E* sqrt(R) zeta^(3/2), A = pi R zeta."""
-    one = fakir.RoundedTops(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER)
+    one = fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER)
     contact = one.press(indentation="2 um")
     modulus = 1 / (0.75 / 1.5e6 + (1 - 0.22**2) / 70e9)
     assert contact.force == pytest.approx(4 / 3 * modulus * np.sqrt(526e-6) * 2e-6**1.5, rel=1e-9)
@@ -31,7 +31,7 @@ def test_a_case_file_and_arrays_are_the_same(tmp_path):
     made = tops(diameter="1 mm")
     (tmp_path / "case.toml").write_text(made.to_toml())
     made.to_csv(tmp_path / "pillars.csv")
-    read = fakir.RoundedTops.from_file(tmp_path / "case.toml")
+    read = fakir.AsperityArray.from_file(tmp_path / "case.toml")
     one, other = made.press(force="10 mN"), read.press(force="10 mN")
     assert one.contact_area == pytest.approx(other.contact_area, rel=1e-12)
     assert len(other.to_pandas()) == 9
@@ -64,9 +64,9 @@ def test_what_cannot_be_is_refused():
     with pytest.raises(ValueError, match="give one for each other"):
         fakir.design_heights(tops(), force=force, area=[6e-8])
     with pytest.raises(TypeError, match="Lens or a Plate"):
-        fakir.RoundedTops(0.0, 0.0, 1e-4, 5e-4, RUBBER, RUBBER)
+        fakir.AsperityArray(0.0, 0.0, 1e-4, 5e-4, RUBBER, RUBBER)
     with pytest.raises(ValueError, match="top radius"):
-        fakir.RoundedTops(0.0, 0.0, 1e-4, -5e-4, GLASS, RUBBER)
+        fakir.AsperityArray(0.0, 0.0, 1e-4, -5e-4, GLASS, RUBBER)
     with pytest.raises(fakir.CaseError, match="flat pillar tops only"):
         fakir.System.from_toml(tops(diameter="1 mm").to_toml())
 
@@ -79,7 +79,7 @@ def test_what_to_cite_for_rounded_tops():
 def test_every_kind_of_surface_has_one_entry(tmp_path):
     pillars = fakir.Pillars(X, Y, 200e-6, 1e-3, axis=(PITCH, PITCH))
     made = fakir.problem(GLASS, RUBBER, pillars, top_radius="526 um")
-    by_hand = fakir.RoundedTops(X - PITCH, Y - PITCH, 200e-6, "526 um", GLASS, RUBBER, diameter="1 mm")
+    by_hand = fakir.AsperityArray(X - PITCH, Y - PITCH, 200e-6, "526 um", GLASS, RUBBER, diameter="1 mm")
     assert made.press(force="10 mN").indentation == by_hand.press(force="10 mN").indentation
     lens = fakir.Lens("2.2 mm", "2 MPa", 0.5)
     assert isinstance(fakir.problem(lens, RUBBER, pillars), fakir.System)
