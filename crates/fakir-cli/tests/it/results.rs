@@ -632,11 +632,11 @@ fn keys_of_gradients_are_the_contract() {
         "lens.poisson_ratio",
         "lens.radius",
         "lens.young_modulus",
-        "substrate.poisson_ratio",
-        "substrate.young_modulus",
         "pattern.pillar.diameter",
         "pattern.pillar.height",
         "pattern.pitch",
+        "substrate.poisson_ratio",
+        "substrate.young_modulus",
     ];
     assert_eq!(of_keys, quantities);
     let pillar = gradient["pillars"][0].as_object().unwrap();

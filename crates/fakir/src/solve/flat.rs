@@ -462,7 +462,12 @@ impl FlatSystem {
         };
         run.check_cancelled()?;
         let work = self.adhesion().work;
-        let contact = bench.contact(&state, work);
+        let mut contact = bench.contact(&state, work);
+        // The search ends next to the prescribed load, by rounding.
+        match load {
+            Prescribed::Indentation(indentation) => contact.indentation = indentation,
+            Prescribed::Force(force) => contact.force = force,
+        }
         let fine = Bench::new(self, FINER).loaded(load)?.unwrap_or(state);
         with_errors(contact, &fine, Some(load)).checked()
     }
