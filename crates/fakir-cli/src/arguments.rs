@@ -5,10 +5,11 @@ use crate::report::maps::Maps;
 use crate::session::{RunArguments, memory};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{CyclePlan, Load, LoadingMode, Question};
+use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
 use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
-use fakir_inverse::fit::{FitOptions, Measurements, NamedColumn, Parameter};
+use fakir_inverse::fit::{FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::fields::MOST_POINTS;
@@ -715,34 +716,48 @@ pub(crate) struct HeightsQuestion<'a> {
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
-    /// Measured curve of loading, or of loading and unloading: a table as instruments write it, with commas, semicolons or tabs,
-    /// and a unit in the heading of every column, as in force_uN or Load [mN]
+    /// Measured curve of loading, or of loading and unloading: a table as instruments write it (text, .gz, .xlsx), with commas, semicolons,
+    /// tabs or blanks, and a unit in the heading of every column, as in force_uN or Load [mN]
     data: PathBuf,
-    /// A column by hand, as in force="Channel 2 [mN]" or force="#2 [mN]"; a minus sign before the heading turns the sign of its values;
-    /// may be repeated
+    /// A column by hand, as in force="Channel 2 [mN]" or force="#2 [mN]"; a minus sign before the heading turns the sign of its values,
+    /// and a sensitivity after it converts them, as in force="Deflection [V]*25 nN/V"; may be repeated
     #[arg(long = "column", value_name = "QUANTITY=HEADING", value_parser = NamedColumn::parse)]
     columns: Vec<NamedColumn>,
+    /// Spring constant of a cantilever (N/m, mN/m): its deflection is read as the force, and its compliance is the default of
+    /// --machine-compliance
+    #[arg(long, value_name = "STIFFNESS", value_parser = spring_constant)]
+    spring_constant: Option<f64>,
+    /// Use these rows alone, numbered from 1: 100:500, 100: or :500
+    #[arg(long, value_name = "FIRST:LAST", value_parser = rows)]
+    rows: Option<Rows>,
+    /// Use one cycle of loading and unloading, numbered from 1
+    #[arg(long, value_name = "NUMBER")]
+    cycle: Option<usize>,
+    /// Use one branch alone
+    #[arg(long, value_name = "BRANCH", value_parser = ["loading", "unloading"])]
+    branch: Option<String>,
+    /// Use loads from this one: a displacement or indentation (m, mm, um, nm), or a force (N, mN, uN, nN) if there is no position
+    #[arg(long, value_name = "LOAD", allow_hyphen_values = true)]
+    from: Option<String>,
+    /// Use loads up to this one
+    #[arg(long, value_name = "LOAD", allow_hyphen_values = true)]
+    to: Option<String>,
     /// Case file (TOML) with everything that is known, and where to begin; `-` for standard input
     #[arg(long)]
     case: PathBuf,
     /// What is fitted: substrate.young_modulus, lens.young_modulus, lens.radius,
     /// substrate.thickness, lens.thickness, texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
     /// texture.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
-    /// force_offset, displacement_drift, force_drift; with commas, or repeated
+    /// force_offset, displacement_drift, force_drift, force_slope; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
     /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or where to
     /// begin; 0, or found in the data, unless given
     #[arg(long, value_name = "LENGTH", value_parser = reading, allow_hyphen_values = true)]
     contact_point: Option<f64>,
-    /// How far the instrument gives way, in m/N, or where to begin
-    #[arg(
-        long,
-        value_name = "M/N",
-        default_value_t = 0.0,
-        allow_hyphen_values = true
-    )]
-    machine_compliance: f64,
+    /// How far the instrument gives way, in m/N, or where to begin; 0, or the compliance of the cantilever, unless given
+    #[arg(long, value_name = "M/N", allow_hyphen_values = true)]
+    machine_compliance: Option<f64>,
     /// What the instrument reads without any force (N, mN, uN, nN), or where to begin; it is in all measured forces
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
     force_offset: f64,
@@ -753,6 +768,10 @@ pub(crate) struct Fit {
     /// The same of the force (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
     force_drift: f64,
+    /// Slope of the reading without any force over the displacement from the first row on (N/m, mN/m), or where to begin: a tilted base
+    /// line
+    #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, default_value = "0")]
+    force_slope: f64,
     /// Begin from so many places, the first of which is the case, and take the best fit: against local minima
     #[arg(long, value_name = "COUNT", default_value_t = 1)]
     starts: usize,
@@ -805,7 +824,31 @@ impl Fit {
 
     /// The data, with the errors of the arguments where they have none.
     pub(crate) fn measurements(&self) -> Result<Measurements, Failure> {
-        let mut data = Measurements::read(&self.data, &self.columns)?;
+        let hints = Hints {
+            named: self.columns.clone(),
+            spring_constant: self.spring_constant,
+        };
+        let mut data = Measurements::read_with(&self.data, &hints)?;
+        let dimension = data.load_dimension();
+        let load = |name: &str, text: &Option<String>| {
+            let load = text.as_deref().map(|text| match dimension {
+                Dimension::Force => force(text),
+                _ => reading(text),
+            });
+            load.transpose()
+                .map_err(|error| Failure::Argument(format!("{name}: {error}")))
+        };
+        let branch = self.branch.as_ref().map(|name| match &name[..] {
+            "unloading" => Branch::Unloading,
+            _ => Branch::Loading,
+        });
+        data = data.select(&Selection {
+            rows: self.rows.map_or([None; 2], |rows| rows.0),
+            cycle: self.cycle,
+            branch,
+            from: load("--from", &self.from)?,
+            to: load("--to", &self.to)?,
+        })?;
         for (name, error) in [
             ("--force-error", self.force_error),
             ("--contact-radius-error", self.contact_radius_error),
@@ -827,15 +870,33 @@ impl Fit {
         Ok(data)
     }
 
-    pub(crate) fn known(&self) -> FitOptions {
+    pub(crate) fn known(&self, data: &Measurements) -> FitOptions {
+        let cantilever = data.layout().cantilever_compliance;
         FitOptions {
             contact_point: self.contact_point,
-            machine_compliance: self.machine_compliance,
+            machine_compliance: self.machine_compliance.or(cantilever).unwrap_or(0.0),
             force_offset: self.force_offset,
             displacement_drift: self.displacement_drift,
             force_drift: self.force_drift,
+            force_slope: self.force_slope,
             starts: self.starts,
         }
+    }
+}
+
+/// The first and the last row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rows([Option<usize>; 2]);
+
+fn rows(text: &str) -> Result<Rows, String> {
+    Selection::parse_rows(text).map(Rows)
+}
+
+fn spring_constant(text: &str) -> Result<f64, String> {
+    let constant = stiffness(text).map_err(|error| error.to_string())?;
+    match constant > 0.0 && constant.is_finite() {
+        true => Ok(constant),
+        false => Err("a spring constant must be greater than 0".to_owned()),
     }
 }
 
