@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, TypedDict, final
+from typing import Any, Literal, TypedDict, final
 
 import numpy as np
 import numpy.typing as npt
@@ -159,11 +159,24 @@ def groove_threshold(
 @final
 class Data:
     @staticmethod
-    def read(path: _Path, named: Sequence[tuple[str, str]]) -> Data: ...
+    def read(
+        path: _Path, named: Sequence[tuple[str, str]], spring_constant: float | None
+    ) -> Data: ...
     @staticmethod
     def of(
-        columns: Sequence[tuple[str, _Floats | None]], named: Sequence[tuple[str, str]]
+        columns: Sequence[tuple[str, _Floats | None]],
+        named: Sequence[tuple[str, str]],
+        spring_constant: float | None,
     ) -> Data: ...
+    def select(
+        self,
+        rows: Sequence[int | None],
+        cycle: int | None,
+        branch: str | None,
+        between: Sequence[float | None],
+    ) -> Data: ...
+    def load_dimension(self) -> Literal["length", "force"]: ...
+    def cantilever_compliance(self) -> float | None: ...
     def understood(self) -> list[str]: ...
     def with_errors(
         self, position: float | None, force: float | None, contact_radius: float | None
@@ -188,7 +201,7 @@ def fit(
     case: Case,
     data: Data,
     free: Sequence[str],
-    instrument: tuple[float | None, float, float, float, float],
+    instrument: tuple[float | None, float, float, float, float, float],
     starts: int,
     options: Options,
 ) -> Fitted: ...

@@ -20,13 +20,15 @@ from .errors import FitError, NotConverged
 if TYPE_CHECKING:
     import pandas
 
-Measurements: TypeAlias = Union[str, PathLike[str], Mapping[str, Any], "pandas.DataFrame"]
-"""A table as written by instruments, or its columns: a dictionary or a pandas table."""
+Measurements: TypeAlias = Union[str, PathLike[str], Mapping[str, Any], "pandas.DataFrame", Any]
+"""A table as written by instruments, or its columns: a dictionary, a table of pandas, a dataset of xarray, a structured array
+of NumPy, or a curve of afmformats."""
 
 UNITS = {
     "J_per_m2": "J/m^2",
     "Pa": "Pa",
     "m_per_N": "m/N",
+    "N_per_m": "N/m",
     "N": "N",
     "rad": "rad",
     "m": "m",
@@ -155,6 +157,11 @@ class Fit(Result):
     def force_drift(self) -> float:
         """Drift of the force from the first row to the last, N."""
         return float(self._summary["force_drift_N"])
+
+    @property
+    def force_slope(self) -> float:
+        """Slope of the reading without any force over the displacement, N/m."""
+        return float(self._summary["force_slope_N_per_m"])
 
     @property
     def describes_data(self) -> bool:
@@ -295,12 +302,18 @@ def fit(
     free: Sequence[str],
     *,
     contact_point: Quantity | None = None,
-    machine_compliance: Quantity = 0.0,
+    machine_compliance: Quantity | None = None,
     force_offset: Quantity = 0.0,
     displacement_drift: Quantity = 0.0,
     force_drift: Quantity = 0.0,
+    force_slope: Quantity = 0.0,
     starts: int = 1,
     columns: Mapping[str, str] | None = None,
+    spring_constant: Quantity | None = None,
+    rows: tuple[int | None, int | None] | None = None,
+    cycle: int | None = None,
+    branch: str | None = None,
+    between: tuple[Quantity | None, Quantity | None] | None = None,
     position_error: Quantity | None = None,
     force_error: Quantity | None = None,
     contact_radius_error: Quantity | None = None,
@@ -320,27 +333,36 @@ def fit(
         and their standard errors ``force_error_N`` and so on; other units are accepted, as in ``displacement_um`` or
         ``Load [mN]``. With adhesion, ``branch`` contains ``"loading"`` or ``"unloading"``; without it unloading begins after the
         largest load. ``time_s`` contains the time. Columns with pint units need no unit in their name: ``"force"``. Columns that
-        are not recognised are not used: see `Fit.understood`.
+        are not recognised are not used: see `Fit.understood`. Objects of pandas, xarray (with units in ``attrs["units"]``) and
+        afmformats are accepted, and structured arrays of NumPy.
     system
         All other quantities; its values of the free parameters are the initial values.
     free
-        Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"pattern.offset"``; ``"adhesion.work"`` and
-        ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with displacements,
-        ``"contact_point"``, ``"machine_compliance"`` and ``"displacement_drift"``.
+        Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"texture.offset"``; ``"adhesion.work"`` and
+        ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
+        displacements, ``"contact_point"``, ``"machine_compliance"``, ``"displacement_drift"`` and ``"force_slope"``.
     contact_point
         Displacement (m) at which the lens would touch the pillar tops, or its initial value.
     machine_compliance
-        Compliance of the instrument (m/N), or its initial value.
+        Compliance of the instrument (m/N), or its initial value. Default: 0, or the compliance of the cantilever.
     force_offset
         Reading of the instrument at zero force (N), or its initial value; contained in all measured forces.
     displacement_drift, force_drift
         Drift of the readings from the first row to the last (m, N), or its initial value: linear in time if there is a column of
         times, otherwise in the row number.
+    force_slope
+        Slope of the reading without any force over the displacement from the first row on (N/m), or its initial value: a tilted
+        base line.
     starts
         Number of starting points of the search, the first of which is the system; the best fit is returned.
     columns
         Explicitly assigned columns, headings by quantities: ``{"force": "Channel 2 [mN]"}``. ``"#2 [mN]"`` is the second column,
-        and a minus sign before the heading reverses the sign of its values.
+        and a minus sign before the heading reverses the sign of its values; ``"Deflection [V]*25 nN/V"`` converts them by a sensitivity.
+    spring_constant
+        Spring constant (N/m) of a cantilever: its deflection is read as the force.
+    rows, cycle, branch, between
+        Rows to be used: the first and the last one (from 1, or ``None``), one cycle of loading and unloading (from 1),
+        ``"loading"`` or ``"unloading"``, and the smallest and the largest load (a position, or a force if there is none).
     position_error, force_error, contact_radius_error
         Standard errors (m, N, m) of quantities without errors in the columns. Without any they are estimated from the residuals.
 
@@ -360,10 +382,15 @@ def fit(
     ]
     if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
         raise ValueError(f"starts is {starts!r}: give a number from 1 to 32")
-    raw = _data(measurements, dict(columns or {}))
+    raw = _data(measurements, dict(columns or {}), _of_unit(spring_constant, "N/m", "spring_constant"))
+    dimension = raw.load_dimension()
+    ends = [None if end is None else finite(end, dimension, "between") for end in between or (None, None)]
+    raw = raw.select(list(rows or (None, None)), cycle, branch, ends)
     data = raw.with_errors(*errors)
     point = None if contact_point is None else finite(contact_point, "length", "contact_point")
-    compliance = _compliance(machine_compliance)
+    compliance = _of_unit(machine_compliance, "m/N", "machine_compliance")
+    if compliance is None:
+        compliance = raw.cantilever_compliance() or 0.0
     run = options(threads, progress, memory_limit)
     instrument = (
         point,
@@ -371,6 +398,7 @@ def fit(
         finite(force_offset, "force", "force_offset"),
         finite(displacement_drift, "length", "displacement_drift"),
         finite(force_drift, "force", "force_drift"),
+        _of_unit(force_slope, "N/m", "force_slope") or 0.0,
     )
     fitted = _fakir.fit(system._case, data, list(free), instrument, starts, run)
     result = Fit(fitted, raw.understood())
@@ -380,17 +408,59 @@ def fit(
     return result
 
 
-def _data(measurements: Measurements, named: Mapping[str, str]) -> _fakir.Data:
+def _data(measurements: Measurements, named: Mapping[str, str], spring_constant: float | None) -> _fakir.Data:
     by_hand = [(str(quantity), str(heading)) for quantity, heading in named.items()]
     if isinstance(measurements, (str, PathLike)):
-        return _fakir.Data.read(fspath(measurements), by_hand)
+        return _fakir.Data.read(fspath(measurements), by_hand, spring_constant)
+    columns = [_column(str(name), values) for name, values in _items(measurements)]
+    return _fakir.Data.of(columns, by_hand, spring_constant)
+
+
+def _items(measurements: Any) -> list[tuple[str, Any]]:
+    """Headings and values of whatever has columns."""
+    if hasattr(measurements, "metadata") and hasattr(measurements, "columns") and not hasattr(measurements, "items"):
+        return _of_afmformats(measurements)
+    if hasattr(measurements, "to_dataset"):  # an array of xarray
+        measurements = measurements.to_dataset(name=measurements.name or "values")
+    variables = getattr(measurements, "variables", None)
+    if isinstance(variables, Mapping):  # a dataset of xarray, whose coordinates are columns too
+        return [(_with_unit(str(name), it.attrs.get("units")), it.values) for name, it in variables.items()]
+    names = getattr(getattr(measurements, "dtype", None), "names", None)
+    if names:  # a structured array of NumPy
+        return [(name, measurements[name]) for name in names]
     items = getattr(measurements, "items", None)
     if items is None:
         raise TypeError(
             f"measurements are of type {type(measurements).__name__}: give the path of a file, or "
             "a dictionary or table of columns"
         )
-    return _fakir.Data.of([_column(str(name), values) for name, values in items()], by_hand)
+    return list(items())
+
+
+def _with_unit(name: str, unit: str | None) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def _of_afmformats(curve: Any) -> list[tuple[str, Any]]:
+    """The columns of a curve of afmformats, which are in SI units; its positions decrease as the tip moves down."""
+    there = set(curve.columns)
+    position = next((name for name in ("tip position", "height (measured)", "height (piezo)") if name in there), None)
+    missing = [name for name, found in (("force", "force" in there), ("tip position", position)) if not found]
+    if missing:
+        raise FitError(f"the curve has no {' and no '.join(missing)}: its columns are {', '.join(sorted(there))}")
+    segment = np.asarray(curve["segment"]) if "segment" in there else None
+    # Beside approach (0) and retract (1) there may be pauses.
+    used = slice(None) if segment is None else segment.astype(int) <= 1
+    items = [
+        ("displacement_m", -np.asarray(curve[position], dtype=float)[used]),
+        ("force_N", np.asarray(curve["force"], dtype=float)[used]),
+    ]
+    if "time" in there:
+        items.append(("time_s", np.asarray(curve["time"], dtype=float)[used]))
+    if segment is not None:
+        branches = np.where(segment[used].astype(int) == 1, "unloading", "loading")
+        items.append(("branch", branches.astype(object)))
+    return items
 
 
 def _column(name: str, values: Any) -> tuple[str, FloatArray | None]:
@@ -424,15 +494,18 @@ def _error(given: Quantity | None, dimension: Any, name: str) -> float | None:
     return error
 
 
-def _compliance(given: Quantity) -> float:
+def _of_unit(given: Quantity | None, unit: str, name: str) -> float | None:
+    """A number in a unit of its own, or a quantity of pint."""
+    if given is None:
+        return None
     if isinstance(given, WithUnit):
         try:
-            return float(given.to("m/N").magnitude)
+            return float(given.to(unit).magnitude)
         except Exception as error:
-            raise ValueError(f"machine_compliance: {error}; give a quantity in m/N") from error
+            raise ValueError(f"{name}: {error}; give a quantity in {unit}") from error
     if isinstance(given, str):
-        raise TypeError("machine_compliance is a text: give a number in m/N, or a pint quantity")
-    return finite(given, "number", "machine_compliance")
+        raise TypeError(f"{name} is a text: give a number in {unit}, or a pint quantity")
+    return finite(given, "number", name)
 
 
 def _estimate(given: Mapping[str, Any]) -> Estimate:

@@ -246,3 +246,60 @@ def test_a_retraction_is_fitted_and_a_pull_off_designed():
     assert "pull-off" in repr(designed) and designed.critical.force > 0
     with pytest.raises(TypeError, match="exactly one of"):
         fakir.design(sparse, "lens.radius", pull_off="15 uN", critical_force="1 mN")
+
+
+class Curve:
+    """What `fakir.fit` uses of a curve of afmformats, whose columns are in SI units."""
+
+    metadata = {"spring constant": 0.05}  # noqa: RUF012
+
+    def __init__(self):
+        height = np.concatenate([np.linspace(2e-6, 1e-6, 10), np.full(2, 1e-6), np.linspace(1e-6, 2e-6, 10)])
+        self._columns = {
+            "force": np.maximum(1.5e-6 - height, 0.0) * 1e-3,
+            "height (measured)": height,
+            "time": np.arange(22.0),
+            "segment": np.repeat([0, 2, 1], [10, 2, 10]).astype(np.uint8),
+        }
+
+    @property
+    def columns(self):
+        return list(self._columns)
+
+    def __getitem__(self, name):
+        return self._columns[name]
+
+    def __contains__(self, name):
+        return name in self._columns
+
+
+def test_whatever_has_arrays_is_read():
+    understood = fakir._fit._data(Curve(), {}, None).understood()
+    assert understood[:4] == [
+        'displacement: column 1 "displacement_m", in m',
+        'force: column 2 "force_N", in N',
+        'time: column 3 "time_s", in s',
+        'branch: column 4 "branch"',
+    ]
+    rows = np.array([(1.0, 2.0), (2.0, 3.0)], dtype=[("z_um", float), ("force_uN", float)])
+    expected = ['displacement: column 1 "z_um", in um', 'force: column 2 "force_uN", in uN']
+    assert fakir._fit._data(rows, {}, None).understood() == expected
+    xarray = pytest.importorskip("xarray")
+    force = ("z", [2.0, 3.0], {"units": "uN"})
+    dataset = xarray.Dataset({"force": force}, coords={"z": ("z", [1.0, 2.0], {"units": "um"})})
+    found = fakir._fit._data(dataset, {}, None).understood()
+    assert sorted(line.split(":")[0] for line in found) == ["displacement", "force"]
+    assert all(", in u" in line for line in found)
+
+
+def test_rows_are_selected(tmp_path):
+    path = tmp_path / "cycles.csv"
+    cycle = [0, 1, 2, 3, 4, 3, 2, 1]
+    path.write_text("z_um,force_uN\n" + "".join(f"{z},{z * z}\n" for z in cycle + cycle))
+    data = fakir._fit._data(path, {}, None)
+    chosen = data.select([None, None], 2, "loading", [1.5e-6, None])
+    assert "skipped: 13 rows not selected (lines 2 to 17)" in chosen.understood()
+    with pytest.raises(fakir.FitError, match="there is no cycle 3"):
+        data.select([None, None], 3, None, [None, None])
+    with pytest.raises(ValueError, match='give "loading" or "unloading"'):
+        data.select([None, None], None, "up", [None, None])

@@ -249,7 +249,7 @@ impl<const N: usize> Columns<N> {
     /// Line of the headings, from 0, the separator of the columns, and the headings: the first line that is no comment, or a comment before
     /// it if it contains numbers.
     fn heading(&self, lines: &[&str]) -> (usize, char, Vec<String>) {
-        let first = lines.iter().position(|line| is_row(line));
+        let first = lines.iter().position(is_row);
         let of_line = |text: &str| {
             let separators = [',', ';', '\t', ' '].into_iter();
             let split = separators.map(|separator| {

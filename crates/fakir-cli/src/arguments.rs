@@ -4,10 +4,11 @@ use crate::failure::Failure;
 use crate::session::{RunArguments, memory};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{CyclePlan, Load, LoadingMode, Question};
+use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
 use fakir_case::{CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
-use fakir_inverse::fit::{FitOptions, Measurements, NamedColumn, Parameter};
+use fakir_inverse::fit::{FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::answer::{Details, Maps, Request};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
@@ -774,33 +775,48 @@ pub(crate) struct HeightsQuestion<'a> {
 
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
-    /// Measured curve of loading, or of loading and unloading: a table as written by instruments, with commas, semicolons or tabs, and a
-    /// unit in the heading of every column, as in force_uN or Load [mN]
+    /// Measured curve of loading, or of loading and unloading: a table as written by instruments (text, .gz, .xlsx), with commas, semicolons,
+    /// tabs or blanks, and a unit in the heading of every column, as in force_uN or Load [mN]
     data: PathBuf,
-    /// Assign a column explicitly, as in force="Channel 2 [mN]" or force="#2 [mN]"; a minus sign before the heading reverses the sign of
-    /// its values; may be repeated
+    /// Assign a column explicitly, as in force="Channel 2 [mN]" or force="#2 [mN]"; a minus sign before the heading reverses the sign of its values,
+    /// and a sensitivity after it converts them, as in force="Deflection [V]*25 nN/V"; may be repeated
     #[arg(long = "column", value_name = "QUANTITY=HEADING", value_parser = NamedColumn::parse)]
     columns: Vec<NamedColumn>,
+    /// Spring constant of a cantilever (N/m, mN/m): its deflection is read as the force, and its compliance is the default of
+    /// --machine-compliance
+    #[arg(long, value_name = "STIFFNESS", value_parser = spring_constant)]
+    spring_constant: Option<f64>,
+    /// Use these rows alone, numbered from 1: 100:500, 100: or :500
+    #[arg(long, value_name = "FIRST:LAST", value_parser = rows)]
+    rows: Option<Rows>,
+    /// Use one cycle of loading and unloading, numbered from 1
+    #[arg(long, value_name = "NUMBER")]
+    cycle: Option<usize>,
+    /// Use one branch alone
+    #[arg(long, value_name = "BRANCH", value_parser = ["loading", "unloading"])]
+    branch: Option<String>,
+    /// Use loads from this one: a displacement or indentation (m, mm, um, nm), or a force (N, mN, uN, nN) if there is no position
+    #[arg(long, value_name = "LOAD", allow_hyphen_values = true)]
+    from: Option<String>,
+    /// Use loads up to this one
+    #[arg(long, value_name = "LOAD", allow_hyphen_values = true)]
+    to: Option<String>,
     /// Case file (TOML) with all known quantities and the initial values; `-` for standard input
     #[arg(long)]
     case: PathBuf,
-    /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius, substrate.thickness, lens.thickness,
-    /// pattern.pillar.height, pattern.pillar.diameter, pattern.pitch, pattern.offset, pattern.offset_angle, adhesion.work,
-    /// adhesion.work_receding, contact_point, machine_compliance, force_offset, displacement_drift, force_drift; with commas, or repeated
+    /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius,
+    /// substrate.thickness, lens.thickness, texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
+    /// texture.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
+    /// force_offset, displacement_drift, force_drift, force_slope; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
     /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or its initial value; default: 0, or estimated from the
     /// data
     #[arg(long, value_name = "LENGTH", value_parser = reading, allow_hyphen_values = true)]
     contact_point: Option<f64>,
-    /// Compliance of the instrument, in m/N, or its initial value
-    #[arg(
-        long,
-        value_name = "M/N",
-        default_value_t = 0.0,
-        allow_hyphen_values = true
-    )]
-    machine_compliance: f64,
+    /// Compliance of the instrument, in m/N, or its initial value; default: 0, or the compliance of the cantilever
+    #[arg(long, value_name = "M/N", allow_hyphen_values = true)]
+    machine_compliance: Option<f64>,
     /// Reading of the instrument at zero force (N, mN, uN, nN), or its initial value; contained in all measured forces
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
     force_offset: f64,
@@ -811,6 +827,10 @@ pub(crate) struct Fit {
     /// The same for the force (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, default_value = "0")]
     force_drift: f64,
+    /// Slope of the reading without any force over the displacement from the first row on (N/m, mN/m), or its initial value: a tilted base
+    /// line
+    #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, default_value = "0")]
+    force_slope: f64,
     /// Start from this many points, the first of which is the case, and take the best fit: avoids local minima
     #[arg(long, value_name = "COUNT", default_value_t = 1)]
     starts: usize,
@@ -861,7 +881,31 @@ impl Fit {
 
     /// The data, with the errors given as arguments where the file has none.
     pub(crate) fn measurements(&self) -> Result<Measurements, Failure> {
-        let mut data = Measurements::read(&self.data, &self.columns)?;
+        let hints = Hints {
+            named: self.columns.clone(),
+            spring_constant: self.spring_constant,
+        };
+        let mut data = Measurements::read_with(&self.data, &hints)?;
+        let dimension = data.load_dimension();
+        let load = |name: &str, text: &Option<String>| {
+            let load = text.as_deref().map(|text| match dimension {
+                Dimension::Force => force(text),
+                _ => reading(text),
+            });
+            load.transpose()
+                .map_err(|error| Failure::Argument(format!("{name}: {error}")))
+        };
+        let branch = self.branch.as_ref().map(|name| match &name[..] {
+            "unloading" => Branch::Unloading,
+            _ => Branch::Loading,
+        });
+        data = data.select(&Selection {
+            rows: self.rows.map_or([None; 2], |rows| rows.0),
+            cycle: self.cycle,
+            branch,
+            from: load("--from", &self.from)?,
+            to: load("--to", &self.to)?,
+        })?;
         for (name, error) in [
             ("--force-error", self.force_error),
             ("--contact-radius-error", self.contact_radius_error),
@@ -883,15 +927,33 @@ impl Fit {
         Ok(data)
     }
 
-    pub(crate) fn known(&self) -> FitOptions {
+    pub(crate) fn known(&self, data: &Measurements) -> FitOptions {
+        let cantilever = data.layout().cantilever_compliance;
         FitOptions {
             contact_point: self.contact_point,
-            machine_compliance: self.machine_compliance,
+            machine_compliance: self.machine_compliance.or(cantilever).unwrap_or(0.0),
             force_offset: self.force_offset,
             displacement_drift: self.displacement_drift,
             force_drift: self.force_drift,
+            force_slope: self.force_slope,
             starts: self.starts,
         }
+    }
+}
+
+/// The first and the last row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rows([Option<usize>; 2]);
+
+fn rows(text: &str) -> Result<Rows, String> {
+    Selection::parse_rows(text).map(Rows)
+}
+
+fn spring_constant(text: &str) -> Result<f64, String> {
+    let constant = stiffness(text).map_err(|error| error.to_string())?;
+    match constant > 0.0 && constant.is_finite() {
+        true => Ok(constant),
+        false => Err("a spring constant must be greater than 0".to_owned()),
     }
 }
 

@@ -6,7 +6,8 @@ use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::state::Branch;
 use fakir_inverse::fit::{
-    Column, Fit, FitOptions, FitSummary, Measurements, NamedColumn, Parameter, Position, Quantity,
+    Column, Fit, FitOptions, FitSummary, Hints, Measurements, NamedColumn, Parameter, Position,
+    Quantity, Selection,
 };
 use fakir_study::Table;
 use fakir_study::result::json;
@@ -23,10 +24,15 @@ pub(crate) struct Data {
 
 #[pymethods]
 impl Data {
-    /// Reads a file, with explicitly assigned columns: quantity and heading.
+    /// Reads a file, with explicitly assigned columns, quantity and heading, and the spring constant (N/m) of a cantilever.
     #[staticmethod]
-    fn read(path: PathBuf, named: Vec<(String, String)>) -> PyResult<Self> {
-        let measurements = Measurements::read(&path, &by_hand(&named)?);
+    fn read(
+        path: PathBuf,
+        named: Vec<(String, String)>,
+        spring_constant: Option<f64>,
+    ) -> PyResult<Self> {
+        let hints = hints(&named, spring_constant)?;
+        let measurements = Measurements::read_with(&path, &hints);
         Ok(Self {
             measurements: measurements.map_err(|error| fit_error(&error.into()))?,
         })
@@ -37,16 +43,57 @@ impl Data {
     fn of(
         columns: Vec<(String, Option<PyReadonlyArray1<'_, f64>>)>,
         named: Vec<(String, String)>,
+        spring_constant: Option<f64>,
     ) -> PyResult<Self> {
         let columns = columns.into_iter().map(|(name, values)| {
             let values = values.map(|values| values.as_array().to_vec());
             (name, values)
         });
         let columns: Vec<(String, Option<Vec<f64>>)> = columns.collect();
-        let measurements = Measurements::from_columns(&columns, &by_hand(&named)?);
+        let measurements = Measurements::from_columns(&columns, &hints(&named, spring_constant)?);
         Ok(Self {
             measurements: measurements.map_err(|error| fit_error(&error.into()))?,
         })
+    }
+
+    /// Selected rows: the first and the last one and the cycle from 1, the branch, and the smallest and the largest load (m, or N).
+    fn select(
+        &self,
+        rows: [Option<usize>; 2],
+        cycle: Option<usize>,
+        branch: Option<&str>,
+        between: [Option<f64>; 2],
+    ) -> PyResult<Self> {
+        let [from, to] = between;
+        let selection = Selection {
+            rows,
+            cycle,
+            branch: match branch {
+                None => None,
+                Some("loading") => Some(Branch::Loading),
+                Some("unloading") => Some(Branch::Unloading),
+                Some(other) => {
+                    let problem = format!("branch is {other:?}: give \"loading\" or \"unloading\"");
+                    return Err(value_error(problem));
+                }
+            },
+            from,
+            to,
+        };
+        let measurements = self.measurements.clone().select(&selection);
+        Ok(Self {
+            measurements: measurements.map_err(|error| fit_error(&error.into()))?,
+        })
+    }
+
+    /// The dimension of the loads: `"length"` or `"force"`.
+    fn load_dimension(&self) -> &'static str {
+        self.measurements.load_dimension().noun()
+    }
+
+    /// Compliance of the cantilever whose deflection is the force, m/N.
+    fn cantilever_compliance(&self) -> Option<f64> {
+        self.measurements.layout().cantilever_compliance
     }
 
     /// How every column was interpreted, one line each.
@@ -76,11 +123,14 @@ impl Data {
 }
 
 /// Explicitly assigned columns.
-fn by_hand(named: &[(String, String)]) -> PyResult<Vec<NamedColumn>> {
+fn hints(named: &[(String, String)], spring_constant: Option<f64>) -> PyResult<Hints> {
     let one = |(quantity, heading): &(String, String)| {
         NamedColumn::new(quantity, heading).map_err(value_error)
     };
-    named.iter().map(one).collect()
+    Ok(Hints {
+        named: named.iter().map(one).collect::<PyResult<_>>()?,
+        spring_constant,
+    })
 }
 
 /// Result of a fit.
@@ -158,7 +208,7 @@ pub(crate) fn fit(
     case: &Case,
     data: &Data,
     free: Vec<String>,
-    instrument: (Option<f64>, f64, f64, f64, f64),
+    instrument: (Option<f64>, f64, f64, f64, f64, f64),
     starts: usize,
     options: Options,
 ) -> PyResult<Fitted> {
@@ -179,14 +229,21 @@ pub(crate) fn fit(
         )))
     });
     let free = free.collect::<PyResult<Vec<_>>>()?;
-    let (contact_point, machine_compliance, force_offset, displacement_drift, force_drift) =
-        instrument;
+    let (
+        contact_point,
+        machine_compliance,
+        force_offset,
+        displacement_drift,
+        force_drift,
+        force_slope,
+    ) = instrument;
     let known = FitOptions {
         contact_point,
         machine_compliance,
         force_offset,
         displacement_drift,
         force_drift,
+        force_slope,
         starts,
     };
     let file = case.file()?;

@@ -37,7 +37,13 @@ pub(crate) fn run(
 ) -> Result<Fitted, Failure> {
     let start = Instant::now();
     session.part("fit");
-    let fitted = fit(file, data, &options.free, &options.known(), &session.run())?;
+    let fitted = fit(
+        file,
+        data,
+        &options.free,
+        &options.known(data),
+        &session.run(),
+    )?;
     let wall_time = start.elapsed().as_secs_f64();
     let case = fitted.file.case()?;
     let names: Vec<&str> = options.free.iter().map(|free| free.name()).collect();
@@ -171,7 +177,14 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
 /// What the columns of the file were taken for.
 fn understood(data: &Measurements) -> String {
     let lines = data.layout().lines();
-    lines.iter().map(|line| format!("  {line}\n")).collect()
+    let cantilever = data.layout().cantilever_compliance.map(|compliance| {
+        format!(
+            "compliance of the cantilever: {} m/N, in the machine compliance unless this is given",
+            significant(compliance, 4)
+        )
+    });
+    let lines = lines.iter().chain(&cantilever);
+    lines.map(|line| format!("  {line}\n")).collect()
 }
 
 /// Whether the fit describes the data, and where its searches began.

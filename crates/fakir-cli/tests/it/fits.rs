@@ -55,6 +55,35 @@ fn the_example_gives_its_truth() {
 }
 
 #[test]
+fn skipped_rows_are_stated() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    let given = std::fs::read_to_string(example("fit/loading.csv")).unwrap();
+    bench.write("data.csv", &format!("{given}Bad,-\nend of test\n"));
+    let mut arguments = arguments("data.csv", &case);
+    arguments.extend(["--rows", "3:", "--to", "8um"]);
+    let result = bench.json(&arguments);
+    let reasons: Vec<&str> = result["skipped"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|skipped| skipped["reason"].as_str().unwrap())
+        .collect();
+    assert_eq!(reasons, ["text", "not_measured", "not_selected"]);
+    let skipped = result["rows_skipped"].as_u64().unwrap();
+    assert_eq!(skipped + result["rows"].as_u64().unwrap(), 38);
+    let outcome = bench.run(&arguments);
+    assert!(outcome.stdout.contains("  skipped: 1 row of text (line "));
+    assert!(outcome.stdout.contains("  skipped: 1 row without a value"));
+    assert!(outcome.stdout.contains(" not selected (lines "));
+    arguments.extend(["--cycle", "2"]);
+    let outcome = bench.run(&arguments);
+    assert_eq!(outcome.status, Some(2));
+    let told = "data.csv: there is no cycle 2: the data have 1, numbered from 1";
+    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+}
+
+#[test]
 fn bad_input_ends_with_status_2() {
     let bench = Bench::new();
     let case = example("fit/case.toml");

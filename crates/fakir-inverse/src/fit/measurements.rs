@@ -1,9 +1,12 @@
 //! Measured curves of loading and unloading.
 
 use super::column::{Column, DataError, branch};
-use super::reading::{Layout, NamedColumn, Reader, RowValues};
+use super::layout::{Hints, Layout, NamedColumn, SkipReason};
+use super::orientation::{Reversed, are_negative, reversed};
+use super::reading::{Reader, RowValues};
 use fakir::state::Branch;
-use fakir_case::input::{self, LARGEST_TABLE};
+use fakir_case::input::LARGEST_TABLE;
+use fakir_case::table_text::read_table;
 use std::path::Path;
 
 /// Kind of the measured position of the lens.
@@ -89,9 +92,9 @@ impl Quantity {
 
 /// A measured loading experiment.
 ///
-/// A file contains a heading, then a row for every state; cells that were not measured are empty. Columns are separated by commas,
-/// semicolons or tabs; with the latter two, numbers may have decimal commas. Lines before the heading and lines that begin with `#`, `%`,
-/// `;`, `//` or `!` are ignored. The following columns are recognised, in any order and in any known unit, which is in the name
+/// A file is a text, also packed by gzip (`.gz`), or a spreadsheet (`.xlsx`). It contains a heading, then a row for every state; cells that
+/// were not measured are empty, or `NaN`, `Bad` or `-`. Columns are separated by commas, semicolons, tabs or blanks; with the others than commas, numbers
+/// may have decimal commas. Lines before the heading and lines that begin with `#`, `%`, `;`, `//` or `!` are ignored. The following columns are recognised, in any order and in any known unit, which is in the name
 /// (`force_uN`), in the heading (`Load [mN]`) or in a row of units below:
 ///
 /// | column | |
@@ -120,9 +123,17 @@ impl Measurements {
     /// # Errors
     /// [`DataError`] names file, line and column.
     pub fn read(path: &Path, named: &[NamedColumn]) -> Result<Self, DataError> {
+        Self::read_with(path, &named.into())
+    }
+
+    /// Reads a file, with what the user says about its columns.
+    ///
+    /// # Errors
+    /// [`DataError`] names file, line and column.
+    pub fn read_with(path: &Path, hints: &Hints) -> Result<Self, DataError> {
         let name = path.display().to_string();
-        match input::read(path, LARGEST_TABLE) {
-            Ok(bytes) => Self::from_csv(&name, &bytes, named),
+        match read_table(path, LARGEST_TABLE) {
+            Ok(bytes) => Self::from_bytes(&name, &bytes, hints),
             Err(error) => {
                 Err(Reader { name: &name }.fail(None, None, format!("cannot read: {error}")))
             }
@@ -134,8 +145,16 @@ impl Measurements {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn from_csv(name: &str, bytes: &[u8], named: &[NamedColumn]) -> Result<Self, DataError> {
+        Self::from_bytes(name, bytes, &named.into())
+    }
+
+    /// Reads the contents of a text file, with what the user says about its columns; `name` is its name in errors.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn from_bytes(name: &str, bytes: &[u8], hints: &Hints) -> Result<Self, DataError> {
         let reader = Reader { name };
-        let (layout, columns, rows) = reader.table(bytes, named)?;
+        let (layout, columns, rows) = reader.table(bytes, hints)?;
         reader.measurements(layout, &columns, rows)
     }
 
@@ -146,10 +165,10 @@ impl Measurements {
     /// [`DataError`]
     pub fn from_columns(
         columns: &[(String, Option<Vec<f64>>)],
-        named: &[NamedColumn],
+        hints: &Hints,
     ) -> Result<Self, DataError> {
         let reader = Reader { name: "data" };
-        let (layout, columns) = reader.arrays(columns, named)?;
+        let (layout, columns) = reader.arrays(columns, hints)?;
         reader.columns(layout, &columns)
     }
 
@@ -166,6 +185,14 @@ impl Measurements {
     #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.layout
+    }
+
+    pub(super) fn layout_mut(&mut self) -> &mut Layout {
+        &mut self.layout
+    }
+
+    pub(super) fn replace_rows(&mut self, rows: Vec<Measurement>) {
+        self.rows = rows;
     }
 
     /// Sets a standard error of the force (N) if none was given.
@@ -233,7 +260,7 @@ impl Measurements {
     }
 
     /// Load of every row: its position if measured, otherwise its force.
-    fn loads(&self) -> Vec<f64> {
+    pub(super) fn loads(&self) -> Vec<f64> {
         let loads = self.rows.iter().map(|row| row.position.or(row.force));
         loads
             .map(|load| load.map_or(0.0, |load| load.value))
@@ -370,6 +397,52 @@ fn branches_of(loads: &[f64]) -> Vec<Branch> {
     branches
 }
 
+/// Reverses signs that differ from those of columns whose names define them, and notes it.
+fn orient(layout: &mut Layout, rows: &mut [(u64, RowValues)], position: Position) {
+    let is_free = |wanted: &[Column]| {
+        let columns = layout.columns.iter();
+        let mut columns =
+            columns.filter(|read| read.column.is_some_and(|column| wanted.contains(&column)));
+        columns.clone().next().is_some()
+            && columns.all(|read| !read.is_canonical() && !read.by_hand)
+    };
+    let positions = [Column::Displacement, Column::Indentation];
+    let [can_turn_position, can_turn_force] = [is_free(&positions), is_free(&[Column::Force])];
+    let found = match position {
+        Position::None => Reversed {
+            position: false,
+            force: are_negative(rows),
+        },
+        _ => reversed(rows, layout.is_sign_open),
+    };
+    // One sign alone is not changed if both are wrong.
+    if (found.position && !can_turn_position) || (found.force && !can_turn_force) {
+        return;
+    }
+    let mut turn = |wanted: &[Column], note: &str| {
+        let values = rows.iter_mut().flat_map(|(_, row)| row);
+        for (_, value) in values.filter(|(column, _)| wanted.contains(column)) {
+            *value = -*value;
+        }
+        for read in &mut layout.columns {
+            if read.column.is_some_and(|column| wanted.contains(&column)) {
+                read.negated = !read.negated;
+            }
+        }
+        layout.notes.push(note.to_owned());
+    };
+    if found.force {
+        turn(
+            &[Column::Force],
+            "compression is counted negative in the data: the sign of the force is reversed",
+        );
+    }
+    if found.position {
+        let note = "the position decreases as the lens moves down: its sign is reversed";
+        turn(&positions, note);
+    }
+}
+
 impl Reader<'_> {
     fn measurements(
         &self,
@@ -378,22 +451,31 @@ impl Reader<'_> {
         rows: Vec<(u64, RowValues)>,
     ) -> Result<Measurements, DataError> {
         let position = self.check_columns(&layout, columns)?;
+        let (mut layout, mut rows) = (layout, rows);
+        orient(&mut layout, &mut rows, position);
         let mut measurements = Measurements {
             name: self.name.to_owned(),
             position,
             rows: Vec::new(),
             layout,
         };
+        let mut not_measured = Vec::new();
         for (line, cells) in rows {
             let row = self.measurement(line, &cells)?;
             if row.is_usable() {
                 measurements.rows.push(row);
+            } else {
+                not_measured.push(line);
             }
         }
         if measurements.rows.is_empty() {
             let problem = "no row with a load and something measured under it";
             return Err(self.fail(None, None, problem));
         }
+        measurements
+            .layout
+            .skip(SkipReason::NotMeasured, not_measured);
+        measurements.note_cycles();
         Ok(measurements)
     }
 

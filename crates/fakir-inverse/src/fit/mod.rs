@@ -43,27 +43,35 @@
 //! added column in a linear regression. For the thickness of a half-space the test is one-sided, in the inverse of the thickness, which cannot be
 //! negative. Rows whose error is mainly due to jumps are correlated and have no runs test.
 
+mod cells;
 mod column;
 mod curve;
 mod error;
+mod heading;
+mod layout;
 mod least_squares;
 mod measurements;
 mod misfit;
 mod model;
 mod options;
+mod orientation;
 mod parameter;
 mod radius;
 mod reading;
 mod report;
+mod segments;
+mod selection;
+mod units;
 
 pub use column::{Column, DataError};
 pub use error::FitError;
+pub use layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason, Skipped};
 pub use measurements::{Measured, Measurement, Measurements, Position, Quantity};
 pub use misfit::{LEVEL, LeftOut, Misfit, RunsTest};
 pub use options::{FitOptions, MOST_STARTS};
 pub use parameter::Parameter;
-pub use reading::{Layout, NamedColumn, ReadColumn};
 pub use report::FitSummary;
+pub use selection::Selection;
 
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
@@ -243,6 +251,8 @@ pub struct Fit {
     pub displacement_drift: f64,
     /// Drift of the force, N.
     pub force_drift: f64,
+    /// Slope of the reading without any force over the displacement from the first row on, N/m.
+    pub force_slope: f64,
     /// Time of every row, from 0 at the first to 1 at the last; drifts are linear in it.
     pub moments: Vec<f64>,
     /// Whether the fit describes the data.
@@ -458,7 +468,12 @@ fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Resul
     if !options.force_offset.is_finite() {
         return Err(FitError::NotFinite("the force offset"));
     }
-    if !(options.displacement_drift.is_finite() && options.force_drift.is_finite()) {
+    let drifts = [
+        options.displacement_drift,
+        options.force_drift,
+        options.force_slope,
+    ];
+    if !drifts.iter().all(|drift| drift.is_finite()) {
         return Err(FitError::NotFinite("a drift"));
     }
     if options.starts > MOST_STARTS {
@@ -1064,6 +1079,8 @@ impl<'a> Search<'a> {
             // With adhesion there are no layers.
             Parameter::Key(_) if parameter.is_thickness() => !self.model.sticks,
             Parameter::Key(_) => true,
+            // A tilted base line is rare, and mistaken for other parameters.
+            Parameter::ForceSlope => false,
             _ if parameter.is_of_displacement() => data.position() == Position::Displacement,
             _ => compares_force || is_by_force,
         };
@@ -1249,6 +1266,7 @@ impl<'a> Search<'a> {
             force_offset: settings.force_offset,
             displacement_drift: settings.displacement_drift,
             force_drift: settings.force_drift,
+            force_slope: settings.force_slope,
             moments: self.model.moments.clone(),
             misfit: self.misfit()?,
             starts: Vec::new(),
@@ -1523,7 +1541,9 @@ impl<'a> Search<'a> {
     ) -> Result<Option<FittedPullOff>, FitError> {
         /// Step of the logarithm of the work of adhesion for the derivative of the pull-off force.
         const STEP: f64 = 0.1;
-        let (Some(measured), Some(pull_off)) = (self.model.measured_pull(), &cycle.pull_off) else {
+        let (Some(measured), Some(pull_off)) =
+            (self.model.measured_pull(settings), &cycle.pull_off)
+        else {
             return Ok(None);
         };
         let model_error = cycle.errors.pull_off_force.model();
@@ -1575,11 +1595,15 @@ impl<'a> Search<'a> {
             });
             let all = [first].into_iter().chain(touch).chain(places);
             let mut points: Vec<CurvePoint> = all
-                .map(|place| CurvePoint {
-                    branch: Some(branch),
-                    load: place.position + instrument,
-                    force: place.force + settings.force_offset,
-                    contact_radius: place.contact_radius,
+                .map(|place| {
+                    let load = place.position + instrument;
+                    let travel = self.model.travel_to(load);
+                    CurvePoint {
+                        branch: Some(branch),
+                        load,
+                        force: place.force + settings.base_line(0.0, travel),
+                        contact_radius: place.contact_radius,
+                    }
                 })
                 .collect();
             if branch == Branch::Unloading {
@@ -1619,7 +1643,7 @@ impl<'a> Search<'a> {
                 Ok(state) => points.push(CurvePoint {
                     branch: None,
                     load,
-                    force: state.force + settings.force_offset,
+                    force: state.force + settings.base_line(0.0, self.model.travel_to(load)),
                     contact_radius: state.contact_radius,
                 }),
                 Err(error) if error.is_interruption() => return Err(error),

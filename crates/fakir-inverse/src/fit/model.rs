@@ -122,6 +122,8 @@ pub(super) struct Settings {
     /// Drift of the displacement (m) and the force (N) from the first row to the last.
     pub(super) displacement_drift: f64,
     pub(super) force_drift: f64,
+    /// Slope of the reading without any force over the displacement, N/m.
+    pub(super) force_slope: f64,
 }
 
 impl Settings {
@@ -136,7 +138,12 @@ impl Settings {
         }
     }
 
-    /// Reading of the instrument without any force at a time, N.
+    /// Reading of the instrument without any force at a time and at a distance from the displacement of the first row, N.
+    pub(super) fn base_line(&self, moment: f64, travel: f64) -> f64 {
+        self.offset(moment) + self.force_slope * travel
+    }
+
+    /// Reading of the instrument without any force at a time, at the displacement of the first row, N.
     pub(super) fn offset(&self, moment: f64) -> f64 {
         self.force_offset + self.force_drift * moment
     }
@@ -226,6 +233,7 @@ impl<'a> Model<'a> {
                 force_offset: options.force_offset,
                 displacement_drift: options.displacement_drift,
                 force_drift: options.force_drift,
+                force_slope: options.force_slope,
             },
             scales: Vec::new(),
             // Threads share the rows; every row is computed by one thread.
@@ -313,6 +321,7 @@ impl<'a> Model<'a> {
                 Parameter::ForceOffset | Parameter::ForceDrift => {
                     Scale::Multiple(self.largest_force())
                 }
+                Parameter::ForceSlope => Scale::Multiple(self.largest_force() / range),
             })
         });
         scales.collect()
@@ -335,6 +344,19 @@ impl<'a> Model<'a> {
         Ok(larger(radius, least))
     }
 
+    /// Displacement of a row from that of the first row, m; 0 without displacements.
+    fn travel(&self, row: &Measurement) -> f64 {
+        self.travel_to(load_of(row))
+    }
+
+    /// The same of any reading of the displacement.
+    pub(super) fn travel_to(&self, reading: f64) -> f64 {
+        match (self.data.position(), self.data.rows().first()) {
+            (Position::Displacement, Some(first)) => reading - load_of(first),
+            _ => 0.0,
+        }
+    }
+
     fn load_range(&self) -> f64 {
         let loads = self.data.rows().iter().map(load_of);
         let (low, high) = loads.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), load| {
@@ -344,10 +366,12 @@ impl<'a> Model<'a> {
     }
 
     /// Smallest force on unloading, N, minus the initial offset of the fit.
-    pub(super) fn measured_pull(&self) -> Option<f64> {
+    pub(super) fn measured_pull(&self, settings: &Settings) -> Option<f64> {
         let rows = self.data.rows().iter().zip(&self.branches);
         let unloading = rows.filter(|(_, branch)| **branch == Branch::Unloading);
-        let forces = unloading.filter_map(|(row, _)| Some(row.force?.value));
+        let slope = settings.force_slope;
+        let forces =
+            unloading.filter_map(|(row, _)| Some(row.force?.value - slope * self.travel(row)));
         forces.reduce(f64::min)
     }
 
@@ -374,7 +398,7 @@ impl<'a> Model<'a> {
         let parts_by_another =
             key == Key::WorkOfAdhesion && self.start.case.system.adhesion().work_receding.is_some();
         let pull = self
-            .measured_pull()
+            .measured_pull(&self.start)
             .map(|force| force - self.start.force_offset);
         let (Some(pull), false) = (pull.filter(|pull| *pull < 0.0), parts_by_another) else {
             return match given {
@@ -477,6 +501,7 @@ impl<'a> Model<'a> {
             Parameter::ForceOffset => Ok(self.start.force_offset),
             Parameter::DisplacementDrift => Ok(self.start.displacement_drift),
             Parameter::ForceDrift => Ok(self.start.force_drift),
+            Parameter::ForceSlope => Ok(self.start.force_slope),
         }
     }
 
@@ -627,6 +652,7 @@ impl<'a> Model<'a> {
                     settings.displacement_drift = self.value(number, *unknown);
                 }
                 Parameter::ForceDrift => settings.force_drift = self.value(number, *unknown),
+                Parameter::ForceSlope => settings.force_slope = self.value(number, *unknown),
                 Parameter::Key(_) => {}
             }
         }
@@ -644,7 +670,7 @@ impl<'a> Model<'a> {
             let moment = self.moments[number];
             let state = self.row_state(&settings, row, moment)?;
             Ok(State {
-                read_force: state.force + settings.offset(moment),
+                read_force: state.force + settings.base_line(moment, self.travel(row)),
                 ..state
             })
         })
@@ -744,7 +770,7 @@ impl<'a> Model<'a> {
             State {
                 indentation: place.indentation,
                 force: place.force,
-                read_force: force + settings.offset(moment),
+                read_force: force + settings.base_line(moment, self.travel(row)),
                 force_variance,
                 sharing: larger(2.0 * stretch / self.stretches[number], 1.0)
                     .min(self.branches.len() as f64),
@@ -818,7 +844,8 @@ impl<'a> Model<'a> {
     ) -> Result<State, FitError> {
         match (row.position, row.force) {
             (Some(position), force) => {
-                let guess = force.map_or(0.0, |force| force.value - settings.offset(moment));
+                let base_line = settings.base_line(moment, self.travel(row));
+                let guess = force.map_or(0.0, |force| force.value - base_line);
                 self.state_at(settings, position.value, moment, guess)
             }
             (None, force) => {
@@ -1003,6 +1030,7 @@ impl<'a> Model<'a> {
                         let unit = unit * moment;
                         ([unit, -unit * all.radius_by_force], 0.0)
                     }
+                    (Parameter::ForceSlope, _) => ([unit * self.travel(row), 0.0], 0.0),
                     _ => ([0.0; 2], -unit * state.force * follow),
                 };
                 all.force.push(force + along[0] * moved);

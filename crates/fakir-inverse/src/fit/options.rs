@@ -17,6 +17,8 @@ pub struct FitOptions {
     pub displacement_drift: f64,
     /// Drift of the force from the first row to the last, N: value or initial value.
     pub force_drift: f64,
+    /// Slope of the reading without any force over the displacement from the first row on, N/m: value or initial value.
+    pub force_slope: f64,
     /// Number of starts, to avoid local minima, up to [`MOST_STARTS`]; 0 counts as 1.
     pub starts: usize,
 }

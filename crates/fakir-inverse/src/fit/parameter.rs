@@ -18,11 +18,13 @@ pub enum Parameter {
     DisplacementDrift,
     /// Drift of the force reading from the first row to the last, N.
     ForceDrift,
+    /// Slope of the reading without any force over the displacement from the first row on, N/m: a tilted base line.
+    ForceSlope,
 }
 
 impl Parameter {
     /// All parameters that can be fitted.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Key(Key::SubstrateYoungModulus),
         Self::Key(Key::LensYoungModulus),
         Self::Key(Key::LensRadius),
@@ -40,10 +42,11 @@ impl Parameter {
         Self::ForceOffset,
         Self::DisplacementDrift,
         Self::ForceDrift,
+        Self::ForceSlope,
     ];
 
     /// Name: the key with its tables, `contact_point`, `machine_compliance`, `force_offset`,
-    /// `displacement_drift` or `force_drift`.
+    /// `displacement_drift`, `force_drift` or `force_slope`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -53,6 +56,7 @@ impl Parameter {
             Self::ForceOffset => "force_offset",
             Self::DisplacementDrift => "displacement_drift",
             Self::ForceDrift => "force_drift",
+            Self::ForceSlope => "force_slope",
         }
     }
 
@@ -93,6 +97,7 @@ impl Parameter {
             Self::ContactPoint | Self::DisplacementDrift => Some(Dimension::Length),
             Self::MachineCompliance => None,
             Self::ForceOffset | Self::ForceDrift => Some(Dimension::Force),
+            Self::ForceSlope => Some(Dimension::Stiffness),
         }
     }
 
@@ -100,13 +105,19 @@ impl Parameter {
     pub(super) fn is_of_displacement(self) -> bool {
         matches!(
             self,
-            Self::ContactPoint | Self::MachineCompliance | Self::DisplacementDrift
+            Self::ContactPoint
+                | Self::MachineCompliance
+                | Self::DisplacementDrift
+                | Self::ForceSlope
         )
     }
 
     /// Whether it affects measured forces.
     pub(super) fn is_of_force(self) -> bool {
-        matches!(self, Self::ForceOffset | Self::ForceDrift)
+        matches!(
+            self,
+            Self::ForceOffset | Self::ForceDrift | Self::ForceSlope
+        )
     }
 
     /// Whether it is a work of adhesion, which can be determined only from unloading.

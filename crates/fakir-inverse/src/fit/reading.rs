@@ -4,40 +4,20 @@
 //! heading (`displacement_um`, `Load [mN]`, `Force (mN)`, `F / mN`) or in a row of units below. Columns that are not recognised are not
 //! used; the [`Layout`] lists them.
 
+use super::cells::{
+    BLANKS, Evidence, Notation, SEPARATORS, cells, comment, is_comment, is_not_measured, is_number,
+    number,
+};
 use super::column::{Column, DataError};
+use super::heading::{
+    Substitute, branch_of, quantity_of, split_branch, split_unit, substitute, volts_of,
+    without_brackets,
+};
+use super::layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason};
+use super::segments::{Segments, value_of};
+use super::units::{Scale, example_unit, is_unit};
 use fakir::state::Branch;
-use fakir_case::unit::{Dimension, QuantityError, parse_quantity};
 use std::borrow::Cow;
-
-/// A column of a file or a table, and its interpretation.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ReadColumn {
-    /// Number of the column, from 1.
-    pub number: usize,
-    /// Heading as written.
-    pub heading: String,
-    /// Quantity; `None` if the column is not used.
-    pub column: Option<Column>,
-    /// Unit as written; `None` for a branch.
-    pub unit: Option<String>,
-    /// Whether the sign of its values is reversed.
-    pub negated: bool,
-    /// Whether the column was named by the user.
-    pub by_hand: bool,
-}
-
-/// Interpretation of a file.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Layout {
-    /// Separator of the columns; `None` for arrays.
-    pub separator: Option<char>,
-    /// Whether numbers have decimal commas.
-    pub decimal_comma: bool,
-    /// Line of the headings, from 1; `None` without headings.
-    pub heading_line: Option<u64>,
-    /// The columns, in the order of the file.
-    pub columns: Vec<ReadColumn>,
-}
 
 /// Values of one row of the file, each with its column.
 pub(super) type RowValues = Vec<(Column, f64)>;
@@ -48,416 +28,14 @@ pub(super) type Table = (Layout, Vec<Column>, Vec<(u64, RowValues)>);
 /// Interpretation of arrays, and their columns with values in SI units.
 pub(super) type Arrays = (Layout, Vec<(Column, Vec<f64>)>);
 
-/// A column named by the user: `force=Load [mN]`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NamedColumn {
-    /// Quantity of the column.
-    pub column: Column,
-    /// Its heading, with the unit if the file has none; or `#` and its number, from 1.
-    pub heading: String,
-    /// Whether the sign of its values is reversed: for a position that decreases as the lens moves down.
-    pub negated: bool,
-}
-
-impl NamedColumn {
-    /// Combines the name of a quantity and a heading; a minus sign before the heading reverses the sign of
-    /// the values.
-    ///
-    /// # Errors
-    /// If there is no such quantity; the error lists the quantities that exist.
-    pub fn new(quantity: &str, heading: &str) -> Result<Self, String> {
-        let is_named = |column: &Column| column.quantity() == quantity || column.name() == quantity;
-        let Some(column) = Column::ALL.into_iter().find(is_named) else {
-            let known = Column::ALL.map(Column::quantity).join(", ");
-            return Err(format!(
-                "\"{quantity}\" is no quantity of measurements: give one of {known}"
-            ));
-        };
-        let heading = heading.trim();
-        let (negated, heading) = match heading.strip_prefix('-') {
-            Some(rest) => (true, rest.trim()),
-            None => (false, heading),
-        };
-        if heading.is_empty() {
-            return Err(format!(
-                "{quantity}: give the heading of its column, as in {quantity}=\"Channel 2 [{}]\"",
-                example_unit(column)
-            ));
-        }
-        Ok(Self {
-            column,
-            heading: heading.to_owned(),
-            negated,
-        })
-    }
-
-    /// Parses the form of the command line: `force=Load [mN]`.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let (quantity, heading) = text.split_once('=').ok_or_else(|| {
-            format!("\"{text}\" names no column: write it like force=\"Load [mN]\"")
-        })?;
-        Self::new(quantity.trim(), heading)
-    }
-
-    /// Whether it matches the cell of a heading, and the unit that it gives.
-    fn matches(&self, place: usize, heading: &str) -> Option<Option<String>> {
-        let (number, unit) = split_unit(&self.heading);
-        if let Some(number) = number
-            .strip_prefix('#')
-            .and_then(|n| n.trim().parse::<usize>().ok())
-        {
-            return (place + 1 == number).then_some(unit);
-        }
-        let plain = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-        if plain(&self.heading) == plain(heading) {
-            return Some(None);
-        }
-        // The name of a column without a unit, followed by the unit.
-        (unit.is_some() && plain(&number) == plain(heading)).then_some(unit)
-    }
-
-    fn is_by_number(&self) -> bool {
-        self.heading.starts_with('#')
-    }
-}
-
-fn example_unit(column: Column) -> &'static str {
-    match column.dimension() {
-        Some(Dimension::Force) => "mN",
-        Some(_) => "um",
-        None => "s",
-    }
-}
-
-/// Units that case files do not accept, each as a multiple of a unit that they accept.
-const MORE_UNITS: [(&str, f64, &str); 12] = [
-    ("cm", 10.0, "mm"),
-    ("pm", 1e-3, "nm"),
-    ("A", 0.1, "nm"),
-    ("\u{c5}", 0.1, "nm"),
-    ("\u{212b}", 0.1, "nm"),
-    ("micron", 1.0, "um"),
-    ("microns", 1.0, "um"),
-    ("micrometer", 1.0, "um"),
-    ("pN", 1e-3, "nN"),
-    ("kN", 1e3, "N"),
-    ("meter", 1.0, "m"),
-    ("newton", 1.0, "N"),
-];
-
-/// Units of time.
-const TIMES: [(&str, f64); 8] = [
-    ("s", 1.0),
-    ("sec", 1.0),
-    ("seconds", 1.0),
-    ("ms", 1e-3),
-    ("us", 1e-6),
-    ("min", 60.0),
-    ("h", 3600.0),
-    ("hours", 3600.0),
-];
-
-/// Conversion of the numbers of a column to SI units.
-#[derive(Debug, Clone, PartialEq)]
-enum Scale {
-    /// A factor.
-    Factor(f64),
-    /// A unit that only shifts the decimal point, so that numbers are rounded once.
-    Unit(String, Dimension),
-}
-
-impl Scale {
-    fn of(column: Column, unit: &str) -> Result<Self, String> {
-        let Some(dimension) = column.dimension() else {
-            let ascii = unit.replace(['\u{b5}', '\u{3bc}'], "u");
-            let known = TIMES.iter().find(|(symbol, _)| *symbol == ascii);
-            return known
-                .map(|(_, factor)| Self::Factor(*factor))
-                .ok_or_else(|| {
-                    format!("\"{unit}\" is not a known unit of time: give s, ms, us, min or h")
-                });
-        };
-        let parsed = |unit: &str| parse_quantity(&format!("1 {unit}"), dimension);
-        if let Some((_, factor, of)) = MORE_UNITS.iter().find(|(symbol, _, _)| *symbol == unit)
-            && let Ok(value) = parsed(of)
-        {
-            return Ok(Self::Factor(factor * value));
-        }
-        let problem = match parsed(unit) {
-            Ok(_) => return Ok(Self::Unit(unit.to_owned(), dimension)),
-            Err(
-                error @ (QuantityError::WrongDimension { .. } | QuantityError::UnknownUnit { .. }),
-            ) => error.to_string(),
-            Err(_) => format!("\"{unit}\" is not a known unit"),
-        };
-        Err(format!(
-            "{problem}; {} is in {}",
-            column.quantity(),
-            dimension.unit_list()
-        ))
-    }
-
-    /// The value of a decimal number in SI units.
-    fn value(&self, number: &str) -> Option<f64> {
-        match self {
-            Self::Factor(factor) => number.parse::<f64>().ok().map(|value| factor * value),
-            Self::Unit(unit, dimension) => {
-                number.parse::<f64>().ok()?;
-                parse_quantity(&format!("{number} {unit}"), *dimension).ok()
-            }
-        }
-    }
-}
-
-/// Whether a text is a unit of anything.
-fn is_unit(text: &str) -> bool {
-    let dimensions = [
-        Dimension::Length,
-        Dimension::Force,
-        Dimension::Pressure,
-        Dimension::Stiffness,
-        Dimension::EnergyPerArea,
-        Dimension::Angle,
-    ];
-    let ascii = text.replace(['\u{b5}', '\u{3bc}'], "u");
-    !text.is_empty()
-        && (dimensions
-            .into_iter()
-            .any(|dimension| parse_quantity(&format!("1 {text}"), dimension).is_ok())
-            || TIMES.iter().any(|(symbol, _)| *symbol == ascii)
-            || MORE_UNITS.iter().any(|(symbol, _, _)| *symbol == text))
-}
-
-/// Text without brackets around all of it.
-fn without_brackets(text: &str) -> &str {
-    let text = text.trim();
-    let pairs = [('[', ']'), ('(', ')'), ('{', '}')];
-    let mut inside = pairs
-        .into_iter()
-        .filter_map(|(open, close)| text.strip_prefix(open)?.strip_suffix(close));
-    inside.next().map_or(text, str::trim)
-}
-
-/// The name and the unit of a heading.
-fn split_unit(heading: &str) -> (String, Option<String>) {
-    let heading = heading.trim();
-    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
-        if let Some(start) = heading
-            .strip_suffix(close)
-            .and_then(|rest| rest.rfind(open))
-        {
-            let inside = heading[start + 1..heading.len() - 1].trim();
-            let name = heading[..start].trim().to_owned();
-            // Words in brackets are not a unit.
-            let is_word = words(inside)
-                .iter()
-                .all(|word| FILLERS.contains(&&word[..]));
-            if !inside.is_empty() && !is_word {
-                return (name, Some(inside.to_owned()));
-            }
-            return (format!("{name} {inside}"), None);
-        }
-    }
-    for separator in ['/', ',', '_', ' ', '-', '.'] {
-        if let Some((name, unit)) = heading.rsplit_once(separator)
-            && !name.trim().is_empty()
-            && is_unit(unit.trim())
-        {
-            return (name.trim().to_owned(), Some(unit.trim().to_owned()));
-        }
-    }
-    (heading.to_owned(), None)
-}
-
-/// Words of a name, in lower case: `ContactRadius` has two.
-fn words(name: &str) -> Vec<String> {
-    let mut words = vec![String::new()];
-    let mut last_is_small = false;
-    for character in name.chars() {
-        let begins = !character.is_alphanumeric() || (last_is_small && character.is_uppercase());
-        if begins {
-            words.push(String::new());
-        }
-        if character.is_alphanumeric()
-            && let Some(word) = words.last_mut()
-        {
-            word.extend(character.to_lowercase());
-        }
-        last_is_small = character.is_lowercase();
-    }
-    words.retain(|word| !word.is_empty());
-    words
-}
-
-/// Words that name a quantity.
-const QUANTITIES: [(&str, Column); 19] = [
-    ("time", Column::Time),
-    ("elapsed", Column::Time),
-    ("zeit", Column::Time),
-    ("branch", Column::Branch),
-    ("segment", Column::Branch),
-    ("direction", Column::Branch),
-    ("phase", Column::Branch),
-    ("indentation", Column::Indentation),
-    ("displacement", Column::Displacement),
-    ("disp", Column::Displacement),
-    ("position", Column::Displacement),
-    ("travel", Column::Displacement),
-    ("extension", Column::Displacement),
-    ("stroke", Column::Displacement),
-    ("crosshead", Column::Displacement),
-    ("force", Column::Force),
-    ("load", Column::Force),
-    ("kraft", Column::Force),
-    ("radius", Column::ContactRadius),
-];
-
-/// Words that name a quantity unless another word does: `z position`, `normal force fz`.
-const SYMBOLS: [(&str, Column); 10] = [
-    ("z", Column::Displacement),
-    ("depth", Column::Displacement),
-    ("distance", Column::Displacement),
-    ("weg", Column::Displacement),
-    ("pos", Column::Displacement),
-    ("f", Column::Force),
-    ("fn", Column::Force),
-    ("fz", Column::Force),
-    ("t", Column::Time),
-    ("p", Column::Force),
-];
-
-/// Words that change a quantity into its standard error.
-const ERRORS: [&str; 9] = [
-    "error",
-    "errors",
-    "err",
-    "std",
-    "stdev",
-    "sd",
-    "sigma",
-    "uncertainty",
-    "deviation",
-];
-
-/// Words without effect that may accompany the name.
-const FILLERS: [&str; 27] = [
-    "normal",
-    "measured",
-    "contact",
-    "raw",
-    "corrected",
-    "applied",
-    "stage",
-    "sensor",
-    "cell",
-    "channel",
-    "total",
-    "piezo",
-    "vertical",
-    "head",
-    "machine",
-    "axial",
-    "compressive",
-    "actual",
-    "sample",
-    "standard",
-    "of",
-    "the",
-    "in",
-    "mean",
-    "average",
-    "crosshead",
-    "test",
-];
-
-/// Quantity that a name denotes, if all of its words are known.
-fn quantity_of(name: &str) -> Option<Column> {
-    let words = words(name);
-    let is_error = words.iter().any(|word| ERRORS.contains(&&word[..]));
-    let mut strong = Vec::new();
-    let mut weak = Vec::new();
-    let of = |table: &[(&str, Column)], word: &str| {
-        let found = table.iter().find(|(known, _)| *known == word);
-        found.map(|(_, column)| *column)
-    };
-    for word in &words {
-        let is_other = ERRORS.contains(&&word[..])
-            || FILLERS.contains(&&word[..])
-            || word.chars().all(|c| c.is_ascii_digit());
-        match (of(&QUANTITIES, word), of(&SYMBOLS, word)) {
-            (Some(column), _) => strong.push((column, word)),
-            (None, Some(column)) => weak.push((column, word)),
-            (None, None) if is_other => {}
-            (None, None) => return None,
-        }
-    }
-    // `crosshead load` is a load.
-    if strong.iter().any(|(_, word)| *word != "crosshead") {
-        strong.retain(|(_, word)| *word != "crosshead");
-    }
-    let named = if strong.is_empty() { &weak } else { &strong };
-    let (first, _) = *named.first()?;
-    if named.iter().any(|(column, _)| *column != first) {
-        return None;
-    }
-    match (is_error, first) {
-        (false, _) => Some(first),
-        (true, _) => Column::ALL
-            .into_iter()
-            .find(|column| column.errors_of() == Some(first)),
-    }
-}
-
-/// The branch that a word names.
-pub(super) fn branch_of(text: &str) -> Option<Branch> {
-    const LOADING: [&str; 10] = [
-        "loading",
-        "load",
-        "approach",
-        "approaching",
-        "advance",
-        "advancing",
-        "extend",
-        "forward",
-        "trace",
-        "indent",
-    ];
-    const UNLOADING: [&str; 12] = [
-        "unloading",
-        "unload",
-        "retract",
-        "retraction",
-        "retracting",
-        "retrace",
-        "withdraw",
-        "withdrawal",
-        "backward",
-        "receding",
-        "return",
-        "pull-off",
-    ];
-    let text = without_brackets(text).to_lowercase();
-    let text = text
-        .trim_start_matches("segment")
-        .trim_start_matches([':', ' ']);
-    if LOADING.contains(&text) {
-        Some(Branch::Loading)
-    } else if UNLOADING.contains(&text) {
-        Some(Branch::Unloading)
-    } else {
-        None
-    }
-}
-
 /// A column that is used.
 struct Used {
     place: usize,
     column: Column,
     scale: Option<Scale>,
     negated: bool,
+    /// Branch of a column that is beside one of the other branch.
+    branch: Option<Branch>,
     /// Whether words other than branches are an error.
     is_strict: bool,
 }
@@ -474,32 +52,76 @@ struct Candidate {
     unit: Option<String>,
     negated: bool,
     by_hand: bool,
+    factors: Vec<String>,
+    branch: Option<Branch>,
 }
 
-fn candidate(place: usize, heading: &str, named: &[NamedColumn]) -> Option<Candidate> {
-    let by_hand = named
-        .iter()
-        .find_map(|named| Some((named, named.matches(place, heading)?)));
+fn candidate(place: usize, heading: &str, hints: &Hints) -> Option<Candidate> {
+    let mut by_hand = hints.named.iter();
+    let by_hand = by_hand.find_map(|named| Some((named, named.matches(place, heading)?)));
     let (name, unit) = split_unit(heading);
     if let Some((named, given)) = by_hand {
+        let mut factors = named.factors.clone();
+        if let (true, Some(constant)) = (named.is_deflection, hints.spring_constant) {
+            factors.push(format!("{constant:e} N/m"));
+        }
+        let volts = || volts_of(heading).filter(|_| !factors.is_empty());
         return Some(Candidate {
             column: named.column,
-            unit: given.or(unit),
+            unit: given.or(unit).or_else(volts),
             negated: named.negated,
             by_hand: true,
+            factors,
+            branch: None,
         });
     }
     let column = quantity_of(&name)?;
-    // A quantity named by the user is not searched for in other columns.
-    let is_named = named.iter().any(|named| {
-        let positions = [Column::Displacement, Column::Indentation];
-        named.column == column || (positions.contains(&named.column) && positions.contains(&column))
-    });
-    (!is_named).then_some(Candidate {
+    (!is_named(column, hints)).then_some(Candidate {
         column,
         unit,
         negated: false,
         by_hand: false,
+        factors: Vec::new(),
+        branch: None,
+    })
+}
+
+/// Whether the user named the column of a quantity, which is then not searched for in other columns.
+fn is_named(column: Column, hints: &Hints) -> bool {
+    let positions = [Column::Displacement, Column::Indentation];
+    hints.named.iter().any(|named| {
+        named.column == column || (positions.contains(&named.column) && positions.contains(&column))
+    })
+}
+
+/// Whether the headings contain the columns of both branches side by side, which are not understood otherwise.
+fn are_branches_beside(headings: &[String], hints: &Hints) -> bool {
+    let branches = headings.iter().enumerate().filter_map(|(place, heading)| {
+        let (branch, rest) = split_branch(heading)?;
+        let (name, _) = split_unit(&rest);
+        let is_known = quantity_of(&name).is_some() || substitute(&name).is_some();
+        (is_known && candidate(place, heading, hints).is_none()).then_some(branch)
+    });
+    let branches: Vec<Branch> = branches.collect();
+    branches.contains(&Branch::Loading) && branches.contains(&Branch::Unloading)
+}
+
+/// The candidate for a cell of a heading, of one branch if those of both are side by side.
+fn candidate_of_branch(
+    place: usize,
+    heading: &str,
+    hints: &Hints,
+    are_beside: bool,
+) -> Option<Candidate> {
+    let found = candidate(place, heading, hints);
+    if found.is_some() || !are_beside {
+        return found;
+    }
+    let (branch, rest) = split_branch(heading)?;
+    let found = candidate(place, &rest, hints)?;
+    Some(Candidate {
+        branch: Some(branch),
+        ..found
     })
 }
 
@@ -530,10 +152,10 @@ impl Reader<'_> {
         headings: &[String],
         units: &[String],
         line: Option<u64>,
-        named: &[NamedColumn],
+        hints: &Hints,
     ) -> Result<Heading, DataError> {
         let fail = |heading: &str, problem: String| self.fail(line, Some(heading), problem);
-        for named in named {
+        for named in &hints.named {
             let meant = headings.iter().enumerate();
             let meant = meant.filter(|(place, heading)| named.matches(*place, heading).is_some());
             let problem = match meant.count() {
@@ -543,6 +165,12 @@ impl Reader<'_> {
             };
             return Err(fail(&named.heading, problem));
         }
+        let deflection = hints.named.iter().find(|named| named.is_deflection);
+        if let (Some(named), None) = (deflection, hints.spring_constant) {
+            let problem = "a deflection takes the spring constant of the cantilever: give --spring-constant, as 0.2N/m (in Python spring_constant)";
+            return Err(fail(&named.heading, problem.to_owned()));
+        }
+        let are_beside = line.is_some() && are_branches_beside(headings, hints);
         let mut columns: Vec<ReadColumn> = Vec::new();
         let mut used: Vec<Used> = Vec::new();
         let mut problems: Vec<(Column, usize, DataError)> = Vec::new();
@@ -555,7 +183,7 @@ impl Reader<'_> {
                 negated: false,
                 by_hand: false,
             };
-            if let Some(candidate) = candidate(place, heading, named) {
+            if let Some(candidate) = candidate_of_branch(place, heading, hints, are_beside) {
                 let column = candidate.column;
                 let below = units
                     .get(place)
@@ -563,7 +191,7 @@ impl Reader<'_> {
                 let unit = candidate.unit.or(below.filter(|unit| !unit.is_empty()));
                 let scale = match &unit {
                     _ if column == Column::Branch => Ok(None),
-                    Some(unit) => Scale::of(column, unit).map(Some),
+                    Some(unit) => Scale::of(column, unit, &candidate.factors).map(Some),
                     None => Err(format!(
                         "no unit: write it into the heading, as \"{heading} [{unit}]\", into a row below the headings, or \
                          name the column by hand: {}=\"{heading} [{unit}]\"",
@@ -578,10 +206,14 @@ impl Reader<'_> {
                             column,
                             scale,
                             negated: candidate.negated,
+                            branch: candidate.branch,
                             is_strict: candidate.by_hand || heading == "branch",
                         });
                         read.column = Some(column);
-                        read.unit = unit.filter(|_| column != Column::Branch);
+                        let unit = unit.filter(|_| column != Column::Branch);
+                        let factors = candidate.factors.iter();
+                        let factors: String = factors.map(|factor| format!("*{factor}")).collect();
+                        read.unit = unit.map(|unit| unit + &factors);
                         read.negated = candidate.negated;
                         read.by_hand = candidate.by_hand;
                     }
@@ -601,7 +233,7 @@ impl Reader<'_> {
         for (number, one) in used.iter().enumerate() {
             let Some(other) = used[..number]
                 .iter()
-                .find(|other| other.column == one.column)
+                .find(|other| other.column == one.column && other.branch == one.branch)
             else {
                 continue;
             };
@@ -615,25 +247,38 @@ impl Reader<'_> {
             );
             return Err(fail(second, problem));
         }
-        Ok(Heading {
+        let mut heading = Heading {
             layout: Layout {
-                separator: None,
-                decimal_comma: false,
                 heading_line: line,
                 columns,
+                ..Layout::default()
             },
             used,
-        })
+        };
+        let branches: &[Option<Branch>] = match are_beside {
+            true => &[Some(Branch::Loading), Some(Branch::Unloading)],
+            false => &[None],
+        };
+        for branch in branches {
+            heading.substitute(units, hints, *branch);
+        }
+        let has = |column| heading.used.iter().any(|used| used.column == column);
+        if let (Some(constant), true) = (hints.spring_constant, has(Column::Displacement))
+            && !heading.is_position_of_tip(hints)
+        {
+            heading.layout.cantilever_compliance = Some(1.0 / constant);
+        }
+        Ok(heading)
     }
 
     /// Headings of arrays, each with its values; headings that are not recognised have none.
     pub(super) fn arrays(
         &self,
         named_values: &[(String, Option<Vec<f64>>)],
-        named: &[NamedColumn],
+        hints: &Hints,
     ) -> Result<Arrays, DataError> {
         let headings: Vec<String> = named_values.iter().map(|(name, _)| name.clone()).collect();
-        let heading = self.heading(&headings, &[], None, named)?;
+        let heading = self.heading(&headings, &[], None, hints)?;
         let mut columns = Vec::new();
         for used in &heading.used {
             let (name, values) = &named_values[used.place];
@@ -654,7 +299,7 @@ impl Reader<'_> {
     }
 
     /// The table of a file.
-    pub(super) fn table(&self, bytes: &[u8], named: &[NamedColumn]) -> Result<Table, DataError> {
+    pub(super) fn table(&self, bytes: &[u8], hints: &Hints) -> Result<Table, DataError> {
         let text = self.text(bytes)?;
         let text = if text.contains('\n') {
             text
@@ -665,7 +310,20 @@ impl Reader<'_> {
             .split('\n')
             .map(|line| line.trim_end_matches('\r'))
             .collect();
-        let place = self.find_heading(&lines, named)?;
+        let segments = Segments::of(&lines);
+        let mut hints = hints.clone();
+        let place = match &segments {
+            Some(segments) => {
+                hints.spring_constant = hints.spring_constant.or(segments.spring_constant);
+                Place {
+                    separator: BLANKS,
+                    line: Some(segments.line),
+                    first: segments.first,
+                    headings: segments.headings.clone(),
+                }
+            }
+            None => self.find_heading(&lines, &hints)?,
+        };
         let Place {
             separator,
             line,
@@ -673,23 +331,57 @@ impl Reader<'_> {
             headings,
         } = place;
         let mut first = first;
-        let units = unit_row(&lines, first, separator, &headings, named);
-        if let Some((after, _)) = &units {
-            first = *after;
-        }
-        let units = units.map_or(Vec::new(), |(_, units)| units);
+        let header = segments.as_ref().map_or(&[][..], |_| &lines[..first]);
+        let label = header
+            .iter()
+            .rev()
+            .find_map(|line| value_of(line, "segment"));
+        let units = match segments {
+            Some(segments) => segments.units,
+            None => match unit_row(&lines, first, separator, &headings, &hints) {
+                Some((after, units)) => {
+                    first = after;
+                    units
+                }
+                None => Vec::new(),
+            },
+        };
+        let separator =
+            row_separator(&lines, first, separator, headings.len()).unwrap_or(separator);
         let number = |line: usize| line as u64 + 1;
-        let mut heading = self.heading(&headings, &units, line.map(number), named)?;
+        let mut heading = self.heading(&headings, &units, line.map(number), &hints)?;
         heading.layout.separator = Some(separator);
-        let mut rows = Rows::default();
-        for (index, text) in lines.iter().enumerate().skip(first) {
-            if text.trim().is_empty() || is_comment(text, separator, headings.len()) {
-                continue;
-            }
+        let cells_of = |text: &str| {
             let mut cells = cells(text, separator);
             while cells.len() > headings.len() && cells.last().is_some_and(String::is_empty) {
                 cells.pop();
             }
+            cells
+        };
+        let is_row =
+            |text: &str| !text.trim().is_empty() && !is_comment(text, separator, headings.len());
+        let mut evidence = Evidence::default();
+        for text in lines.iter().skip(first).filter(|text| is_row(text)) {
+            let cells = cells_of(text);
+            let used = heading
+                .used
+                .iter()
+                .filter(|used| used.column != Column::Branch);
+            used.filter_map(|used| cells.get(used.place))
+                .filter(|_| cells.len() == headings.len())
+                .for_each(|cell| evidence.add(cell));
+        }
+        let mut rows = Rows {
+            notation: evidence.notation(),
+            label: label.and_then(branch_of),
+            ..Rows::default()
+        };
+        for (index, text) in lines.iter().enumerate().skip(first) {
+            if !is_row(text) {
+                self.check_segment(number(index), text, &lines, line, &mut rows)?;
+                continue;
+            }
+            let cells = cells_of(text);
             let is_again = cells == headings || (!units.is_empty() && cells == units);
             let mut full = cells.iter().filter(|cell| !cell.is_empty());
             let only = full.next().filter(|_| full.next().is_none());
@@ -716,11 +408,43 @@ impl Reader<'_> {
             return Err(self.fail(Some(*line), Some(column), problem));
         }
         heading.layout.decimal_comma = rows.comma.is_some();
-        let mut columns: Vec<Column> = heading.used.iter().map(|used| used.column).collect();
-        if rows.label.is_some() && !columns.contains(&Column::Branch) {
+        let mut columns: Vec<Column> = Vec::new();
+        for used in &heading.used {
+            if !columns.contains(&used.column) {
+                columns.push(used.column);
+            }
+        }
+        let are_beside = heading.used.iter().any(|used| used.branch.is_some());
+        if (rows.label.is_some() || are_beside) && !columns.contains(&Column::Branch) {
             columns.push(Column::Branch);
         }
+        heading.layout.skip(SkipReason::Text, rows.text);
+        rows.rows.extend(rows.unloading);
         Ok((heading.layout, columns, rows.rows))
+    }
+
+    /// Reads a comment between the rows that begins a segment, as in the text files of JPK.
+    fn check_segment(
+        &self,
+        line: u64,
+        text: &str,
+        lines: &[&str],
+        heading: Option<usize>,
+        rows: &mut Rows,
+    ) -> Result<(), DataError> {
+        if let Some(branch) = value_of(text, "segment").and_then(branch_of) {
+            rows.label = Some(branch);
+        }
+        let names = value_of(text, "columns");
+        let before = heading.and_then(|heading| value_of(lines[heading], "columns"));
+        match (names, before) {
+            (Some(names), Some(before)) if names != before => Err(self.fail(
+                Some(line),
+                None,
+                "the columns of this segment differ from those before: export all segments with the same columns",
+            )),
+            _ => Ok(()),
+        }
     }
 
     fn text<'a>(&self, bytes: &'a [u8]) -> Result<Cow<'a, str>, DataError> {
@@ -747,51 +471,32 @@ impl Reader<'_> {
     }
 
     /// Finds the line of the headings and the separator for which most columns are recognised.
-    fn find_heading(&self, lines: &[&str], named: &[NamedColumn]) -> Result<Place, DataError> {
-        /// Number of lines in which headings are searched for.
-        const MOST_LINES: usize = 1000;
-        if !named.is_empty() && named.iter().all(NamedColumn::is_by_number) {
-            return self.by_numbers(lines, named);
+    fn find_heading(&self, lines: &[&str], hints: &Hints) -> Result<Place, DataError> {
+        if !hints.named.is_empty() && hints.named.iter().all(NamedColumn::is_by_number) {
+            return self.by_numbers(lines, &hints.named);
         }
-        let mut best: Option<(usize, Place)> = None;
-        // Headings in a comment are used if there are no others, and headings of a single column likewise.
-        for (commented, least) in [(false, 2), (true, 2), (false, 1)] {
-            for separator in SEPARATORS {
-                let found = lines
-                    .iter()
-                    .take(MOST_LINES)
-                    .enumerate()
-                    .find_map(|(index, line)| {
-                        let text = match (commented, comment(line)) {
-                            (true, Some(text)) => text,
-                            (true, None) => return None,
-                            (false, _) if is_comment(line, separator, 0) => return None,
-                            (false, _) => line,
-                        };
-                        let mut headings = cells(text, separator);
-                        while headings.last().is_some_and(String::is_empty) {
-                            headings.pop();
-                        }
-                        let known = headings.iter().enumerate();
-                        let known = known
-                            .filter(|(place, heading)| candidate(*place, heading, named).is_some())
-                            .count();
-                        (known >= least).then_some((
-                            known,
-                            Place {
-                                separator,
-                                line: Some(index),
-                                first: index + 1,
-                                headings,
-                            },
-                        ))
-                    });
-                let known = best.as_ref().map_or(0, |(known, _)| *known);
-                best = found.filter(|(more, _)| *more > known).or(best);
-            }
-            if let Some((_, place)) = best.take() {
-                return Ok(place);
-            }
+        // Headings in a comment are used if there are no others, then those separated by blanks, then those whose quantities are only
+        // substitutes, and at last headings of a single column.
+        let search = |commented, least, with_substitutes, separators: &[char]| {
+            let search = Search {
+                hints,
+                commented,
+                least,
+                with_substitutes,
+            };
+            search.heading(lines, separators)
+        };
+        let pair = |with_substitutes, separators: &[char]| {
+            search(false, 2, with_substitutes, separators)
+                .or_else(|| search(true, 2, with_substitutes, separators))
+        };
+        let found = pair(false, &SEPARATORS)
+            .or_else(|| pair(false, &[BLANKS]))
+            .or_else(|| pair(true, &SEPARATORS))
+            .or_else(|| pair(true, &[BLANKS]))
+            .or_else(|| search(false, 1, false, &SEPARATORS));
+        if let Some(place) = found {
+            return Ok(place);
         }
         let quantities = Column::ALL.map(Column::name).join(", ");
         let mut texts = lines.iter().enumerate();
@@ -802,11 +507,13 @@ impl Reader<'_> {
             return Err(self.fail(None, None, problem));
         };
         let numbers = SEPARATORS.map(|separator| cells(line, separator));
-        let number = numbers
-            .iter()
-            .rev()
-            .flatten()
-            .find(|cell| number(cell).is_some());
+        let number = numbers.iter().rev().flatten().find(|cell| is_number(cell));
+        let words = cells(line, BLANKS);
+        let number = number.or_else(|| {
+            words
+                .iter()
+                .find(|_| words.iter().all(|word| is_number(word)))
+        });
         if let Some(cell) = number {
             let problem = "a number in the heading: the first line names the columns, or name them by hand by their numbers, as force=\"#2 [mN]\"";
             return Err(self.fail(Some(index as u64 + 1), Some(cell), problem));
@@ -822,14 +529,14 @@ impl Reader<'_> {
     /// Columns that are named by their numbers: the rows begin where the cells of these columns are
     /// numbers.
     fn by_numbers(&self, lines: &[&str], named: &[NamedColumn]) -> Result<Place, DataError> {
-        for separator in SEPARATORS {
+        for separator in SEPARATORS.into_iter().chain([BLANKS]) {
             let found = lines.iter().enumerate().find_map(|(index, line)| {
                 let cells = cells(line, separator);
                 let is_row = named.iter().all(|named| {
                     let mut found = cells.iter().enumerate();
                     found.any(|(place, cell)| {
                         named.matches(place, cell).is_some()
-                            && (number(cell).is_some() || branch_of(cell).is_some())
+                            && (is_number(cell) || branch_of(cell).is_some())
                     })
                 });
                 is_row.then_some((index, cells))
@@ -864,6 +571,10 @@ impl Reader<'_> {
         heading: &mut Heading,
         rows: &mut Rows,
     ) -> Result<(), DataError> {
+        if is_text(cells, heading, cells.len() == headings.len()) {
+            rows.text.push(line);
+            return Ok(());
+        }
         if cells.len() != headings.len() {
             let mut problem = format!(
                 "{} cells, but {} in the heading",
@@ -877,12 +588,12 @@ impl Reader<'_> {
             }
             return Err(self.fail(Some(line), None, problem));
         }
-        let mut values = RowValues::new();
+        let mut values: Vec<(Option<Branch>, Column, f64)> = Vec::new();
         let mut dropped = None;
         for used in &heading.used {
             let text = &cells[used.place];
             let name = &headings[used.place];
-            if text.is_empty() {
+            if is_not_measured(text) {
                 continue;
             }
             let value = if used.column == Column::Branch {
@@ -898,20 +609,21 @@ impl Reader<'_> {
                     }
                 }
             } else {
-                let Some(plain) = number(text) else {
+                let Some(plain) = number(text, rows.notation) else {
                     let problem =
                         format!("\"{text}\" is no number: give one like 1.2e-5, without unit");
                     return Err(self.fail(Some(line), Some(name), problem));
                 };
-                if text.contains(',') {
+                if text.contains(',') && rows.notation != Notation::Point {
                     let place = || (line, name.clone(), text.clone());
                     rows.comma.get_or_insert_with(place);
                 }
-                rows.has_point |= text.contains('.');
+                rows.has_point |= text.contains('.') && rows.notation != Notation::Comma;
                 let scaled = used.scale.as_ref().and_then(|scale| scale.value(&plain));
                 scaled.unwrap_or(f64::NAN)
             };
-            values.push((used.column, if used.negated { -value } else { value }));
+            let value = if used.negated { -value } else { value };
+            values.push((used.branch, used.column, value));
         }
         if let Some(place) = dropped {
             // Segments with numbers or other names: the branches follow from the motion.
@@ -921,23 +633,150 @@ impl Reader<'_> {
                 values.retain(|(column, _)| *column != Column::Branch);
             }
         }
-        if let Some(branch) = rows.label
-            && values.iter().all(|(column, _)| *column != Column::Branch)
-        {
-            values.push((
-                Column::Branch,
-                f64::from(u8::from(branch == Branch::Unloading)),
-            ));
+        let are_beside = values.iter().any(|(branch, _, _)| branch.is_some());
+        let row_of = |branch: Option<Branch>| -> RowValues {
+            let mut row: RowValues = values
+                .iter()
+                .filter(|(of, _, _)| of.is_none() || *of == branch)
+                .map(|(_, column, value)| (*column, *value))
+                .collect();
+            let branch = branch.filter(|_| row.iter().all(|(column, _)| *column != Column::Branch));
+            if let Some(branch) = branch {
+                let number = f64::from(u8::from(branch == Branch::Unloading));
+                row.push((Column::Branch, number));
+            }
+            row
+        };
+        if are_beside {
+            rows.rows.push((line, row_of(Some(Branch::Loading))));
+            rows.unloading.push((line, row_of(Some(Branch::Unloading))));
+        } else {
+            rows.rows.push((line, row_of(rows.label)));
         }
-        rows.rows.push((line, values));
         Ok(())
     }
+}
+
+impl Heading {
+    /// Uses columns that may stand for the position or the force if no other column does.
+    fn substitute(&mut self, units: &[String], hints: &Hints, branch: Option<Branch>) {
+        let has = |columns: &[Column]| {
+            let mut used = self.used.iter().filter(|used| used.branch == branch);
+            used.any(|used| columns.contains(&used.column)) || is_named(columns[0], hints)
+        };
+        let headings = self.layout.columns.iter().enumerate();
+        let found = headings.filter_map(|(place, read)| {
+            let heading = match branch {
+                None => read.heading.clone(),
+                Some(_) => {
+                    split_branch(&read.heading)
+                        .filter(|(of, _)| Some(*of) == branch)?
+                        .1
+                }
+            };
+            let (name, unit) = split_unit(&heading);
+            let below = units
+                .get(place)
+                .map(|unit| without_brackets(unit).to_owned());
+            let unit = unit.or(below).filter(|unit| !unit.is_empty())?;
+            Some((place, substitute(&name)?, unit))
+        });
+        let found: Vec<(usize, Substitute, String)> = found.collect();
+        let only = |kind: Substitute, column: Column, factors: &[String]| {
+            let mut found = found.iter().filter_map(|(place, is, unit)| {
+                let scale = Scale::of(column, unit, factors)
+                    .ok()
+                    .filter(|_| *is == kind)?;
+                Some((*place, unit.clone(), scale))
+            });
+            found.next().filter(|_| found.next().is_none())
+        };
+        let mut more = Vec::new();
+        if !has(&[Column::Displacement, Column::Indentation]) {
+            let kinds = [
+                Substitute::Tip,
+                Substitute::MeasuredHeight,
+                Substitute::Height,
+            ];
+            let position = kinds
+                .into_iter()
+                .find_map(|kind| only(kind, Column::Displacement, &[]));
+            more.extend(position.map(|found| (found, Column::Displacement, String::new())));
+        }
+        if !has(&[Column::Force]) {
+            let kind = Substitute::Deflection;
+            let constant = hints
+                .spring_constant
+                .map(|constant| format!("{constant:e} N/m"));
+            let factors: Vec<String> = constant.into_iter().collect();
+            let force = only(kind, Column::Force, &[]).map(|found| (found, String::new()));
+            let force = force.or_else(|| {
+                let found = only(kind, Column::Force, &factors).filter(|_| !factors.is_empty());
+                found.map(|found| (found, format!("*{}", factors[0])))
+            });
+            more.extend(force.map(|(found, factor)| (found, Column::Force, factor)));
+        }
+        for ((place, unit, scale), column, factor) in more {
+            let negated = column == Column::Displacement;
+            self.used.push(Used {
+                place,
+                column,
+                scale: Some(scale),
+                negated,
+                branch,
+                is_strict: false,
+            });
+            let read = &mut self.layout.columns[place];
+            read.column = Some(column);
+            read.unit = Some(unit + &factor);
+            read.negated = negated;
+            self.layout.is_sign_open = true;
+        }
+    }
+
+    /// Whether the position is that of the tip of a cantilever, so that its deflection is not in it.
+    fn is_position_of_tip(&self, hints: &Hints) -> bool {
+        let mut columns = self.layout.columns.iter();
+        let position = columns.find(|read| read.column == Some(Column::Displacement));
+        position.is_some_and(|read| {
+            let heading =
+                split_branch(&read.heading).map_or(read.heading.clone(), |(_, rest)| rest);
+            let is_tip = substitute(&split_unit(&heading).0) == Some(Substitute::Tip);
+            is_tip && !is_named(Column::Displacement, hints)
+        })
+    }
+}
+
+/// Whether a row is a marker or a footer: no used column has a number, or the row begins with a word where a number belongs.
+fn is_text(cells: &[String], heading: &Heading, is_complete: bool) -> bool {
+    let is_word = |cell: &String| !is_not_measured(cell) && !is_number(cell);
+    let first = cells.iter().position(|cell| !cell.is_empty());
+    let begins_with_word = first.is_some_and(|first| is_word(&cells[first]));
+    if !is_complete {
+        return begins_with_word;
+    }
+    let used = || {
+        let used = heading
+            .used
+            .iter()
+            .filter(|used| used.column != Column::Branch);
+        used.map(|used| (used.place, &cells[used.place]))
+    };
+    let has_word = used().any(|(_, cell)| is_word(cell));
+    let has_number = used().any(|(_, cell)| is_number(cell));
+    let begins = used().any(|(place, cell)| first == Some(place) && is_word(cell));
+    has_word && (!has_number || begins) && begins_with_word
 }
 
 /// The rows of a file.
 #[derive(Default)]
 struct Rows {
+    notation: Notation,
     rows: Vec<(u64, RowValues)>,
+    /// Rows of the unloading, if its columns are beside those of the loading.
+    unloading: Vec<(u64, RowValues)>,
+    /// Lines of markers and footers.
+    text: Vec<u64>,
     /// Branch that a line between the rows named.
     label: Option<Branch>,
     /// The first number with a comma: line, column and text.
@@ -954,8 +793,117 @@ struct Place {
     headings: Vec<String>,
 }
 
-/// Possible separators of columns, the most reliable first.
-const SEPARATORS: [char; 3] = ['\t', ';', ','];
+/// A search for the headings.
+struct Search<'a> {
+    hints: &'a Hints,
+    /// Whether they are in a comment.
+    commented: bool,
+    /// Fewest columns that are recognised.
+    least: usize,
+    /// Whether columns count that only stand for a quantity.
+    with_substitutes: bool,
+}
+
+impl Search<'_> {
+    /// The heading with most recognised columns.
+    fn heading(&self, lines: &[&str], separators: &[char]) -> Option<Place> {
+        /// Number of lines in which headings are searched for.
+        const MOST_LINES: usize = 1000;
+        let mut best: Option<(usize, Place)> = None;
+        for separator in separators {
+            let of_line = |(index, line): (usize, &&str)| {
+                let text = match (self.commented, comment(line)) {
+                    (true, Some(text)) => text,
+                    (true, None) => return None,
+                    (false, _) if is_comment(line, *separator, 0) => return None,
+                    (false, _) => line,
+                };
+                let first = index + 1;
+                let of_headings = |mut headings: Vec<String>| {
+                    while headings.last().is_some_and(String::is_empty) {
+                        headings.pop();
+                    }
+                    let are_beside = are_branches_beside(&headings, self.hints);
+                    let known = headings.iter().enumerate();
+                    let known = known
+                        .filter(|(place, heading)| self.knows(*place, heading, are_beside))
+                        .count();
+                    (known >= self.least).then(|| {
+                        let place = Place {
+                            separator: *separator,
+                            line: Some(index),
+                            first,
+                            headings,
+                        };
+                        (known, place)
+                    })
+                };
+                if *separator != BLANKS {
+                    return of_headings(cells(text, *separator));
+                }
+                let found = blank_headings(text).into_iter().filter_map(of_headings);
+                let mut found = found.filter(|(_, place)| {
+                    row_separator(lines, first, BLANKS, place.headings.len()).is_some()
+                });
+                found.next()
+            };
+            let found = lines.iter().take(MOST_LINES).enumerate().find_map(of_line);
+            let known = best.as_ref().map_or(0, |(known, _)| *known);
+            best = found.filter(|(more, _)| *more > known).or(best);
+        }
+        best.map(|(_, place)| place)
+    }
+
+    /// Whether a heading names a quantity, or may stand for one.
+    fn knows(&self, place: usize, heading: &str, are_beside: bool) -> bool {
+        let stands_for = || {
+            let rest = split_branch(heading).filter(|_| are_beside);
+            let rest = rest.map_or(heading.to_owned(), |(_, rest)| rest);
+            let (name, unit) = split_unit(&rest);
+            unit.is_some_and(|unit| is_unit(&unit)) && substitute(&name).is_some()
+        };
+        candidate_of_branch(place, heading, self.hints, are_beside).is_some()
+            || self.with_substitutes && stands_for()
+    }
+}
+
+/// Headings that are separated by blanks: each word with the bracket after it, or words that two blanks or more separate.
+fn blank_headings(text: &str) -> [Vec<String>; 2] {
+    let mut words: Vec<String> = Vec::new();
+    for word in cells(text, BLANKS) {
+        match words.last_mut() {
+            Some(last) if word.starts_with(['[', '(']) => {
+                last.push(' ');
+                last.push_str(&word);
+            }
+            _ => words.push(word),
+        }
+    }
+    let wide = text.trim().split("  ").map(str::trim);
+    let wide = wide.filter(|cell| !cell.is_empty()).map(str::to_owned);
+    [words, wide.collect()]
+}
+
+/// The separator of the rows below a heading of so many columns: that of the heading, or blanks, as NumPy writes them; or another one below
+/// a heading with blanks. `None` if no row has as many cells.
+fn row_separator(lines: &[&str], first: usize, separator: char, count: usize) -> Option<char> {
+    let separators: &[char] = match separator {
+        BLANKS => &[BLANKS, '\t', ';', ','],
+        _ => &[separator, BLANKS],
+    };
+    let rows = lines
+        .iter()
+        .skip(first)
+        .filter(|line| comment(line).is_none());
+    let of_row = |line: &&str| {
+        let is_row = |separator: &&char| {
+            let cells = cells(line, **separator);
+            cells.len() == count && cells.iter().any(|cell| is_number(cell))
+        };
+        separators.iter().find(is_row).copied()
+    };
+    rows.take(1000).find_map(of_row)
+}
 
 /// A row of units below the headings, and the line after it.
 fn unit_row(
@@ -963,68 +911,28 @@ fn unit_row(
     first: usize,
     separator: char,
     headings: &[String],
-    named: &[NamedColumn],
+    hints: &Hints,
 ) -> Option<(usize, Vec<String>)> {
-    let mut following = lines.iter().enumerate().skip(first);
-    let (index, line) = following.find(|(_, line)| !line.trim().is_empty())?;
-    let units = cells(comment(line).unwrap_or(line), separator);
-    let is_plain = units.iter().all(|cell| number(cell).is_none());
-    let of_used = |(place, unit): (usize, &String)| {
-        let heading = headings.get(place)?;
-        candidate(place, heading, named)?;
-        Some(is_unit(without_brackets(unit)))
-    };
-    let is_there = units.iter().enumerate().filter_map(of_used).any(|is| is);
+    let following = lines.iter().enumerate().skip(first);
+    let mut rows = following.map(|(index, line)| {
+        let units = cells(comment(line).unwrap_or(line), separator);
+        (index, units)
+    });
+    let (index, units) = rows.find(|(_, cells)| cells.iter().any(|cell| !cell.is_empty()))?;
+    let is_plain = units.iter().all(|cell| !is_number(cell));
+    let are_beside = are_branches_beside(headings, hints);
+    let is_there = headings
+        .iter()
+        .zip(&units)
+        .enumerate()
+        .any(|(place, (heading, unit))| {
+            let rest = split_branch(heading).filter(|_| are_beside);
+            let rest = rest.map_or(heading.clone(), |(_, rest)| rest);
+            let is_used = candidate_of_branch(place, heading, hints, are_beside).is_some()
+                || substitute(&split_unit(&rest).0).is_some();
+            is_used && is_unit(without_brackets(unit))
+        });
     (is_plain && is_there).then_some((index + 1, units))
-}
-
-/// Cells of a line, with or without quotes, trimmed.
-fn cells(line: &str, separator: char) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut is_quoted = false;
-    let mut characters = line.chars().peekable();
-    while let Some(character) = characters.next() {
-        let cell = cells.len() - 1;
-        let begins = cells[cell].trim().is_empty();
-        match character {
-            '"' if is_quoted && characters.peek() == Some(&'"') => {
-                characters.next();
-                cells[cell].push('"');
-            }
-            '"' if is_quoted => is_quoted = false,
-            '"' if begins => is_quoted = true,
-            _ if character == separator && !is_quoted => cells.push(String::new()),
-            _ => cells[cell].push(character),
-        }
-    }
-    cells.iter().map(|cell| cell.trim().to_owned()).collect()
-}
-
-/// Text of a comment.
-fn comment(line: &str) -> Option<&str> {
-    let line = line.trim_start();
-    let marks = ["#", "%", "//", "!", ";"];
-    marks.into_iter().find_map(|mark| line.strip_prefix(mark))
-}
-
-/// Whether a line is a comment. A line that begins with a semicolon may also be a row whose first cell
-/// is empty.
-fn is_comment(line: &str, separator: char, columns: usize) -> bool {
-    let is_row = separator == ';'
-        && line.trim_start().starts_with(';')
-        && cells(line, separator).len() == columns;
-    comment(line).is_some() && !is_row
-}
-
-/// Converts a number to the notation of Rust: decimal point and ASCII minus sign.
-fn number(text: &str) -> Option<String> {
-    let plain = text.replace('\u{2212}', "-");
-    let commas = plain.matches(',').count();
-    let plain = match commas {
-        1 if !plain.contains('.') => plain.replace(',', "."),
-        _ => plain,
-    };
-    plain.parse::<f64>().is_ok().then_some(plain)
 }
 
 fn quoted(headings: &[String]) -> String {
@@ -1033,112 +941,4 @@ fn quoted(headings: &[String]) -> String {
         .map(|heading| format!("\"{heading}\""))
         .collect();
     quoted.join(", ")
-}
-
-impl Layout {
-    /// Interpretation of every column, one line each: `force: column 2 "Load [mN]", in mN`.
-    #[must_use]
-    pub fn lines(&self) -> Vec<String> {
-        let of = |read: &ReadColumn| {
-            let place = if read.heading.starts_with('#') {
-                format!("column {}", read.number)
-            } else {
-                format!("column {} \"{}\"", read.number, read.heading)
-            };
-            let Some(column) = read.column else {
-                return format!("not used: {place}");
-            };
-            let unit = read
-                .unit
-                .as_ref()
-                .map_or(String::new(), |unit| format!(", in {unit}"));
-            let sign = if read.negated {
-                ", with the opposite sign"
-            } else {
-                ""
-            };
-            let hand = if read.by_hand { ", named by hand" } else { "" };
-            format!("{}: {place}{unit}{sign}{hand}", column.quantity())
-        };
-        self.columns.iter().map(of).collect()
-    }
-
-    /// Columns found, for an error message: `seen were "Zeit [s]" as time, and "Kanal 2", not
-    /// understood`.
-    pub(super) fn seen(&self) -> String {
-        let of = |read: &ReadColumn| match read.column {
-            Some(column) => format!("\"{}\" as {}", read.heading, column.quantity()),
-            None => format!("\"{}\", not understood", read.heading),
-        };
-        let seen: Vec<String> = self.columns.iter().map(of).collect();
-        seen.join(", ")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn headings_of_instruments() {
-        for (heading, quantity, unit) in [
-            ("displacement_um", "displacement", "um"),
-            ("Load [mN]", "force", "mN"),
-            ("Force (mN)", "force", "mN"),
-            ("F / mN", "force", "mN"),
-            ("Fz, uN", "force", "uN"),
-            ("Z Position (\u{b5}m)", "displacement", "\u{b5}m"),
-            ("Load On Sample (uN)", "", ""),
-            ("ContactRadius_um", "contact_radius", "um"),
-            ("Contact radius [mm]", "contact_radius", "mm"),
-            ("Crosshead load N", "force", "N"),
-            ("Crosshead (mm)", "displacement", "mm"),
-            ("Indentation depth (nm)", "indentation", "nm"),
-            ("Force error [mN]", "force_error", "mN"),
-            ("force_error_N", "force_error", "N"),
-            ("Time (s)", "time", "s"),
-            ("Normal Force (raw) [mN]", "force", "mN"),
-            ("Friction force [mN]", "", ""),
-            ("Lens radius [mm]", "", ""),
-            ("Force setpoint [mN]", "", ""),
-        ] {
-            let (name, found) = split_unit(heading);
-            let column = quantity_of(&name);
-            assert_eq!(column.map_or("", Column::quantity), quantity, "{heading}");
-            if column.is_some() {
-                assert_eq!(found.as_deref(), Some(unit), "{heading}");
-            }
-        }
-    }
-
-    #[test]
-    fn numbers_are_rounded_once() {
-        let scale = Scale::of(Column::Displacement, "um").unwrap();
-        assert_eq!(scale.value("2.65").unwrap().to_bits(), 2.65e-6f64.to_bits());
-        // 1 cm = 10 mm, 1 pN = 1e-3 nN.
-        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-15;
-        assert!(close(
-            Scale::of(Column::Displacement, "cm")
-                .unwrap()
-                .value("3")
-                .unwrap(),
-            0.03
-        ));
-        assert!(close(
-            Scale::of(Column::Force, "pN").unwrap().value("5").unwrap(),
-            5e-12
-        ));
-        assert!(close(
-            Scale::of(Column::Time, "min").unwrap().value("2").unwrap(),
-            120.0
-        ));
-    }
-
-    #[test]
-    fn cells_in_quotes() {
-        assert_eq!(cells("\"a,b\", c ,\"d\"\"e\"", ','), ["a,b", "c", "d\"e"]);
-        assert_eq!(cells("1;;3;", ';'), ["1", "", "3", ""]);
-        assert_eq!(number("\u{2212}1,5").as_deref(), Some("-1.5"));
-        assert_eq!(number("1.234,5"), None);
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Estimate, Fit, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit, Parameter, Position,
-    Quantity, ReadColumn, RunsTest, Scatter,
+    Quantity, ReadColumn, RunsTest, Scatter, Skipped,
 };
 use fakir::problem::Method;
 use fakir::state::Termination;
@@ -201,12 +201,18 @@ pub struct FitSummary {
     force_offset_N: f64,
     displacement_drift_m: f64,
     force_drift_N: f64,
+    force_slope_N_per_m: f64,
     drift_over: &'static str,
     describes_data: bool,
     tests: TestsJson,
     limits: Vec<LimitObject>,
     starts: Vec<StartJson>,
     columns: Vec<ColumnJson>,
+    rows_skipped: usize,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    skipped: Vec<SkippedJson>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pull_off: Option<PullOffJson>,
     rows: usize,
@@ -321,6 +327,24 @@ impl ColumnJson {
     }
 }
 
+/// Rows of the data that were skipped.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct SkippedJson {
+    reason: &'static str,
+    rows: usize,
+    lines: Vec<u64>,
+}
+
+impl SkippedJson {
+    fn new(skipped: &Skipped) -> Self {
+        Self {
+            reason: skipped.reason.name(),
+            rows: skipped.lines.len(),
+            lines: skipped.lines.clone(),
+        }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct UndeterminedJson {
     parameters: Vec<&'static str>,
@@ -349,6 +373,7 @@ impl FitSummary {
             force_offset_N: fitted.force_offset,
             displacement_drift_m: fitted.displacement_drift,
             force_drift_N: fitted.force_drift,
+            force_slope_N_per_m: fitted.force_slope,
             drift_over: if data.has_times() { "time" } else { "rows" },
             describes_data: fitted.misfit.describes_data(),
             tests: TestsJson::new(&fitted.misfit),
@@ -363,6 +388,9 @@ impl FitSummary {
                 })
                 .collect(),
             columns: data.layout().columns.iter().map(ColumnJson::new).collect(),
+            rows_skipped: data.layout().rows_skipped(),
+            skipped: data.layout().skipped.iter().map(SkippedJson::new).collect(),
+            notes: data.layout().notes.clone(),
             pull_off: fitted.pull_off.map(|pull_off| PullOffJson {
                 measured_force_N: pull_off.measured,
                 fitted_force_N: pull_off.computed,

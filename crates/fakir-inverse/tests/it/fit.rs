@@ -644,6 +644,43 @@ fn drifts_are_found() {
     assert!(fitted.misfit.describes_data());
 }
 
+#[test]
+fn a_tilted_base_line_is_found() {
+    const SLOPE: f64 = 1.5; // N/m
+    let truth = case_file(&["substrate.young_modulus=1.3MPa"]);
+    let depths: Vec<f64> = (0..14).map(|k| 0.2e-6 * f64::from(k) - 0.8e-6).collect();
+    let [displacement, force, _] = loading(&truth, &depths);
+    let tilted = displacement.iter().zip(&force);
+    let tilted = tilted.map(|(reading, force)| force + SLOPE * (reading - displacement[0]));
+    let columns = [
+        (Column::Force, tilted.collect()),
+        (Column::Displacement, displacement.clone()),
+    ];
+    let data = Measurements::new(&columns).unwrap();
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::ForceOffset,
+        Parameter::ForceSlope,
+    ];
+    let options = FitOptions {
+        machine_compliance: COMPLIANCE,
+        ..FitOptions::default()
+    };
+    let fitted = fit(&case_file(&[]), &data, &free, &options, &Run::default()).unwrap();
+    assert_eq!(fitted.termination, Termination::Converged);
+    let [modulus, point, offset, slope] = &fitted.estimates[..] else {
+        panic!("{:?}", fitted.estimates)
+    };
+    assert!(close(modulus.value, 1.3e6, 1e-5) && close(point.value, CONTACT_POINT, 1e-5));
+    assert!(close(slope.value, SLOPE, 1e-5) && offset.value.abs() < 1e-10);
+    assert!(close(fitted.force_slope, SLOPE, 1e-5));
+    // The curve has the base line too.
+    let last = fitted.curve.last().unwrap();
+    let measured = data.rows().last().unwrap().force.unwrap().value;
+    assert!(close(last.force, measured, 1e-4));
+}
+
 /// Force of 24 rows with noise, and a fit of modulus and contact point with the machine compliance `compliance`.
 fn noisy_fit(seed: u64, compliance: f64, error: Option<f64>, run: &Run<'_>) -> Fit {
     const NOISE: f64 = 0.5e-6;

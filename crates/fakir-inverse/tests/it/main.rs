@@ -6,3 +6,4 @@ mod adhesion;
 mod films;
 mod fit;
 mod heights;
+mod measurements;

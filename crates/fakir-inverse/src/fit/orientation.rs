@@ -1,0 +1,126 @@
+//! Signs of instruments: compression that is counted negative, and positions that decrease as the lens moves down.
+
+use super::column::Column;
+use super::reading::RowValues;
+
+/// Which signs of a file are reversed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Reversed {
+    pub(super) position: bool,
+    pub(super) force: bool,
+}
+
+/// Fewest rows from which signs are detected.
+const FEWEST_ROWS: usize = 8;
+
+/// Largest force out of contact, as a fraction of the force at the other end of the positions.
+const OUT_OF_CONTACT: f64 = 0.1;
+
+/// Detects reversed signs. The force is near zero at one end of the positions and largest at the other one, where the lens is in contact: there the
+/// position is the largest one, and the force is positive. If `is_open`, no sign is known, and the force may have an offset: contact is
+/// at the end where the force changes most.
+pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
+    let value = |row: &RowValues, wanted: &[Column]| {
+        let mut values = row.iter().filter(|(column, _)| wanted.contains(column));
+        values.next().map(|(_, value)| *value)
+    };
+    let positions = [Column::Displacement, Column::Indentation];
+    let mut points: Vec<[f64; 2]> = rows
+        .iter()
+        .filter_map(|(_, row)| Some([value(row, &positions)?, value(row, &[Column::Force])?]))
+        .collect();
+    if points.len() < FEWEST_ROWS {
+        return Reversed::default();
+    }
+    points.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    let count = points.len();
+    let mean = |points: &[[f64; 2]]| {
+        points.iter().map(|point| point[1]).sum::<f64>() / points.len() as f64
+    };
+    let end = (count / 20).max(1);
+    let [low, high] = [mean(&points[..end]), mean(&points[count - end..])];
+    let mut offset = 0.0;
+    let mut is_high = high.abs() >= low.abs();
+    if is_open {
+        let inner = (count / 5).max(end);
+        let changes = [
+            (low - mean(&points[inner..inner + end])).abs(),
+            (high - mean(&points[count - inner - end..count - inner])).abs(),
+        ];
+        is_high = changes[1] >= changes[0];
+        offset = if is_high { low } else { high };
+        let [least, most] = if is_high {
+            changes
+        } else {
+            [changes[1], changes[0]]
+        };
+        if 3.0 * least > most {
+            return Reversed::default();
+        }
+    }
+    let (contact, other) = if is_high { (high, low) } else { (low, high) };
+    let (contact, other) = (contact - offset, other - offset);
+    let largest = points.iter().map(|point| (point[1] - offset).abs());
+    let largest = largest.fold(0.0, f64::max);
+    if other.abs() > OUT_OF_CONTACT * contact.abs() || contact.abs() < 0.5 * largest {
+        return Reversed::default();
+    }
+    Reversed {
+        position: !is_high,
+        force: contact < 0.0,
+    }
+}
+
+/// Whether forces that are the loads are all negative.
+pub(super) fn are_negative(rows: &[(u64, RowValues)]) -> bool {
+    let forces = rows.iter().flat_map(|(_, row)| row);
+    let forces = forces.filter(|(column, _)| *column == Column::Force);
+    let [least, most] = forces.fold([0.0_f64, 0.0], |[least, most], (_, force)| {
+        [least.min(*force), most.max(*force)]
+    });
+    least < 0.0 && most <= -0.01 * least && rows.len() >= FEWEST_ROWS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of a loading by 20 steps, 10 of them out of contact, with signs and an offset of the force.
+    fn rows(signs: [f64; 2], offset: f64) -> Vec<(u64, RowValues)> {
+        let row = |step: u32| {
+            let depth = f64::from(step) - 10.0;
+            let force = depth.max(0.0).powf(1.5);
+            let values = vec![
+                (Column::Displacement, signs[0] * depth),
+                (Column::Force, signs[1] * force + offset),
+            ];
+            (u64::from(step), values)
+        };
+        (0..=20).map(row).collect()
+    }
+
+    #[test]
+    fn signs_are_detected() {
+        for (signs, position, force) in [
+            ([1.0, 1.0], false, false),
+            ([1.0, -1.0], false, true),
+            ([-1.0, 1.0], true, false),
+            ([-1.0, -1.0], true, true),
+        ] {
+            let found = Reversed { position, force };
+            assert_eq!(reversed(&rows(signs, 0.0), false), found);
+            // An offset is more than a known sign can be compared with.
+            assert_eq!(reversed(&rows(signs, 100.0), true), found);
+            assert_eq!(reversed(&rows(signs, 100.0), false), Reversed::default());
+        }
+        // A pull-off that is larger than the load is no compression.
+        let pull = |step: u32| {
+            let depth = 10.0 - f64::from(step);
+            let force = if step < 15 { 3.0 * depth } else { 0.0 };
+            let values = vec![(Column::Displacement, depth), (Column::Force, force)];
+            (u64::from(step), values)
+        };
+        let pulls: Vec<(u64, RowValues)> = (0..20).map(pull).collect();
+        assert_eq!(reversed(&pulls, false), Reversed::default());
+    }
+}

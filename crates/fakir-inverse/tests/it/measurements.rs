@@ -1,0 +1,244 @@
+//! Files of instruments: every text states the same rows as a plain one, or what is detected in it.
+
+use fakir::state::Branch;
+use fakir_inverse::fit::{Hints, Measurements, NamedColumn, Selection, SkipReason};
+
+fn read(text: &str) -> Measurements {
+    Measurements::from_csv("data", text.as_bytes(), &[]).unwrap()
+}
+
+fn read_by_hand(text: &str, named: &[&str], spring_constant: Option<f64>) -> Measurements {
+    let named = named.iter().map(|text| NamedColumn::parse(text).unwrap());
+    let hints = Hints {
+        named: named.collect(),
+        spring_constant,
+    };
+    Measurements::from_bytes("data", text.as_bytes(), &hints).unwrap()
+}
+
+/// Positions in um and forces in uN, rounded.
+fn values(data: &Measurements) -> Vec<[f64; 2]> {
+    let round = |value: f64| (value * 1e12).round() / 1e6;
+    let rows = data.rows().iter();
+    rows.map(|row| [row.position.unwrap().value, row.force.unwrap().value].map(round))
+        .collect()
+}
+
+fn lines(data: &Measurements) -> String {
+    data.layout().lines().join("\n")
+}
+
+/// A loading by 12 steps of 1 um, the first 4 out of contact, with factors of position and force.
+fn loading(factors: [f64; 2], separator: &str) -> String {
+    let row = |step: u32| {
+        let depth = f64::from(step);
+        let force = (depth - 4.0).max(0.0).powi(2);
+        format!("{}{separator}{}\n", factors[0] * depth, factors[1] * force)
+    };
+    (0..12).map(row).collect()
+}
+
+#[test]
+fn separators_units_and_numbers() {
+    let expected = [[2.5, 1.5], [3.5, -2.0]];
+    for text in [
+        // numpy.savetxt with a header, separated by blanks or by commas in the header alone.
+        "# displacement_um force_uN\n2.5 1.5\n3.5 -2.0\n",
+        "# displacement_um, force_uN\n2.500e+00 1.500e+00\n3.500e+00 -2.000e+00\n",
+        "Displacement (um)  Normal force (uN)\n   2.5       1.5\n   3.5      -2.0\n",
+        "Time(s) Position (um) Force (uN)\n0 2.5 1.5\n1 3.5 -2\n",
+        // A row of units after an empty one.
+        "Displacement,Force\n,\n[um],[uN]\n2.5,1.5\n3.5,-2\n",
+        // Rows that were not measured.
+        "displacement_um,force_uN\nNaN,NaN\n2.5,1.5\nBad,-\n3.5,-2\n3.6,\n",
+        // Markers between rows and a footer.
+        "displacement_um,force_uN\n--- hold ---\n2.5,1.5\nPoint 2\n3.5,-2\n\nMaximum,1.5\nEnd of test: 12:30\n",
+        // Thousands.
+        "Displacement (nm);Force (nN)\n\"2,500.0\";\"1,500.0\"\n3 500.0;\"-2,000.0\"\n",
+        "Displacement (nm);Force (nN)\n2.500,0;1.500,0\n3'500,0;-2.000,0\n",
+    ] {
+        assert_eq!(values(&read(text)), expected, "{text}");
+    }
+    let text = "Displacement (mil);Load (gf)\n10;2\n";
+    assert_eq!(values(&read(text)), [[254.0, 19_613.3]]);
+    let text = "Displacement [in];Load [lbf]\n0.01;0.001\n";
+    assert_eq!(values(&read(text)), [[254.0, 4_448.221_615]]);
+    let text = "Displacement [cm];Load [dyn]\n0.1;2\n";
+    assert_eq!(values(&read(text)), [[1000.0, 20.0]]);
+}
+
+#[test]
+fn skipped_rows_are_counted() {
+    let text = "displacement_um,force_uN\nNaN,1\n2,1\nBad,-\nPoint 2\n3,2\nMean,1\n";
+    let data = read(text);
+    let skipped: Vec<_> = data.layout().skipped.iter().collect();
+    assert_eq!(data.layout().rows_skipped(), 4);
+    assert_eq!(skipped[0].reason, SkipReason::Text);
+    assert_eq!(skipped[0].lines, [5, 7]);
+    assert_eq!(skipped[1].lines, [2, 4]);
+    assert!(
+        lines(&data).contains("skipped: 2 rows without a value (lines 2 to 4)"),
+        "{}",
+        lines(&data)
+    );
+}
+
+#[test]
+fn volts_and_deflections_are_converted() {
+    let expected = [[2.0, 0.05], [3.0, 0.1]];
+    let text = "Z (um),Deflection [V]\n2,2\n3,4\n";
+    let data = read_by_hand(text, &["force=Deflection [V]*25 nN/V"], None);
+    assert_eq!(values(&data), expected);
+    assert!(lines(&data).contains("in V*25 nN/V, named by hand"));
+    let data = read_by_hand(text, &["deflection=Deflection [V]*125nm/V"], Some(0.2));
+    assert_eq!(values(&data), expected);
+    // The displacement contains the deflection: compliance of the cantilever.
+    assert_eq!(data.layout().cantilever_compliance, Some(5.0));
+    let text = "Z (um),Deflection (nm)\n2,250\n3,500\n";
+    let data = read_by_hand(text, &[], Some(0.2));
+    assert_eq!(values(&data), expected);
+    let error = Measurements::from_csv("data", text.as_bytes(), &[]).unwrap_err();
+    assert!(error.to_string().contains("columns are missing"), "{error}");
+    let named = [NamedColumn::parse("deflection=Deflection (nm)").unwrap()];
+    let error = Measurements::from_csv("data", text.as_bytes(), &named).unwrap_err();
+    assert!(error.to_string().contains("--spring-constant"), "{error}");
+}
+
+#[test]
+fn compression_that_is_counted_negative_is_detected() {
+    let text = format!("Position [um],Load [uN]\n{}", loading([1.0, 1.0], ","));
+    let plain = read(&text);
+    let expected = values(&plain);
+    assert!(plain.layout().notes.is_empty(), "{}", lines(&plain));
+    for factors in [[1.0, -1.0], [-1.0, -1.0]] {
+        let text = format!("Position [um],Load [uN]\n{}", loading(factors, ","));
+        let data = read(&text);
+        assert_eq!(values(&data), expected);
+        assert!(lines(&data).contains("compression is counted negative"));
+        assert!(lines(&data).contains("in uN, with the opposite sign"));
+    }
+    // Heights of an AFM decrease, and the deflection has an offset.
+    let text = format!("Height (um);Deflection (uN)\n{}", loading([-1.0, 1.0], ";"));
+    assert_eq!(values(&read(&text)), expected);
+    // Names that define the sign, and columns named by hand, are left as they are.
+    let text = format!("displacement_m,force_N\n{}", loading([1.0, -1.0], ","));
+    assert!(read(&text).rows()[11].force.unwrap().value < 0.0);
+    let text = format!("Position [um],Load [uN]\n{}", loading([1.0, -1.0], ","));
+    let data = read_by_hand(&text, &["force=Load [uN]"], None);
+    assert!(data.rows()[11].force.unwrap().value < 0.0);
+}
+
+/// Two cycles of 8 rows, in um and uN.
+fn cycles() -> String {
+    let cycle = [0, 1, 2, 3, 4, 3, 2, 1];
+    let rows = cycle
+        .iter()
+        .chain(&cycle)
+        .map(|z| format!("{z},{}\n", z * z));
+    format!("z_um,force_uN\n{}", rows.collect::<String>())
+}
+
+#[test]
+fn rows_are_selected() {
+    let data = read(&cycles());
+    // The row of the smallest load ends the first cycle.
+    assert_eq!(data.cycles(), [0..9, 9..16]);
+    assert!(lines(&data).contains("2 cycles of loading and unloading: all of them are used"));
+    let count = |selection: &Selection| {
+        let data = data.clone().select(selection).unwrap();
+        let left = data.layout().skipped.iter().map(|it| it.lines.len());
+        assert_eq!(left.sum::<usize>() + data.rows().len(), 16);
+        (data.rows()[0].line, data.rows().len())
+    };
+    let all = Selection::default();
+    let second = Selection {
+        cycle: Some(2),
+        ..all
+    };
+    assert_eq!(count(&second), (11, 7));
+    let unloading = Selection {
+        branch: Some(Branch::Unloading),
+        ..second
+    };
+    assert_eq!(count(&unloading), (15, 3));
+    let rows = Selection {
+        rows: Selection::parse_rows("3:5").unwrap(),
+        ..all
+    };
+    assert_eq!(count(&rows), (4, 3));
+    let range = Selection {
+        from: Some(2.5e-6),
+        to: Some(3.5e-6),
+        ..all
+    };
+    assert_eq!(count(&range), (5, 4));
+    let chosen = data.clone().select(&second).unwrap();
+    assert!(lines(&chosen).contains("cycle 2 of 2 is used: lines 11 to 17"));
+    assert!(lines(&chosen).contains("skipped: 9 rows not selected (lines 2 to 10)"));
+    let error = |selection: Selection| data.clone().select(&selection).unwrap_err().to_string();
+    let third = error(Selection {
+        cycle: Some(3),
+        ..all
+    });
+    assert!(
+        third.contains("there is no cycle 3: the data have 2"),
+        "{third}"
+    );
+    let none = error(Selection {
+        from: Some(1.0),
+        ..all
+    });
+    assert!(
+        none.contains("16 rows and loads from 0 m to 4 um"),
+        "{none}"
+    );
+    for text in ["5", "5:3", "0:3", "a:b"] {
+        assert!(Selection::parse_rows(text).is_err(), "{text}");
+    }
+}
+
+#[test]
+fn branches_side_by_side_and_segments() {
+    let text = "Z_um_Ex\tZ_um_Rt\tForce_uN_Ex\tForce_uN_Rt\n1\t2\t3\t4\n2\t1\t5\t2\n";
+    let data = read(text);
+    assert_eq!(
+        values(&data),
+        [[1.0, 3.0], [2.0, 5.0], [2.0, 4.0], [1.0, 2.0]]
+    );
+    let branches: Vec<_> = data.rows().iter().map(|row| row.branch.unwrap()).collect();
+    use Branch::{Loading, Unloading};
+    assert_eq!(branches, [Loading, Loading, Unloading, Unloading]);
+    // The text of JPK: comments name columns, units and segments.
+    let header = |segment: &str| {
+        format!(
+            "# segment: {segment}\n# springConstant: 0.05\n# columns: height vDeflection measuredHeight time\n\
+             # fancyNames: \"Height\" \"Vertical deflection\" \"Height (measured)\" \"Segment Time\"\n# units: m N m s\n"
+        )
+    };
+    let rows = |range: &mut dyn Iterator<Item = i32>| -> String {
+        let row = |step: i32| {
+            let force = 1e-9 * f64::from((step - 6).max(0)) + 5e-8;
+            let height = 1e-5 - 1e-7 * f64::from(step);
+            format!("0 {force:e} {height:e} 0.1\n")
+        };
+        range.map(row).collect()
+    };
+    let text = format!(
+        "# jpk\n{}{}\n{}{}",
+        header("extend"),
+        rows(&mut (0..12)),
+        header("retract"),
+        rows(&mut (0..12).rev())
+    );
+    let data = read(&text);
+    assert_eq!(data.rows().len(), 24);
+    assert_eq!(data.rows()[0].branch, Some(Loading));
+    assert_eq!(data.rows()[23].branch, Some(Unloading));
+    assert!(
+        lines(&data).contains("displacement: column 3 \"Height  measured\""),
+        "{}",
+        lines(&data)
+    );
+    assert!(data.rows()[11].position.unwrap().value > data.rows()[0].position.unwrap().value);
+    assert_eq!(data.layout().cantilever_compliance, Some(20.0));
+}
