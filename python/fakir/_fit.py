@@ -338,7 +338,7 @@ def fit(
     system
         All other quantities; its values of the free parameters are the initial values.
     free
-        Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"texture.offset"``; ``"adhesion.work"`` and
+        Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"pattern.offset"``; ``"adhesion.work"`` and
         ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
         displacements, ``"contact_point"``, ``"machine_compliance"``, ``"displacement_drift"`` and ``"force_slope"``.
     contact_point

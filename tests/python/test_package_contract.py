@@ -50,7 +50,7 @@ def timeless(result):
         ("transition", "transition", "square.toml", []),
         ("surface_press", "press", "square-pillars.toml", ["--indentation", "0.5um"]),
         ("surface_transition", "transition", "square-pillars.toml", []),
-        ("rounded_press", "press", "asperities.toml", ["--indentation", "1um"]),
+        ("asperity_press", "press", "asperities.toml", ["--indentation", "1um"]),
         ("cycle", "cycle", "adhesive.toml", ["--set", "pattern.surface_fraction=0.003"]),
     ],
 )

@@ -81,9 +81,7 @@ impl CaseFile {
         };
         match in_the_way.or(of_kind) {
             Some(key) => Err(self.problem(key, why).accepted(instead)),
-            None if solver == Solver::Flat => {
-                Err(self.problem(Key::Flat, why).accepted(instead))
-            }
+            None if solver == Solver::Flat => Err(self.problem(Key::Flat, why).accepted(instead)),
             None => self.refuse_surface(&why, instead),
         }
     }

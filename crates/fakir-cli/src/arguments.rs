@@ -805,8 +805,8 @@ pub(crate) struct Fit {
     #[arg(long)]
     case: PathBuf,
     /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius,
-    /// substrate.thickness, lens.thickness, texture.pillar.height, texture.pillar.diameter, texture.pitch, texture.offset,
-    /// texture.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
+    /// substrate.thickness, lens.thickness, pattern.pillar.height, pattern.pillar.diameter, pattern.pitch, pattern.offset,
+    /// pattern.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
     /// force_offset, displacement_drift, force_drift, force_slope; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
