@@ -348,7 +348,7 @@ def spread(
     force_at
         Indentations (m) at which the force of every sample is computed too.
 
-    Every sample of a lattice with a ``height_standard_deviation`` or ``missing`` pillars has its own random pillars; ``seed`` of
+    Every sample of a lattice with a ``height_standard_deviation`` or a ``vacancy_fraction`` has its own random pillars; ``seed`` of
     the pattern is then not used.
     """
     if landing not in {"anywhere", "as_given"}:

@@ -212,7 +212,7 @@ def test_former_names_of_classes_and_arguments_are_told(tmp_path):
     with pytest.warns(FutureWarning, match=r"\[texture\] is deprecated"):  # former name
         assert fakir.System.from_file(case) == new
     with pytest.warns(FutureWarning, match="texture.pitch is deprecated: use pattern.pitch"):  # former name
-        fakir.design(new, "texture.pitch", critical_force="50 uN")  # former name
+        fakir.design(system(), "texture.pitch", critical_force="50 uN")  # former name
 
 
 def test_pillars_without_a_reference_count_from_the_highest():
