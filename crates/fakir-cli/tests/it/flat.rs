@@ -91,7 +91,7 @@ fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
         (&["verify", CASE, "--force", "1mN"], "no second method"),
         (&["theory", CASE], "closed forms"),
         (
-            &["design", CASE, "--free", "pitch", "--force", "1mN"],
+            &["design", CASE, "--free", "pitch", "--critical-force", "1mN"],
             "flat surface",
         ),
         (

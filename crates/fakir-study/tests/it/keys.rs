@@ -398,6 +398,8 @@ fn words_of(key: Key) -> Vec<String> {
         Key::HeightStandardDeviation | Key::VacancyFraction | Key::PillarSeed => "equal pillars",
         Key::WorkOfAdhesion => "adhesion is supported",
         Key::RecedingWorkOfAdhesion => "adhesion.work",
+        // A [surface] that is not flat needs a description.
+        Key::Flat => "surface.height_map",
         _ => key.path(),
     };
     words.push(stands_for.to_owned());
