@@ -3,6 +3,7 @@
 use crate::asperities::Asperities;
 use crate::error::{PYTHON, case_error, value_error, warn_of_deprecations};
 use crate::flat::Flat;
+use crate::settings::{key, settings};
 use crate::surface::Surface;
 use fakir::problem::{Arrangement, ListedPillar, PillarList};
 use fakir_case::unit::{Dimension, parse_argument};
@@ -115,20 +116,6 @@ impl Case {
     }
 }
 
-/// Numbers in SI units and words, by their keys.
-pub(crate) fn settings(
-    numbers: Vec<(String, f64)>,
-    words: Vec<(String, String)>,
-) -> PyResult<Vec<(Key, Setting)>> {
-    let numbers = numbers
-        .into_iter()
-        .map(|(path, number)| Ok((key(&path)?, Setting::Number(number))));
-    let words = words
-        .into_iter()
-        .map(|(path, word)| Ok((key(&path)?, Setting::Word(word))));
-    numbers.chain(words).collect()
-}
-
 /// A file with listed pillars, if there are any.
 fn with_pillars(file: CaseFile, pillars: Option<Vec<[f64; 4]>>) -> PyResult<CaseFile> {
     let Some(rows) = pillars else {
@@ -190,11 +177,6 @@ pub(crate) fn read_case(
 pub(crate) fn parse_case(name: &str, text: &str, overrides: Vec<String>) -> PyResult<Described> {
     let file = CaseFile::parse(name, text).map_err(|error| case_error(&error))?;
     Described::of(file, &overrides, false)
-}
-
-/// The key of that path.
-pub(crate) fn key(path: &str) -> PyResult<Key> {
-    Key::at(path).ok_or_else(|| value_error(format!("a case has no key \"{path}\"")))
 }
 
 /// Dimension of the numbers of a key: `"length"` and similar.

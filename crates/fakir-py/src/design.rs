@@ -1,8 +1,9 @@
 //! Design, scatter and citations.
 
-use crate::case::{Case, key};
+use crate::case::Case;
 use crate::error::{design_error, spread_error, value_error, warn_of_former_name};
 use crate::load::load;
+use crate::settings::key;
 use crate::state::{Critical, Cycle, State};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};

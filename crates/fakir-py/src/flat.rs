@@ -1,15 +1,15 @@
 //! Flat surfaces.
 
 use crate::answer::{Answer, warnings};
-use crate::case::settings;
 use crate::error::{PYTHON, approach_error, case_error, solve_error, warn_of_deprecations};
 use crate::load::{load, path};
+use crate::settings::settings;
 use crate::watched::{Options, watched};
 use fakir::problem::{CyclePlan, Load, LoadingMode};
 use fakir::state::{FlatContact, FlatCycle, SolveError};
 use fakir_case::{CaseFile, FlatCase, Key, Setting};
-use fakir_study::record::{FlatAnswer, Object};
-use fakir_study::result::{ApproachSummary, json};
+use fakir_study::record::FlatAnswer;
+use fakir_study::result::{self, ApproachSummary, flat_press, json};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -104,8 +104,7 @@ impl Flat {
             system: &self.case.system,
             contact,
         };
-        let object = Object::of(&answer).with_limits(contact.limits(&self.case.system, None));
-        let summary = json(&object.timed(wall_time));
+        let summary = json(&flat_press(&answer, None, wall_time));
         Answer::new(&answer, summary, contact.termination, warnings(contact))
     }
 }
@@ -181,9 +180,13 @@ pub(crate) fn cycle_flat(
     let start = Instant::now();
     let cycle = watched(py, &options, |run| flat.case.system.cycle(&plan, run))?;
     let cycle: FlatCycle = cycle.map_err(|error| solve_error(&error))?;
-    let limits = cycle.turn.limits(&flat.case.system, None);
-    let object = Object::of(&cycle).with_limits(limits);
-    let summary = json(&object.timed(start.elapsed().as_secs_f64()));
+    let wall_time = start.elapsed().as_secs_f64();
+    let summary = json(&result::flat_cycle(
+        &cycle,
+        &flat.case.system,
+        None,
+        wall_time,
+    ));
     let (ended, careful) = (cycle.turn.termination, warnings(&cycle.turn));
     let answer = Py::new(py, Answer::new(&cycle, summary, ended, careful))?;
     let point = |step: &fakir::state::FlatLoadStep| {

@@ -15,6 +15,7 @@ mod error;
 mod fit;
 mod flat;
 mod load;
+mod settings;
 mod state;
 mod study;
 mod surface;

@@ -394,7 +394,7 @@ impl Reader<'_> {
             let path = join(path, name.get_ref());
             match value.get_ref() {
                 DeValue::Table(inner) if is_table(&present(&path)) => {
-                    self.collect(&path, inner, varied)?
+                    self.collect(&path, inner, varied)?;
                 }
                 _ => varied.push(self.axis(&path, name.span(), value)?),
             }

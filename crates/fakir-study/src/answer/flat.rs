@@ -6,7 +6,7 @@ use crate::citations::Topic;
 use crate::figures::saved;
 use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::{FLAT_METHOD, Provenance};
-use crate::record::{FlatAnswer, Object, Record};
+use crate::record::{FlatAnswer, Record};
 use crate::report::state::{
     QuantityList, adhesion_words, drive_words, error_remark, lens_words, strained_range,
 };
@@ -250,11 +250,9 @@ impl Found<FlatCase> for FlatCycle {
     }
 
     fn json(&self, of: &Context<'_, FlatCase>) -> String {
-        json(
-            &Object::of(self)
-                .with_limits(self.limits(of))
-                .timed(of.wall_time),
-        )
+        let object =
+            crate::result::flat_cycle(self, &of.case.system, of.details.range, of.wall_time);
+        json(&object)
     }
 
     fn text(&self, of: &Context<'_, FlatCase>) -> String {

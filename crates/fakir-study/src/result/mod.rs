@@ -26,11 +26,11 @@ pub use theory::{
 pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
 use crate::output::File;
-use crate::record::{AsperityAnswer, GradientObject, Object, SurfaceAnswer};
-use fakir::problem::Load;
+use crate::record::{AsperityAnswer, FlatAnswer, GradientObject, Object, SurfaceAnswer};
+use fakir::problem::{FlatSystem, Load};
 use fakir::state::{
-    Contact, ContactState, CriticalState, SurfaceContact, SurfaceTransition, Termination,
-    Unresolved, Warning,
+    Contact, ContactState, CriticalState, FlatCycle, SurfaceContact, SurfaceTransition,
+    Termination, Unresolved, Warning,
 };
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
@@ -152,6 +152,27 @@ pub fn surface_press(answer: &SurfaceAnswer<'_, SurfaceContact>, wall_time: f64)
 pub fn surface_transition(answer: &SurfaceAnswer<'_, SurfaceTransition>, wall_time: f64) -> Object {
     Object::of(answer)
         .with_limits(answer.answer.contact.limits(answer.system))
+        .timed(wall_time)
+}
+
+/// A contact with a flat surface, likewise.
+#[must_use]
+pub fn flat_press(answer: &FlatAnswer<'_>, range: Option<f64>, wall_time: f64) -> Object {
+    Object::of(answer)
+        .with_limits(answer.contact.limits(answer.system, range))
+        .timed(wall_time)
+}
+
+/// A cycle with a flat surface: what `fakir cycle --json` prints.
+#[must_use]
+pub fn flat_cycle(
+    cycle: &FlatCycle,
+    system: &FlatSystem,
+    range: Option<f64>,
+    wall_time: f64,
+) -> Object {
+    Object::of(cycle)
+        .with_limits(cycle.turn.limits(system, range))
         .timed(wall_time)
 }
 

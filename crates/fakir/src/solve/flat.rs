@@ -11,7 +11,9 @@ use crate::numerics::quadrature::gauss_legendre;
 use crate::numerics::roots::{Point, find, least};
 use crate::problem::layer::Layer;
 use crate::problem::load::Prescribed;
-use crate::problem::{CyclePlan, FlatSystem, LensShape, Load, LoadingMode, Probe, UnloadingPoint};
+use crate::problem::{
+    CyclePlan, FlatSystem, LensShape, Load, LoadingMode, Probe, ShapedLens, UnloadingPoint,
+};
 use crate::state::contact::contact_warnings;
 use crate::state::limit::DEEPEST_IN_LAYER;
 use crate::state::{
@@ -192,7 +194,7 @@ impl<'a> Bench<'a> {
         let lens = self
             .system
             .lens()
-            .map_or(f64::INFINITY, |lens| lens.largest_contact());
+            .map_or(f64::INFINITY, ShapedLens::largest_contact);
         let layers = self.system.layers().into_iter().flatten();
         let thinnest = layers
             .map(|layer| layer.thickness)
@@ -209,13 +211,7 @@ impl<'a> Bench<'a> {
                     end: profile.range(),
                 }
             }
-            Some(_)
-                if reach
-                    >= self
-                        .system
-                        .lens()
-                        .map_or(0.0, |lens| lens.largest_contact()) =>
-            {
+            Some(_) if reach >= self.system.lens().map_or(0.0, ShapedLens::largest_contact) => {
                 SolveError::ContactExceedsLens {
                     contact_radius: reach,
                     lens_radius: 2.0 * reach,
@@ -354,7 +350,7 @@ impl<'a> Bench<'a> {
     fn contact(&self, state: &Settled, work: f64) -> FlatContact {
         let system = self.system;
         let mut warnings = Vec::new();
-        if let Some(radius) = system.lens().and_then(|lens| lens.radius()) {
+        if let Some(radius) = system.lens().and_then(ShapedLens::radius) {
             warnings.extend(contact_warnings(state.radius / radius));
         }
         let thicknesses = system.layers().into_iter().flatten().map(of_layer);

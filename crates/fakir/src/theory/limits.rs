@@ -352,7 +352,7 @@ impl FlatContact {
     #[must_use]
     pub fn limits(&self, system: &FlatSystem, range: Option<f64>) -> Vec<Limit> {
         let mut limits = Vec::new();
-        let radius = system.lens().and_then(|lens| lens.radius());
+        let radius = system.lens().and_then(ShapedLens::radius);
         if let Some(lens) = system.lens() {
             let slope = lens.slope_at(self.contact_radius);
             limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
