@@ -117,7 +117,8 @@ class FlatSystem(Shown):
     @property
     def lens(self) -> AnyLens | FlatPunch:
         """The lens or the punch."""
-        return lens_of(self._flat.values())
+        lens: AnyLens | FlatPunch = lens_of(self._flat.values())
+        return lens
 
     @property
     def substrate(self) -> Substrate:
@@ -226,14 +227,14 @@ class FlatContact(FlatPressNumbers):
         """Contact pressure (Pa) at distances from the lens axis (m); zero outside of the contact, negative where adhesion pulls."""
         distances = np.asarray(array(radius, "length", "radius"), dtype=np.float64)
         flat = np.ascontiguousarray(distances.ravel())
-        found = self.system._flat.pressure(self.contact_radius, self.indentation, flat)
+        found = self.system._flat.pressure(self.contact_radius or 0.0, self.indentation, flat)
         return np.asarray(found).reshape(distances.shape)
 
     def _rows(self) -> list[Row]:
         return [
             ("force", engineering(self.force, "N")),
             ("indentation", engineering(self.indentation, "m")),
-            ("contact radius", engineering(self.contact_radius, "m")),
+            ("contact radius", engineering(self.contact_radius or 0.0, "m")),
             ("mean pressure", engineering(self.mean_pressure, "Pa")),
             ("solution", self.termination),
         ]

@@ -94,6 +94,14 @@ class CycleErrors(NamedTuple):
     hysteresis: CycleError | None = None
     '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
 
+class FlatCycleErrors(NamedTuple):
+    turn_force: float
+    'Estimated relative error of the force at the end of loading.'
+    pull_off_force: float | None = None
+    'Estimated relative error of the pull-off force.'
+    hysteresis: float | None = None
+    'Estimated relative error of the hysteresis.'
+
 class FloorNumbers(Numbered):
     force: Number[float]
     'Force on the floor (N).'
@@ -325,6 +333,58 @@ class CycleNumbers(Answer):
     'Tensile stress on a pillar at its detachment over the modulus of the substrate.'
     error: Number[CycleErrors]
     '`CycleErrors` with critical_force, critical_indentation, pull_off_force, hysteresis.'
+    converged: Number[bool]
+    'Whether the solver converged.'
+    unresolved: Number[str | None]
+    'A quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1.'
+
+class FlatPressNumbers(Contact):
+    method: Number[str]
+    '`disc`.'
+    lens_shape: Number[str]
+    '`sphere`, `paraboloid`, `profile` or `punch`.'
+    contact_radius: Number[float | None]
+    'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
+    contact_area: Number[float]
+    'Contact area, A (m^2).'
+    mean_pressure: Number[float]
+    'Force over contact area (Pa); 0 without contact.'
+    stiffness: Number[float | None]
+    'Change of the force with the indentation on loading (N/m); None where it is infinite.'
+    pressure_on_axis: Number[float]
+    'Pressure on the lens axis: the largest under a lens without adhesion (Pa).'
+    punch_stiffness: Number[float]
+    'Change of the force with the indentation at a fixed contact radius: the initial slope on unloading (N/m).'
+    error: Number[ErrorEstimate]
+    '`ErrorEstimate` with force, indentation, contact_radius.'
+
+class FlatCycleNumbers(Answer):
+    drive: Number[str]
+    '`displacement`, `force` or `machine`.'
+    first_contact_indentation: Number[float]
+    'Indentation after the jump into contact (m).'
+    first_contact_force: Number[float]
+    'Force after the jump into contact (N).'
+    turn_force: Number[float]
+    'Force at the end of loading (N).'
+    turn_indentation: Number[float]
+    'Indentation at the end of loading (m).'
+    turn_contact_radius: Number[float]
+    'Contact radius at the end of loading (m).'
+    pull_off_force: Number[float | None]
+    'Largest tensile force on unloading, negative (N); None without unloading.'
+    pull_off_indentation: Number[float | None]
+    'Indentation at pull-off (m).'
+    pull_off_contact_radius: Number[float | None]
+    'Contact radius at pull-off (m).'
+    last_release_indentation: Number[float | None]
+    'Indentation at which the surfaces detach (m); None without unloading.'
+    work_of_separation: Number[float | None]
+    'Work against tensile forces during unloading (J); None under a prescribed force, where the lens leaves at once.'
+    hysteresis: Number[float | None]
+    'Area of the loop of force over indentation (J); None for a path that is not closed.'
+    error: Number[FlatCycleErrors]
+    '`FlatCycleErrors` with turn_force, pull_off_force, hysteresis.'
     converged: Number[bool]
     'Whether the solver converged.'
     unresolved: Number[str | None]

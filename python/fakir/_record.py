@@ -33,6 +33,7 @@ GROUPS = {
     "error.critical_indentation": "CycleError",
     "error.pull_off_force": "CycleError",
     "error.hysteresis": "CycleError",
+    "flat_cycle.error": "FlatCycleErrors",
     "floor.error": "FloorErrors",
     "grid": "Grid",
     "normalized": "Normalized",

@@ -265,6 +265,11 @@ def test_every_example_of_a_case_is_read(path):
     if "top_radius = " in text:
         assert len(fakir.AsperityArray.from_file(path)) > 1
         return
+    if "\n[surface" not in text and "\n[pattern" not in text:
+        flat = fakir.read_case(path)
+        assert type(flat) is fakir.FlatSystem
+        assert fakir.FlatSystem.from_toml(flat.to_toml()).to_toml() == flat.to_toml()
+        return
     kind = fakir.bem.Surface if "[surface]" in text else fakir.System
     systems = [fakir.System.from_file(path)]
     # A text has no folder in which a table of pillars, or of heights of a lens, could be.

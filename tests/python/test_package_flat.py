@@ -46,17 +46,9 @@ def test_a_punch_on_a_film():
         fakir.problem(punch, body, fakir.Flat()).press(indentation="1 um").force for body in (film, RUBBER)
     )
     assert on_film > 2 * on_half_space
+    pattern = fakir.HexagonalPattern("6 um", "2 um", pitch="20 um")
     with pytest.raises(fakir.CaseError, match="flat surface only"):
-        fakir.System.from_toml(fakir.FlatSystem(punch, RUBBER).to_toml() + PILLARS)
-
-
-PILLARS = """
-[pattern]
-pitch = "20 um"
-[pattern.pillar]
-diameter = "6 um"
-height = "2 um"
-"""
+        fakir.System(punch, RUBBER, pattern)
 
 
 def test_files_and_other_values(tmp_path):
