@@ -47,7 +47,7 @@ impl ContactState {
     ///
     /// Some have no threshold: they are effects that would change this contact. The evaluation takes microseconds.
     ///
-    /// * `kendall_strain`, `tabor_number`: for adhesive tops ([`System::kendall_strain`], [`System::tabor_number`]).
+    /// * `kendall_strain`, `tabor_number`: for adhesive tops ([kendall_strain](crate::problem::System::kendall_strain), [tabor_number](crate::problem::System::tabor_number)).
     /// * `slope`: of the lens at the edge of the contact; `contact_radius_over_lens_radius`.
     /// * `pillar_stress`: mean stress on the top of the pillar with the largest stress, divided by Young's modulus of the substrate.
     /// * `buckling`: force on a pillar divided by `pi^2 E_s I/h^2` with `I = pi d^4/64`, the buckling force of a pillar that is clamped at
