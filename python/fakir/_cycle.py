@@ -202,23 +202,25 @@ class Cycle(CycleNumbers):
         return rows
 
 
-def cycle(
-    system: System,
+Plan = tuple[float | None, float | None, Drive, float | None, bool]
+"""Indentation and force at the end of loading, loading mode, stiffness, and whether there is unloading, in SI units."""
+
+
+def checked_plan(
     to: Quantity | None,
     to_force: Quantity | None,
     drive: Drive,
     machine_stiffness: Quantity | None,
     retract: bool,
-    options: _fakir.Options,
-) -> Cycle:
-    """Computes loading and unloading."""
+) -> Plan:
+    """A cycle with at most one prescribed end of loading."""
     if to is not None and to_force is not None:
         raise TypeError("a loading has one end: give one of to and to_force")
     if drive not in ("displacement", "force", "machine"):
         raise ValueError(f'no drive "{drive}": give "displacement", "force" or "machine"')
     if (drive == "machine") != (machine_stiffness is not None):
         raise TypeError('drive="machine" and machine_stiffness go together')
-    plan = (
+    return (
         None if to is None else si(to, "length", "to"),
         None if to_force is None else si(to_force, "force", "to_force"),
         drive,
@@ -227,6 +229,10 @@ def cycle(
         else si(machine_stiffness, "stiffness", "machine_stiffness"),
         retract,
     )
+
+
+def cycle(system: System, plan: Plan, options: _fakir.Options) -> Cycle:
+    """Computes loading and unloading."""
     result = Cycle(_fakir.cycle(system._case, *plan, options), system)
     if not result.converged:
         raise NotConverged(f"the solution {result.termination}", result)

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 
 from . import _fakir
 from ._bodies import AnyLens, FlatPunch, Substrate, lens_of, shape_of, substrate_of
-from ._cycle import Adhesion, Drive
+from ._cycle import Adhesion, Drive, checked_plan
 from ._format import Row, Shown, engineering
 from ._loading import Loading, checked_path
 from ._numbers import FlatCycleNumbers, FlatPressNumbers
-from ._quantity import FloatArray, Quantity, array, si
+from ._quantity import FloatArray, Quantity, array
 from ._run import Progress, options, warn
 from ._settings import Overrides, load, settings
 from .errors import NotConverged
@@ -179,20 +179,11 @@ class FlatSystem(Shown):
         memory_limit: int | None = None,
     ) -> FlatCycle:
         """Computes loading and unloading with adhesion; parameters as in `System.cycle`, with a required end of loading."""
-        if (to is None) == (to_force is None):
+        if to is None and to_force is None:
             raise TypeError("give either to or to_force: where the loading ends")
-        if (drive == "machine") != (machine_stiffness is not None):
-            raise TypeError('a stiffness goes with drive="machine", and the other way round')
+        plan = checked_plan(to, to_force, drive, machine_stiffness, retract)
         run = options(threads, progress, memory_limit)
-        answer, curve = _fakir.cycle_flat(
-            self._flat,
-            None if to is None else si(to, "length", "to"),
-            None if to_force is None else si(to_force, "force", "to_force"),
-            drive,
-            None if machine_stiffness is None else si(machine_stiffness, "stiffness", "machine_stiffness"),
-            retract,
-            run,
-        )
+        answer, curve = _fakir.cycle_flat(self._flat, *plan, run)
         warn(answer.warnings)
         return FlatCycle(answer, curve)
 

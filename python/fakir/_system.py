@@ -28,7 +28,7 @@ from ._bodies import (
     substrate_of,
 )
 from ._comparison import Comparison, compare
-from ._cycle import Adhesion, Cycle, Drive, cycle
+from ._cycle import Adhesion, Cycle, Drive, checked_plan, cycle
 from ._format import Row, Shown, engineering
 from ._gradient import Gradient, gradient
 from ._loading import Approach, approach, checked_path
@@ -476,8 +476,8 @@ class System(Shown):
             Whether unloading is computed.
         """
         system = self._with_method(None, accuracy)
-        run = options(threads, progress, memory_limit)
-        return cycle(system, to, to_force, drive, machine_stiffness, retract, run)
+        plan = checked_plan(to, to_force, drive, machine_stiffness, retract)
+        return cycle(system, plan, options(threads, progress, memory_limit))
 
     def compare(
         self,

@@ -65,3 +65,15 @@ def test_files_and_other_values(tmp_path):
     loading = smaller.approach("0.5 um", to="2 um")
     assert len(loading) == 5 and loading.to_pandas()["force_N"].is_monotonic_increasing
     assert "0.05" in repr(system) or "50 mJ" in repr(system)
+
+
+def test_a_cycle_is_driven_as_one_on_pillars():
+    system = fakir.FlatSystem(lens(), RUBBER, adhesion=WORK)
+    with pytest.raises(ValueError, match="no drive"):
+        system.cycle(to="1 um", drive="wobble")
+    with pytest.raises(TypeError, match="go together"):
+        system.cycle(to="1 um", drive="machine")
+    with pytest.raises(TypeError, match="one end"):
+        system.cycle(to="1 um", to_force="1 mN")
+    by_force = system.cycle(to="1 um", drive="force")
+    assert by_force.hysteresis is None and by_force.pull_off_force < 0

@@ -15,6 +15,7 @@ pub(crate) struct Format {
 }
 
 const GWYDDION: &str = "open it in Gwyddion and save it as text (ASCII data matrix)";
+const NANOSCOPE: &str = "export it as text (ASCII) in NanoScope Analysis";
 const EXPORT: &str = "export it as a matrix of numbers in text, or as an array of NumPy (.npy)";
 const CURVES: &str =
     "the Python package afmformats reads it: fakir.fit accepts its curves, or save them as text";
@@ -35,19 +36,11 @@ const BY_BYTES: [(&[u8], Format); 24] = [
     (b"GWYO", format("a Gwyddion file", GWYDDION, GWYDDION)),
     (
         b"\\*File list",
-        format(
-            "a NanoScope file",
-            "export it as text (ASCII) in NanoScope Analysis",
-            GWYDDION,
-        ),
+        format("a NanoScope file", NANOSCOPE, GWYDDION),
     ),
     (
         b"\\*Force file list",
-        format(
-            "a NanoScope force file",
-            "export it as text (ASCII) in NanoScope Analysis",
-            GWYDDION,
-        ),
+        format("a NanoScope force file", NANOSCOPE, GWYDDION),
     ),
     (
         b"\x93NUMPY",
@@ -162,14 +155,7 @@ const BY_NAME: [(&str, Format); 8] = [
             GWYDDION,
         ),
     ),
-    (
-        ".spm",
-        format(
-            "a NanoScope file",
-            "export it as text (ASCII) in NanoScope Analysis",
-            GWYDDION,
-        ),
-    ),
+    (".spm", format("a NanoScope file", NANOSCOPE, GWYDDION)),
     (
         ".tdms",
         format(

@@ -64,6 +64,17 @@ enum Order {
     Big,
 }
 
+impl Order {
+    /// The unsigned number of up to eight bytes.
+    fn number(self, bytes: &[u8]) -> u64 {
+        let add = |number: u64, byte: &u8| (number << 8) | u64::from(*byte);
+        match self {
+            Self::Little => bytes.iter().rev().fold(0, add),
+            Self::Big => bytes.iter().fold(0, add),
+        }
+    }
+}
+
 /// A TIFF image and the fields of its first directory.
 struct Tiff<'a> {
     bytes: &'a [u8],
@@ -123,11 +134,7 @@ impl<'a> Tiff<'a> {
     /// An unsigned number of so many bytes.
     fn number(&self, place: usize, size: usize) -> Option<u64> {
         let bytes = self.bytes.get(place..place.checked_add(size)?)?;
-        let add = |number: u64, byte: &u8| (number << 8) | u64::from(*byte);
-        Some(match self.order {
-            Order::Little => bytes.iter().rev().fold(0, add),
-            Order::Big => bytes.iter().fold(0, add),
-        })
+        Some(self.order.number(bytes))
     }
 
     fn values(&self, tag: u16) -> &[u64] {
@@ -206,14 +213,8 @@ pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMap
     if pixels.len() < needed {
         return Err(damaged());
     }
-    let number = |cell: &[u8]| {
-        let add = |number: u64, byte: &u8| (number << 8) | u64::from(*byte);
-        match tiff.order {
-            Order::Little => cell.iter().rev().fold(0, add),
-            Order::Big => cell.iter().fold(0, add),
-        }
-    };
-    let mut numbers: Vec<u64> = pixels[..needed].chunks_exact(size).map(number).collect();
+    let cells = pixels[..needed].chunks_exact(size);
+    let mut numbers: Vec<u64> = cells.map(|cell| tiff.order.number(cell)).collect();
     if predictor == 2 {
         for row in numbers.chunks_exact_mut(columns.max(1)) {
             for k in 1..row.len() {

@@ -61,6 +61,7 @@ impl CaseFile {
         let given = |key: &Key| self.entry(*key).is_some();
         let of_kind = match solver {
             Solver::Asperities => Some(Key::TopRadius),
+            Solver::Flat => Some(Key::Flat),
             _ => method_name(solver).map(|_| Key::MethodName),
         };
         let of_layers = || {
@@ -81,7 +82,6 @@ impl CaseFile {
         };
         match in_the_way.or(of_kind) {
             Some(key) => Err(self.problem(key, why).accepted(instead)),
-            None if solver == Solver::Flat => Err(self.problem(Key::Flat, why).accepted(instead)),
             None => self.refuse_surface(&why, instead),
         }
     }

@@ -2,11 +2,10 @@
 
 use crate::answer::{Answer, warnings};
 use crate::error::{PYTHON, approach_error, case_error, solve_error, warn_of_deprecations};
-use crate::load::{load, path};
+use crate::load::{load, path, plan};
 use crate::settings::settings;
 use crate::watched::{Options, watched};
-use fakir::problem::{CyclePlan, Load, LoadingMode};
-use fakir::state::{FlatContact, FlatCycle, SolveError};
+use fakir::state::{FlatContact, FlatCycle};
 use fakir_case::{CaseFile, FlatCase, Key, Setting};
 use fakir_study::record::FlatAnswer;
 use fakir_study::result::{self, ApproachSummary, flat_press, json};
@@ -166,17 +165,7 @@ pub(crate) fn cycle_flat(
     retract: bool,
     options: Options,
 ) -> PyResult<(Py<Answer>, Curve)> {
-    let drive = match (drive, machine_stiffness) {
-        (_, Some(stiffness)) => LoadingMode::Machine(stiffness),
-        ("force", None) => LoadingMode::Force,
-        _ => LoadingMode::Displacement,
-    };
-    let turn = Load::given(to, to_force).ok_or_else(|| solve_error(&SolveError::NoFloor))?;
-    let plan = CyclePlan {
-        turn: turn.into(),
-        drive,
-        retract,
-    };
+    let plan = plan(to, to_force, drive, machine_stiffness, retract);
     let start = Instant::now();
     let cycle = watched(py, &options, |run| flat.case.system.cycle(&plan, run))?;
     let cycle: FlatCycle = cycle.map_err(|error| solve_error(&error))?;

@@ -1,7 +1,7 @@
 //! Conversion of prescribed loads from Python.
 
 use crate::error::{approach_error, value_error};
-use fakir::problem::Load;
+use fakir::problem::{CyclePlan, Load, LoadingMode};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use pyo3::prelude::*;
 
@@ -26,4 +26,24 @@ pub(crate) fn path(
     let end = LoadingEnd::of(until, false, to, to_force);
     let end = end.map_err(|error| approach_error(&error))?;
     Ok(LoadingPath { step, end })
+}
+
+/// A cycle up to an indentation (m), a force (N) or the critical state; a stiffness (N/m) is that of the testing machine that drives the lens.
+pub(crate) fn plan(
+    to: Option<f64>,
+    to_force: Option<f64>,
+    drive: &str,
+    machine_stiffness: Option<f64>,
+    retract: bool,
+) -> CyclePlan {
+    let drive = match (drive, machine_stiffness) {
+        (_, Some(stiffness)) => LoadingMode::Machine(stiffness),
+        ("force", None) => LoadingMode::Force,
+        _ => LoadingMode::Displacement,
+    };
+    CyclePlan {
+        turn: load_or_critical(to, to_force).into(),
+        drive,
+        retract,
+    }
 }

@@ -3,10 +3,10 @@
 use crate::answer::{Answer, warnings};
 use crate::case::Case;
 use crate::error::{approach_error, solve_error};
-use crate::load::{load, load_or_critical, path};
+use crate::load::{load, load_or_critical, path, plan};
 use crate::study::columns;
 use crate::watched::{Options, watched};
-use fakir::problem::{CyclePlan, ElementMesh, LoadingMode, Method, Point};
+use fakir::problem::{ElementMesh, Method, Point};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::record::GradientObject;
 use fakir_study::result::{
@@ -282,16 +282,7 @@ pub(crate) fn cycle(
     retract: bool,
     options: Options,
 ) -> PyResult<Py<Cycle>> {
-    let drive = match (drive, machine_stiffness) {
-        (_, Some(stiffness)) => LoadingMode::Machine(stiffness),
-        ("force", None) => LoadingMode::Force,
-        _ => LoadingMode::Displacement,
-    };
-    let plan = CyclePlan {
-        turn: load_or_critical(to, to_force).into(),
-        drive,
-        retract,
-    };
+    let plan = plan(to, to_force, drive, machine_stiffness, retract);
     let (system, method) = (case.case.system.clone(), case.case.method);
     let start = Instant::now();
     let found = watched(py, &options, |run| fakir::cycle(&system, plan, method, run))?;

@@ -8,7 +8,7 @@ use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::Provenance;
 use crate::record::{AsperityAnswer, Record, indenter_name};
 use crate::report::asperities::{case_line, method_line};
-use crate::report::state::{QuantityList, error_remark};
+use crate::report::state::{QuantityList, alone, error_remark};
 use crate::result::{asperity_pillars, left_out_words};
 use fakir::problem::Solver;
 use fakir::state::{AsperityContact, AsperityState, Limit, PillarStatus, Regime, Run};
@@ -75,10 +75,7 @@ impl Kind for AsperityCase {
         let contact = found.contact();
         let error = contact.error.unwrap_or_default();
         let relative = |error: f64, value: f64| if value > 0.0 { error / value } else { 0.0 };
-        let remark = |error: f64| {
-            let remark = error_remark(error);
-            remark.trim_start_matches([',', ' ']).to_owned()
-        };
+        let remark = |error: f64| alone(&error_remark(error));
         let depth = relative(error.indentation, contact.indentation.abs());
         let mut list = QuantityList::default();
         list.quantity(

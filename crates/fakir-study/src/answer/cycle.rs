@@ -7,7 +7,7 @@ use crate::numbers::{digits, seconds, significant, with_unit};
 use crate::provenance::Provenance;
 use crate::record::Record;
 use crate::report::state::{
-    QuantityList, adhesion_words, drive_words, error_remark, strained_range,
+    QuantityList, adhesion_words, alone, drive_words, error_remark, strained_range,
 };
 use crate::report::table::{Column, table};
 use crate::result::{
@@ -311,8 +311,7 @@ fn remark(error: CycleError) -> String {
     };
     let fronts = of_model(error.fronts, "shapes of partial contacts");
     let columns = of_model(error.columns, "columns do not lean");
-    let remark = numerical + &fronts + &columns;
-    remark.trim_start_matches([',', ' ']).to_owned()
+    alone(&(numerical + &fronts + &columns))
 }
 
 /// How often something happened on each branch.

@@ -8,7 +8,7 @@ use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::{FLAT_METHOD, Provenance};
 use crate::record::{FlatAnswer, Record};
 use crate::report::state::{
-    QuantityList, adhesion_words, drive_words, error_remark, lens_words, strained_range,
+    QuantityList, adhesion_words, alone, drive_words, error_remark, lens_words, strained_range,
 };
 use crate::result::{csv, json};
 use fakir::problem::{CyclePlan, Solver, UnloadingPoint};
@@ -228,8 +228,7 @@ struct CycleRow {
 }
 
 fn remark(error: f64) -> String {
-    let remark = error_remark(error);
-    remark.trim_start_matches([',', ' ']).to_owned()
+    alone(&error_remark(error))
 }
 
 impl Found<FlatCase> for FlatCycle {

@@ -335,7 +335,7 @@ impl QuantityList {
     pub fn radius(&mut self, name: &str, value: f64, error: f64, remark: String) -> &mut Self {
         let estimate = error_remark(error);
         let remark = if remark.is_empty() {
-            estimate.trim_start_matches([',', ' ']).to_owned()
+            alone(&estimate)
         } else {
             remark + &estimate
         };
@@ -391,11 +391,7 @@ impl QuantityList {
         };
         let FloorErrors { share, area } = floor.error;
         let known = |error| digits(error).min(DIGITS);
-        let remark = |error| {
-            error_remark(error)
-                .trim_start_matches([',', ' '])
-                .to_owned()
-        };
+        let remark = |error| alone(&error_remark(error));
         let [x, y] = floor.cell();
         let cells = format!(
             "on cells of {} by {}",
@@ -581,6 +577,11 @@ pub fn error_remark(error: f64) -> String {
     } else {
         String::new()
     }
+}
+
+/// The end of a remark as a whole remark: without the comma that joins it.
+pub(crate) fn alone(remark: &str) -> String {
+    remark.trim_start_matches([',', ' ']).to_owned()
 }
 
 #[cfg(test)]
