@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Union
 import numpy as np
 
 from . import _fakir
+from ._flat import FlatSystem
 from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, WithUnit, finite
 from ._result import Limit, Result
@@ -119,9 +120,10 @@ class Fit(Result):
         return self.parameters[name]
 
     @property
-    def system(self) -> System:
+    def system(self) -> System | FlatSystem:
         """The system with the fitted values."""
-        return System._of(self._fitted.case)
+        case = self._fitted.case
+        return FlatSystem._of(case) if isinstance(case, _fakir.Flat) else System._of(case)
 
     @property
     def correlation(self) -> FloatArray:
@@ -298,7 +300,7 @@ class Fit(Result):
 
 def fit(
     measurements: Measurements,
-    system: System,
+    system: System | FlatSystem,
     free: Sequence[str],
     *,
     contact_point: Quantity | None = None,
@@ -336,7 +338,7 @@ def fit(
         are not recognised are not used: see `Fit.understood`. Objects of pandas, xarray (with units in ``attrs["units"]``) and
         afmformats are accepted, and structured arrays of NumPy.
     system
-        All other quantities; its values of the free parameters are the initial values.
+        All other quantities: pillars or a flat surface. Its values of the free parameters are the initial values.
     free
         Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"pattern.offset"``; ``"adhesion.work"`` and
         ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
@@ -400,7 +402,8 @@ def fit(
         finite(force_drift, "force", "force_drift"),
         _of_unit(force_slope, "N/m", "force_slope") or 0.0,
     )
-    fitted = _fakir.fit(system._case, data, list(free), instrument, starts, run)
+    case = system._flat if isinstance(system, FlatSystem) else system._case
+    fitted = _fakir.fit(case, data, list(free), instrument, starts, run)
     result = Fit(fitted, raw.understood())
     warn(result._fitted.warnings, depth=1)
     if not result.converged:

@@ -147,7 +147,7 @@ pub(crate) enum Described {
 }
 
 impl Described {
-    fn of(file: CaseFile, overrides: &[String], rounded: bool) -> PyResult<Self> {
+    pub(crate) fn of(file: CaseFile, overrides: &[String], rounded: bool) -> PyResult<Self> {
         match file.surface_kind() {
             SurfaceKind::HeightMap => Surface::of(file, overrides, None).map(Self::Surface),
             SurfaceKind::Flat if rounded => Flat::of(file, overrides).map(Self::Flat),

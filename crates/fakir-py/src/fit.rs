@@ -1,6 +1,7 @@
 //! Fits of measured curves.
 
-use crate::case::Case;
+use crate::case::{Case, Described};
+use crate::flat::Flat;
 use crate::error::{fit_error, value_error, warn_of_former_name};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
@@ -9,6 +10,7 @@ use fakir_inverse::fit::{
     Column, Fit, FitOptions, FitSummary, Hints, Measurements, NamedColumn, Parameter, Position,
     Quantity, Selection,
 };
+use fakir_case::CaseFile;
 use fakir_study::Table;
 use fakir_study::result::json;
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -140,7 +142,6 @@ pub(crate) struct Fitted {
     table: Table,
     load: &'static str,
     summary: String,
-    case: fakir_case::Case,
 }
 
 #[pymethods]
@@ -152,8 +153,8 @@ impl Fitted {
 
     /// The case with the fitted values.
     #[getter]
-    fn case(&self) -> Case {
-        self.case.clone().into()
+    fn case(&self) -> PyResult<Described> {
+        Described::of(self.fit.file.clone(), &[], true)
     }
 
     /// The column used as load: `"displacement_m"`, `"indentation_m"` or `"force_N"`.
@@ -201,11 +202,27 @@ impl Fitted {
     }
 }
 
+/// A case that can be fitted.
+#[derive(FromPyObject)]
+pub(crate) enum Fittable<'py> {
+    Pillars(PyRef<'py, Case>),
+    Flat(PyRef<'py, Flat>),
+}
+
+impl Fittable<'_> {
+    fn file(&self) -> PyResult<CaseFile> {
+        match self {
+            Self::Pillars(case) => case.file(),
+            Self::Flat(flat) => Ok(flat.file.clone()),
+        }
+    }
+}
+
 /// Values of the free parameters that fit the data best.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,
-    case: &Case,
+    case: Fittable<'_>,
     data: &Data,
     free: Vec<String>,
     instrument: (Option<f64>, f64, f64, f64, f64, f64),
@@ -254,7 +271,7 @@ pub(crate) fn fit(
     })?;
     let fit = fit.map_err(|error| fit_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let summary = FitSummary::new(measurements, case.case.method, &fit, wall_time);
+    let summary = FitSummary::new(measurements, &fit, wall_time);
     Ok(Fitted {
         table: fit.table(measurements),
         load: match measurements.position() {
@@ -263,10 +280,6 @@ pub(crate) fn fit(
             Position::None => Column::Force.name(),
         },
         summary: json(&summary),
-        case: fit
-            .file
-            .case()
-            .map_err(|error| crate::error::case_error(&error))?,
         fit,
     })
 }

@@ -18,7 +18,7 @@ use std::time::Instant;
 /// A validated case with a flat surface.
 #[pyclass(frozen, module = "fakir._fakir")]
 pub(crate) struct Flat {
-    file: CaseFile,
+    pub(crate) file: CaseFile,
     case: FlatCase,
 }
 

@@ -6,7 +6,7 @@ use crate::standard::print;
 use fakir::problem::{Accuracy, ElementMesh, Method, PunchForm};
 use fakir_case::input::{self, LARGEST_STUDY};
 use fakir_case::{CaseFile, StudyFile};
-use fakir_study::answer::cited;
+use fakir_study::answer::described;
 use fakir_study::citations::{Citation, Topic, citations};
 use fakir_study::provenance::{FILE_NAME, Provenance, study_words};
 use fakir_study::result::json;
@@ -69,8 +69,8 @@ fn of_file(path: &Path) -> Result<CiteJson, Failure> {
         return Ok(CiteJson::new(study_words(&study), &Topic::of_study(&study)));
     }
     let file = CaseFile::read(path)?;
-    let (method, topics) = cited(&file.any_case(&[])?)?;
-    Ok(CiteJson::new(method, &topics))
+    let case = described(&file.any_case(&[])?)?;
+    Ok(CiteJson::new(case.cited_as, &case.topics))
 }
 
 /// Whether a file can be read and has a table that only studies have.

@@ -4,20 +4,22 @@ use crate::arguments::Fit as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, digits, significant, with_unit};
 use crate::session::Session;
+use fakir::problem::Question;
 use fakir::state::Branch;
 use fakir_case::unit::Dimension;
-use fakir_case::{Case, CaseFile};
+use fakir_case::CaseFile;
 use fakir_figure::{Figure, FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 use fakir_inverse::fit::{
     CurvePoint, Estimate, Fit, FitSummary, FittedPullOff, FittedRow, Measurements, Parameter,
     Position, Quantity, fit,
 };
+use fakir_study::answer::{Described, described};
 use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
 use fakir_study::output::File;
-use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::provenance::Provenance;
 use fakir_study::report::Report;
-use fakir_study::report::state::{QuantityList, pillar_pattern_line, strained_words};
+use fakir_study::report::state::{QuantityList, strained_words};
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::json;
 use std::time::Instant;
@@ -45,15 +47,15 @@ pub(crate) fn run(
         &session.run(),
     )?;
     let wall_time = start.elapsed().as_secs_f64();
-    let case = fitted.file.case()?;
+    let case = described(&fitted.file.any_case(&[Question::Fit])?)?;
     let names: Vec<&str> = options.free.iter().map(|free| free.name()).collect();
-    let mut topics = Topic::of_case(&case);
+    let mut topics = case.topics.clone();
     topics.push(Topic::LeastSquares);
     let provenance = Provenance::new(
         format!("least squares for {}", names.join(", ")),
-        method_words(case.method),
+        case.method.clone(),
         &topics,
-        case.to_toml(),
+        case.text.clone(),
     );
     let mut tables = vec![File::new("fitted.csv", fitted.table(data).to_csv())];
     tables.extend(saved(figure(data, &fitted), &provenance));
@@ -65,7 +67,7 @@ pub(crate) fn run(
         strained.push("the fit does not describe the data".to_owned());
     }
     let report = Report {
-        json: json(&FitSummary::new(data, case.method, &fitted, wall_time)),
+        json: json(&FitSummary::new(data, &fitted, wall_time)),
         text: text(data, &case, &fitted, wall_time),
         provenance,
         tables,
@@ -84,7 +86,7 @@ fn quantity(parameter: Parameter, value: f64, digits: usize) -> String {
     }
 }
 
-fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> String {
+fn text(data: &Measurements, case: &Described, fitted: &Fit, wall_time: f64) -> String {
     let rows = fitted.rows.len();
     let out = fitted.past_transition().count();
     let out = match out {
@@ -95,8 +97,8 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
         "{}: {rows} states{out}\n{}{}\n{}, {} in {} steps, in {}\n\n",
         data.name(),
         understood(data),
-        pillar_pattern_line(&case.system),
-        method_words(case.method),
+        case.lines[0],
+        case.lines[1],
         fitted.termination.description(),
         fitted.iterations,
         crate::numbers::seconds(wall_time)

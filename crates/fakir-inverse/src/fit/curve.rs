@@ -1,7 +1,8 @@
 //! The curve of a cycle of loading and unloading with adhesion, and its averages over intervals.
 
+use super::subject::FittedCycle;
 use fakir::problem::LoadingMode;
-use fakir::state::{Branch, Cycle};
+use fakir::state::Branch;
 
 /// A point of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,24 +39,46 @@ pub(super) struct Curve {
 
 impl Curve {
     /// Curve of a cycle. `compliance` is the machine compliance, m/N, if the position is that of the crosshead.
-    pub(super) fn new(cycle: &Cycle, compliance: f64) -> Self {
-        let of = |branch: Branch| {
-            let stations = cycle.stations.iter().filter(move |s| s.branch == branch);
-            stations.map(|station| Place {
-                position: match cycle.plan.drive {
-                    LoadingMode::Force => station.force,
-                    _ => station.indentation + compliance * station.force,
-                },
-                indentation: station.indentation,
-                force: station.force,
-                contact_radius: station.contact_radius,
-            })
+    pub(super) fn new(cycle: &FittedCycle, compliance: f64) -> Self {
+        match cycle {
+            FittedCycle::Pillars(cycle) => {
+                let steps = cycle.stations.iter();
+                let steps = steps.map(|s| (s.branch, [s.indentation, s.force, s.contact_radius]));
+                Self::through(steps, cycle.plan.drive, compliance)
+            }
+            FittedCycle::Flat(cycle, _) => {
+                let steps = cycle.load_steps.iter();
+                let steps = steps.map(|s| (s.branch, [s.indentation, s.force, s.contact_radius]));
+                Self::through(steps, cycle.plan.drive, compliance)
+            }
+        }
+    }
+
+    /// Curve through indentations, forces and contact radii.
+    fn through(
+        steps: impl Iterator<Item = (Branch, [f64; 3])>,
+        drive: LoadingMode,
+        compliance: f64,
+    ) -> Self {
+        let place = |[indentation, force, contact_radius]: [f64; 3]| Place {
+            position: match drive {
+                LoadingMode::Force => force,
+                _ => indentation + compliance * force,
+            },
+            indentation,
+            force,
+            contact_radius,
         };
-        let loading: Vec<Place> = of(Branch::Loading).collect();
-        let mut unloading: Vec<Place> = loading.last().copied().into_iter().collect();
-        unloading.extend(of(Branch::Unloading));
-        unloading.reverse();
-        let mut curve = Self { loading, unloading };
+        let mut curve = Self::nothing();
+        for (branch, step) in steps {
+            match branch {
+                Branch::Loading => curve.loading.push(place(step)),
+                Branch::Unloading => curve.unloading.push(place(step)),
+            }
+        }
+        let turn = curve.loading.last().copied();
+        curve.unloading.splice(0..0, turn);
+        curve.unloading.reverse();
         for places in [&mut curve.loading, &mut curve.unloading] {
             places.sort_by(|a, b| a.position.total_cmp(&b.position));
         }

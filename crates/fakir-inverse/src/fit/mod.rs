@@ -61,6 +61,7 @@ mod reading;
 mod report;
 mod segments;
 mod selection;
+mod subject;
 mod units;
 
 pub use column::{Column, DataError};
@@ -72,11 +73,12 @@ pub use options::{FitOptions, MOST_STARTS};
 pub use parameter::Parameter;
 pub use report::FitSummary;
 pub use selection::Selection;
+pub use subject::FittedCycle;
 
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::{Load, Question};
-use fakir::state::{Branch, Cycle, Limit, Run, SolveError, Termination};
+use fakir::problem::Question;
+use fakir::state::{Branch, Limit, Run, SolveError, Termination};
 use fakir_case::{CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
@@ -262,7 +264,9 @@ pub struct Fit {
     /// Number of contacts, gradients and cycles solved.
     pub solutions: usize,
     /// Cycle with the fitted values; `None` without adhesion.
-    pub cycle: Option<Cycle>,
+    pub cycle: Option<FittedCycle>,
+    /// Name of the method: `spectral`, or `flat` on a flat surface.
+    pub method: &'static str,
     /// Pull-off of this cycle and of the data; `None` without unloading.
     pub pull_off: Option<FittedPullOff>,
     /// The case with the fitted values.
@@ -363,7 +367,7 @@ pub fn fit(
     run: &Run<'_>,
 ) -> Result<Fit, FitError> {
     file.check_surface(&[Question::Fit])?;
-    check(data, free, options)?;
+    check(file, data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
     let begin = model.start()?;
     let (mut search, mut termination) = model.search(begin.clone(), run)?;
@@ -426,7 +430,12 @@ impl<'a> Model<'a> {
     }
 }
 
-fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Result<(), FitError> {
+fn check(
+    file: &CaseFile,
+    data: &Measurements,
+    free: &[Parameter],
+    options: &FitOptions,
+) -> Result<(), FitError> {
     data.check_errors()?;
     data.check_branches()?;
     if free.is_empty() {
@@ -452,7 +461,12 @@ fn check(data: &Measurements, free: &[Parameter], options: &FitOptions) -> Resul
                 parameter: *parameter,
             });
         }
-        if parameter.is_work() && !data.branches().contains(&Branch::Unloading) {
+        // On a flat surface the lens is pulled from the first contact on, and adhesion shows on loading too.
+        let shows_on_loading = file.is_flat() && *parameter == Parameter::Key(Key::WorkOfAdhesion);
+        if parameter.is_work()
+            && !shows_on_loading
+            && !data.branches().contains(&Branch::Unloading)
+        {
             return Err(FitError::NoUnloading {
                 name: name(),
                 parameter: *parameter,
@@ -705,7 +719,7 @@ impl<'a> Search<'a> {
 
     fn half_pitch(&self) -> Result<f64, FitError> {
         let settings = self.model.settings(&self.unknowns)?;
-        Ok(0.5 * settings.case.system.pitch())
+        Ok(settings.case.half_pitch())
     }
 
     fn with_errors(&self) -> Result<Vec<f64>, FitError> {
@@ -1076,8 +1090,10 @@ impl<'a> Search<'a> {
             // two cycles.
             Parameter::Key(Key::Offset | Key::OffsetAngle) => false,
             Parameter::Key(_) if parameter.is_work() => self.model.sticks && has_unloading,
-            // With adhesion there are no layers.
-            Parameter::Key(_) if parameter.is_thickness() => !self.model.sticks,
+            // On pillars with adhesion there are no layers.
+            Parameter::Key(_) if parameter.is_thickness() => {
+                !self.model.sticks || self.model.is_flat()
+            }
             Parameter::Key(_) => true,
             // A tilted base line is rare, and mistaken for other parameters.
             Parameter::ForceSlope => false,
@@ -1256,7 +1272,7 @@ impl<'a> Search<'a> {
             scatter: self.scatters(),
             rows: self.rows(),
             limits: match &solved {
-                Some((_, cycle)) => cycle.turn.limits(None),
+                Some((_, cycle)) => cycle.limits(),
                 None => self.limits(&settings)?,
             },
             not_modelled: self.not_modelled(),
@@ -1272,6 +1288,7 @@ impl<'a> Search<'a> {
             starts: Vec::new(),
             solutions: self.model.solved() + self.solved.get(),
             cycle: solved.map(|(_, cycle)| cycle),
+            method: settings.case.method_name(),
             pull_off,
             file: self.model.file(&self.unknowns),
             termination,
@@ -1521,10 +1538,7 @@ impl<'a> Search<'a> {
         if deepest <= 0.0 {
             return Ok(Vec::new());
         }
-        Ok(self
-            .model
-            .contact(&settings.case, Load::Indentation(deepest))?
-            .limits(None))
+        self.model.limits(settings, deepest)
     }
 
     fn not_modelled(&self) -> Vec<(u64, String)> {
@@ -1537,16 +1551,15 @@ impl<'a> Search<'a> {
     fn pull_off(
         &self,
         settings: &model::Settings,
-        cycle: &Cycle,
+        cycle: &FittedCycle,
     ) -> Result<Option<FittedPullOff>, FitError> {
         /// Step of the logarithm of the work of adhesion for the derivative of the pull-off force.
         const STEP: f64 = 0.1;
-        let (Some(measured), Some(pull_off)) =
-            (self.model.measured_pull(settings), &cycle.pull_off)
+        let (Some(measured), Some([computed, model_error])) =
+            (self.model.measured_pull(settings), cycle.pull_off())
         else {
             return Ok(None);
         };
-        let model_error = cycle.errors.pull_off_force.model();
         let works = [Key::RecedingWorkOfAdhesion, Key::WorkOfAdhesion];
         let is_free = |key: &Key| self.model.free.contains(&Parameter::Key(*key));
         let mut work_error = None;
@@ -1556,22 +1569,22 @@ impl<'a> Search<'a> {
             let mut file = self.model.file(&self.unknowns);
             file.set_number(key, work * STEP.exp());
             let more = model::Settings {
-                case: file.case()?,
+                case: subject::Subject::of(&file)?,
                 ..settings.clone()
             };
             let more = match self.model.cycle(&more) {
-                Ok(more) => more.and_then(|(_, cycle)| cycle.pull_off),
+                Ok(more) => more.and_then(|(_, cycle)| cycle.pull_off()),
                 Err(error) if error.is_interruption() => return Err(error),
                 Err(_) => None,
             };
-            let power = more.map(|more| (more.force / pull_off.force).ln() / STEP);
+            let power = more.map(|[more, _]| (more / computed).ln() / STEP);
             work_error = power
                 .filter(|power| *power > 0.0)
                 .map(|power| model_error / power);
         }
         Ok(Some(FittedPullOff {
             measured: measured - settings.force_offset,
-            computed: pull_off.force,
+            computed,
             model_error,
             work_error,
         }))

@@ -7,11 +7,12 @@ use super::measurements::{Measurement, Measurements, Position};
 use super::options::FitOptions;
 use super::parameter::Parameter;
 use super::radius::smooth_radius;
+use super::subject::{FittedCycle, Subject, with_some_adhesion};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, UnloadingPoint};
-use fakir::state::{Branch, ContactState, Cycle, Gradient, Run, Solution, SolveError};
-use fakir_case::{Case, CaseFile, Key};
+use fakir::state::{Branch, Gradient, Limit, Run, Solution, SolveError};
+use fakir_case::{Case, CaseFile, FlatCase, Key};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -112,7 +113,7 @@ pub(super) struct Derivatives {
 /// Values that correspond to a set of unknowns.
 #[derive(Debug, Clone)]
 pub(super) struct Settings {
-    pub(super) case: Case,
+    pub(super) case: Subject,
     /// Contact point, m.
     pub(super) contact_point: f64,
     /// Machine compliance, m/N.
@@ -174,7 +175,7 @@ pub(super) enum RangeEnd {
 }
 
 /// Valid cases on both sides of a set of unknowns, and their distances in one of the unknowns.
-type Sides = [Option<(Case, f64)>; 2];
+type Sides = [Option<(Subject, f64)>; 2];
 
 pub(super) struct Model<'a> {
     file: CaseFile,
@@ -209,9 +210,9 @@ impl<'a> Model<'a> {
         options: &FitOptions,
         run: &Run<'a>,
     ) -> Result<Self, FitError> {
-        let case = file.case()?;
+        let case = Subject::of(file)?;
         let wants_radius = data.rows().iter().any(|row| row.contact_radius.is_some());
-        let sticks = !case.system.adhesion().is_none() || free.iter().any(|free| free.is_work());
+        let sticks = !case.adhesion().is_none() || free.iter().any(|free| free.is_work());
         if sticks {
             data.check_cycles()?;
         }
@@ -327,6 +328,11 @@ impl<'a> Model<'a> {
         scales.collect()
     }
 
+    /// Whether the surface is flat.
+    pub(super) fn is_flat(&self) -> bool {
+        matches!(self.start.case, Subject::Flat(_))
+    }
+
     /// Whether it is the thickness of a half-space.
     pub(super) fn is_endless(&self, parameter: Parameter) -> bool {
         matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && self.start.case.setting(key).is_none())
@@ -340,8 +346,7 @@ impl<'a> Model<'a> {
             Some((row, moment)) => self.row_state(&self.start, row, *moment)?.contact_radius,
             None => 0.0,
         };
-        let least = 0.5 * self.start.case.system.pillar().diameter;
-        Ok(larger(radius, least))
+        Ok(larger(radius, self.start.case.least_radius()))
     }
 
     /// Displacement of a row from that of the first row, m; 0 without displacements.
@@ -396,7 +401,7 @@ impl<'a> Model<'a> {
         };
         let given = self.start.case.number(key).filter(|work| *work > 0.0);
         let parts_by_another =
-            key == Key::WorkOfAdhesion && self.start.case.system.adhesion().work_receding.is_some();
+            key == Key::WorkOfAdhesion && self.start.case.adhesion().work_receding.is_some();
         let pull = self
             .measured_pull(&self.start)
             .map(|force| force - self.start.force_offset);
@@ -410,7 +415,7 @@ impl<'a> Model<'a> {
             };
         };
         let least = match key {
-            Key::RecedingWorkOfAdhesion => self.start.case.system.adhesion().work,
+            Key::RecedingWorkOfAdhesion => self.start.case.adhesion().work,
             _ => 0.0,
         };
         let mut work = given.unwrap_or(GUESS).max(least);
@@ -421,11 +426,9 @@ impl<'a> Model<'a> {
                     self.file.set_number(*key, work);
                 }
             }
-            self.start.case = self.file.case()?;
-            let computed = match self.cycle(&self.start)? {
-                Some((_, cycle)) => cycle.pull_off.map_or(0.0, |pull_off| pull_off.force),
-                None => 0.0,
-            };
+            self.start.case = Subject::of(&self.file)?;
+            let pull_off = self.cycle(&self.start)?.and_then(|(_, cycle)| cycle.pull_off());
+            let computed = pull_off.map_or(0.0, |[force, _]| force);
             let ratio = (pull / computed).clamp(0.01, 100.0);
             if within(ratio.ln().abs(), NEAR) {
                 break;
@@ -549,7 +552,7 @@ impl<'a> Model<'a> {
         let Scale::FromZero(unit) = self.scales[number] else {
             return [f64::NEG_INFINITY, f64::INFINITY];
         };
-        let adhesion = self.start.case.system.adhesion();
+        let adhesion = self.start.case.adhesion();
         let other = |key: Key, given: Option<f64>| match self.place(key) {
             Some(place) => Some(unknowns[place]),
             None => Some(unknown_of(given? / unit)),
@@ -638,7 +641,7 @@ impl<'a> Model<'a> {
 
     pub(super) fn settings(&self, unknowns: &[f64]) -> Result<Settings, FitError> {
         let mut settings = Settings {
-            case: self.file(unknowns).case()?,
+            case: Subject::of(&self.file(unknowns))?,
             ..self.start.clone()
         };
         for (number, unknown) in unknowns.iter().enumerate() {
@@ -663,6 +666,9 @@ impl<'a> Model<'a> {
     /// of at least the given fraction of the range of the loads.
     pub(super) fn states(&self, unknowns: &[f64], stretch: f64) -> Result<Vec<State>, FitError> {
         let settings = self.settings(unknowns)?;
+        if let Subject::Flat(case) = &settings.case {
+            return self.states_on_flat(case, &settings, stretch * self.load_range());
+        }
         if self.sticks {
             return self.states_of_cycle(&settings, stretch * self.load_range());
         }
@@ -684,24 +690,16 @@ impl<'a> Model<'a> {
     }
 
     /// The cycle up to the largest measured load, with its curve; `None` if that load is before contact.
-    pub(super) fn cycle(&self, settings: &Settings) -> Result<Option<(Curve, Cycle)>, FitError> {
+    pub(super) fn cycle(
+        &self,
+        settings: &Settings,
+    ) -> Result<Option<(Curve, FittedCycle)>, FitError> {
         let position = self.data.position();
-        let rows = self.data.rows().iter().zip(&self.moments);
-        let loads = rows.map(|(row, moment)| settings.load(position, load_of(row), *moment));
-        let largest = loads.fold(f64::NEG_INFINITY, f64::max);
+        let largest = self.largest_load(settings);
         if largest <= 0.0 {
             return Ok(None);
         }
-        let compliance = match position {
-            Position::Displacement => settings.machine_compliance,
-            _ => 0.0,
-        };
-        let mut system = settings.case.system.clone();
-        if system.adhesion().is_none() {
-            // A cycle requires adhesion; the smallest possible work has no visible effect.
-            let least = Adhesion::new(Adhesion::SMALLEST_WORK);
-            system = system.with_adhesion(least).map_err(SolveError::from)?;
-        }
+        let compliance = self.compliance(settings);
         let solve =
             |turn: UnloadingPoint, drive: LoadingMode, retract: bool| -> Result<_, SolveError> {
                 let plan = CyclePlan {
@@ -710,7 +708,7 @@ impl<'a> Model<'a> {
                     retract,
                 };
                 self.solved.fetch_add(1, Ordering::Relaxed);
-                let cycle = fakir::cycle(&system, plan, settings.case.method, &self.single)?;
+                let cycle = settings.case.cycle(plan, &self.single)?;
                 Ok((Curve::new(&cycle, compliance), cycle))
             };
         let retract = self.branches.contains(&Branch::Unloading);
@@ -738,6 +736,108 @@ impl<'a> Model<'a> {
         Ok(Some(solved?))
     }
 
+    /// Largest load in the measurements, minus the contributions of the instrument.
+    fn largest_load(&self, settings: &Settings) -> f64 {
+        let rows = self.data.rows().iter().zip(&self.moments);
+        let position = self.data.position();
+        let loads = rows.map(|(row, moment)| settings.load(position, load_of(row), *moment));
+        loads.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Compliance between the measured position and the lens, m/N.
+    fn compliance(&self, settings: &Settings) -> f64 {
+        match self.data.position() {
+            Position::Displacement => settings.machine_compliance,
+            Position::Indentation | Position::None => 0.0,
+        }
+    }
+
+    /// The states on a flat surface. Its curve has no jumps but that at the end of the unloading: only rows next to that are compared with a line through
+    /// an interval of the curve.
+    fn states_on_flat(
+        &self,
+        case: &FlatCase,
+        settings: &Settings,
+        least_stretch: f64,
+    ) -> Result<Vec<State>, FitError> {
+        /// Relative step of the load for slopes.
+        const STEP: f64 = 1e-3;
+        let position = self.data.position();
+        let compliance = self.compliance(settings);
+        let mode = match position {
+            Position::None => LoadingMode::Force,
+            _ if compliance == 0.0 => LoadingMode::Displacement,
+            _ => LoadingMode::Machine(compliance.recip()),
+        };
+        let system = if self.sticks {
+            with_some_adhesion(&case.system).map_err(SolveError::from)?
+        } else {
+            case.system.clone()
+        };
+        let largest = self.largest_load(settings);
+        let branches = system.branches(mode, largest, &self.single)?;
+        self.solved.fetch_add(1, Ordering::Relaxed);
+        let needs_slopes = {
+            let mut rows = self.data.rows().iter();
+            rows.any(|row| row.position.or(row.force).is_some_and(|load| load.error.is_some()))
+        };
+        let mut curve = None;
+        let mut states = Vec::with_capacity(self.branches.len());
+        for (number, row) in self.data.rows().iter().enumerate() {
+            let (branch, moment) = (self.branches[number], self.moments[number]);
+            let load = settings.load(position, load_of(row), moment);
+            let step = match branches.at(branch, load).map_err(FitError::Solve) {
+                Ok(step) => step,
+                Err(error) if error.is_out_of_reach() => {
+                    states.push(State {
+                        problem: Some(error.to_string()),
+                        ..State::without_contact(f64::NAN)
+                    });
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
+            let mut state = State {
+                force: step.force,
+                read_force: step.force,
+                contact_radius: step.contact_radius,
+                smooth_radius: step.contact_radius,
+                ..State::without_contact(step.indentation)
+            };
+            if needs_slopes {
+                let reach = STEP * largest.abs();
+                let [below, above] = [-reach, reach].map(|step| branches.at(branch, load + step));
+                if let (Ok(below), Ok(above)) = (below, above) {
+                    state.slopes = [
+                        (above.force - below.force) / (2.0 * reach),
+                        (above.contact_radius - below.contact_radius) / (2.0 * reach),
+                    ];
+                }
+            }
+            let stretch = larger(self.stretches[number], least_stretch);
+            let is_at_end = |end: f64| (load - end).abs() < 0.5 * stretch;
+            if branch == Branch::Unloading && branches.end().is_some_and(is_at_end) {
+                let curve = match &mut curve {
+                    Some(curve) => curve,
+                    None => {
+                        let solved = self.cycle(settings)?;
+                        curve.insert(solved.map_or_else(Curve::nothing, |(curve, _)| curve))
+                    }
+                };
+                let average = curve.average(branch, load, stretch);
+                state.read_force = average.force;
+                state.force_variance = average.force_variance;
+                state.smooth_radius = average.contact_radius;
+                state.slopes = [average.force_slope, average.radius_slope];
+                state.sharing = larger(2.0 * stretch / self.stretches[number], 1.0)
+                    .min(self.branches.len() as f64);
+            }
+            state.read_force += settings.base_line(moment, self.travel(row));
+            states.push(state);
+        }
+        Ok(states)
+    }
+
     fn states_of_cycle(
         &self,
         settings: &Settings,
@@ -752,8 +852,8 @@ impl<'a> Model<'a> {
         let end = cycle
             .and(curve.turn())
             .map_or(f64::INFINITY, |turn| turn.position);
-        let critical = cycle.and_then(|cycle| cycle.critical.as_ref());
-        let deepest = critical.map_or(f64::INFINITY, |state| state.contact.indentation);
+        let deepest = cycle.and_then(FittedCycle::critical_indentation);
+        let deepest = deepest.unwrap_or(f64::INFINITY);
         let state = |(number, row): (usize, &Measurement)| {
             let branch = self.branches[number];
             let moment = self.moments[number];
@@ -779,7 +879,7 @@ impl<'a> Model<'a> {
                 smooth_radius: average.contact_radius,
                 smallest_floor_gap: None,
                 past_transition: is_beyond(position, end) || is_beyond(place.indentation, deepest),
-                converged: cycle.is_none_or(Cycle::converged),
+                converged: cycle.is_none_or(FittedCycle::converged),
                 problem: None,
             }
         };
@@ -877,10 +977,7 @@ impl<'a> Model<'a> {
     ) -> Result<State, FitError> {
         let position = self.data.position();
         let target = settings.load(position, reading, moment);
-        let compliance = match position {
-            Position::Displacement => settings.machine_compliance,
-            _ => 0.0,
-        };
+        let compliance = self.compliance(settings);
         let solve = |zeta: f64| self.solve(&settings.case, Load::Indentation(zeta));
         if compliance == 0.0 || target <= 0.0 {
             return Ok(solve(target)?);
@@ -916,31 +1013,52 @@ impl<'a> Model<'a> {
         }
     }
 
-    fn solve(&self, case: &Case, load: Load) -> Result<State, SolveError> {
+    fn solve(&self, case: &Subject, load: Load) -> Result<State, SolveError> {
         if let Load::Indentation(zeta) = load
             && zeta <= 0.0
         {
             return Ok(State {
-                smallest_floor_gap: Some(case.system.pillar().height - zeta),
+                smallest_floor_gap: case.gap_before_contact(zeta),
                 ..State::without_contact(zeta)
             });
         }
-        let contact = self.contact(case, load)?;
-        Ok(State {
-            force: contact.force,
-            read_force: contact.force,
-            contact_radius: contact.contact_radius,
-            smooth_radius: smooth_radius(&contact),
-            smallest_floor_gap: Some(contact.smallest_floor_gap),
-            past_transition: contact.smallest_floor_gap < 0.0,
-            converged: contact.is_answer(),
-            ..State::without_contact(contact.indentation)
-        })
+        self.solved.fetch_add(1, Ordering::Relaxed);
+        match case {
+            Subject::Pillars(case) => {
+                let contact = fakir::press(&case.system, load, case.method, &self.single)?;
+                Ok(State {
+                    force: contact.force,
+                    read_force: contact.force,
+                    contact_radius: contact.contact_radius,
+                    smooth_radius: smooth_radius(&contact),
+                    smallest_floor_gap: Some(contact.smallest_floor_gap),
+                    past_transition: contact.smallest_floor_gap < 0.0,
+                    converged: contact.is_answer(),
+                    ..State::without_contact(contact.indentation)
+                })
+            }
+            Subject::Flat(case) => {
+                let contact = case.system.press(load, &self.single)?;
+                Ok(State {
+                    force: contact.force,
+                    read_force: contact.force,
+                    contact_radius: contact.contact_radius,
+                    smooth_radius: contact.contact_radius,
+                    converged: contact.is_answer(),
+                    ..State::without_contact(contact.indentation)
+                })
+            }
+        }
     }
 
-    pub(super) fn contact(&self, case: &Case, load: Load) -> Result<ContactState, SolveError> {
+    /// Limits of the model at an indentation, m.
+    pub(super) fn limits(
+        &self,
+        settings: &Settings,
+        indentation: f64,
+    ) -> Result<Vec<Limit>, FitError> {
         self.solved.fetch_add(1, Ordering::Relaxed);
-        fakir::press(&case.system, load, case.method, &self.single)
+        settings.case.limits(Load::Indentation(indentation), &self.single)
     }
 
     /// Derivatives at fixed indentation, and from these at fixed reading: with `F' = dF/dzeta` and `C` the machine compliance, `dzeta =
@@ -952,14 +1070,15 @@ impl<'a> Model<'a> {
         states: &[State],
         stretch: f64,
     ) -> Result<Vec<Derivatives>, FitError> {
-        if self.sticks {
-            return self.derivatives_of_cycle(unknowns, states, stretch);
-        }
         let settings = self.settings(unknowns)?;
-        let by_key = ByKey::new(&self.file(unknowns), &settings.case)?;
+        let pillars = match &settings.case {
+            Subject::Pillars(case) if !self.sticks => case,
+            _ => return self.derivatives_of_cycle(unknowns, states, stretch),
+        };
+        let by_key = ByKey::new(&self.file(unknowns), pillars)?;
         let mut cases = Vec::new();
         for (number, parameter) in self.free.iter().enumerate() {
-            let side = |step: f64| -> Option<(Case, f64)> {
+            let side = |step: f64| -> Option<(Subject, f64)> {
                 let mut moved = unknowns.to_vec();
                 moved[number] += step;
                 // There is no body thicker than the half-space.
@@ -987,7 +1106,7 @@ impl<'a> Model<'a> {
                 Some(_) => Load::Indentation(state.indentation),
                 None => Load::Force(state.force),
             };
-            let gradient = self.gradient(&settings.case, load, state)?;
+            let gradient = self.gradient(pillars, load, state)?;
             let along = match &gradient {
                 Some(gradient) => self.with_radius(gradient.stiffness, || {
                     self.along_load(&settings.case, load, state)
@@ -1087,7 +1206,7 @@ impl<'a> Model<'a> {
         Ok([force, radius])
     }
 
-    /// Derivatives by central differences of whole cycles.
+    /// Derivatives by central differences of all states: of whole cycles, and on a flat surface.
     fn derivatives_of_cycle(
         &self,
         unknowns: &[f64],
@@ -1150,7 +1269,7 @@ impl<'a> Model<'a> {
 
     /// Derivatives of force and smooth contact radius with respect to the load, at the state under
     /// it.
-    fn along_load(&self, case: &Case, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
+    fn along_load(&self, case: &Subject, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
         let value = value_of(load);
         if value <= 0.0 {
             return Ok([0.0; 2]);
@@ -1161,7 +1280,7 @@ impl<'a> Model<'a> {
 
     /// Derivatives of force and smooth contact radius between two cases, at the state under the load.
     fn between(&self, sides: &Sides, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
-        let side = |side: &Option<(Case, f64)>| match side {
+        let side = |side: &Option<(Subject, f64)>| match side {
             Some((case, away)) => self.side(case, load, *away),
             None => Ok(None),
         };
@@ -1170,7 +1289,12 @@ impl<'a> Model<'a> {
     }
 
     /// A state on one side of another, at a given distance; `None` outside the model.
-    fn side(&self, case: &Case, load: Load, away: f64) -> Result<Option<(State, f64)>, SolveError> {
+    fn side(
+        &self,
+        case: &Subject,
+        load: Load,
+        away: f64,
+    ) -> Result<Option<(State, f64)>, SolveError> {
         match self.solve(case, load) {
             Ok(state) => Ok(Some((state, away))),
             Err(SolveError::Interrupted) => Err(SolveError::Interrupted),

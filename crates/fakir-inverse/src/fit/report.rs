@@ -1,14 +1,12 @@
 //! A fit as a JSON object, as a table and as warnings, for command line and Python package.
 
 use super::{
-    Estimate, Fit, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit, Parameter, Position,
+    Estimate, Fit, FittedCycle, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit, Parameter, Position,
     Quantity, ReadColumn, RunsTest, Scatter, Skipped,
 };
-use fakir::problem::Method;
 use fakir::state::Termination;
 use fakir_case::unit::format_quantity;
 use fakir_study::record::LimitObject;
-use fakir_study::result::cycle_warnings;
 use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -79,7 +77,7 @@ impl Fit {
                 out.len()
             )),
         }
-        warnings.extend(self.cycle.as_ref().map_or(Vec::new(), cycle_warnings));
+        warnings.extend(self.cycle.as_ref().map_or(Vec::new(), FittedCycle::warnings));
         let unsolved = self.rows.iter().filter(|row| !row.converged).count();
         if unsolved > 0 {
             warnings.push(format!(
@@ -354,10 +352,10 @@ struct UndeterminedJson {
 impl FitSummary {
     /// Summary of a fit.
     #[must_use]
-    pub fn new(data: &Measurements, method: Method, fitted: &Fit, wall_time: f64) -> Self {
+    pub fn new(data: &Measurements, fitted: &Fit, wall_time: f64) -> Self {
         let of_displacement = data.position() == Position::Displacement;
         Self {
-            method: method.name(),
+            method: fitted.method,
             parameters: fitted.estimates.iter().map(estimate_json).collect(),
             correlation: fitted.correlation.clone(),
             undetermined: fitted

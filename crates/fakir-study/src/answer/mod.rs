@@ -96,13 +96,34 @@ pub fn answer<'a>(
     }
 }
 
-/// The method of a case in words, and what is to be cited for its answers.
+/// A case in words, for reports.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Described {
+    /// The case and the method, a line each.
+    pub lines: [String; 2],
+    /// The method, for the provenance.
+    pub method: String,
+    /// The method, for what is to be cited.
+    pub cited_as: String,
+    /// What is to be cited.
+    pub topics: Vec<Topic>,
+    /// The case as a case file.
+    pub text: String,
+}
+
+/// Describes a case in words.
 ///
 /// # Errors
 /// [`CaseError`] for a general surface that cannot be read or drawn.
-pub fn cited(case: &AnyCase) -> Result<(String, Vec<Topic>), CaseError> {
-    fn of(case: &impl Kind) -> (String, Vec<Topic>) {
-        (case.cited_as(), case.topics(None))
+pub fn described(case: &AnyCase) -> Result<Described, CaseError> {
+    fn of(case: &impl Kind) -> Described {
+        Described {
+            lines: case.lines(),
+            method: case.method(),
+            cited_as: case.cited_as(),
+            topics: case.topics(None),
+            text: case.text(),
+        }
     }
     Ok(match case {
         AnyCase::Pillars(case) => of(&**case),

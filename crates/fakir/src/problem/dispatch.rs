@@ -678,13 +678,6 @@ static RULES: &[Rule] = &[
         "use `press`, which states the error",
     ),
     rule(
-        &[Question::Fit],
-        FLAT,
-        &[],
-        "fits are those of contacts with pillars",
-        "use `approach` and `sweep`",
-    ),
-    rule(
         &[Question::Explore],
         FLAT,
         &[],

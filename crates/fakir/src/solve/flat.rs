@@ -321,17 +321,9 @@ impl<'a> Bench<'a> {
             Prescribed::Indentation(value) => (Driver::Indentation, value),
             Prescribed::Force(value) => (Driver::Force, value),
         };
-        if let Probe::Punch { radius, .. } = self.system.probe() {
-            self.check_punch(*radius)?;
-            if target <= 0.0 && work <= 0.0 {
-                return Ok(None);
-            }
-            let unit = self.held(*radius, 1.0);
-            let indentation = match driver {
-                Driver::Force => target / unit.force,
-                Driver::Indentation | Driver::Machine(_) => target,
-            };
-            return Ok(Some(self.held(*radius, indentation)));
+        if let Some(radius) = self.punch()? {
+            let is_pressed = target > 0.0 || work > 0.0;
+            return Ok(is_pressed.then(|| self.pinned(driver, target, radius)));
         }
         if target <= 0.0 && work <= 0.0 {
             return Ok(None);
@@ -340,11 +332,26 @@ impl<'a> Bench<'a> {
         self.meet(driver, target, work, from)
     }
 
-    fn check_punch(&self, radius: f64) -> Result<(), SolveError> {
-        if radius > self.largest() {
-            return Err(self.exceeded());
+    /// The radius of a punch; none of a lens.
+    fn punch(&self) -> Result<Option<f64>, SolveError> {
+        match self.system.probe() {
+            Probe::Punch { radius, .. } if *radius > self.largest() => Err(self.exceeded()),
+            Probe::Punch { radius, .. } => Ok(Some(*radius)),
+            Probe::Lens(_) => Ok(None),
         }
-        Ok(())
+    }
+
+    /// The contact of a radius at which the driver has a value. With a fixed rim the force is linear in the indentation.
+    fn pinned(&self, driver: Driver, target: f64, radius: f64) -> Settled {
+        let level = self.held(radius, 0.0);
+        let indentation = match driver {
+            Driver::Indentation => target,
+            Driver::Force => (target - level.force) / level.punch,
+            Driver::Machine(compliance) => {
+                (target - compliance * level.force) / (1.0 + compliance * level.punch)
+            }
+        };
+        self.held(radius, indentation)
     }
 
     fn contact(&self, state: &Settled, work: f64) -> FlatContact {
@@ -498,6 +505,19 @@ impl FlatSystem {
         distances.iter().map(at).collect()
     }
 
+    /// The branches of a cycle whose loading ends at `turn`, for contacts at given loads: see [`FlatBranches`].
+    ///
+    /// # Errors
+    /// As [`press`](Self::press).
+    pub fn branches<'a>(
+        &'a self,
+        mode: LoadingMode,
+        turn: f64,
+        run: &'a Run<'a>,
+    ) -> Result<FlatBranches<'a>, SolveError> {
+        FlatBranches::new(self, Driver::from(mode), turn, run)
+    }
+
     /// Loading and unloading with adhesion.
     ///
     /// The lens touches, jumps into contact, is pressed to the end of loading and, if the plan says so, withdrawn: with a larger receding work of adhesion the rim
@@ -518,6 +538,140 @@ impl FlatSystem {
     }
 }
 
+/// The branches of a cycle: the loading to a turn, and the unloading from there. Without adhesion both are the same curve.
+///
+/// The turn and the loads are what the loading mode prescribes: indentations `zeta` (m), forces (N), or with a machine of stiffness `k` displacements
+/// `zeta + F/k` (m). A [`FlatCycle`] has the curve at equal steps of the contact radius; here any load has its contact to all digits.
+pub struct FlatBranches<'a> {
+    bench: Bench<'a>,
+    run: &'a Run<'a>,
+    driver: Driver,
+    punch: Option<f64>,
+    /// Smallest radius of a lens on loading.
+    least: f64,
+    unloading: Option<Receding>,
+}
+
+/// The unloading of a contact with adhesion.
+struct Receding {
+    /// Radius at the end of the loading, at which the rim stays at first.
+    radius: f64,
+    /// What the driver has where the rim begins to move, and where the contact ends.
+    moves: f64,
+    ends: f64,
+    /// Smallest radius.
+    least: f64,
+}
+
+impl<'a> FlatBranches<'a> {
+    fn new(
+        system: &'a FlatSystem,
+        driver: Driver,
+        turn: f64,
+        run: &'a Run<'a>,
+    ) -> Result<Self, SolveError> {
+        run.check_cancelled()?;
+        let bench = Bench::new(system, 1.0);
+        let punch = bench.punch()?;
+        let adhesion = system.adhesion();
+        let least = match punch {
+            Some(_) => 0.0,
+            None => bench.detachment(driver, adhesion.work)?,
+        };
+        let mut branches = Self {
+            bench,
+            run,
+            driver,
+            punch,
+            least,
+            unloading: None,
+        };
+        if !adhesion.is_none()
+            && let Some(turn) = branches.loaded(turn)?
+        {
+            branches.unloading = Some(branches.receding(&turn)?);
+        }
+        Ok(branches)
+    }
+
+    fn receding(&self, turn: &Settled) -> Result<Receding, SolveError> {
+        let (bench, work) = (&self.bench, self.bench.system.adhesion().receding());
+        let start = bench.at(turn.radius, work);
+        let least = match self.punch {
+            Some(radius) => radius,
+            None => smaller(bench.detachment(self.driver, work)?, turn.radius),
+        };
+        Ok(Receding {
+            radius: turn.radius,
+            moves: self.driver.of(&start),
+            ends: self.driver.of(&bench.at(least, work)),
+            least,
+        })
+    }
+
+    /// The contact on loading; none where there is none.
+    fn loaded(&self, load: f64) -> Result<Option<Settled>, SolveError> {
+        let work = self.bench.system.adhesion().work;
+        // An adhesive lens jumps into contact where it touches.
+        if load < 0.0 || load <= 0.0 && work <= 0.0 {
+            return Ok(None);
+        }
+        match self.punch {
+            Some(radius) => Ok(Some(self.bench.pinned(self.driver, load, radius))),
+            None => self.bench.meet(self.driver, load, work, self.least),
+        }
+    }
+
+    /// Where the contact ends on unloading, as a load; none without adhesion or if the turn is before contact.
+    #[must_use]
+    pub fn end(&self) -> Option<f64> {
+        self.unloading.as_ref().map(|receding| receding.ends)
+    }
+
+    /// The same on unloading.
+    fn unloaded(&self, load: f64) -> Result<Option<Settled>, SolveError> {
+        let Some(receding) = &self.unloading else {
+            // Without adhesion both branches are the same.
+            return if self.bench.system.adhesion().is_none() {
+                self.loaded(load)
+            } else {
+                Ok(None)
+            };
+        };
+        if load >= receding.moves {
+            let pinned = self.bench.pinned(self.driver, load, receding.radius);
+            return Ok(Some(pinned));
+        }
+        if load < receding.ends || self.punch.is_some() {
+            return Ok(None);
+        }
+        let work = self.bench.system.adhesion().receding();
+        self.bench.meet(self.driver, load, work, receding.least)
+    }
+
+    /// The contact at a load on a branch. Without contact its force and radius are 0.
+    ///
+    /// # Errors
+    /// A contact too large for the lens, its table of heights or a layer, or interruption.
+    pub fn at(&self, branch: Branch, load: f64) -> Result<FlatLoadStep, SolveError> {
+        self.run.check_cancelled()?;
+        let state = match branch {
+            Branch::Loading => self.loaded(load),
+            Branch::Unloading => self.unloaded(load),
+        }?;
+        let apart = match self.driver {
+            Driver::Force => 0.0,
+            Driver::Indentation | Driver::Machine(_) => load,
+        };
+        Ok(FlatLoadStep {
+            branch,
+            indentation: state.map_or(apart, |state| state.indentation),
+            force: state.map_or(0.0, |state| state.force),
+            contact_radius: state.map_or(0.0, |state| state.radius),
+        })
+    }
+}
+
 /// The contacts at which a cycle changes, at a resolution, and its curve.
 struct Path<'a, 'b> {
     bench: &'b Bench<'a>,
@@ -532,15 +686,9 @@ impl<'a, 'b> Path<'a, 'b> {
     fn new(bench: &'b Bench<'a>, plan: &CyclePlan) -> Result<Self, SolveError> {
         let work = bench.system.adhesion().work;
         let driver = Driver::from(plan.drive);
-        let punch = match bench.system.probe() {
-            Probe::Punch { radius, .. } => Some(*radius),
-            Probe::Lens(_) => None,
-        };
+        let punch = bench.punch()?;
         let jump = match punch {
-            Some(radius) => {
-                bench.check_punch(radius)?;
-                bench.held(radius, 0.0)
-            }
+            Some(radius) => bench.held(radius, 0.0),
             None => {
                 let from = bench.detachment(driver, work)?;
                 bench
@@ -556,10 +704,7 @@ impl<'a, 'b> Path<'a, 'b> {
             UnloadingPoint::Force(value) => (Driver::Force, value),
         };
         let turn = match punch {
-            Some(radius) => match by {
-                Driver::Force => bench.held(radius, target / bench.held(radius, 1.0).force),
-                _ => bench.held(radius, target),
-            },
+            Some(radius) => bench.pinned(by, target, radius),
             None if by.of(&jump) >= target => jump,
             None => bench.meet(by, target, work, jump.radius)?.unwrap_or(jump),
         };

@@ -12,7 +12,7 @@ pub mod collapsed_floor;
 pub(crate) mod control;
 pub mod elements;
 pub(crate) mod estimate;
-pub(crate) mod flat;
+pub mod flat;
 pub(crate) mod floor;
 mod floor_start;
 pub(crate) mod gradient;

@@ -473,3 +473,82 @@ fn loads_that_cannot_be_are_refused() {
         Err(SolveError::Interrupted)
     ));
 }
+
+/// Contacts at loads: on loading those of `press` and of the closed form of JKR, on unloading those of the curve of the cycle, and none beyond its end. With
+/// a machine the displacement is that of its spring.
+#[test]
+fn contacts_at_loads_are_on_the_curve() {
+    let system = sticky(paraboloid());
+    let modulus = system.reduced_modulus();
+    let run = Run::default();
+    let branches = system
+        .branches(LoadingMode::Displacement, 10e-6, &run)
+        .unwrap();
+    for indentation in [0.0, 3e-6, 10e-6] {
+        let contact = pressed(&system, Load::Indentation(indentation));
+        for branch in [Branch::Loading, Branch::Unloading] {
+            let found = branches.at(branch, indentation).unwrap();
+            close(found.force, contact.force, 1e-9);
+            let jkr = sticky_sphere(modulus, RADIUS, WORK, found.contact_radius);
+            close(found.force, jkr.force, 1e-9);
+        }
+    }
+    let last = sphere_pull_off_by_displacement(modulus, RADIUS, WORK).indentation;
+    close(branches.end().unwrap(), last, 1e-9);
+    let at = |load: f64, branch: Branch| branches.at(branch, load).unwrap();
+    assert!(at(0.99 * last, Branch::Unloading).force < 0.0);
+    assert_eq!(at(0.99 * last, Branch::Loading).contact_radius, 0.0);
+    let apart = at(1.01 * last, Branch::Unloading);
+    assert_eq!((apart.force, apart.indentation), (0.0, 1.01 * last));
+    let stiffness = 200.0;
+    let machine = LoadingMode::Machine(stiffness);
+    let driven = system.branches(machine, 12e-6, &run).unwrap();
+    for load in [1e-6, -1e-6] {
+        let found = driven.at(Branch::Unloading, load).unwrap();
+        close(found.indentation + found.force / stiffness, load, 1e-9);
+        let jkr = sticky_sphere(modulus, RADIUS, WORK, found.contact_radius);
+        close(found.force, jkr.force, 1e-9);
+    }
+    // With a larger receding work the rim stays at first: the force falls along the stiffness of a punch.
+    let adhesion = Adhesion {
+        work_receding: Some(4.0 * WORK),
+        ..Adhesion::new(WORK)
+    };
+    let system = paraboloid().with_adhesion(adhesion).unwrap();
+    let branches = system.branches(LoadingMode::Force, 1e-3, &run).unwrap();
+    let [turn, below] =
+        [1e-3, 0.9e-3].map(|force| branches.at(Branch::Unloading, force).unwrap());
+    assert_eq!(turn.contact_radius, below.contact_radius);
+    let slope = (turn.force - below.force) / (turn.indentation - below.indentation);
+    close(slope, 2.0 * modulus * turn.contact_radius, 1e-8);
+    // Without adhesion both branches are that of Hertz.
+    let hertz = paraboloid();
+    let branches = hertz
+        .branches(LoadingMode::Displacement, 1e-6, &run)
+        .unwrap();
+    let force = pressed(&hertz, Load::Indentation(0.4e-6)).force;
+    for branch in [Branch::Loading, Branch::Unloading] {
+        close(branches.at(branch, 0.4e-6).unwrap().force, force, 1e-10);
+        assert_eq!(branches.at(branch, -0.4e-6).unwrap().force, 0.0);
+    }
+    assert!(branches.end().is_none());
+}
+
+/// A punch at loads: linear, and none below Kendall's pull-off.
+#[test]
+fn a_punch_at_loads_is_linear_to_its_end() {
+    let punch = FlatSystem::punch(50e-6, GLASS, RUBBER).unwrap();
+    let system = sticky(punch);
+    let run = Run::default();
+    let branches = system.branches(LoadingMode::Force, 1e-3, &run).unwrap();
+    let stiffness = 2.0 * system.reduced_modulus() * 50e-6;
+    for force in [1e-3, -1e-4] {
+        let found = branches.at(Branch::Unloading, force).unwrap();
+        close(found.indentation, force / stiffness, 1e-10);
+    }
+    let pull_off = kendall_pull_off(system.reduced_modulus(), 50e-6, WORK);
+    close(branches.end().unwrap().abs(), pull_off.abs(), 1e-10);
+    let beyond = -1.001 * pull_off.abs();
+    let apart = branches.at(Branch::Unloading, beyond).unwrap();
+    assert_eq!(apart.contact_radius, 0.0);
+}
