@@ -97,7 +97,7 @@ impl CaseFile {
             return Err(pattern_and_surface(surface, pattern));
         }
         let mut given = self.entries.keys.keys().copied();
-        if let Some(key) = given.find(|key| !Part::OF_FLAT.contains(&key.part())) {
+        if let Some(key) = given.find(|key| !key.is_on_flat()) {
             let instead = match key.table() {
                 "method" => "leave it out: a flat surface has one method",
                 _ => "leave it out, or describe the pillars as a [pattern] or a [surface]",

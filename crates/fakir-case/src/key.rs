@@ -127,6 +127,12 @@ impl Key {
         )
     }
 
+    /// Whether cases with a flat surface have it.
+    #[must_use]
+    pub fn is_on_flat(self) -> bool {
+        Part::OF_FLAT.contains(&self.part())
+    }
+
     /// Whether it turns a half-space into a layer.
     #[must_use]
     pub fn is_of_layers(self) -> bool {

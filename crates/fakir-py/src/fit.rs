@@ -1,16 +1,16 @@
 //! Fits of measured curves.
 
 use crate::case::{Case, Described};
-use crate::flat::Flat;
 use crate::error::{fit_error, value_error, warn_of_former_name};
+use crate::flat::Flat;
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::state::Branch;
+use fakir_case::CaseFile;
 use fakir_inverse::fit::{
     Column, Fit, FitOptions, FitSummary, Hints, Measurements, NamedColumn, Parameter, Position,
     Quantity, Selection,
 };
-use fakir_case::CaseFile;
 use fakir_study::Table;
 use fakir_study::result::json;
 use numpy::{PyArray1, PyReadonlyArray1};

@@ -6,8 +6,8 @@ use crate::numbers::{DIGITS, digits, significant, with_unit};
 use crate::session::Session;
 use fakir::problem::Question;
 use fakir::state::Branch;
-use fakir_case::unit::Dimension;
 use fakir_case::CaseFile;
+use fakir_case::unit::Dimension;
 use fakir_figure::{Figure, FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 use fakir_inverse::fit::{
     CurvePoint, Estimate, Fit, FitSummary, FittedPullOff, FittedRow, Measurements, Parameter,

@@ -28,6 +28,9 @@ pub enum FitError {
     /// A parameter that cannot be fitted.
     #[error("{} cannot be fitted: give one of {}", .0.name(), parameter_names())]
     NotFree(Parameter),
+    /// A parameter that only surfaces with pillars have.
+    #[error("{} cannot be fitted: the case has no [pattern], and a flat surface has no such key", .0.name())]
+    NotOnFlat(Parameter),
     /// A parameter without an initial value in the case.
     #[error("{} is not in the case: give it there, for the fit to begin with", .0.name())]
     NotGiven(Parameter),

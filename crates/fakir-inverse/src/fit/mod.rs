@@ -43,6 +43,7 @@
 //! added column in a linear regression. For the thickness of a half-space the test is one-sided, in the inverse of the thickness, which cannot be
 //! negative. Rows whose error is mainly due to jumps are correlated and have no runs test.
 
+mod attachment;
 mod cells;
 mod column;
 mod curve;
@@ -419,7 +420,11 @@ impl<'a> Model<'a> {
     where
         'a: 'm,
     {
-        let stages = if self.sticks { &STRETCHES[..] } else { &[0.0] };
+        let stages = if self.sticks && !self.is_flat() {
+            &STRETCHES[..]
+        } else {
+            &[0.0]
+        };
         let mut search = Search::new(self, unknowns, stages[0])?;
         let mut termination = search.run(run)?;
         for stretch in &stages[1..] {
@@ -448,6 +453,12 @@ fn check(
         if free[..number].contains(parameter) {
             return Err(FitError::Twice(*parameter));
         }
+        if let Parameter::Key(key) = parameter
+            && file.is_flat()
+            && !key.is_on_flat()
+        {
+            return Err(FitError::NotOnFlat(*parameter));
+        }
         if parameter.is_of_displacement() && data.position() != Position::Displacement {
             return Err(FitError::NoDisplacement {
                 name: data.name().to_owned(),
@@ -463,9 +474,7 @@ fn check(
         }
         // On a flat surface the lens is pulled from the first contact on, and adhesion shows on loading too.
         let shows_on_loading = file.is_flat() && *parameter == Parameter::Key(Key::WorkOfAdhesion);
-        if parameter.is_work()
-            && !shows_on_loading
-            && !data.branches().contains(&Branch::Unloading)
+        if parameter.is_work() && !shows_on_loading && !data.branches().contains(&Branch::Unloading)
         {
             return Err(FitError::NoUnloading {
                 name: name(),

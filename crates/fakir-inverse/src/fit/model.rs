@@ -1,6 +1,7 @@
 //! Model values that correspond to the measured values, and their derivatives with respect to the
 //! parameters.
 
+use super::attachment::attached;
 use super::curve::Curve;
 use super::error::FitError;
 use super::measurements::{Measurement, Measurements, Position};
@@ -192,6 +193,8 @@ pub(super) struct Model<'a> {
     pub(super) sticks: bool,
     /// The branch of every row.
     pub(super) branches: Vec<Branch>,
+    /// For every row, whether the lens is attached, if the data show it.
+    attached: Vec<Option<bool>>,
     /// Rows of each branch in the order of increasing load.
     orders: [Vec<usize>; 2],
     /// For every row, the difference of the loads of its neighbours on its branch.
@@ -247,6 +250,7 @@ impl<'a> Model<'a> {
             wants_radius,
             sticks,
             stretches: stretches(data, &orders),
+            attached: attached(data, &orders),
             orders,
             branches,
             moments: moments(data),
@@ -284,6 +288,7 @@ impl<'a> Model<'a> {
             wants_radius: self.wants_radius,
             sticks: self.sticks,
             branches: self.branches.clone(),
+            attached: self.attached.clone(),
             orders: self.orders.clone(),
             stretches: self.stretches.clone(),
             moments: self.moments.clone(),
@@ -427,7 +432,9 @@ impl<'a> Model<'a> {
                 }
             }
             self.start.case = Subject::of(&self.file)?;
-            let pull_off = self.cycle(&self.start)?.and_then(|(_, cycle)| cycle.pull_off());
+            let pull_off = self
+                .cycle(&self.start)?
+                .and_then(|(_, cycle)| cycle.pull_off());
             let computed = pull_off.map_or(0.0, |[force, _]| force);
             let ratio = (pull / computed).clamp(0.01, 100.0);
             if within(ratio.ln().abs(), NEAR) {
@@ -667,7 +674,7 @@ impl<'a> Model<'a> {
     pub(super) fn states(&self, unknowns: &[f64], stretch: f64) -> Result<Vec<State>, FitError> {
         let settings = self.settings(unknowns)?;
         if let Subject::Flat(case) = &settings.case {
-            return self.states_on_flat(case, &settings, stretch * self.load_range());
+            return self.states_on_flat(case, &settings);
         }
         if self.sticks {
             return self.states_of_cycle(&settings, stretch * self.load_range());
@@ -752,14 +759,9 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The states on a flat surface. Its curve has no jumps but that at the end of the unloading: only rows next to that are compared with a line through
-    /// an interval of the curve.
-    fn states_on_flat(
-        &self,
-        case: &FlatCase,
-        settings: &Settings,
-        least_stretch: f64,
-    ) -> Result<Vec<State>, FitError> {
+    /// The states on a flat surface. Its curve has no jumps but those of touching and detaching, and the data show [on which side of them](attached) a
+    /// row is: the attached ones are on the branch of the attached lens, which is continued at its end.
+    fn states_on_flat(&self, case: &FlatCase, settings: &Settings) -> Result<Vec<State>, FitError> {
         /// Relative step of the load for slopes.
         const STEP: f64 = 1e-3;
         let position = self.data.position();
@@ -779,63 +781,54 @@ impl<'a> Model<'a> {
         self.solved.fetch_add(1, Ordering::Relaxed);
         let needs_slopes = {
             let mut rows = self.data.rows().iter();
-            rows.any(|row| row.position.or(row.force).is_some_and(|load| load.error.is_some()))
+            rows.any(|row| {
+                row.position
+                    .or(row.force)
+                    .is_some_and(|load| load.error.is_some())
+            })
         };
-        let mut curve = None;
-        let mut states = Vec::with_capacity(self.branches.len());
-        for (number, row) in self.data.rows().iter().enumerate() {
-            let (branch, moment) = (self.branches[number], self.moments[number]);
+        let step_at = |number: usize, load: f64| {
+            let branch = self.branches[number];
+            match self.attached[number] {
+                Some(true) if self.sticks => branches.attached(branch, load),
+                Some(false) if self.sticks => Ok(branches.apart(branch, load)),
+                _ => branches.at(branch, load),
+            }
+        };
+        let state = |(number, row): (usize, &Measurement)| {
+            let moment = self.moments[number];
             let load = settings.load(position, load_of(row), moment);
-            let step = match branches.at(branch, load).map_err(FitError::Solve) {
+            let step = match step_at(number, load).map_err(FitError::Solve) {
                 Ok(step) => step,
                 Err(error) if error.is_out_of_reach() => {
-                    states.push(State {
+                    return Ok(State {
                         problem: Some(error.to_string()),
                         ..State::without_contact(f64::NAN)
                     });
-                    continue;
                 }
                 Err(error) => return Err(error),
             };
-            let mut state = State {
-                force: step.force,
-                read_force: step.force,
-                contact_radius: step.contact_radius,
-                smooth_radius: step.contact_radius,
-                ..State::without_contact(step.indentation)
-            };
+            let mut slopes = [0.0; 2];
             if needs_slopes {
                 let reach = STEP * largest.abs();
-                let [below, above] = [-reach, reach].map(|step| branches.at(branch, load + step));
+                let [below, above] = [-reach, reach].map(|step| step_at(number, load + step));
                 if let (Ok(below), Ok(above)) = (below, above) {
-                    state.slopes = [
+                    slopes = [
                         (above.force - below.force) / (2.0 * reach),
                         (above.contact_radius - below.contact_radius) / (2.0 * reach),
                     ];
                 }
             }
-            let stretch = larger(self.stretches[number], least_stretch);
-            let is_at_end = |end: f64| (load - end).abs() < 0.5 * stretch;
-            if branch == Branch::Unloading && branches.end().is_some_and(is_at_end) {
-                let curve = match &mut curve {
-                    Some(curve) => curve,
-                    None => {
-                        let solved = self.cycle(settings)?;
-                        curve.insert(solved.map_or_else(Curve::nothing, |(curve, _)| curve))
-                    }
-                };
-                let average = curve.average(branch, load, stretch);
-                state.read_force = average.force;
-                state.force_variance = average.force_variance;
-                state.smooth_radius = average.contact_radius;
-                state.slopes = [average.force_slope, average.radius_slope];
-                state.sharing = larger(2.0 * stretch / self.stretches[number], 1.0)
-                    .min(self.branches.len() as f64);
-            }
-            state.read_force += settings.base_line(moment, self.travel(row));
-            states.push(state);
-        }
-        Ok(states)
+            Ok(State {
+                force: step.force,
+                read_force: step.force + settings.base_line(moment, self.travel(row)),
+                slopes,
+                contact_radius: step.contact_radius,
+                smooth_radius: step.contact_radius,
+                ..State::without_contact(step.indentation)
+            })
+        };
+        self.data.rows().iter().enumerate().map(state).collect()
     }
 
     fn states_of_cycle(
@@ -1058,7 +1051,9 @@ impl<'a> Model<'a> {
         indentation: f64,
     ) -> Result<Vec<Limit>, FitError> {
         self.solved.fetch_add(1, Ordering::Relaxed);
-        settings.case.limits(Load::Indentation(indentation), &self.single)
+        settings
+            .case
+            .limits(Load::Indentation(indentation), &self.single)
     }
 
     /// Derivatives at fixed indentation, and from these at fixed reading: with `F' = dF/dzeta` and `C` the machine compliance, `dzeta =
@@ -1269,7 +1264,12 @@ impl<'a> Model<'a> {
 
     /// Derivatives of force and smooth contact radius with respect to the load, at the state under
     /// it.
-    fn along_load(&self, case: &Subject, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
+    fn along_load(
+        &self,
+        case: &Subject,
+        load: Load,
+        state: &State,
+    ) -> Result<[f64; 2], SolveError> {
         let value = value_of(load);
         if value <= 0.0 {
             return Ok([0.0; 2]);

@@ -1,8 +1,8 @@
 //! A fit as a JSON object, as a table and as warnings, for command line and Python package.
 
 use super::{
-    Estimate, Fit, FittedCycle, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit, Parameter, Position,
-    Quantity, ReadColumn, RunsTest, Scatter, Skipped,
+    Estimate, Fit, FittedCycle, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit,
+    Parameter, Position, Quantity, ReadColumn, RunsTest, Scatter, Skipped,
 };
 use fakir::state::Termination;
 use fakir_case::unit::format_quantity;
@@ -77,7 +77,11 @@ impl Fit {
                 out.len()
             )),
         }
-        warnings.extend(self.cycle.as_ref().map_or(Vec::new(), FittedCycle::warnings));
+        warnings.extend(
+            self.cycle
+                .as_ref()
+                .map_or(Vec::new(), FittedCycle::warnings),
+        );
         let unsolved = self.rows.iter().filter(|row| !row.converged).count();
         if unsolved > 0 {
             warnings.push(format!(

@@ -82,9 +82,7 @@ impl Subject {
     /// Limits of the model in the contact under a load.
     pub(super) fn limits(&self, load: Load, run: &Run<'_>) -> Result<Vec<Limit>, FitError> {
         Ok(match self {
-            Self::Pillars(case) => {
-                fakir::press(&case.system, load, case.method, run)?.limits(None)
-            }
+            Self::Pillars(case) => fakir::press(&case.system, load, case.method, run)?.limits(None),
             Self::Flat(case) => case.system.press(load, run)?.limits(&case.system, None),
         })
     }

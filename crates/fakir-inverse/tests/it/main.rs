@@ -5,5 +5,6 @@
 mod adhesion;
 mod films;
 mod fit;
+mod flat;
 mod heights;
 mod measurements;

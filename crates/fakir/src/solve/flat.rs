@@ -547,8 +547,9 @@ pub struct FlatBranches<'a> {
     run: &'a Run<'a>,
     driver: Driver,
     punch: Option<f64>,
-    /// Smallest radius of a lens on loading.
+    /// Smallest radius of an attached lens on loading, and what the driver has there.
     least: f64,
+    least_load: f64,
     unloading: Option<Receding>,
 }
 
@@ -575,8 +576,12 @@ impl<'a> FlatBranches<'a> {
         let punch = bench.punch()?;
         let adhesion = system.adhesion();
         let least = match punch {
-            Some(_) => 0.0,
+            Some(radius) => radius,
             None => bench.detachment(driver, adhesion.work)?,
+        };
+        let least_load = match least > 0.0 {
+            true => driver.of(&bench.at(least, adhesion.work)),
+            false => 0.0,
         };
         let mut branches = Self {
             bench,
@@ -584,9 +589,12 @@ impl<'a> FlatBranches<'a> {
             driver,
             punch,
             least,
+            least_load,
             unloading: None,
         };
+        // An adhesive lens jumps into contact where it touches.
         if !adhesion.is_none()
+            && turn >= 0.0
             && let Some(turn) = branches.loaded(turn)?
         {
             branches.unloading = Some(branches.receding(&turn)?);
@@ -612,31 +620,16 @@ impl<'a> FlatBranches<'a> {
     /// The contact on loading; none where there is none.
     fn loaded(&self, load: f64) -> Result<Option<Settled>, SolveError> {
         let work = self.bench.system.adhesion().work;
-        // An adhesive lens jumps into contact where it touches.
-        if load < 0.0 || load <= 0.0 && work <= 0.0 {
-            return Ok(None);
-        }
         match self.punch {
             Some(radius) => Ok(Some(self.bench.pinned(self.driver, load, radius))),
             None => self.bench.meet(self.driver, load, work, self.least),
         }
     }
 
-    /// Where the contact ends on unloading, as a load; none without adhesion or if the turn is before contact.
-    #[must_use]
-    pub fn end(&self) -> Option<f64> {
-        self.unloading.as_ref().map(|receding| receding.ends)
-    }
-
     /// The same on unloading.
     fn unloaded(&self, load: f64) -> Result<Option<Settled>, SolveError> {
         let Some(receding) = &self.unloading else {
-            // Without adhesion both branches are the same.
-            return if self.bench.system.adhesion().is_none() {
-                self.loaded(load)
-            } else {
-                Ok(None)
-            };
+            return Ok(None);
         };
         if load >= receding.moves {
             let pinned = self.bench.pinned(self.driver, load, receding.radius);
@@ -649,26 +642,79 @@ impl<'a> FlatBranches<'a> {
         self.bench.meet(self.driver, load, work, receding.least)
     }
 
+    /// Load below which there is no contact on a branch: the lens touches at 0, and detaches where no contact is stable. Infinite for the unloading if the
+    /// turn is before contact.
+    #[must_use]
+    pub fn end(&self, branch: Branch) -> f64 {
+        match (branch, &self.unloading) {
+            (Branch::Unloading, Some(receding)) => receding.ends,
+            (Branch::Unloading, None) if !self.bench.system.adhesion().is_none() => f64::INFINITY,
+            _ => 0.0,
+        }
+    }
+
     /// The contact at a load on a branch. Without contact its force and radius are 0.
     ///
     /// # Errors
     /// A contact too large for the lens, its table of heights or a layer, or interruption.
     pub fn at(&self, branch: Branch, load: f64) -> Result<FlatLoadStep, SolveError> {
         self.run.check_cancelled()?;
+        let is_adhesive = !self.bench.system.adhesion().is_none();
         let state = match branch {
-            Branch::Loading => self.loaded(load),
-            Branch::Unloading => self.unloaded(load),
-        }?;
-        let apart = match self.driver {
-            Driver::Force => 0.0,
-            Driver::Indentation | Driver::Machine(_) => load,
+            // Without adhesion both branches are the same, and there is no contact at a load of 0.
+            _ if !is_adhesive && load <= 0.0 => None,
+            Branch::Loading if load < 0.0 => None,
+            Branch::Unloading if is_adhesive => self.unloaded(load)?,
+            _ => self.loaded(load)?,
         };
-        Ok(FlatLoadStep {
+        Ok(state.map_or_else(|| self.apart(branch, load), |state| step(branch, &state)))
+    }
+
+    /// The contact at a load on a branch of a lens that is attached: on loading also at loads below 0, which a lens that comes down does not have. At loads
+    /// below the smallest one of an attached lens it is the contact at that load.
+    ///
+    /// # Errors
+    /// As [`at`](Self::at).
+    pub fn attached(&self, branch: Branch, load: f64) -> Result<FlatLoadStep, SolveError> {
+        self.run.check_cancelled()?;
+        let adhesion = self.bench.system.adhesion();
+        let (found, least, work) = match (branch, &self.unloading) {
+            (Branch::Unloading, Some(receding)) => {
+                let found = self.unloaded(larger(load, receding.ends))?;
+                (found, receding.least, adhesion.receding())
+            }
+            _ => {
+                let found = self.loaded(larger(load, self.least_load))?;
+                (found, self.least, adhesion.work)
+            }
+        };
+        let at_end = || (least > 0.0).then(|| self.bench.at(least, work));
+        let state = found.or_else(at_end);
+        Ok(state.map_or_else(|| self.apart(branch, load), |state| step(branch, &state)))
+    }
+
+    /// The lens without contact at a load.
+    #[must_use]
+    pub fn apart(&self, branch: Branch, load: f64) -> FlatLoadStep {
+        FlatLoadStep {
             branch,
-            indentation: state.map_or(apart, |state| state.indentation),
-            force: state.map_or(0.0, |state| state.force),
-            contact_radius: state.map_or(0.0, |state| state.radius),
-        })
+            indentation: match self.driver {
+                Driver::Force => 0.0,
+                Driver::Indentation | Driver::Machine(_) => load,
+            },
+            force: 0.0,
+            contact_radius: 0.0,
+        }
+    }
+}
+
+/// A point of the curve.
+fn step(branch: Branch, state: &Settled) -> FlatLoadStep {
+    FlatLoadStep {
+        branch,
+        indentation: state.indentation,
+        force: state.force,
+        contact_radius: state.radius,
     }
 }
 
@@ -734,12 +780,7 @@ impl<'a, 'b> Path<'a, 'b> {
                 let way = to.indentation - from.indentation;
                 self.bench.held(from.radius, from.indentation + part * way)
             };
-            self.steps.push(FlatLoadStep {
-                branch,
-                indentation: state.indentation,
-                force: state.force,
-                contact_radius: state.radius,
-            });
+            self.steps.push(step(branch, &state));
         }
     }
 

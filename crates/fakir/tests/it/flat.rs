@@ -494,10 +494,16 @@ fn contacts_at_loads_are_on_the_curve() {
         }
     }
     let last = sphere_pull_off_by_displacement(modulus, RADIUS, WORK).indentation;
-    close(branches.end().unwrap(), last, 1e-9);
+    close(branches.end(Branch::Unloading), last, 1e-9);
     let at = |load: f64, branch: Branch| branches.at(branch, load).unwrap();
     assert!(at(0.99 * last, Branch::Unloading).force < 0.0);
     assert_eq!(at(0.99 * last, Branch::Loading).contact_radius, 0.0);
+    // A lens that is attached has contacts on loading below 0 too, and beyond the end that at the end.
+    let attached = |load: f64| branches.attached(Branch::Loading, load).unwrap();
+    let same = at(0.5 * last, Branch::Unloading).force;
+    close(attached(0.5 * last).force, same, 1e-9);
+    let end = sphere_pull_off_by_displacement(modulus, RADIUS, WORK).force;
+    close(attached(3.0 * last).force, end, 1e-6);
     let apart = at(1.01 * last, Branch::Unloading);
     assert_eq!((apart.force, apart.indentation), (0.0, 1.01 * last));
     let stiffness = 200.0;
@@ -516,8 +522,7 @@ fn contacts_at_loads_are_on_the_curve() {
     };
     let system = paraboloid().with_adhesion(adhesion).unwrap();
     let branches = system.branches(LoadingMode::Force, 1e-3, &run).unwrap();
-    let [turn, below] =
-        [1e-3, 0.9e-3].map(|force| branches.at(Branch::Unloading, force).unwrap());
+    let [turn, below] = [1e-3, 0.9e-3].map(|force| branches.at(Branch::Unloading, force).unwrap());
     assert_eq!(turn.contact_radius, below.contact_radius);
     let slope = (turn.force - below.force) / (turn.indentation - below.indentation);
     close(slope, 2.0 * modulus * turn.contact_radius, 1e-8);
@@ -531,7 +536,7 @@ fn contacts_at_loads_are_on_the_curve() {
         close(branches.at(branch, 0.4e-6).unwrap().force, force, 1e-10);
         assert_eq!(branches.at(branch, -0.4e-6).unwrap().force, 0.0);
     }
-    assert!(branches.end().is_none());
+    assert_eq!(branches.end(Branch::Unloading), 0.0);
 }
 
 /// A punch at loads: linear, and none below Kendall's pull-off.
@@ -547,7 +552,7 @@ fn a_punch_at_loads_is_linear_to_its_end() {
         close(found.indentation, force / stiffness, 1e-10);
     }
     let pull_off = kendall_pull_off(system.reduced_modulus(), 50e-6, WORK);
-    close(branches.end().unwrap().abs(), pull_off.abs(), 1e-10);
+    close(branches.end(Branch::Unloading), pull_off, 1e-10);
     let beyond = -1.001 * pull_off.abs();
     let apart = branches.at(Branch::Unloading, beyond).unwrap();
     assert_eq!(apart.contact_radius, 0.0);
