@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from conftest import EXAMPLES
 
 import fakir
 
@@ -77,3 +78,22 @@ def test_a_cycle_is_driven_as_one_on_pillars():
         system.cycle(to="1 um", to_force="1 mN")
     by_force = system.cycle(to="1 um", drive="force")
     assert by_force.hysteresis is None and by_force.pull_off_force < 0
+
+
+def test_modulus_and_work_of_adhesion_from_a_reference_measurement():
+    """The true values are those of crates/fakir-inverse/examples/synthetic_retraction.rs."""
+    glass = fakir.Lens("2 mm", "70 GPa", 0.22)
+    system = fakir.problem(
+        glass, fakir.Substrate("1 MPa", 0.5), fakir.Flat(), adhesion=fakir.Adhesion("20 mJ/m2", "40 mJ/m2")
+    )
+    free = ["substrate.young_modulus", "adhesion.work", "adhesion.work_receding", "contact_point"]
+    path = EXAMPLES / "fit" / "reference.txt"
+    fit = fakir.fit(path, system, free, machine_compliance=1.5e-3)
+    for name, true in zip(free, [1.7e6, 30e-3, 55e-3, 800e-9], strict=True):
+        estimate = fit[name]
+        assert abs(estimate.value - true) < 3 * estimate.standard_error
+    assert isinstance(fit.system, fakir.FlatSystem)
+    assert fit.system.substrate.young_modulus == fit["substrate.young_modulus"].value
+    assert fit.describes_data
+    with pytest.raises(fakir.FitError, match="flat surface"):
+        fakir.fit(path, system, ["pattern.pitch"])

@@ -234,10 +234,16 @@ fn pull_off_words(pull_off: &FittedPullOff) -> String {
             significant(error, 1)
         )
     });
-    format!(
-        "pull-off: least reading {}, fitted {}; error of the model {} (shapes of partial contacts, columns that do not lean){of_work}\n\n",
+    let forces = format!(
+        "pull-off: smallest reading {}, fitted {}",
         force(pull_off.measured),
-        force(pull_off.computed),
+        force(pull_off.computed)
+    );
+    if pull_off.model_error == 0.0 {
+        return format!("{forces}\n\n"); // on a flat surface
+    }
+    format!(
+        "{forces}; error of the model {} (shapes of partial contacts, columns that do not lean){of_work}\n\n",
         significant(pull_off.model_error, 1),
     )
 }

@@ -145,3 +145,59 @@ fn a_sweep_of_contacts_and_of_cycles() {
         assert_eq!(table.lines().count(), 3);
     }
 }
+
+/// The true values are those of crates/fakir-inverse/examples/synthetic_retraction.rs.
+#[test]
+fn a_fit_of_a_reference_measurement() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("fit");
+    let fit = |arguments: &[&str]| {
+        let fixed = [
+            "fit",
+            "examples/fit/reference.txt",
+            "--case",
+            "examples/fit/reference.toml",
+            "--machine-compliance",
+            "1.5e-3",
+        ];
+        fakir(&[&fixed[..], arguments].concat())
+    };
+    let free =
+        "substrate.young_modulus,adhesion.work,adhesion.work_receding,contact_point,force_offset";
+    let done = fit(&[
+        "--free",
+        free,
+        "--json",
+        "--output",
+        &output.to_string_lossy(),
+    ]);
+    assert!(
+        done.status.success(),
+        "{}",
+        String::from_utf8_lossy(&done.stderr)
+    );
+    let json: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!(json["method"], "flat");
+    assert_eq!(json["describes_data"], true);
+    for (number, (name, truth)) in [
+        ("value_Pa", 1.7e6),
+        ("value_J_per_m2", 30e-3),
+        ("value_J_per_m2", 55e-3),
+        ("value_m", 800e-9),
+        ("value_N", 0.0),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let parameter = &json["parameters"][number];
+        let error = name.replace("value", "standard_error");
+        let [value, error] = [name, error.as_str()].map(|name| parameter[name].as_f64().unwrap());
+        assert!((value - truth).abs() < 3.0 * error, "{parameter}");
+    }
+    let saved = std::fs::read_to_string(output.join("case.toml")).unwrap();
+    assert!(!saved.contains("[pattern]") && saved.contains("work_receding"));
+    let refused = fit(&["--free", "pattern.pitch"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(words.contains("flat surface has no such key"), "{words}");
+}
