@@ -350,13 +350,6 @@ static RULES: &[Rule] = &[
         "there is no second method: elements on pillars support only spherical lenses",
         "compare the default with the accurate spectral method, or use a sphere",
     ),
-    rule(
-        ANY,
-        SPECTRAL,
-        &[STICKS, OTHER_LENS],
-        "adhesion is supported only for spherical lenses",
-        "use a sphere, or leave out the works of adhesion",
-    ),
     line(ANY, WITHOUT_ADHESION, Unsupported::BUT_FOR_A_SPHERE),
     line(
         &[Question::Theory],
@@ -406,9 +399,9 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ON_PILLARS,
-        &[STICKS, LAYER],
-        "adhesive tops are not supported if the lens or the substrate is a layer",
-        "leave out the thicknesses or the works of adhesion",
+        &[FLOOR_STICKS, LAYER],
+        "an adhesive floor is not supported if the lens or the substrate is a layer",
+        "leave out the thicknesses, or use adhesion of the tops only",
     ),
     rule(
         ANY,

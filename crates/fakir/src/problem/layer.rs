@@ -92,6 +92,15 @@ impl WeightedLayer {
         layered.collect()
     }
 
+    /// Layers in another unit of length, given in the previous unit.
+    pub(crate) fn in_unit(layers: &[Self], unit: f64) -> Vec<Self> {
+        let scaled = |layer: &Self| Self {
+            thickness: layer.thickness / unit,
+            ..*layer
+        };
+        layers.iter().map(scaled).collect()
+    }
+
     /// Thickness of the thinnest layer; `None` without layers.
     pub(crate) fn thinnest(layers: &[Self]) -> Option<f64> {
         layers.iter().map(|layer| layer.thickness).reduce(f64::min)

@@ -45,6 +45,11 @@ const ANGLE_ERROR: f64 = 2e-5;
 /// Relative error of the forces on tops due to the degree `p` of the pressure, divided by `pitch^-(2p + 2)`.
 const DEGREE_ERROR: f64 = 2e-3;
 
+/// The same due to layers of thickness `t` and weight `w` under the tops, divided by `w t^-(2p + 5)`, and that of the stress intensity factor divided by
+/// `w t^-(p + 3)`: three times what one top on a film lacks at `t` of 2 to 10 top radii, for degrees 2 and 4.
+const LAYER_DEGREE_ERROR: f64 = 1e-3;
+const LAYER_RIM_ERROR: f64 = 0.5;
+
 /// Relative error of the stress intensity factor along the rim at which a top detaches, divided by `pitch^-(p + 2)`: unlike the forces it
 /// does not average out. 1e-3 for degree 2 at a pitch of 6 pillar radii, where seven tops on a flat lens give 6e-4.
 const RIM_DEGREE_ERROR: f64 = 1.3;
@@ -389,7 +394,7 @@ impl<'a> Loading<'a> {
             error,
             termination,
             iterations: path.events.len(),
-            warnings: self.warnings(radius / scene.lens.sphere_radius()),
+            warnings: self.warnings(scene.lens.slope_at(radius)),
             ..ContactState::untouched(
                 system,
                 Method::Spectral(self.accuracy),
@@ -424,9 +429,19 @@ impl<'a> Loading<'a> {
         // The error for equal tops whose rims are as close as the closest ones here.
         let pitch = self.path.scene.field.least_gap() + 2.0;
         let degree = self.path.tops.fronts.degree() as i32;
+        let of_layers = |power: i32| -> f64 {
+            let layers = self.path.scene.layers.iter();
+            layers
+                .map(|layer| layer.weight * layer.thickness.powi(-power))
+                .sum()
+        };
         [
-            SOLVER_ERROR + DEGREE_ERROR * pitch.powi(-2 * degree - 2),
-            SOLVER_ERROR + RIM_DEGREE_ERROR * pitch.powi(-degree - 2),
+            SOLVER_ERROR
+                + DEGREE_ERROR * pitch.powi(-2 * degree - 2)
+                + LAYER_DEGREE_ERROR * of_layers(2 * degree + 5),
+            SOLVER_ERROR
+                + RIM_DEGREE_ERROR * pitch.powi(-degree - 2)
+                + LAYER_RIM_ERROR * of_layers(degree + 3),
         ]
     }
 }

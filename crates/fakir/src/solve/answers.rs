@@ -463,32 +463,13 @@ pub(super) fn find_patch(scene: &Scene, target: Load) -> Option<(IndexedPillar, 
 
 /// Solver for a contact inside the top of a pillar.
 fn patch_solver(scene: &Scene, body: &PillarBody) -> PatchSolver {
-    let layers = in_unit(&scene.layers, body.radius);
+    let layers = WeightedLayer::in_unit(&scene.layers, body.radius);
     PatchSolver::new(body.column.shortening, &layers)
-}
-
-/// Rescales layers to another unit of length, given in the previous unit.
-fn in_unit(layers: &[WeightedLayer], unit: f64) -> Vec<WeightedLayer> {
-    let scaled = |layer: &WeightedLayer| WeightedLayer {
-        thickness: layer.thickness / unit,
-        ..*layer
-    };
-    layers.iter().map(scaled).collect()
-}
-
-/// Highest degree of a patch's pressure that is used for the displacement of the floor. The floor is outside the top, where the higher
-/// modes of layers have decayed.
-const FLOOR_DEGREE: usize = 8;
-
-/// The displacement field around a patch.
-fn around(scene: &Scene, patch: &Patch) -> Exterior {
-    let degree = degree_with(patch.coefficients.len()).min(FLOOR_DEGREE);
-    Exterior::new(degree).with_layers(&in_unit(&scene.layers, patch.radius))
 }
 
 /// The lowest point of the floor under a patch: its gap plus the indentation.
 fn patch_floor(scene: &Scene, patch: &Patch) -> Option<FloorPoint> {
-    let exterior = around(scene, patch);
+    let exterior = patch.exterior(&scene.layers);
     let discs = LoadedDiscs {
         exterior: &exterior,
         discs: Discs::around_axis(patch.radius, &patch.coefficients[..exterior.count()]),
@@ -568,7 +549,7 @@ fn patch_state(
     };
     // The layer contributions are tabulated for the radius of the single disc.
     let of_disc = Scene {
-        layers: in_unit(&scene.layers, patch.radius),
+        layers: WeightedLayer::in_unit(&scene.layers, patch.radius),
         ..scene.clone()
     };
     let fields = Fields::new(of_disc, patch.indentation, vec![disc], degree, degree);

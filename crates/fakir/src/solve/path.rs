@@ -26,7 +26,7 @@ use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::sticky::StickyTops;
 use super::rules::stuck_floor::{StuckFloor, TAKE_BACKS, natural};
 use super::rules::tops::lens_over;
-use super::spectral::{LARGEST_CONTACT, checked_sites};
+use super::spectral::{checked_sites, limited};
 use super::stuck_errors::{PLAIN, Variation};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
@@ -155,11 +155,14 @@ impl<'a> Path<'a> {
         let degree = fronts.degree();
         let modes = mode_count(degree);
         let pitch = scene.field.spacing();
-        let pair = PairCoupling::new(degree, pitch);
+        let pair = PairCoupling::of_scene(degree, scene);
         let projector = LensProjector::new(&scene.lens, degree);
         let first_touch = scene.first_touch();
         let radius = scene.nearest_edge() + 1.0 + MARGIN * pitch;
-        let radius = radius.max(scene.reach_of_tops(first_touch));
+        let radius = match scene.field.extent() {
+            Some(extent) if !scene.lens.is_axisymmetric() => extent,
+            _ => limited(scene, radius.max(scene.reach_of_tops(first_touch))),
+        };
         let sites = checked_sites(scene, radius, modes, run)?;
         let coupling = LatticeCoupling::of_sites(&sites, &pair, run.workers());
         let coupling = SurfaceCoupling::of_tops(coupling);
@@ -179,7 +182,7 @@ impl<'a> Path<'a> {
             sites,
             pair,
             projector,
-            exterior: Exterior::new(degree),
+            exterior: Exterior::new(degree).with_layers(&scene.layers),
             held,
             look_again: f64::NEG_INFINITY,
             refined: Refined::default(),
@@ -330,7 +333,7 @@ impl<'a> Path<'a> {
             }
             self.advance(sign * step);
             self.record(course);
-            if self.indentation() > LARGEST_CONTACT * self.scene.lens.sphere_radius() {
+            if self.indentation() > self.scene.lens.largest_contact() {
                 return Err(self.too_large(self.indentation()));
             }
             if to_event <= longest && course == Course::Unloading && self.recede_inside()? {
@@ -368,7 +371,7 @@ impl<'a> Path<'a> {
         if !changed {
             self.record(course);
         }
-        if self.indentation() > LARGEST_CONTACT * self.scene.lens.sphere_radius() {
+        if self.indentation() > self.scene.lens.largest_contact() {
             return Err(self.too_large(self.indentation()));
         }
         self.report(Stage::Cycle, self.events.len());
@@ -803,9 +806,11 @@ impl<'a> Path<'a> {
     /// Adds pillars if the contact is close to the farthest ones, and removes some if it needs much fewer. Returns whether the pillars
     /// changed.
     fn fit_sites(&mut self, course: Course) -> Result<bool, SolveError> {
+        if !self.scene.lens.is_axisymmetric() {
+            return Ok(false); // all pillars there are
+        }
         let (reach, pitch) = (self.reach(), self.scene.field.spacing());
-        let lens = self.scene.lens.sphere_radius();
-        if reach - 1.0 > LARGEST_CONTACT * lens {
+        if reach - 1.0 > self.scene.lens.largest_contact() {
             return Err(self.too_large(reach));
         }
         let present = self.sites.radius();
@@ -820,6 +825,10 @@ impl<'a> Path<'a> {
             }
             _ => return Ok(false),
         };
+        let radius = limited(self.scene, radius);
+        if course == Course::Loading && radius <= present {
+            return Ok(false);
+        }
         let modes = self.contact.modes();
         let sites = checked_sites(self.scene, radius, modes, self.run)?;
         let coupling = LatticeCoupling::of_sites(&sites, &self.pair, self.run.workers());
@@ -857,10 +866,7 @@ impl<'a> Path<'a> {
     }
 
     fn too_large(&self, radius: f64) -> SolveError {
-        SolveError::ContactExceedsLens {
-            contact_radius: radius * self.scene.length,
-            lens_radius: self.scene.lens.sphere_radius() * self.scene.length,
-        }
+        SolveError::beyond(&self.scene.lens, radius, self.scene.length)
     }
 
     /// The lowest point of the floor, if it is reached within a step.

@@ -4,9 +4,9 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 use fakir::problem::{
-    Accuracy, Adhesion, Base, CyclePlan, FloorModel, Layer, Lens, LensShape, ListedPillar, Load,
-    LoadingMode, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern, ShapedLens,
-    System, UnloadingPoint,
+    Accuracy, Adhesion, Base, CyclePlan, FlatSystem, FloorModel, Layer, Lens, LensShape,
+    ListedPillar, Load, LoadingMode, Material, Method, Pillar, PillarCompliance, PillarList,
+    PillarPattern, ShapedLens, System, UnloadingPoint,
 };
 use fakir::state::{ContactState, Cycle, PillarStatus, Run, Solution, Termination};
 use fakir::theory::adhesion::{
@@ -392,4 +392,34 @@ fn a_thick_layer_is_a_half_space() {
     let fields = thick.fields.as_ref().unwrap();
     let edge = [0.5 * thick.contact_radius, 0.0];
     assert!(fields.gap(edge).abs() < 1e-6 * thick.indentation);
+}
+
+/// A disc inside a wide top on a film is the contact of the same lens with the flat film, which is another solver.
+#[test]
+fn a_disc_inside_a_top_on_a_film_is_that_on_the_flat_film() {
+    let film = || Some(Layer::new(150e-6));
+    let system = sticky(600e-6, 50e-3, [0.0; 2])
+        .with_layers(film(), None)
+        .unwrap();
+    let flat = FlatSystem::new(system.lens().clone(), RUBBER).unwrap();
+    let flat = flat.with_layers(film(), None).unwrap();
+    let flat = flat.with_adhesion(Adhesion::new(50e-3)).unwrap();
+    let plan = CyclePlan {
+        turn: UnloadingPoint::Indentation(1e-6),
+        ..CyclePlan::default()
+    };
+    let expected = flat.cycle(&plan, &Run::default()).unwrap();
+    let found = cycle(&system, 1e-6, LoadingMode::Displacement);
+    let near = |one: f64, other: f64| {
+        assert!((one / other - 1.0).abs() < 1e-5, "{one:e} {other:e}");
+    };
+    near(found.turn.force, expected.turn.force);
+    near(found.turn.contact_radius, expected.turn.contact_radius);
+    let pull_off = |force: Option<f64>| force.expect("a pull");
+    near(
+        pull_off(found.pull_off.as_ref().map(|pull| pull.force)),
+        pull_off(expected.pull_off.map(|pull| pull.force)),
+    );
+    // As on half-spaces: the steps of the path.
+    assert!(found.certificate().unwrap() < 2e-3);
 }

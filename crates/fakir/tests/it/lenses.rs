@@ -1,10 +1,10 @@
 //! Lenses that are not spheres: paraboloids, cylinders, plates and tables of heights.
 
 use fakir::problem::{
-    Accuracy, Adhesion, Arrangement, Boundary, Grid, HeightMap, HexagonalLattice, Indenter,
-    InvalidQuantity, LatticeForm, Lens, LensProfile, LensShape, ListedPillar, Load, Material,
-    Method, Pillar, PillarCompliance, PillarList, PillarPattern, PlaneLattice, Point, PunchForm,
-    Quantity, Requirement, ShapedLens, SurfaceSystem, System, Unsupported,
+    Accuracy, Arrangement, Boundary, Grid, HeightMap, HexagonalLattice, Indenter, InvalidQuantity,
+    LatticeForm, Lens, LensProfile, LensShape, ListedPillar, Load, Material, Method, Pillar,
+    PillarCompliance, PillarList, PillarPattern, PlaneLattice, Point, PunchForm, Quantity,
+    Requirement, ShapedLens, SurfaceSystem, System, Unsupported,
 };
 use fakir::state::{ContactState, Run, SolveError, Warning};
 use std::f64::consts::PI;
@@ -742,16 +742,6 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
         let expected = SolveError::Unsupported(Unsupported::BUT_FOR_A_SPHERE);
         assert_eq!(error, expected, "{error}");
     }
-    let sticky = paraboloid.with_adhesion(Adhesion::new(50e-3)).unwrap();
-    let error = fakir::press(&sticky, control, Method::default(), &run).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("adhesion is supported only for spherical lenses"),
-        "{error}"
-    );
-    let plan = fakir::problem::CyclePlan::default();
-    assert!(fakir::cycle(&sticky, plan, Method::default(), &run).is_err());
     for shape in [cylinder(0.0), plate(0.001, 0.0)] {
         let few = system(shape, list(&[[0.0, 0.0], [20e-6, 0.0]]));
         let error = fakir::transition(&few, Method::default(), &run).unwrap_err();

@@ -4,6 +4,7 @@ use super::records::{CENTRED, Change, ChangedTop, HeldTop};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::roots;
 use crate::problem::Point;
+use crate::problem::layer::WeightedLayer;
 use crate::solve::floor::{Discs, LoadedDiscs};
 use crate::solve::rules::fronts::{Domain, LEVELS, critical_stress_intensity_factor};
 use crate::solve::rules::patch::{Patch, PatchSolver};
@@ -21,7 +22,9 @@ const SECTIONS: usize = 60;
 /// The contact disc and its top.
 pub(crate) struct InsideTop {
     pub(super) solver: PatchSolver,
+    /// On half-spaces, where it does not depend on the radius of the disc.
     pub(super) exterior: Exterior,
+    pub(super) layers: Vec<WeightedLayer>,
     pub(super) index: (i64, i64),
     pub(super) centre: Point,
     pub(super) raised: f64,
@@ -55,9 +58,11 @@ impl InsideTop {
         run: &Run<'_>,
         ask: impl FnOnce(&LoadedDiscs<'_>) -> R,
     ) -> R {
+        let on_layers = (!self.layers.is_empty()).then(|| patch.exterior(&self.layers));
+        let exterior = on_layers.as_ref().unwrap_or(&self.exterior);
         let discs = LoadedDiscs {
-            exterior: &self.exterior,
-            discs: Discs::around_axis(patch.radius, &patch.coefficients),
+            exterior,
+            discs: Discs::around_axis(patch.radius, &patch.coefficients[..exterior.count()]),
             run,
         };
         ask(&discs)

@@ -14,7 +14,6 @@ use crate::problem::pillar_field::ListedPillar;
 use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch};
 use crate::solve::rules::fronts::{Course, Domain};
 use crate::solve::rules::patch::{Patch, PatchSolver};
-use crate::solve::spectral::LARGEST_CONTACT;
 use crate::state::{SolveError, Stage};
 use std::convert::Infallible;
 
@@ -34,6 +33,9 @@ const FLOOR_TOLERANCE: f64 = 1e-9;
 impl Path<'_> {
     /// The top under the lens axis, if a contact disc inside it is possible.
     fn top_under_axis(&self) -> Option<InsideTop> {
+        if !self.scene.lens.is_axisymmetric() || self.scene.lens.is_flat() {
+            return None; // the first contact is no disc
+        }
         let (index, ListedPillar { centre, body }) = self.scene.field.under([0.0, 0.0])?;
         let from_centre = centre[0].hypot(centre[1]);
         if body.column.rocking > 0.0 && from_centre > CENTRED {
@@ -41,11 +43,16 @@ impl Path<'_> {
             return None;
         }
         // A contact that is too large for the lens is refused before it reaches the rim.
-        let too_large = FARTHER * LARGEST_CONTACT * self.scene.lens.sphere_radius();
+        let too_large = FARTHER * self.scene.lens.largest_contact();
         let largest = (1.0 - from_centre).min(too_large);
-        let solver = PatchSolver::new(body.column.shortening, &[]);
+        let solver = PatchSolver::new(body.column.shortening, &self.scene.layers);
         (largest > 0.0).then(|| InsideTop {
-            exterior: Exterior::new(solver.degree()),
+            exterior: Exterior::new(if self.scene.layers.is_empty() {
+                solver.degree()
+            } else {
+                0 // not used
+            }),
+            layers: self.scene.layers.clone(),
             patch: solver.with_radius(largest, |_| 0.0),
             solver,
             index,
@@ -298,7 +305,7 @@ impl Path<'_> {
         }
         let patch = edge.at(next);
         drop(sag);
-        if next > LARGEST_CONTACT * self.scene.lens.sphere_radius() {
+        if next > self.scene.lens.largest_contact() {
             return Err(self.too_large(next));
         }
         self.move_to_patch(Course::Loading, patch);

@@ -6,8 +6,9 @@
 //! than the contact concentrates around the axis.
 
 use crate::halfspace::disc::basis::{
-    BasisEvaluator, UNIT_FORCE, compliances, equator_value, mode_count,
+    BasisEvaluator, UNIT_FORCE, compliances, degree_with, equator_value, mode_count,
 };
+use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::layer::LayerResponse;
 use crate::numerics::cholesky;
 use crate::numerics::convergence::within;
@@ -26,6 +27,9 @@ const LAYERED_DEGREE: usize = 16;
 
 /// Lower degree for the error estimate on layers.
 const LOWER_DEGREE: usize = 12;
+
+/// Highest degree of the pressure that is used for the displacement outside of the top, where the higher modes of layers have decayed.
+const OUTSIDE_DEGREE: usize = 8;
 
 /// Relative error of a value to which the bracket of its radius may close.
 const PATCH_TOLERANCE: f64 = 1e-10;
@@ -51,6 +55,12 @@ impl Patch {
             indentation: self.indentation * unit,
             force: self.force * unit * unit,
         }
+    }
+
+    /// The displacement field around it, on layers in the same unit.
+    pub(crate) fn exterior(&self, layers: &[WeightedLayer]) -> Exterior {
+        let degree = degree_with(self.coefficients.len()).min(OUTSIDE_DEGREE);
+        Exterior::new(degree).with_layers(&WeightedLayer::in_unit(layers, self.radius))
     }
 }
 
