@@ -285,7 +285,7 @@ mod tests {
         let press = "| `press` | yes | yes | yes | yes | yes | yes |";
         assert!(table.contains(press), "{table}");
         assert!(
-            table.contains("lens or substrate of finite thickness |"),
+            table.contains("| lens or substrate of finite thickness and adhesive floor |"),
             "{table}"
         );
     }

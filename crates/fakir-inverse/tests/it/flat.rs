@@ -180,7 +180,7 @@ fn parameters_of_jkr_are_found_again() {
         -1.5 * std::f64::consts::PI * TRUE_WORK * RADIUS,
         1e-5,
     );
-    assert_eq!(pull_off.model_error, 0.0);
+    assert_eq!(pull_off.model_error.to_bits(), 0);
     // The pull on loading alone has the work of adhesion too.
     let rows = 36;
     let loading: Vec<(Column, Vec<f64>)> = jkr()
