@@ -1000,7 +1000,7 @@ fn a_top_on_a_film_detaches_by_the_compliance_of_the_film() {
     ] {
         let punch = FlatSystem::punch(3e-6, half_spaces.lens().material, rubber).unwrap();
         let punch = punch.with_adhesion(Adhesion::new(0.05)).unwrap();
-        let punch = punch.with_layers(film.clone(), lens.clone()).unwrap();
+        let punch = punch.with_layers(film, lens).unwrap();
         let expected = punch
             .cycle(&to(1e-7), &run)
             .unwrap()

@@ -497,7 +497,7 @@ fn contacts_at_loads_are_on_the_curve() {
     close(branches.end(Branch::Unloading), last, 1e-9);
     let at = |load: f64, branch: Branch| branches.at(branch, load).unwrap();
     assert!(at(0.99 * last, Branch::Unloading).force < 0.0);
-    assert_eq!(at(0.99 * last, Branch::Loading).contact_radius, 0.0);
+    assert_eq!(at(0.99 * last, Branch::Loading).contact_radius.to_bits(), 0);
     // A lens that is attached has contacts on loading below 0 too, and beyond the end that at the end.
     let attached = |load: f64| branches.attached(Branch::Loading, load).unwrap();
     let same = at(0.5 * last, Branch::Unloading).force;
@@ -523,7 +523,7 @@ fn contacts_at_loads_are_on_the_curve() {
     let system = paraboloid().with_adhesion(adhesion).unwrap();
     let branches = system.branches(LoadingMode::Force, 1e-3, &run).unwrap();
     let [turn, below] = [1e-3, 0.9e-3].map(|force| branches.at(Branch::Unloading, force).unwrap());
-    assert_eq!(turn.contact_radius, below.contact_radius);
+    close(turn.contact_radius, below.contact_radius, 0.0);
     let slope = (turn.force - below.force) / (turn.indentation - below.indentation);
     close(slope, 2.0 * modulus * turn.contact_radius, 1e-8);
     // Without adhesion both branches are that of Hertz.
@@ -534,9 +534,9 @@ fn contacts_at_loads_are_on_the_curve() {
     let force = pressed(&hertz, Load::Indentation(0.4e-6)).force;
     for branch in [Branch::Loading, Branch::Unloading] {
         close(branches.at(branch, 0.4e-6).unwrap().force, force, 1e-10);
-        assert_eq!(branches.at(branch, -0.4e-6).unwrap().force, 0.0);
+        assert_eq!(branches.at(branch, -0.4e-6).unwrap().force.to_bits(), 0);
     }
-    assert_eq!(branches.end(Branch::Unloading), 0.0);
+    assert_eq!(branches.end(Branch::Unloading).to_bits(), 0);
 }
 
 /// A punch at loads: linear, and none below Kendall's pull-off.
@@ -555,5 +555,5 @@ fn a_punch_at_loads_is_linear_to_its_end() {
     close(branches.end(Branch::Unloading), pull_off, 1e-10);
     let beyond = -1.001 * pull_off.abs();
     let apart = branches.at(Branch::Unloading, beyond).unwrap();
-    assert_eq!(apart.contact_radius, 0.0);
+    assert_eq!(apart.contact_radius.to_bits(), 0);
 }
