@@ -175,7 +175,7 @@ impl PillarExtent {
 /// Kernels of recent grids with the layers that they belong to, for reuse by any solution of the process: the last one used is at the end.
 /// Their total size is at most `MOST_KEPT` bytes, that of a single grid at most `LARGEST_KEPT` bytes; larger ones are not kept.
 static KEPT: Mutex<Vec<(Vec<WeightedLayer>, FloorKernels)>> = Mutex::new(Vec::new());
-const MOST_KEPT: usize = 128 << 20;
+const MOST_KEPT: usize = 64 << 20;
 const LARGEST_KEPT: usize = MOST_KEPT / 2;
 
 /// The kernels, whose computation takes longest, for reuse: in double precision and in single precision.
