@@ -475,7 +475,9 @@ impl<'a> Newton<'a> {
         let bounded = self.cells.is_some() && self.scene.layers.is_empty();
         let farthest = bounded.then_some(self.reach);
         let workers = self.run.workers();
-        let mut change = self.tops.update(&incident, coefficients, farthest, workers);
+        let copies = self.copies.as_ref();
+        let tops = &mut self.tops;
+        let mut change = tops.update(&incident, coefficients, farthest, copies, workers);
         if let Some(cells) = &mut self.cells {
             let contact = &self.contact;
             let of_floor = cells.update(
@@ -902,6 +904,43 @@ pub(crate) mod tests {
                 );
             }
         }
+    }
+
+    /// Expected: every narrow contact at a rim solved separately, on a lattice with twelve symmetries about the lens axis.
+    #[test]
+    fn images_of_narrow_contacts_are_what_they_are_alone() {
+        let lattice = reference::lattice(0.03);
+        let (rubber, compliance) = (reference::INTERMEDIATE, PillarCompliance::Column);
+        let scene = Scene::new(&reference::on_lattice(lattice, rubber, compliance));
+        let run = Run::default();
+        let mut compared = 0;
+        for step in 0..12 {
+            let target = Load::Indentation(0.25 + 0.01 * f64::from(step));
+            let [with, alone] = [true, false].map(|with| {
+                let mut newton = newton(&scene, &run);
+                assert!(
+                    newton
+                        .copies
+                        .as_ref()
+                        .is_some_and(|copies| copies.symmetries().len() == 12)
+                );
+                newton.copies = newton.copies.filter(|_| with);
+                let outcome = newton.solve(target, Purpose::Answer).unwrap();
+                assert_eq!(outcome.termination, Termination::Converged);
+                newton
+            });
+            compared += alone.tops.slivers().count();
+            assert_eq!(with.tops.partial_states(), alone.tops.partial_states());
+            let [found, expected] = [&with, &alone].map(|newton| newton.contact.coefficients());
+            let scale = expected.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+            for (found, expected) in found.iter().zip(expected) {
+                assert!(
+                    (found - expected).abs() < 1e-9 * scale,
+                    "{found} {expected}"
+                );
+            }
+        }
+        assert!(compared >= 12, "{compared}");
     }
 
     /// Pillar heights change only the load of the lens shape: if all are raised by the same amount, they are touched earlier by that

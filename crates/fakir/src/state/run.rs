@@ -74,7 +74,8 @@ pub struct Run<'a> {
     pub interim: Option<&'a (dyn Fn(&ContactState) + Sync)>,
     /// Threads that share the work; `None` runs everything on the calling thread.
     pub pool: Option<&'a rayon::ThreadPool>,
-    /// Memory limit, bytes; 8 GB if not set.
+    /// Memory limit, bytes; 8 GB if not set. Kernels of recent floor grids, which later solutions reuse, take up to 64 MB per process in
+    /// addition.
     pub memory_limit: Option<usize>,
 }
 

@@ -72,6 +72,18 @@ impl Copies {
         numbers
     }
 
+    /// The representative of every pillar, and the number of a symmetry that maps it to this pillar.
+    pub(crate) fn sources(&self) -> Vec<(usize, usize)> {
+        let mut sources = vec![(0, 0); self.pillars];
+        for (own, images) in self.own.iter().zip(self.orbits()) {
+            // A representative is its own image under the first one.
+            for (symmetry, image) in images.iter().enumerate().rev() {
+                sources[*image as usize] = (*own as usize, symmetry);
+            }
+        }
+        sources
+    }
+
     /// The images of each representative pillar, without repetition.
     pub(crate) fn distinct_images(&self) -> impl Iterator<Item = Vec<usize>> {
         self.orbits().map(|images| {
@@ -83,7 +95,7 @@ impl Copies {
     }
 
     /// The transformations of mode coefficients under the symmetries.
-    fn turns(&self, modes: &[Mode]) -> Vec<UnloadingPoint> {
+    pub(crate) fn turns(&self, modes: &[Mode]) -> Vec<UnloadingPoint> {
         let of =
             |symmetry: &Symmetry| UnloadingPoint::new(modes, symmetry.angle, symmetry.reflected);
         self.symmetries.iter().map(of).collect()

@@ -34,7 +34,7 @@ use crate::halfspace::elements::convolution::{Convolution, Transform};
 use crate::numerics::workers::Workers;
 use crate::problem::layer::WeightedLayer;
 use rayon::ThreadPool;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Approximate number of values in a table of pillars that are processed in the time that a point of a transform takes.
 const NUMBERS_PER_POINT: f64 = 20.0;
@@ -172,6 +172,12 @@ impl PillarExtent {
     }
 }
 
+/// Kernels of recent grids with the layers that they belong to, for reuse by any solution of the process: the last one used is at the end.
+/// Their total size is at most `MOST_KEPT` bytes, that of a single grid at most `LARGEST_KEPT` bytes; larger ones are not kept.
+static KEPT: Mutex<Vec<(Vec<WeightedLayer>, FloorKernels)>> = Mutex::new(Vec::new());
+const MOST_KEPT: usize = 64 << 20;
+const LARGEST_KEPT: usize = MOST_KEPT / 2;
+
 /// The kernels, whose computation takes longest, for reuse: in double precision and in single precision.
 #[derive(Clone)]
 pub(crate) struct FloorKernels(Kernels);
@@ -197,6 +203,74 @@ impl FloorKernels {
         }
         let (exact, rough) = (Mirrored::of(&whole), Mirrored::of(&whole));
         Self(Kernels::Mirrored(Arc::new(exact), Arc::new(rough)))
+    }
+
+    /// The same as [`new`](Self::new), with reuse of kernels computed before, in this solution or in another one: they depend neither on
+    /// the load nor on moduli, except for the factors of layers.
+    fn shared(
+        grid: &FloorGrid,
+        coarse: [usize; 2],
+        degree: Option<usize>,
+        layers: &[WeightedLayer],
+        workers: Workers<'_>,
+    ) -> Self {
+        let kept = || KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = {
+            let mut kept = kept();
+            let is_it = |(of, kernels): &(Vec<WeightedLayer>, Self)| {
+                of == layers && kernels.are_of(grid, coarse, degree)
+            };
+            kept.iter().position(is_it).map(|place| {
+                let last_used = kept.remove(place);
+                let found = last_used.1.clone();
+                kept.push(last_used);
+                found
+            })
+        };
+        if let Some(found) = found {
+            return found.with_own_room();
+        }
+        let kernels = Self::new(grid, coarse, degree, layers, workers);
+        // They are undefined after cancellation.
+        if kernels.bytes() <= LARGEST_KEPT && !workers.cancel.is_cancelled() {
+            let own = kernels.with_own_room();
+            let mut kept = kept();
+            kept.push((layers.to_vec(), own));
+            let bytes = |kept: &[(Vec<WeightedLayer>, Self)]| -> usize {
+                kept.iter().map(|(_, kernels)| kernels.bytes()).sum()
+            };
+            while bytes(&kept) > MOST_KEPT {
+                // That whose last use is longest ago.
+                kept.remove(0);
+            }
+        }
+        kernels
+    }
+
+    /// The same kernels with separate buffers, for another solution.
+    fn with_own_room(&self) -> Self {
+        Self(match &self.0 {
+            Kernels::Whole(exact, rough) => Kernels::Whole(
+                Arc::new(exact.with_own_room()),
+                Arc::new(rough.with_own_room()),
+            ),
+            Kernels::Mirrored(exact, rough) => Kernels::Mirrored(
+                Arc::new(exact.with_own_room()),
+                Arc::new(rough.with_own_room()),
+            ),
+        })
+    }
+
+    /// Size of the kernels; that of the buffers is a small part of it.
+    fn bytes(&self) -> usize {
+        match &self.0 {
+            Kernels::Whole(exact, rough) => {
+                size_of_val(&exact.kernel[..]) + size_of_val(&rough.kernel[..])
+            }
+            Kernels::Mirrored(exact, rough) => {
+                size_of_val(&exact.kernel[..]) + size_of_val(&rough.kernel[..])
+            }
+        }
     }
 
     /// Whether the kernels belong to this grid.
@@ -231,7 +305,7 @@ impl<'a> FloorCoupling<'a> {
         let on_grid = grid.holds_pillars().then_some(degree);
         let kernels = known
             .filter(|kernels| kernels.are_of(grid, coarse, on_grid))
-            .unwrap_or_else(|| FloorKernels::new(grid, coarse, on_grid, layers, workers));
+            .unwrap_or_else(|| FloorKernels::shared(grid, coarse, on_grid, layers, workers));
         let pillars = if grid.holds_pillars() {
             let place = |pillar: usize| {
                 let [x, y] = sites.centres()[pillar];
@@ -695,6 +769,39 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    /// Two solutions that share kernels do not affect each other.
+    #[test]
+    fn shared_kernels_have_separate_buffers() {
+        for (field, fineness, _) in fields().into_iter().take(4) {
+            let sites = Sites::within(&field, 11.0);
+            let grid = FloorGrid::new(&field, Division::new(&field, fineness), 6.0).unwrap();
+            let cancel = CancelToken::default();
+            let workers = Workers {
+                pool: None,
+                cancel: &cancel,
+            };
+            let tops = 6 * sites.len();
+            let new = || {
+                let pillars = (&sites, 1e9);
+                FloorCoupling::new(&grid, pillars, [6, 2], &[], None, workers, None)
+            };
+            let product = |floor: &mut FloorCoupling<'_>, coefficients: &[f64]| {
+                let mut far = vec![0.0; coefficients.len()];
+                let (far_tops, far_floor) = far.split_at_mut(tops);
+                floor.apply(coefficients.split_at(tops).into(), [far_tops, far_floor]);
+                far
+            };
+            let [one, other] = [0.3, 1.1].map(|turn| numbers(tops + grid.len(), turn));
+            let (mut first, mut second) = (new(), new());
+            let expected = product(&mut first, &one);
+            let _ = product(&mut second, &other);
+            assert_eq!(product(&mut first, &one), expected);
+            assert_eq!(product(&mut second, &one), expected);
+            let size = FloorKernels::bytes(&first.kernels());
+            assert!(size > 0 && size <= LARGEST_KEPT);
         }
     }
 

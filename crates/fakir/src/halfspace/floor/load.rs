@@ -186,7 +186,7 @@ impl Groups {
     /// Creates groups, with or without nodes.
     fn new(cells: Vec<(Point, f64)>, cell: [f64; 2], with_nodes: bool) -> Self {
         let mut building = Building {
-            quadrature: quadrature(cell),
+            moments: moments_of_cell(cell),
             cell,
             groups: Vec::new(),
             cells,
@@ -293,9 +293,9 @@ impl Groups {
 
 /// Groups during their construction.
 struct Building {
-    /// Sides of a cell, and the points around its centre that represent it, with the fraction of its force at each, times its area.
+    /// Sides of a cell, and the moments about its centre of a unit pressure on it.
     cell: [f64; 2],
-    quadrature: Vec<(Point, f64)>,
+    moments: RealMoments,
     cells: Vec<(Point, f64)>,
     groups: Vec<Group>,
 }
@@ -340,12 +340,12 @@ impl Building {
             });
             self.groups[place].parts = Parts::Halves(halves);
         } else {
+            let mut at_centres = Moments::default();
             for ([x, y], pressure) in own {
-                for ([u, v], weight) in &self.quadrature {
-                    let at = [(*x + u - centre[0]) / radius, (*y + v - centre[1]) / radius];
-                    moments.add_force(weight * *pressure, at);
-                }
+                let at = [(*x - centre[0]) / radius, (*y - centre[1]) / radius];
+                at_centres.add_force(*pressure, at);
             }
+            moments = at_centres.spread(&self.moments, radius.recip());
         }
         self.groups[place].multipoles = moments.multipoles();
         (place, moments)
@@ -362,6 +362,30 @@ fn quadrature([width, height]: [f64; 2]) -> Vec<(Point, f64)> {
     let rows = rule.iter();
     rows.flat_map(|u| rule.iter().map(move |v| point(*u, *v)))
         .collect()
+}
+
+/// [`Moments`] that are real because the forces are symmetric under reflections of x and of y; those with odd `a + b` are zero.
+type RealMoments = [[f64; DEGREES]; DEGREES];
+
+/// The moments about its centre of a unit pressure on a cell.
+fn moments_of_cell(cell: [f64; 2]) -> RealMoments {
+    let mut moments = Moments::default();
+    for (at, weight) in quadrature(cell) {
+        moments.add_force(weight, at);
+    }
+    moments.0.map(|row| row.map(|moment| moment.re))
+}
+
+/// `binomials[n][k]`, `n!/(k! (n - k)!)`.
+fn binomials() -> [[f64; DEGREES]; DEGREES] {
+    let mut binomials = [[0.0; DEGREES]; DEGREES];
+    for n in 0..DEGREES {
+        binomials[n][0] = 1.0;
+        for k in 1..=n {
+            binomials[n][k] = binomials[n - 1][k - 1] + binomials[n - 1][k];
+        }
+    }
+    binomials
 }
 
 /// Sums of `p z^a conj(z)^b` over forces `p` at `z = x + i y`, in row `a` and column `b`, for `a + b` less than the number of degrees.
@@ -388,12 +412,42 @@ impl Moments {
         }
     }
 
+    /// The moments after every force is distributed like the forces with the given moments, whose positions are scaled by a factor: the
+    /// powers of `z + factor u` by the binomial theorem.
+    fn spread(&self, of_each: &RealMoments, factor: f64) -> Self {
+        let binomials = binomials();
+        let mut scaled = *of_each;
+        for (i, row) in scaled.iter_mut().enumerate() {
+            for (j, moment) in row[..DEGREES - i].iter_mut().enumerate() {
+                *moment *= factor.powi((i + j) as i32);
+            }
+        }
+        let mut spread = Self::default();
+        for a in 0..DEGREES {
+            for b in 0..DEGREES - a {
+                let mut sum = Complex64::default();
+                for i in 0..=a {
+                    for j in (i % 2..=b).step_by(2) {
+                        let weight = binomials[a][i] * binomials[b][j] * scaled[i][j];
+                        sum += weight * self.0[a - i][b - j];
+                    }
+                }
+                spread.0[a][b] = sum;
+            }
+        }
+        spread
+    }
+
     /// The moments after all positions are scaled by a factor and then shifted: the powers of `factor z + shift` by the binomial theorem.
     fn moved(mut self, factor: f64, [x, y]: Point) -> Self {
         let shift = Complex64::new(x, y);
+        let mut powers = [1.0; DEGREES];
+        for degree in 1..DEGREES {
+            powers[degree] = powers[degree - 1] * factor;
+        }
         for (a, row) in self.0.iter_mut().enumerate() {
-            for (b, moment) in row[..DEGREES - a].iter_mut().enumerate() {
-                *moment *= factor.powi((a + b) as i32);
+            for (moment, power) in row[..DEGREES - a].iter_mut().zip(&powers[a..]) {
+                *moment *= power;
             }
             // Pascal's triangle: after `k` rounds the powers are those of `(z + shift)^k z^(b - k)`.
             for k in 1..DEGREES - a {
@@ -461,6 +515,31 @@ impl Group {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Expected: the sums over all points of all cells.
+    #[test]
+    fn moments_of_cells_are_those_of_their_points() {
+        let cell = [0.31, 0.27];
+        let cells = [([0.4, -1.1], 0.7), ([-0.8, 0.3], -0.2), ([1.3, 0.9], 1.9)];
+        let unit = 1.7;
+        let (mut centres, mut expected) = (Moments::default(), Moments::default());
+        for ([x, y], pressure) in cells {
+            centres.add_force(pressure, [x / unit, y / unit]);
+            for ([u, v], weight) in quadrature(cell) {
+                expected.add_force(weight * pressure, [(x + u) / unit, (y + v) / unit]);
+            }
+        }
+        let found = centres.spread(&moments_of_cell(cell), 1.0 / unit);
+        for a in 0..DEGREES {
+            for b in 0..DEGREES - a {
+                let (found, expected) = (found.0[a][b], expected.0[a][b]);
+                assert!(
+                    (found - expected).norm() < 1e-14,
+                    "{a} {b}: {found} {expected}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn groups_do_what_their_cells_do() {

@@ -8,7 +8,7 @@
 
 use super::coarse::{BesidePillars, Coarse};
 use super::grid::Division;
-use super::whole::Together;
+use super::whole::{Together, folded_room};
 use crate::halfspace::disc::basis::{Mode, modes};
 use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Transform, Workspace, line_stride,
@@ -17,7 +17,7 @@ use crate::numerics::cosine::CosinePlans;
 use crate::numerics::fft::Real;
 use crate::numerics::vector::{LANES, widest};
 use num_complex::Complex;
-use std::sync::{Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 /// The number of stored rows is a multiple of this.
 const TOGETHER: usize = 2 * LANES;
@@ -34,7 +34,7 @@ pub(super) struct Mirrored<R> {
     odd: Vec<bool>,
     parities: Vec<[bool; 2]>,
     /// For both real columns of every complex column and every kernel, that of the floor first: its [stored](Self::held) rows.
-    kernel: Vec<R>,
+    pub(super) kernel: Arc<Vec<R>>,
     /// The coefficients of the pillars: for every coarse column and every mode, its rows.
     tops: RwLock<Vec<R>>,
     /// For both real columns of every complex column and every mode: folded rows, in blocks.
@@ -70,26 +70,35 @@ impl<R: Real> Mirrored<R> {
                 }
             }
         }
-        let of_column = (2 * parities.len() * whole.coarse[1]).max(1);
-        let widths = (0..plans.column_count()).step_by(BLOCK_WIDTH);
-        let folded = widths.map(|first| {
-            let width = BLOCK_WIDTH.min(plans.column_count() - first);
-            Mutex::new(vec![R::default(); width * of_column])
-        });
         Self {
             division: whole.division,
             degree: whole.degree,
             shape,
             coarse: whole.coarse,
             odd: whole.odd.clone(),
-            kernel,
-            tops: RwLock::new(vec![
-                R::default();
-                whole.coarse[0] * parities.len() * whole.coarse[1]
-            ]),
-            folded: folded.collect(),
+            kernel: Arc::new(kernel),
+            tops: RwLock::default(),
+            folded: Vec::new(),
             parities,
             plans,
+        }
+        .with_own_room()
+    }
+
+    /// The same kernels with separate buffers, for another solution.
+    pub(super) fn with_own_room(&self) -> Self {
+        let of_column = self.parities.len() * self.coarse[1];
+        Self {
+            division: self.division,
+            degree: self.degree,
+            shape: self.shape,
+            coarse: self.coarse,
+            plans: self.plans.clone(),
+            odd: self.odd.clone(),
+            parities: self.parities.clone(),
+            kernel: Arc::clone(&self.kernel),
+            tops: RwLock::new(vec![R::default(); self.coarse[0] * of_column]),
+            folded: folded_room(self.plans.column_count(), 2 * of_column),
         }
     }
 

@@ -14,7 +14,7 @@ use crate::numerics::workers::Workers;
 use crate::problem::layer::WeightedLayer;
 use num_complex::{Complex, Complex64};
 use std::f64::consts::PI;
-use std::sync::{Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 /// Smallest number of kernel rows that a thread computes at a time.
 const KERNEL_ROWS: usize = 4;
@@ -40,7 +40,7 @@ pub(super) struct Together<R> {
     mirrored: Vec<R>,
     /// For every column and every kernel, that of the floor first: its stored rows ([`kernel_rows`]). Includes the normalisation of all
     /// transforms.
-    pub(super) kernel: Vec<R>,
+    pub(super) kernel: Arc<Vec<R>>,
     /// `exp(i theta/2)` for every column and for every row.
     phases: [Vec<Complex<R>>; 2],
     /// Transforms of the coefficients of the pillars: for every coarse column and every mode, the real parts of its rows, then the
@@ -72,7 +72,7 @@ impl<R: Real> BesidePillars for Together<R> {
 }
 
 /// Zeros for every column, in blocks.
-fn folded_room<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> {
+pub(super) fn folded_room<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> {
     let of_column = of_column.max(1);
     (0..columns)
         .step_by(BLOCK_WIDTH)
@@ -102,7 +102,7 @@ impl Together<f64> {
         let phase =
             |k: usize, length: usize| Complex64::from_polar(1.0, PI * k as f64 / length as f64);
         let modes = degree.map_or_else(Vec::new, modes);
-        let mut together = Self {
+        let together = Self {
             division: *division,
             degree,
             shape,
@@ -117,7 +117,7 @@ impl Together<f64> {
                 .iter()
                 .map(|mode| if mode.parities()[1] { 1.0 } else { -1.0 })
                 .collect(),
-            kernel: vec![0.0; half * (1 + modes.len()) * kernel_rows(rows)],
+            kernel: Arc::default(),
             phases: [
                 (0..half).map(|k| phase(k, columns)).collect(),
                 (0..rows).map(|k| phase(k, rows)).collect(),
@@ -125,8 +125,11 @@ impl Together<f64> {
             tops: RwLock::new(vec![0.0; 2 * coarse[0] * modes.len() * coarse[1]]),
             folded: folded_room(half, 2 * modes.len() * coarse[1]),
         };
-        together.fill_kernels(&modes, layers, workers);
-        together
+        let kernel = together.kernels(&modes, layers, workers);
+        Self {
+            kernel: Arc::new(kernel),
+            ..together
+        }
     }
 
     /// The same in single precision.
@@ -146,7 +149,7 @@ impl Together<f64> {
             odd: self.odd.clone(),
             alike: self.alike.clone(),
             mirrored: real(&self.mirrored),
-            kernel: real(&self.kernel),
+            kernel: Arc::new(real(&self.kernel)),
             phases: self.phases.each_ref().map(complex),
             tops: RwLock::new(vec![
                 0.0;
@@ -156,7 +159,7 @@ impl Together<f64> {
         }
     }
 
-    fn fill_kernels(&mut self, modes: &[Mode], layers: &[WeightedLayer], workers: Workers<'_>) {
+    fn kernels(&self, modes: &[Mode], layers: &[WeightedLayer], workers: Workers<'_>) -> Vec<f64> {
         let (division, degree) = (&self.division, self.degree);
         let [columns, rows] = self.shape;
         let half = columns / 2 + 1;
@@ -267,13 +270,9 @@ impl Together<f64> {
                 }
             }
         };
-        workers.fill(
-            &mut self.kernel,
-            BLOCK_WIDTH * kernels * held,
-            1,
-            work,
-            several,
-        );
+        let mut kernel = vec![0.0; half * kernels * held];
+        workers.fill(&mut kernel, BLOCK_WIDTH * kernels * held, 1, work, several);
+        kernel
     }
 }
 
@@ -393,6 +392,28 @@ impl<R: Real> Transform for Together<R> {
 }
 
 impl<R: Real> Together<R> {
+    /// The same kernels with separate buffers, for another solution.
+    pub(super) fn with_own_room(&self) -> Self {
+        let (modes, columns) = (self.odd.len(), self.column_count());
+        Self {
+            division: self.division,
+            degree: self.degree,
+            shape: self.shape,
+            coarse: self.coarse,
+            plans: self.plans.clone(),
+            odd: self.odd.clone(),
+            alike: self.alike.clone(),
+            mirrored: self.mirrored.clone(),
+            kernel: Arc::clone(&self.kernel),
+            phases: self.phases.clone(),
+            tops: RwLock::new(vec![
+                R::default();
+                2 * self.coarse[0] * modes * self.coarse[1]
+            ]),
+            folded: folded_room(columns, 2 * modes * self.coarse[1]),
+        }
+    }
+
     /// Combines one column of the floor's transform with that of the pillars.
     #[inline(always)]
     fn meet(

@@ -19,6 +19,8 @@ use crate::halfspace::disc::basis::{BasisEvaluator, TILT_COMPLIANCE, TILT_MODE, 
 use crate::halfspace::disc::nodes::Resolution;
 use crate::numerics::pivoting::{PivotSolver, Pivoting};
 use crate::numerics::roots;
+use crate::numerics::special::natural_logarithm;
+use crate::numerics::vector::{Lanes, widest};
 use crate::problem::Point;
 use crate::problem::column::Column;
 use crate::state::fields::SliverEdge;
@@ -274,6 +276,8 @@ pub(crate) struct RimSolver {
     cells: Vec<Cell>,
     /// Whether cells of two rings some sectors apart are treated as distant.
     far: Vec<bool>,
+    /// Mean displacement of the cells of one ring per force on a cell of another, by their distance in sectors, of either sign.
+    by_distance: Vec<f64>,
 }
 
 /// A cell, given by its centre in polar coordinates of the pillar and its extents.
@@ -288,7 +292,7 @@ struct Cell {
 impl RimSolver {
     /// With the given resolution, for a pillar top with as many modes as its nodes have, the leading `lead` of which act on other pillars.
     pub(crate) fn new(resolution: Resolution, lead: usize, column: Column) -> Self {
-        let shape = [2 * resolution.rings, resolution.rings];
+        let shape = Self::shape(resolution);
         let size = shape[0] * shape[1];
         let count = mode_count(resolution.nodes);
         Self {
@@ -302,7 +306,13 @@ impl RimSolver {
             lead,
             cells: Vec::with_capacity(size),
             far: vec![false; across_pairs(resolution.rings) * shape[0]],
+            by_distance: vec![0.0; (2 * shape[0]).saturating_sub(1)],
         }
+    }
+
+    /// Numbers of sectors and rings.
+    fn shape(resolution: Resolution) -> [usize; 2] {
+        [2 * resolution.rings, resolution.rings]
     }
 
     /// Divides a region into cells, ring by ring. If `as_before` is set, the classification of near and distant cells is kept, so that
@@ -341,27 +351,39 @@ impl RimSolver {
         // A force at a distance `s` from the centre tilts the top, whose displacement at a distance `r` is `lambda_11 Y(r) Y(s)` for both
         // tilts.
         let rocking = TILT_COMPLIANCE * TILT_MODE * TILT_MODE * self.column.rocking;
-        let mut pairs = self.far.iter_mut();
-        for ring in 0..across {
-            for other in ring..across {
-                let (a, b) = (self.cells[ring * along], self.cells[other * along]);
-                for (apart, far) in pairs.by_ref().take(along).enumerate() {
-                    let angle = step * apart as f64;
-                    if !as_before {
-                        *far = are_far(&a, &b, angle);
-                    }
-                    let leaning = rocking * a.radius * b.radius * angle.cos();
-                    let value = mean_influence(&a, &b, angle, *far) + shortening + leaning;
-                    for first in 0..along - apart {
-                        for [i, j] in [[first, first + apart], [first + apart, first]] {
-                            let (row, col) = (ring * along + i, other * along + j);
-                            self.influence[row * size + col] = value;
-                            self.influence[col * size + row] = value;
+        let (cells, far) = (&self.cells, &mut self.far);
+        let mut pairs = far.chunks_exact_mut(along);
+        let (by_distance, influence) = (&mut self.by_distance, &mut self.influence);
+        widest(
+            #[inline(always)]
+            || {
+                for ring in 0..across {
+                    for other in ring..across {
+                        let (a, b) = (cells[ring * along], cells[other * along]);
+                        let Some(far) = pairs.next() else {
+                            continue;
+                        };
+                        for (apart, far) in far.iter_mut().enumerate() {
+                            let angle = step * apart as f64;
+                            if !as_before {
+                                *far = are_far(&a, &b, angle);
+                            }
+                            let leaning = rocking * a.radius * b.radius * angle.cos();
+                            let value = mean_influence(&a, &b, angle, *far) + shortening + leaning;
+                            by_distance[along - 1 + apart] = value;
+                            by_distance[along - 1 - apart] = value;
+                        }
+                        for [rows, columns] in [[ring, other], [other, ring]] {
+                            for sector in 0..along {
+                                let row = (rows * along + sector) * size + columns * along;
+                                influence[row..row + along]
+                                    .copy_from_slice(&by_distance[along - 1 - sector..][..along]);
+                            }
                         }
                     }
                 }
-            }
-        }
+            },
+        );
     }
 
     /// Solves for a load. `active` marks the cells in contact: the initial guess on entry, if the number of cells matches, the solution on
@@ -487,6 +509,13 @@ impl RimSolver {
     }
 }
 
+/// Marks of the cells of a narrow region for its mirror image, whose sectors have the opposite order.
+pub(crate) fn mirrored(marks: &[bool], resolution: Resolution) -> Vec<bool> {
+    let sectors = RimSolver::shape(resolution)[0].max(1);
+    let rings = marks.chunks(sectors);
+    rings.flat_map(|ring| ring.iter().rev().copied()).collect()
+}
+
 impl Cell {
     /// Two corners on the outer side, two on the inner.
     fn corners(&self) -> [Point; 4] {
@@ -499,18 +528,23 @@ impl Cell {
     }
 }
 
+/// Length that replaces zero in a quotient.
+const TINY: f64 = 1e-200;
+
 /// Number of pairs of rings.
 fn across_pairs(rings: usize) -> usize {
     rings * (rings + 1) / 2
 }
 
 /// Distance between the centres of two cells, whose sectors are `angle` apart, along the rim and across.
+#[inline(always)]
 fn apart(one: &Cell, other: &Cell, angle: f64) -> Point {
     let along = 2.0 * (one.radius * other.radius).sqrt() * (0.5 * angle).sin();
     [along, one.radius - other.radius]
 }
 
 /// Whether the second moments of the cells are sufficient.
+#[inline(always)]
 fn are_far(one: &Cell, other: &Cell, angle: f64) -> bool {
     /// Distance, relative to the longest side, above which they are.
     const FAR: f64 = 4.0;
@@ -520,6 +554,7 @@ fn are_far(one: &Cell, other: &Cell, angle: f64) -> bool {
 }
 
 /// Mean displacement of one cell per force on another whose sector is `angle` away: the mean of `1/(pi r)`.
+#[inline(always)]
 fn mean_influence(one: &Cell, other: &Cell, angle: f64, far: bool) -> f64 {
     let [x, y] = apart(one, other, angle);
     let mean = if far {
@@ -538,40 +573,36 @@ fn mean_influence(one: &Cell, other: &Cell, angle: f64, far: bool) -> f64 {
 }
 
 /// Mean of `1/r` over two aligned rectangles whose centres are `[x, y]` apart.
+#[inline(always)]
 fn mean_inverse_distance([x, y]: [f64; 2], one: [f64; 2], other: [f64; 2]) -> f64 {
+    // The corners of the difference, with the signs +, -, - and +.
     let corners = |offset: f64, axis: usize| {
         let (half_sum, half_difference) = (
             0.5 * (one[axis] + other[axis]),
             0.5 * (one[axis] - other[axis]),
         );
         [
-            (offset + half_sum, 1.0),
-            (offset + half_difference, -1.0),
-            (offset - half_difference, -1.0),
-            (offset - half_sum, 1.0),
+            (offset + half_sum).abs(),
+            (offset + half_difference).abs(),
+            (offset - half_difference).abs(),
+            (offset - half_sum).abs(),
         ]
     };
-    let mut sum = 0.0;
-    for (x, sign) in corners(x, 0) {
-        for (y, other_sign) in corners(y, 1) {
-            sum += sign * other_sign * fourth_integral(x.abs(), y.abs());
-        }
-    }
-    sum / (one[0] * one[1] * other[0] * other[1])
+    let across = Lanes(corners(y, 1));
+    let [a, b, c, d] = corners(x, 0).map(|x| fourth_integrals(x, across));
+    let Lanes([e, f, g, h]) = (a - b) + (d - c);
+    ((e - f) + (h - g)) / (one[0] * one[1] * other[0] * other[1])
 }
 
-/// A function whose second derivative along both axes is `1/r`, even in both.
-fn fourth_integral(x: f64, y: f64) -> f64 {
-    let r = x.hypot(y);
-    // asinh differs from the logarithm of y + r by terms that cancel in the difference.
-    let along = |a: f64, b: f64| {
-        if a > 0.0 {
-            0.5 * a * a * b * (b / a).asinh()
-        } else {
-            0.0
-        }
-    };
-    along(x, y) + along(y, x) - r.powi(3) / 6.0
+/// A function whose second derivative along both axes is `1/r`, at `x >= 0` and several `y >= 0`.
+#[inline(always)]
+fn fourth_integrals(x: f64, across: Lanes) -> Lanes {
+    across.map(|y| {
+        let r = (x * x + y * y).sqrt();
+        // asinh(b/a); it differs from the logarithm of b + r by terms that cancel in the difference. At a = 0 its factor is zero.
+        let inverse_sinh = |b: f64, a: f64| natural_logarithm((b + r).max(TINY) / a.max(TINY));
+        0.5 * x * y * (x * inverse_sinh(y, x) + y * inverse_sinh(x, y)) - r * r * r / 6.0
+    })
 }
 
 #[cfg(test)]

@@ -4,13 +4,13 @@
 //! pressure. At fixed states the top responds linearly to its load. [`update`](Tops::update) solves every top under its current load and
 //! adopts its new state.
 
-use super::rim::{Motion, Rim};
+use super::rim::{Motion, Rim, mirrored};
 use super::unilateral::{LocalSolver, PillarTop};
 use crate::halfspace::coupling::copies::Copies;
 use crate::halfspace::coupling::sites::Sites;
-use crate::halfspace::disc::basis::{UNIT_FORCE, degree_with, mode_count, modes};
+use crate::halfspace::disc::basis::{UNIT_FORCE, UnloadingPoint, degree_with, mode_count, modes};
 use crate::halfspace::disc::projection::LensProjector;
-use crate::numerics::convergence::larger;
+use crate::numerics::convergence::{larger, within};
 use crate::numerics::vector::{dot, subtract};
 use crate::numerics::workers::Workers;
 use crate::problem::{Point, ShapedLens};
@@ -48,6 +48,43 @@ impl Partial {
             constant: vec![0.0; modes],
             converged: false,
         }
+    }
+}
+
+/// State of a solved pillar, its leading moments, and whether its active nodes or cells changed.
+type Solved = (Partial, Vec<f64>, bool);
+
+/// Largest effect of a difference of the loads of symmetric copies on the moments of a pillar with a narrow contact at the rim, relative to
+/// the largest one.
+const ALIKE: f64 = 1e-10;
+
+/// Images of pillars under symmetries.
+struct Images {
+    /// Of every pillar: a representative, and the number of a symmetry that maps it to this pillar.
+    sources: Vec<(usize, usize)>,
+    /// Transformation of the leading moments, and whether it is a reflection.
+    symmetries: Vec<(UnloadingPoint, bool)>,
+}
+
+impl Images {
+    fn new(copies: &Copies, degree: usize) -> Self {
+        let reflected = copies
+            .symmetries()
+            .iter()
+            .map(|symmetry| symmetry.reflected);
+        Self {
+            sources: copies.sources(),
+            symmetries: copies
+                .turns(&modes(degree))
+                .into_iter()
+                .zip(reflected)
+                .collect(),
+        }
+    }
+
+    /// Whether a pillar is a representative.
+    fn is_own(&self, pillar: usize) -> bool {
+        self.sources[pillar].0 == pillar
     }
 }
 
@@ -377,12 +414,14 @@ impl Tops {
     }
 
     /// Solves every pillar under its incident load and adopts its state. `coefficients` are those of the linearized contact. Pillars
-    /// farther from the lens axis than `farthest`, if given, stay untouched regardless of their load.
+    /// farther from the lens axis than `farthest`, if given, stay untouched regardless of their load. Of symmetric copies with a narrow
+    /// contact at the rim, one is solved.
     pub(crate) fn update(
         &mut self,
         incident: &Incident<'_>,
         coefficients: &[f64],
         farthest: Option<f64>,
+        copies: Option<&Copies>,
         workers: Workers<'_>,
     ) -> Change {
         let statuses = self.statuses(incident, farthest, workers);
@@ -394,8 +433,7 @@ impl Tops {
             self.partial.get(self.partial_of[pillar] as usize)
         };
         let solver = || LocalSolver::new(&self.top);
-        let solved = workers.map(partial.len(), 1, solver, |solver, number| {
-            let pillar = partial[number];
+        let solve = |solver: &mut LocalSolver, pillar: usize| {
             if workers.cancel.is_cancelled() {
                 return (
                     Partial::unsolved(pillar, self.modes),
@@ -404,7 +442,30 @@ impl Tops {
                 );
             }
             self.solve_partial(incident, solver, pillar, guess(pillar))
+        };
+        let images = copies.filter(|_| self.top.resolution().rings > 0);
+        let images = images.map(|copies| Images::new(copies, self.degree));
+        let is_own = |pillar: &usize| images.as_ref().is_none_or(|images| images.is_own(*pillar));
+        let (own, others): (Vec<usize>, Vec<usize>) = partial.iter().partition(|p| is_own(p));
+        let mut solved = workers.map(own.len(), 1, solver, |solver, number| {
+            solve(solver, own[number])
         });
+        if let Some(images) = &images {
+            let of_others = workers.map(others.len(), 1, solver, |solver, number| {
+                let pillar = others[number];
+                let image = self.image(incident, images, &solved, pillar);
+                image.map_or_else(
+                    || solve(solver, pillar),
+                    |(partial, coefficients)| {
+                        let guess = guess(pillar);
+                        let moved = guess.is_none_or(|guess| guess.active != partial.active);
+                        (partial, coefficients, moved)
+                    },
+                )
+            });
+            solved.extend(of_others);
+            solved.sort_by_key(|(partial, ..)| partial.pillar);
+        }
         let changed = before
             .iter()
             .zip(&self.status)
@@ -469,6 +530,58 @@ impl Tops {
         marginal.contains(&true)
     }
 
+    /// The state and the leading moments of a pillar as the image of another one with a narrow contact at the rim; `None` if that is not
+    /// solved or has none, or if the loads of both are not symmetric.
+    fn image(
+        &self,
+        incident: &Incident<'_>,
+        images: &Images,
+        solved: &[Solved],
+        pillar: usize,
+    ) -> Option<(Partial, Vec<f64>)> {
+        let modes = self.modes;
+        let (own, symmetry) = images.sources[pillar];
+        let place = solved.binary_search_by_key(&own, |(partial, ..)| partial.pillar);
+        let (of_own, coefficients, _) = &solved[place.ok()?];
+        if of_own.active.len() == self.top.count() {
+            return None;
+        }
+        let (turn, reflected) = &images.symmetries[symmetry];
+        let mut constant = of_own.constant.clone();
+        turn.apply(&mut constant);
+        // The derivative is symmetric: its rows, and then its columns.
+        let mut derivative = of_own.derivative.clone();
+        for _ in 0..2 {
+            derivative
+                .chunks_exact_mut(modes)
+                .for_each(|row| turn.apply(row));
+            transpose(&mut derivative, modes);
+        }
+        let mut load = vec![0.0; modes];
+        incident(pillar, &mut load);
+        let rows = constant.iter().zip(derivative.chunks_exact(modes));
+        let found: Vec<f64> = rows.map(|(c, row)| c + dot(row, &load)).collect();
+        let mut expected = coefficients.clone();
+        turn.apply(&mut expected);
+        let most = expected.iter().fold(0.0, |most, c| larger(most, c.abs()));
+        let alike =
+            |(found, expected): (&f64, &f64)| within((found - expected).abs(), ALIKE * most);
+        let alike = found.iter().zip(&expected).all(alike);
+        let active = if *reflected {
+            mirrored(&of_own.active, self.top.resolution())
+        } else {
+            of_own.active.clone()
+        };
+        let image = Partial {
+            pillar,
+            active,
+            derivative,
+            constant,
+            converged: of_own.converged,
+        };
+        alike.then_some((image, found))
+    }
+
     /// Solves the unilateral problem of one pillar. Returns its new state, its leading moments, and whether its active nodes changed.
     fn solve_partial(
         &self,
@@ -476,7 +589,7 @@ impl Tops {
         solver: &mut LocalSolver,
         pillar: usize,
         guess: Option<&Partial>,
-    ) -> (Partial, Vec<f64>, bool) {
+    ) -> Solved {
         let modes = self.modes;
         let load = self.full_load(incident, pillar);
         let top = self.top_of(pillar);
@@ -514,7 +627,7 @@ impl Tops {
         &self,
         incident: &Incident<'_>,
         coefficients: &[f64],
-        solved: &[(Partial, Vec<f64>, bool)],
+        solved: &[Solved],
         workers: Workers<'_>,
     ) -> f64 {
         let modes = self.modes;
@@ -553,6 +666,15 @@ impl Tops {
                 [larger(a, c), larger(b, d)]
             });
         difference / largest
+    }
+}
+
+/// Transposes a square matrix.
+fn transpose(matrix: &mut [f64], size: usize) {
+    for row in 0..size {
+        for column in 0..row {
+            matrix.swap(row * size + column, column * size + row);
+        }
     }
 }
 
