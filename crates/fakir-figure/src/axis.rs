@@ -58,6 +58,19 @@ impl Axis {
         }
     }
 
+    /// A linear axis of deviations: shows all data and the line of zero, with a margin on both sides of each.
+    pub(crate) fn of_deviations(
+        label: impl Into<Text>,
+        values: impl Iterator<Item = f64>,
+    ) -> Self {
+        let finite = values.filter(|value| value.is_finite());
+        let (low, high) = finite.fold((0.0f64, 0.0f64), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        let room = if high > low { 0.1 * (high - low) } else { 1.0 };
+        Self::linear(label).over(low - room, high + room)
+    }
+
     /// The same axis for the range of these values, with a margin.
     pub(crate) fn around(self, values: impl Iterator<Item = f64>) -> Self {
         let [first, last] = self.span(values).range;
@@ -184,8 +197,10 @@ impl Span {
             Direction::Upwards => length / (3.2 * size),
         };
         let most = (most as usize).clamp(2, 7);
+        // If the preferred numbers of ticks give a single label, more are tried.
         let candidates: Vec<Vec<Tick>> = (2..=most)
             .rev()
+            .chain(most + 1..=2 * most + 4)
             .map(|count| match self.scale {
                 Scale::Linear => linear_ticks(self.range, count),
                 Scale::Logarithmic => self.logarithmic_ticks(count),
@@ -200,7 +215,7 @@ impl Span {
         };
         with_labels(2)
             .or_else(|| with_labels(1))
-            .or(candidates.last())
+            .or(candidates.get(most - 2))
             .cloned()
             .unwrap_or_default()
     }

@@ -50,7 +50,7 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
             Box::new(move |point| force.of(point.force.abs())),
         ),
         (
-            "|*F*_{p}|/*F*_{Kendall}".to_owned(),
+            "pull-off force |*F*_{p}|/*F*_{Kendall}".to_owned(),
             Box::new(|point| point.normalized_force),
         ),
         (
@@ -58,7 +58,7 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
             Box::new(move |point| energy.of(point.hysteresis)),
         ),
         (
-            "*E*_{loop}/(*w* *A*_{tops})".to_owned(),
+            "hysteresis *E*_{loop}/(*w* *A*_{tops})".to_owned(),
             Box::new(|point| point.normalized_hysteresis),
         ),
     ];
@@ -103,9 +103,9 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
     }
     .figure()
     .with_description(
-        "Pull-off force and hysteresis",
-        "Four charts: the largest force with which the lens is held back when it is pulled off, the same over that of one flat pillar \
-         alone, the area of the loop of loading and unloading, and the same over the work of adhesion of all top area that was in contact.",
+        "Pull-off force and hysteresis of cycles",
+        "Four charts: the pull-off force, its ratio to the pull-off force of a single flat pillar (Kendall), the area of the loop of \
+         loading and unloading, and its ratio to the work of adhesion of the whole top area that was in contact.",
     )
 }
 
