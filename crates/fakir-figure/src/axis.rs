@@ -59,10 +59,7 @@ impl Axis {
     }
 
     /// A linear axis of deviations: shows all data and the line of zero, with a margin on both sides of each.
-    pub(crate) fn of_deviations(
-        label: impl Into<Text>,
-        values: impl Iterator<Item = f64>,
-    ) -> Self {
+    pub(crate) fn of_deviations(label: impl Into<Text>, values: impl Iterator<Item = f64>) -> Self {
         let finite = values.filter(|value| value.is_finite());
         let (low, high) = finite.fold((0.0f64, 0.0f64), |(low, high), value| {
             (low.min(value), high.max(value))

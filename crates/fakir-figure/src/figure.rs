@@ -182,9 +182,10 @@ impl Figure {
                 ));
             }
             let words = label.text.to_string();
-            if let Some(unit) = words.split([' ', '(', ')', '/', ',']).find(|word| {
-                ["um", "uN", "uJ", "um2", "uPa"].contains(word)
-            }) {
+            if let Some(unit) = words
+                .split([' ', '(', ')', '/', ','])
+                .find(|word| ["um", "uN", "uJ", "um2", "uPa"].contains(word))
+            {
                 faults.push(format!("\"{words}\": the unit {unit} is printed with a µ"));
             }
             for run in label.text.runs() {

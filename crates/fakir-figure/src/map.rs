@@ -115,6 +115,27 @@ impl Window {
         pillars.into_iter().map(disc).collect()
     }
 
+    /// Entries of a key for those of the two kinds of pillars that are visible, with the colours of [`pillar_discs`](Self::pillar_discs).
+    pub(crate) fn pillar_signs(
+        &self,
+        state: &ContactState,
+        [touched, untouched]: [Colour; 2],
+        [name, name_without]: [&'static str; 2],
+    ) -> Vec<(KeySign, &'static str)> {
+        let indices: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
+        let shown = self.pillars(&state.system);
+        let among = |contact| {
+            let mut shown = shown.iter();
+            shown.any(|pillar| indices.contains(&pillar.index) == contact)
+        };
+        let signs = [
+            (true, KeySign::Disc(touched), name),
+            (false, KeySign::Disc(untouched), name_without),
+        ];
+        let signs = signs.into_iter().filter(|(contact, ..)| among(*contact));
+        signs.map(|(_, sign, name)| (sign, name)).collect()
+    }
+
     /// Name of an axis with its unit.
     fn axis_name(&self, axis: &str) -> Text {
         Text::from(format!("*{axis}* ({})", self.unit.name))
@@ -262,6 +283,9 @@ pub(crate) struct ColourBar {
 const BAR_WIDTH: f64 = 8.0;
 const NUMBER_GAP: f64 = 3.0;
 const NAME_GAP: f64 = 4.0;
+
+/// Meanings of the discs of pillars in a key: in contact, and not in contact.
+pub(crate) const PILLARS: [&str; 2] = ["pillar in contact", "pillar, no contact"];
 
 /// Height of the arrow on an open bar.
 pub(crate) const ARROW: f64 = 7.0;
@@ -436,34 +460,35 @@ pub(crate) fn key(
     top: f64,
     items: &mut Vec<Item>,
 ) -> f64 {
-    let width = |(sign, meaning): &(KeySign, &str)| {
-        sign.width() + NOTE_SIZE * Text::from(*meaning).width()
-    };
+    let width =
+        |(sign, meaning): &(KeySign, &str)| sign.width() + NOTE_SIZE * Text::from(*meaning).width();
     let whole = |row: &[(KeySign, &str)]| {
         let between = BETWEEN_SIGNS * row.len().saturating_sub(1) as f64;
         row.iter().map(width).sum::<f64>() + between
     };
-    let mut rows: Vec<Vec<(KeySign, &str)>> = Vec::new();
-    for entry in entries {
-        match rows.last_mut() {
-            Some(row) if whole(row) + BETWEEN_SIGNS + width(entry) <= right - left => {
-                row.push(*entry);
-            }
-            _ => rows.push(vec![*entry]),
-        }
-    }
-    for (number, row) in rows.iter().enumerate() {
+    // The longest rows that fit, of about the same number of entries.
+    let rows = (1..=entries.len())
+        .map(|count| entries.chunks(entries.len().div_ceil(count)))
+        .find(|rows| rows.clone().all(|row| whole(row) <= right - left))
+        .unwrap_or_else(|| entries.chunks(1));
+    let count = rows.len();
+    for (number, row) in rows.enumerate() {
         let middle = top + (number as f64 + 0.5) * KEY_ROW;
         let mut x = 0.5 * (left + right - whole(row));
         for entry in row {
             let (sign, meaning) = entry;
             sign.draw([x, middle], items);
             let at = [x + sign.width(), middle + 0.5 * CAP_HEIGHT * NOTE_SIZE];
-            items.push(Item::Label(Label::new(*meaning, at, NOTE_SIZE, Anchor::Start)));
+            items.push(Item::Label(Label::new(
+                *meaning,
+                at,
+                NOTE_SIZE,
+                Anchor::Start,
+            )));
             x += width(entry) + BETWEEN_SIGNS;
         }
     }
-    KEY_ROW * rows.len() as f64
+    KEY_ROW * count as f64
 }
 
 /// A disc with a ring around it, which is visible on discs of any colour.

@@ -399,7 +399,10 @@ fn force_figure(
         percentiles: vec![5.0, 50.0, 95.0],
     });
     let title = format!("Distribution of the {name} over samples");
-    let caption = format!("Histogram of the {name} of {} samples, with percentiles.", forces.len());
+    let caption = format!(
+        "Histogram of the {name} of {} samples, with percentiles.",
+        forces.len()
+    );
     figure
         .ok()
         .map(|figure| figure.named(file).with_description(&title, &caption))

@@ -53,11 +53,7 @@ pub fn approach(
         Chart::new(x(), y, series)
     };
     let on_floor = all().any(|point| point.floor_force.is_some_and(|force| force > 0.0));
-    let name = if on_floor {
-        "total force *F*"
-    } else {
-        "force"
-    };
+    let name = if on_floor { "total force *F*" } else { "force" };
     let mut upper = curve(name, force, Tint::Blue, |p| Some(p.force), "force *F*");
     if on_floor {
         let on_floor = points
@@ -90,7 +86,7 @@ pub fn approach(
         let y = Axis::linear("*F*_{floor}/*F*");
         let line = Series::new("", points.collect(), style);
         charts.push(unnamed(Chart::new(x(), y, vec![line])));
-        heights.push(80.0);
+        heights.push(92.0);
     }
     if points.iter().any(|point| point.pillars.is_some()) {
         let series = |label: &str, style, count: fn([usize; 2]) -> usize| {
@@ -108,7 +104,7 @@ pub fn approach(
             Axis::linear("number of pillars"),
             vec![touched, partial],
         ));
-        heights.push(80.0);
+        heights.push(92.0);
     }
     let tagged = charts.len() > 1;
     let figure = Grid {

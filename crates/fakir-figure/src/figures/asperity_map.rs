@@ -66,13 +66,15 @@ pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure 
         ));
     }
     let mut signs = vec![(KeySign::Disc(TOUCHED), "contact")];
-    if asperities().any(|(asperity, _)| asperity.rim_radius.is_some()) {
+    let has_edges = asperities().any(|(asperity, _)| asperity.rim_radius.is_some());
+    if has_edges {
         signs.push((KeySign::Disc(PILLAR), "pillar, no contact"));
     }
     if asperities().any(|(asperity, state)| asperity.rim_radius.is_none() && state.radius <= 0.0) {
         signs.push((KeySign::Circle(NO_CONTACT), "top without contact"));
     }
-    signs.push((KeySign::Patch(FLOOR), "between the tops"));
+    let ground = if has_edges { "floor" } else { "no contact" };
+    signs.push((KeySign::Patch(FLOOR), ground));
     view_from_above("contact-map", &window, inside, &signs).with_description(
         "Contacts with rounded tops from above",
         "The contact from above: contact areas dark, pillars with an edge light, tops without an edge that are not in contact as circles.",

@@ -89,9 +89,21 @@ pub struct CriticalColumn {
 #[must_use]
 pub fn critical_curves(columns: &[CriticalColumn]) -> Figure {
     let quantities: [(&str, Quantity, Quality); 3] = [
-        ("critical force *F*_{c} *γ*_{int}/(*h* *d*)", |r| r.force, |m| m.force),
-        ("contact radius *a*_{c}/*e*", |r| r.contact_radius, |m| m.contact_radius),
-        ("indentation *ζ*_{c}/*h*", |r| r.indentation, |m| m.indentation),
+        (
+            "critical force *F*_{c} *γ*_{int}/(*h* *d*)",
+            |r| r.force,
+            |m| m.force,
+        ),
+        (
+            "contact radius *a*_{c}/*e*",
+            |r| r.contact_radius,
+            |m| m.contact_radius,
+        ),
+        (
+            "indentation *ζ*_{c}/*h*",
+            |r| r.indentation,
+            |m| m.indentation,
+        ),
     ];
     let charts = quantities
         .iter()

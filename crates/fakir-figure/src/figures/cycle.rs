@@ -50,7 +50,7 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
             Series::unnamed(points.collect(), style())
         });
         charts.push(Chart::new(x(), Axis::linear(name), series.into()));
-        heights.push(80.0);
+        heights.push(96.0);
     };
     of_branches("pillars in contact", &|it| it.pillars_in_contact as f64);
     if cycle.floor.is_some() {

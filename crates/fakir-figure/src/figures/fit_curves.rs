@@ -181,7 +181,11 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
     if !left_out.is_empty() {
         let (points, _) = marks(left_out, of_value, &|p| p.measured);
         let style = Style::marks(5).in_tint(Tint::Grey);
-        series.push(Series::new("past the transition, not fitted", points, style));
+        series.push(Series::new(
+            "past the transition, not fitted",
+            points,
+            style,
+        ));
     }
     let fits = lines.into_iter();
     series.extend(fits.map(|(name, points, style)| Series::new(name, line(points), style)));

@@ -3,7 +3,7 @@
 use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::Figure;
-use crate::map::{ColourBar, KeySign, Sheet, Window, crosses};
+use crate::map::{ColourBar, KeySign, PILLARS, Sheet, Window, crosses};
 use crate::patches::{FLOOR_CONTACT, patches};
 use crate::scene::{Colour, Item, Stroke};
 use crate::unit::Unit;
@@ -83,12 +83,8 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
         [TOUCHED, UNTOUCHED],
         Some(&Stroke::solid(Colour::BLACK, 0.4)),
     ));
-    let mut signs = vec![
-        (KeySign::Disc(TOUCHED), "pillar in contact"),
-        (KeySign::Disc(UNTOUCHED), "pillar, no contact"),
-    ];
-    let marks_smallest =
-        state.floor.is_none() && !fields.is_on_pillar(state.smallest_gap_position);
+    let mut signs = window.pillar_signs(state, [TOUCHED, UNTOUCHED], PILLARS);
+    let marks_smallest = state.floor.is_none() && !fields.is_on_pillar(state.smallest_gap_position);
     if state.floor.is_some() {
         signs.push((KeySign::Patch(FLOOR_CONTACT), "floor in contact"));
     } else if marks_smallest {

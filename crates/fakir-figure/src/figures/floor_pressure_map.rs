@@ -3,7 +3,7 @@
 use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::Figure;
-use crate::map::{ColourBar, KeySign, Sheet, Window, edge_stroke, is_axisymmetric};
+use crate::map::{ColourBar, KeySign, PILLARS, Sheet, Window, edge_stroke, is_axisymmetric};
 use crate::scene::{Colour, Item};
 use crate::unit::Unit;
 use fakir::state::{ContactState, FloorContact};
@@ -51,11 +51,8 @@ pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
             stroke: Some(edge_stroke()),
         });
     }
-    let mut signs = vec![
-        (KeySign::Disc(TOUCHED), "pillar in contact"),
-        (KeySign::Disc(UNTOUCHED), "pillar, no contact"),
-        (KeySign::Patch(FLOOR), "floor, no contact"),
-    ];
+    let mut signs = window.pillar_signs(state, [TOUCHED, UNTOUCHED], PILLARS);
+    signs.push((KeySign::Patch(FLOOR), "floor, no contact"));
     if is_seen {
         signs.push((KeySign::Edge, "edge of the contact on the tops"));
     }

@@ -304,8 +304,14 @@ fn title(page: &Page, panel: &Panel, letter: Option<char>, items: &mut Vec<Item>
         Anchor::Start,
     )));
     let note = match floor_note(panel) {
-        Some(floor) => format!("{floor}heights exaggerated × {}", significant(page.exaggeration(), 2)),
-        None => format!("heights exaggerated × {}", significant(page.exaggeration(), 2)),
+        Some(floor) => format!(
+            "{floor}heights exaggerated × {}",
+            significant(page.exaggeration(), 2)
+        ),
+        None => format!(
+            "heights exaggerated × {}",
+            significant(page.exaggeration(), 2)
+        ),
     };
     items.push(Item::Label(Label::new(
         note,

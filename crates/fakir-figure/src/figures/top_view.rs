@@ -68,10 +68,8 @@ pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figur
     let mut signs = Vec::new();
     let (name, description) = match view {
         View::Contact => {
-            signs.extend([
-                (KeySign::Disc(TOUCHED), "top in contact"),
-                (KeySign::Disc(PILLAR), "top, no contact"),
-            ]);
+            let names = ["top in contact", "top, no contact"];
+            signs.extend(window.pillar_signs(state, [TOUCHED, PILLAR], names));
             if state.floor.is_some() {
                 signs.push((KeySign::Patch(ON_FLOOR), "floor in contact"));
             }
