@@ -454,6 +454,25 @@ mod tests {
         }
     }
 
+    /// Zero is inside the axis, not on its end, and at least two numbers are printed along an axis as high as that of residuals.
+    #[test]
+    fn axes_of_deviations_show_zero_and_two_numbers() {
+        for step in 0..300 {
+            let size = 10f64.powf(-3.0 + 0.02 * f64::from(step));
+            for [low, high] in [[-1.0, 1.0], [-1.0, 0.0], [0.0, 1.0], [0.2, 0.9], [0.0, 0.0]] {
+                let values = [low * size, high * size];
+                let axis = Axis::of_deviations("residual", values.into_iter());
+                let span = axis.span(std::iter::empty());
+                let [bottom, top] = span.range;
+                assert!(bottom < 0.0f64.min(values[0]) && top > 0.0f64.max(values[1]));
+                let ticks = span.ticks(76.0, 7.0, Direction::Upwards);
+                let labels = ticks.iter().filter(|tick| tick.label.is_some());
+                assert!(labels.count() >= 2, "{span:?}");
+                assert!(span.labels_are_apart(&ticks, 76.0, 7.0, Direction::Upwards));
+            }
+        }
+    }
+
     #[test]
     fn ranges_hold_the_data() {
         let data = || [0.5, 3.0, -1.0].into_iter();

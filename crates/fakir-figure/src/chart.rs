@@ -348,3 +348,35 @@ impl Grid {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of three lines two are less than a line width apart, sampled differently: the legend names them as one. A marker on a line is no
+    /// such case.
+    #[test]
+    fn a_legend_states_which_series_coincide() {
+        let line = |count: u32, offset: f64| -> Vec<[f64; 2]> {
+            let x = (0..=count).map(|k| f64::from(k) / f64::from(count));
+            x.map(|x| [x, x + offset]).collect()
+        };
+        let series = vec![
+            Series::new("first", line(10, 0.0), Style::line(0)),
+            Series::new("second", line(17, 1e-4), Style::line(1)),
+            Series::new("third", line(10, 0.3), Style::line(2)),
+            Series::new("points", line(10, 0.0), Style::marks(3)),
+        ];
+        let chart = Chart::new(Axis::linear("x"), Axis::linear("y"), series);
+        let grid = Grid::of_one("test", 240.0, 120.0, chart);
+        let (frames, _) = grid.frames();
+        let remarks = grid.coincidences(&frames);
+        let [(style, remark)] = remarks.as_slice() else {
+            panic!("{remarks:?}")
+        };
+        assert_eq!(*style, Style::line(1));
+        assert_eq!(remark.to_string(), " (coincides with first)");
+        let svg = grid.figure().svg_for_page();
+        assert!(svg.contains("second (coincides with first)"));
+    }
+}
