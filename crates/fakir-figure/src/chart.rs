@@ -308,7 +308,7 @@ impl Grid {
                 is_first && of != style && coincide(*of, *style)
             });
             if let Some((label, _)) = earlier {
-                let remark = Text::plain(" (coincides with ").followed_by((*label).clone());
+                let remark = Text::plain(" (coincident with ").followed_by((*label).clone());
                 remarks.push((*style, remark.followed_by(")")));
             }
         }
@@ -375,8 +375,8 @@ mod tests {
             panic!("{remarks:?}")
         };
         assert_eq!(*style, Style::line(1));
-        assert_eq!(remark.to_string(), " (coincides with first)");
+        assert_eq!(remark.to_string(), " (coincident with first)");
         let svg = grid.figure().svg_for_page();
-        assert!(svg.contains("second (coincides with first)"));
+        assert!(svg.contains("second (coincident with first)"));
     }
 }

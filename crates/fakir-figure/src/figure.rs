@@ -160,9 +160,9 @@ impl Figure {
         let mut faults = Vec::new();
         for item in &self.items {
             match item {
-                Item::Path { .. } | Item::Disc { .. } | Item::Image { .. } => {
-                    faults.push(format!("data are not clipped: {item:?}"));
-                }
+                Item::Path { .. } => faults.push("a line or an area is not clipped".to_owned()),
+                Item::Disc { .. } => faults.push("a disc is not clipped".to_owned()),
+                Item::Image { .. } => faults.push("a map is not clipped".to_owned()),
                 Item::Fixed(item) => {
                     if let Some(place) = item.place_outside(&page) {
                         faults.push(format!("a line leaves the page: {place:?}"));
