@@ -542,7 +542,8 @@ def floor_gap_map(state: State, ax: Axes | None = None, points: int = 221) -> Ax
     axis.pcolormesh(
         MICRO * line, MICRO * line, shade, cmap="gray", vmin=0.0, vmax=1.0, shading="nearest"
     )
-    if not contact.on_pillar(x, y):
+    known = not isinstance(contact.system.lens, (CylinderLens, PlateLens))
+    if known and not contact.on_pillar(x, y):
         axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b", label="smallest gap")
     _key(axis, {"pillar in contact": "0.45", "pillar, no contact": "0.88"})
     _square(axis, reach)

@@ -3,7 +3,7 @@
 use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::Figure;
-use crate::map::{ColourBar, KeySign, PILLARS, Sheet, Window, crosses};
+use crate::map::{ColourBar, KeySign, PILLARS, Sheet, Window, crosses, is_axisymmetric};
 use crate::patches::{FLOOR_CONTACT, patches};
 use crate::scene::{Colour, Item, Stroke};
 use crate::unit::Unit;
@@ -84,7 +84,9 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
         Some(&Stroke::solid(Colour::BLACK, 0.4)),
     ));
     let mut signs = window.pillar_signs(state, [TOUCHED, UNTOUCHED], PILLARS);
-    let marks_smallest = state.floor.is_none() && !fields.is_on_pillar(state.smallest_gap_position);
+    let is_known =
+        is_axisymmetric(system.lens()) && !fields.is_on_pillar(state.smallest_gap_position);
+    let marks_smallest = state.floor.is_none() && is_known;
     if state.floor.is_some() {
         signs.push((KeySign::Patch(FLOOR_CONTACT), "floor in contact"));
     } else if marks_smallest {

@@ -83,7 +83,7 @@ pub fn pressure_map(
             if has_radius { ", the dashed circle is the edge of the contact" } else { "" },
             if floor_contact.is_some() { ", crosses mark the first floor contact" } else { "" },
             if state.floor.is_some() { ", the floor in contact is light orange" } else { "" },
-            if has_radius { ", with a Hertzian distribution of the same force" } else { "" },
+            if has_radius && state.pillars.len() >= FEWEST_FOR_CURVE { ", with a Hertzian distribution of the same force" } else { "" },
         ),
     ))
 }
