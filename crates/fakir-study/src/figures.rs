@@ -67,10 +67,12 @@ fn cycle_point(x: f64, cycle: &Record) -> PullOffPoint {
 
 fn critical_point(x: f64, state: &Record) -> CriticalStatePoint {
     let number = |path| state.number(path).unwrap_or(f64::NAN);
+    // On general surfaces it has the name that it has in every contact.
+    let radius = state.number("critical_contact_radius_m");
     CriticalStatePoint {
         x,
         force: number("critical_force_N"),
-        contact_radius: number("critical_contact_radius_m"),
+        contact_radius: radius.unwrap_or_else(|| number("contact_radius_m")),
         indentation: number("critical_indentation_m"),
     }
 }
