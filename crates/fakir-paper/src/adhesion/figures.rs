@@ -78,15 +78,15 @@ impl Way {
 const TINTS: [Tint; 4] = [Tint::Blue, Tint::Vermillion, Tint::Green, Tint::Purple];
 
 /// Lines of both branches: solid for loading, dashed for unloading. Loading on the tops, which does not depend on the work of adhesion, is
-/// black.
+/// grey.
 fn branches(ways: &[Way], point: impl Fn(&Way, [f64; 3]) -> [f64; 2]) -> Vec<Series> {
     let points = |way: &Way, branch: &[[f64; 3]]| -> Vec<[f64; 2]> {
         branch.iter().map(|values| point(way, *values)).collect()
     };
-    let black = Style::line(0).in_tint(Tint::Black);
+    let grey = Style::line(0).in_tint(Tint::Grey);
     let on_tops = ways.iter().map(|way| {
         let points = points(way, &way.tops);
-        Series::new("loading, tops only", points, black)
+        Series::new("loading, tops only", points, grey)
     });
     let mut series: Vec<Series> = on_tops.collect();
     for (way, tint) in ways.iter().zip(TINTS) {
@@ -96,7 +96,7 @@ fn branches(ways: &[Way], point: impl Fn(&Way, [f64; 3]) -> [f64; 2]) -> Vec<Ser
         let dashed = solid.with_line(Dash::Dashed);
         series.push(Series::unnamed(points(way, &up), dashed));
     }
-    series.push(in_legend("unloading", black.with_line(Dash::Dashed)));
+    series.push(in_legend("unloading", grey.with_line(Dash::Dashed)));
     series
 }
 
