@@ -150,6 +150,7 @@ fn figures_of_many_states() -> Vec<Figure> {
         lattice_sums(&SumFit::least_squares([1.0, 16.0], 50).unwrap(), 16.0),
         histogram(&Histogram {
             label: Text::from("critical force *F*_{c} (µN)"),
+            unit: Text::from("µN"),
             values: (0..500)
                 .map(|k| 90.0 + (f64::from(k) * 0.37).sin())
                 .collect(),
@@ -558,6 +559,7 @@ fn methods_without_pillars_are_refused() {
     assert_eq!(
         histogram(&Histogram {
             label: Text::from("x"),
+            unit: Text::default(),
             values: vec![f64::NAN, 1.0],
             percentiles: Vec::new(),
         }),

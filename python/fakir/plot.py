@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from . import theory
-from ._bodies import Lens, Pillars
+from ._bodies import CylinderLens, Lens, Pillars, PlateLens
 from ._cycle import Cycle
 from ._fit import Fit
 from ._loading import Approach
@@ -48,8 +48,8 @@ MICRO = 1e6
 """Lengths are shown in µm."""
 
 CUT = 3.0
-"""Pressures are truncated at this multiple of the pressure at the centre of the central pillar: they are infinite at the edge of
-a fully touched pillar top."""
+"""Pressures are shown up to this multiple of the pressure at the centre of the central pillar: they are infinite at the edge of
+a pillar top in full contact."""
 
 
 def critical_curves(
@@ -67,7 +67,11 @@ def critical_curves(
             with np.errstate(invalid="ignore"):
                 shown = np.where(value > 0.0, value, np.nan)
             axis.plot(fraction[order], shown[order], ".-", label=name or None)
-    labels = [r"$F_c\,\gamma_{int}/(h\,d)$", r"$a_c/e$", r"$\zeta_c/h$"]
+    labels = [
+        r"critical force $F_c\,\gamma_{int}/(h\,d)$",
+        r"contact radius $a_c/e$",
+        r"indentation $\zeta_c/h$",
+    ]
     for axis, label in zip(axes, labels):
         axis.set_xscale("log")
         axis.set_yscale("log")
@@ -94,8 +98,16 @@ def profiles(
             _profile_of_cells(axis, _on_cells(item))
         else:
             _profile(axis, _contact(item))
+    axes[0].text(0.5, 0.96, _upper_body(several[0]), ha="center", va="top", transform=axes[0].transAxes)
+    axes[0].text(0.02, 0.04, "substrate", transform=axes[0].transAxes)
     axes[-1].set_xlabel("x (µm)")
     return axes
+
+
+def _upper_body(item: State | OnCells) -> str:
+    if isinstance(item, (SurfaceContact, SurfaceTransition)):
+        return "lens" if isinstance(_on_cells(item).surface.indenter, Lens) else "plate"
+    return "plate" if isinstance(_contact(item).system.lens, PlateLens) else "lens"
 
 
 def _profile(axis: Axes, state: ContactState) -> None:
@@ -180,24 +192,26 @@ def approach(
     scale = MICRO**2 if plate else MICRO
     bare = [bool(row["beyond_transition"]) and row["floor_force_N"] is None for row in rows]
     at = np.array([row["indentation_m"] for row in rows])
+    on_floor = any(row["floor_force_N"] for row in rows)
     for axis, name, factor in zip(axes, ["force_N", second], [MICRO, scale]):
         values = np.array([row[name] for row in rows], dtype=float)
         past = np.array(bare) | np.append(np.array(bare)[1:], False)
-        axis.plot(MICRO * at, factor * np.where(bare, np.nan, values), ".-", label=_words(name))
+        words = "total force" if on_floor and name == "force_N" else _words(name)
+        axis.plot(MICRO * at, factor * np.where(bare, np.nan, values), ".-", label=words)
         if any(bare):
             axis.plot(
-                MICRO * at, factor * np.where(past, values, np.nan), "--", color="0.6", label="without the floor"
+                MICRO * at, factor * np.where(past, values, np.nan), "--", color="0.6", label="floor contact ignored"
             )
         for row in rows:
             if row["critical"]:
                 place = MICRO * row["indentation_m"], factor * row[name]
                 axis.plot(*place, "D", color="#c0392b", ms=4, label="critical state")
-    if any(row["floor_force_N"] for row in rows):
+    if on_floor:
         floor = np.array([row["floor_force_N"] for row in rows], dtype=float)
-        axes[0].plot(MICRO * at, MICRO * floor, "--", label="on the floor")
-    axes[0].set_ylabel("force (µN)")
-    axes[1].set_ylabel("contact area (µm²)" if plate else "contact radius (µm)")
-    axes[1].set_xlabel("indentation (µm)")
+        axes[0].plot(MICRO * at, MICRO * floor, "--", label="floor force")
+    axes[0].set_ylabel("force $F$ (µN)")
+    axes[1].set_ylabel("contact area $A$ (µm²)" if plate else "contact radius $a$ (µm)")
+    axes[1].set_xlabel(r"indentation $\zeta$ (µm)")
     _legend(axes[0])
     return axes
 
@@ -222,8 +236,8 @@ def cycle(result: Cycle, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
             axis.plot(at, MICRO * result.force[shown], line, color=colour, lw=1.2, label=label)
         axes[2].plot(at, result.pillars_in_contact[shown], line, color=colour, lw=1.2)
     for kind, mark, colour, label in [
-        ("snap_in", "o", "#0072b2", "contact made"),
-        ("release", "x", "#d55e00", "released"),
+        ("snap_in", "o", "#0072b2", "attachment"),
+        ("release", "x", "#d55e00", "detachment"),
     ]:
         events = [event for event in result.events if event["event"] == kind]
         at = [MICRO * event["indentation_m"] for event in events]
@@ -245,9 +259,9 @@ def cycle(result: Cycle, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
         axes[1].set_xlim(near.min() - room, near.max() + room)
         axes[1].axhline(0.0, color="0.6", lw=0.6, zorder=0)
     for axis in axes[:2]:
-        axis.set_ylabel("force (µN)")
+        axis.set_ylabel("force $F$ (µN)")
     axes[2].set_ylabel("pillars in contact")
-    axes[2].set_xlabel("indentation (µm)")
+    axes[2].set_xlabel(r"indentation $\zeta$ (µm)")
     _legend(axes[0])
     return axes
 
@@ -264,9 +278,9 @@ def pull_off_curves(sweep: Sweep, ax: Sequence[Axes] | None = None) -> Sequence[
     axes = _axes(ax, 2, 2, (7.0, 5.2), sharex=True)
     panels = [
         ("pull_off_force_N", -MICRO, r"pull-off force $|F_p|$ (µN)"),
-        ("normalized_pull_off_force", 1.0, r"$|F_p|/F_{Kendall}$"),
+        ("normalized_pull_off_force", 1.0, r"pull-off force $|F_p|/F_{Kendall}$"),
         ("hysteresis_J", 1e12, r"hysteresis $E_{loop}$ (pJ)"),
-        ("normalized_hysteresis", 1.0, r"$E_{loop}/(w\,A_{tops})$"),
+        ("normalized_hysteresis", 1.0, r"hysteresis $E_{loop}/(w\,A_{tops})$"),
     ]
     names = [name for name, _, _ in panels]
     for name, (fraction, values) in _curves_of_sweep(sweep, "cycle", names).items():
@@ -319,6 +333,7 @@ def gap_map(state: OnCells, ax: Axes | None = None) -> Axes:
     _marks(axis, state)
     _frame(axis, contact)
     axis.figure.colorbar(image, ax=axis, label="gap (µm)", extend="max")
+    _key(axis, {"in contact": "0.47"})
     return axis
 
 
@@ -343,17 +358,19 @@ def _pressure_of_cells(state: OnCells, ax: Axes | None) -> Axes:
     axis.set_facecolor("0.94")
     if contact.contact_radius:
         edge = MICRO * contact.contact_radius
-        axis.add_patch(Circle((0, 0), edge, fill=False, ls="--", lw=0.8, color="grey"))
+        circle = Circle((0, 0), edge, fill=False, ls="--", lw=0.8, color="grey", label="edge of contact")
+        axis.add_patch(circle)
     _marks(axis, state)
     _frame(axis, contact)
     axis.figure.colorbar(image, ax=axis, label="pressure (kPa)", extend="max")
+    _key(axis, {"no contact": "0.94"})
     return axis
 
 
 def _marks(axis: Axes, state: OnCells) -> None:
     if isinstance(state, SurfaceTransition):
         x, y = state.floor_contact
-        axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b")
+        axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b", label="floor contact")
 
 
 def _frame(axis: Axes, contact: SurfaceContact) -> None:
@@ -377,7 +394,9 @@ def _reach(contact: SurfaceContact) -> float:
 
 
 def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
-    """Plots the mean pressure on every pillar top; partially touched ones are outlined.
+    """Plots the mean pressure on every pillar top; those in partial contact are outlined.
+
+    The dashed circle is the edge of the contact; under a cylinder or a plate there is none.
 
     On a general surface, plots the pressure on every cell.
     """
@@ -406,11 +425,15 @@ def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
     )
     collection.set_array(pillars["force_N"] / (np.pi * radii**2) / 1e3)
     axis.add_collection(collection)
-    edge = Circle((0, 0), MICRO * contact.top_contact_radius, fill=False, ls="--", lw=0.8, color="grey")
-    axis.add_patch(edge)
+    if not isinstance(contact.system.lens, (CylinderLens, PlateLens)):
+        edge = Circle(
+            (0, 0), MICRO * contact.top_contact_radius, fill=False, ls="--", lw=0.8, color="grey", label="edge of contact"
+        )
+        axis.add_patch(edge)
     if isinstance(state, CriticalState):
         x, y = state.floor_contact
-        axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b")
+        axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b", label="floor contact")
+    _key(axis, {}, {"partial contact": "#c0392b"} if partial.any() else {})
     _square(axis, 1.08 * contact.top_contact_radius + float(radii.max()))
     axis.figure.colorbar(collection, ax=axis, label="mean pressure on pillar top (kPa)")
     return axis
@@ -419,8 +442,8 @@ def pressure_map(state: State | OnCells, ax: Axes | None = None) -> Axes:
 def pillar_pressure(state: State, ax: Axes | None = None, points: int = 401) -> Axes:
     """Plots the pressure across the central pillar and the outermost one, along the line from the lens axis.
 
-    Truncated at three times the pressure at the centre of the central pillar: it is infinite at the edge of a fully touched
-    pillar top.
+    The axis ends at three times the pressure at the centre of the central pillar: at the edge of a pillar top in full contact the
+    pressure is infinite.
     """
     contact = _contact(state)
     axis = _axis(ax)
@@ -443,10 +466,11 @@ def pillar_pressure(state: State, ax: Axes | None = None, points: int = 401) -> 
         # Slightly inside, so that rounding does not exclude the ends.
         inside = (1.0 - 1e-9) * along
         pressure = contact.pressure(x + inside * ux, y + inside * uy)
-        axis.plot(along / radius, np.minimum(pressure, CUT * reference) / 1e3, label=name)
-    axis.set_xlabel("distance from the centre of the pillar, in pillar radii")
-    axis.set_ylabel("pressure (kPa)")
-    axis.set_ylim(0.0, 1.02 * CUT * reference / 1e3)
+        axis.plot(along / radius, pressure / 1e3, label=name)
+    axis.set_xlabel("radial position on the top $2s/d$")
+    axis.set_ylabel("pressure $p$ (kPa)")
+    # Higher pressures are clipped by the frame.
+    axis.set_ylim(0.0, CUT * reference / 1e3)
     _legend(axis)
     return axis
 
@@ -474,11 +498,12 @@ def phase_diagram(
     curve = theory.transition_force(system, radii * system.pitch) / unit
     axis.fill_between(radii, 1e-3, curve, color="#ddebf7", lw=0)
     axis.fill_between(radii, curve, 1e6, color="#fae4d0", lw=0)
-    axis.plot(radii, curve, "k", lw=1.0, label="transition, formula of the paper")
-    axis.axvline(1.0, color="k", ls=":", lw=0.8)
+    axis.plot(radii, curve, "k", lw=1.0, label="transition curve")
+    axis.axvline(1.0, color="k", ls=":", lw=0.8, label="one pitch, $a = e$")
     for loaded in loadings:
         across = [state.top_contact_radius / state.system.pitch for state in loaded]
-        axis.plot(across, [state.force / unit for state in loaded], ".-", ms=3, lw=0.8)
+        fraction = f"loading, $\\phi$ = {loaded[0].system.surface_fraction:.3g}" if loaded else None
+        axis.plot(across, [state.force / unit for state in loaded], ".-", ms=3, lw=0.8, label=fraction)
     if points:
         across = [point.top_contact_radius / point.system.pitch for point in points]
         forces = [point.normalized.force for point in points]
@@ -487,16 +512,19 @@ def phase_diagram(
     axis.set_yscale("log")
     axis.set_xlim(*ends)
     axis.set_ylim(0.3, 1e4)
-    axis.set_xlabel(r"radius of the contact on the tops $a/e$")
-    axis.set_ylabel(r"$F\,\gamma_{int}/(h\,d)$")
-    axis.text(0.97, 0.05, "on pillar tops", ha="right", transform=axis.transAxes)
-    axis.text(0.03, 0.95, "on tops and floor", va="top", transform=axis.transAxes)
+    axis.set_xlabel(r"radius of the contact on the tops over pitch $a/e$")
+    axis.set_ylabel(r"reduced force $F\,\gamma_{int}/(h\,d)$")
+    axis.text(0.97, 0.05, "tops only", style="italic", ha="right", transform=axis.transAxes)
+    axis.text(0.03, 0.95, "tops and floor", style="italic", va="top", transform=axis.transAxes)
     _legend(axis, loc="upper left", bbox_to_anchor=(0.0, 0.92))
     return axis
 
 
 def floor_gap_map(state: State, ax: Axes | None = None, points: int = 221) -> Axes:
-    """Plots the gap between lens and floor around the lens axis, with the pillars: dark if touched."""
+    """Plots the gap between lens and floor around the lens axis, with the pillars: dark if they are in contact.
+
+    A cross marks the smallest gap, unless it is known on the undeformed lens only (under a cylinder or a plate).
+    """
     contact = _contact(state)
     axis = _axis(ax)
     pitch = contact.system.pitch
@@ -514,7 +542,10 @@ def floor_gap_map(state: State, ax: Axes | None = None, points: int = 221) -> Ax
     axis.pcolormesh(
         MICRO * line, MICRO * line, shade, cmap="gray", vmin=0.0, vmax=1.0, shading="nearest"
     )
-    axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b")
+    known = not isinstance(contact.system.lens, (CylinderLens, PlateLens))
+    if known and not contact.on_pillar(x, y):
+        axis.plot([MICRO * x], [MICRO * y], "x", color="#c0392b", label="smallest gap")
+    _key(axis, {"pillar in contact": "0.45", "pillar, no contact": "0.88"})
     _square(axis, reach)
     axis.figure.colorbar(image, ax=axis, label="gap to the floor (µm)")
     return axis
@@ -528,11 +559,11 @@ def lattice_sums(
     radii = np.geomspace(1.01, max(largest_radius, 1.1), 300)
     exact, fitted = theory.lattice_sums(radii), theory.fitted_lattice_sums(radii)
     for axis, name, sums, fit in zip(axes, ["$G_0$", "$G$", "$G_1$"], exact, fitted):
-        axis.plot(radii, np.where(sums > 0.0, sums, np.nan), "k", lw=1.0, label="sums")
-        axis.plot(radii, fit, ":", label="fit of the paper")
+        axis.plot(radii, np.where(sums > 0.0, sums, np.nan), "k", lw=1.0, label="exact sums")
+        axis.plot(radii, fit, "--", label="fit of the paper")
         axis.set_xscale("log")
-        axis.set_xlabel(r"$a/e$")
-        axis.set_ylabel(name)
+        axis.set_xlabel(r"contact radius over pitch $a/e$")
+        axis.set_ylabel(f"lattice sum {name}")
     for axis in axes[:2]:
         axis.set_yscale("log")
     _legend(axes[0])
@@ -555,7 +586,7 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
         error = MICRO * data[f"{quantity}_error_{unit}"]
         measured, rest = MICRO * (data[name] - drifts.get(name, none)), MICRO * data[f"{quantity}_residual_{unit}"]
         back = result.unloading
-        branches = [("", np.ones(len(at), dtype=bool), ~back, "k")]
+        branches = [("", np.ones(len(at), dtype=bool), ~back, "C0")]
         if back.any():
             unloading = np.asarray(data["branch"]) == "unloading"
             branches = [
@@ -564,21 +595,23 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
             ]
         for branch, rows, points, colour in branches:
             across = MICRO * curve[result.load][points]
-            line = colour if branch else "C0"
-            upper.plot(across, MICRO * curve[name][points], label=f"fitted{branch}", color=line)
+            line = "--" if branch == ", unloading" else "-"
+            # Above the points, which would hide it.
+            above: dict[str, Any] = {"color": "k", "lw": 1.0, "zorder": 5}
+            upper.plot(across, MICRO * curve[name][points], line, label=f"fitted{branch}", **above)
             marks: dict[str, Any] = {"fmt": f"{colour}.", "ms": 4, "lw": 0.8}
             on = shown & rows
             upper.errorbar(MICRO * at[on], measured[on], error[on], label=f"measured{branch}", **marks)
             lower.errorbar(MICRO * at[on], rest[on], error[on], **marks)
         if not used.all():
-            upper.plot(MICRO * at[~used], measured[~used], ".", color="0.6", label="past the transition")
-        lower.axhline(0.0, lw=0.8)
+            upper.plot(MICRO * at[~used], measured[~used], ".", color="0.6", label="past the transition, not fitted")
+        lower.axhline(0.0, lw=0.8, color="k", zorder=5)
         upper.set_ylabel(f"{quantity.replace('_', ' ')} (µ{unit})")
         lower.set_ylabel(f"residual (µ{unit})")
         load = result.load.removeprefix("measured_").rsplit("_", 1)
         lower.set_xlabel(f"{load[0].replace('_', ' ')} (µ{load[1]})")
     if not result.describes_data:
-        axes[0].set_title("does not describe the data")
+        axes[0].set_title("the fit does not describe the data")
     _legend(axes[0])
     return axes
 
@@ -604,6 +637,10 @@ def top_view(
     if wavelength is None:
         top = contact.on_pillar(*grid)
         touched = contact.pressure(*grid) > 0.0
+        shades = {"top in contact": "0.10", "top, no contact": "0.92", "floor, no contact": "0.80"}
+        if of_floor > 0.0:
+            shades["floor in contact"] = "0.45"
+        _key(axis, shades)
         shade = np.where(top, np.where(touched, 0.10, 0.92), np.where(touched, 0.45, 0.80))
     else:
         shade = 0.5 * (1.0 - np.cos(4.0 * np.pi * contact.gap(*grid) / wavelength))
@@ -682,6 +719,18 @@ def _square(axis: Axes, reach: float) -> None:
     axis.set_aspect("equal")
     axis.set_xlabel("x (µm)")
     axis.set_ylabel("y (µm)")
+
+
+def _key(axis: Axes, shades: Mapping[str, str], outlines: Mapping[str, str] | None = None) -> None:
+    """Explains the filled areas, the outlines and the named marks of a map, below it."""
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [Patch(fc=shade, ec="0.4", lw=0.4, label=name) for name, shade in shades.items()]
+    handles += [Patch(fc="none", ec=edge, label=name) for name, edge in (outlines or {}).items()]
+    handles += axis.get_legend_handles_labels()[0]
+    where: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2), "ncols": 2}
+    if handles:
+        axis.legend(handles=handles, frameon=False, fontsize="small", **where)
 
 
 def _legend(axis: Axes, **where: Any) -> None:

@@ -129,8 +129,8 @@ def test_loadings(system, surface):
         labels = [line.get_label() for line in force.lines]
         assert "critical state" in labels
         borne = [row["floor_force_N"] for row in loading.to_dict()["states"]]
-        assert ("on the floor" in labels) == any(borne)
-        assert ("without the floor" in labels) == (None in borne)
+        assert ("floor force" in labels) == any(borne)
+        assert ("floor contact ignored" in labels) == (None in borne)
 
 
 def test_a_cycle_shows_its_branches_and_its_pull_off():
@@ -139,7 +139,7 @@ def test_a_cycle_shows_its_branches_and_its_pull_off():
     axes = fakir.plot.cycle(cycle)
     assert len(axes) == 3 and all(axis.has_data() for axis in axes)
     names = [line.get_label() for line in axes[0].lines]
-    assert names == ["loading", "unloading", "contact made", "released", "critical state", "pull-off"]
+    assert names == ["loading", "unloading", "attachment", "detachment", "critical state", "pull-off"]
     assert axes[0].lines[-1].get_ydata()[0] == 1e6 * cycle.pull_off.force
     # The second is as high as it is deep: the pull is in sight.
     low, high = axes[1].get_ylim()

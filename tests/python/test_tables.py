@@ -47,5 +47,6 @@ def test_pandas_reads_the_table_and_converts_it_to_parquet(swept, tmp_path):
 def test_a_sweep_saves_no_other_table_and_says_where_it_is_from(swept):
     provenance = json.loads((swept / "provenance.json").read_text())
     assert provenance["reference_doi"] == "10.1103/PhysRevE.104.055007"
-    assert provenance["files"] == ["journal.jsonl", "study.toml", "table.csv"]
+    figures = ["critical-states.svg", "critical-states.png"]
+    assert provenance["files"] == ["journal.jsonl", "study.toml", "table.csv", *figures]
     assert not (swept / "table.parquet").exists()

@@ -13,6 +13,7 @@ use fakir_figure::{
     floor_gap_map, phase_diagram, phase_point, pressure_map, profiles, release_map, top_view,
 };
 use fakir_study::citations::Topic;
+use fakir_study::figures::question_in_figure;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::result::{CycleSummary, control_words, json, pillars, press, transition};
 
@@ -195,7 +196,7 @@ fn contact_figure(
     match name {
         "profiles" => {
             let section = ProfileState {
-                label: Text::plain(&solved.question()),
+                label: question_in_figure(&solved.question()),
                 state,
                 floor_contact,
             };

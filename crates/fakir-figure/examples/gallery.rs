@@ -156,6 +156,7 @@ fn spread() -> Result<Figure, Box<dyn Error>> {
     }
     Ok(histogram(&Histogram {
         label: Text::from("critical force *F*_{c} (µN)"),
+        unit: Text::from("µN"),
         values,
         percentiles: vec![5.0, 50.0, 95.0],
     })?)

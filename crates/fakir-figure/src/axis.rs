@@ -58,6 +58,16 @@ impl Axis {
         }
     }
 
+    /// A linear axis of deviations: shows all data and the line of zero, with a margin on both sides of each.
+    pub(crate) fn of_deviations(label: impl Into<Text>, values: impl Iterator<Item = f64>) -> Self {
+        let finite = values.filter(|value| value.is_finite());
+        let (low, high) = finite.fold((0.0f64, 0.0f64), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        let room = if high > low { 0.1 * (high - low) } else { 1.0 };
+        Self::linear(label).over(low - room, high + room)
+    }
+
     /// The same axis for the range of these values, with a margin.
     pub(crate) fn around(self, values: impl Iterator<Item = f64>) -> Self {
         let [first, last] = self.span(values).range;
@@ -184,8 +194,10 @@ impl Span {
             Direction::Upwards => length / (3.2 * size),
         };
         let most = (most as usize).clamp(2, 7);
+        // If the preferred numbers of ticks give a single label, more are tried.
         let candidates: Vec<Vec<Tick>> = (2..=most)
             .rev()
+            .chain(most + 1..=2 * most + 4)
             .map(|count| match self.scale {
                 Scale::Linear => linear_ticks(self.range, count),
                 Scale::Logarithmic => self.logarithmic_ticks(count),
@@ -200,7 +212,7 @@ impl Span {
         };
         with_labels(2)
             .or_else(|| with_labels(1))
-            .or(candidates.last())
+            .or(candidates.get(most - 2))
             .cloned()
             .unwrap_or_default()
     }
@@ -438,6 +450,25 @@ mod tests {
                         assert!(apart || length < 100.0, "{span:?} {length}");
                     }
                 }
+            }
+        }
+    }
+
+    /// Zero is inside the axis, not on its end, and at least two numbers are printed along an axis as high as that of residuals.
+    #[test]
+    fn axes_of_deviations_show_zero_and_two_numbers() {
+        for step in 0..300 {
+            let size = 10f64.powf(-3.0 + 0.02 * f64::from(step));
+            for [low, high] in [[-1.0, 1.0], [-1.0, 0.0], [0.0, 1.0], [0.2, 0.9], [0.0, 0.0]] {
+                let values = [low * size, high * size];
+                let axis = Axis::of_deviations("residual", values.into_iter());
+                let span = axis.span(std::iter::empty());
+                let [bottom, top] = span.range;
+                assert!(bottom < 0.0f64.min(values[0]) && top > 0.0f64.max(values[1]));
+                let ticks = span.ticks(76.0, 7.0, Direction::Upwards);
+                let labels = ticks.iter().filter(|tick| tick.label.is_some());
+                assert!(labels.count() >= 2, "{span:?}");
+                assert!(span.labels_are_apart(&ticks, 76.0, 7.0, Direction::Upwards));
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::font::Bounds;
 use crate::frame::{ASCENT, DESCENT, Frame, LABEL_SIZE, Lettering, NOTE_SIZE};
 use crate::legend::Legend;
 use crate::scene::{Anchor, Colour, Item, Label, Path};
-use crate::series::Series;
+use crate::series::{Series, Style};
 use crate::text::Text;
 
 /// Margin around the page and between frames with common axes, points.
@@ -255,6 +255,7 @@ impl Grid {
         items: &mut Vec<Item>,
     ) -> Legend {
         let (mut told, mut left) = (Legend::default(), Legend::default());
+        let remarks = self.coincidences(frames);
         for k in 0..self.charts.len() {
             let own = Legend::of(&self.charts[k].series).without(&told);
             if own.is_empty() {
@@ -262,10 +263,14 @@ impl Grid {
             }
             told.extend(&own);
             let others = (0..self.charts.len()).filter(|other| *other != k);
-            let drawn = [k].into_iter().chain(others).find_map(|at| {
-                let frame = frames.get(at)?;
-                let same = Legend::of(&self.charts[at].series).holds(&own);
-                let drawn = same.then(|| own.inside(&frame.bounds, &contents[at]))??;
+            let holders: Vec<usize> = [k]
+                .into_iter()
+                .chain(others)
+                .filter(|at| Legend::of(&self.charts[*at].series).holds(&own))
+                .collect();
+            let own = own.with_remarks(&remarks);
+            let drawn = holders.into_iter().find_map(|at| {
+                let drawn = own.inside(&frames.get(at)?.bounds, &contents[at])?;
                 Some((at, drawn))
             });
             match drawn {
@@ -277,6 +282,37 @@ impl Grid {
             }
         }
         left
+    }
+
+    /// Remarks for the legend: the styles of series that coincide with an earlier one in every chart that has both.
+    fn coincidences(&self, frames: &[Frame]) -> Vec<(Style, Text)> {
+        let mut named: Vec<(&Text, Style)> = Vec::new();
+        for series in self.charts.iter().flat_map(|chart| &chart.series) {
+            let entry = series.label.as_ref().map(|label| (label, series.style));
+            named.extend(entry.filter(|entry| !named.contains(entry)));
+        }
+        let coincide = |one: Style, two: Style| {
+            let pairs = self.charts.iter().zip(frames).filter_map(|(chart, frame)| {
+                let of = |style| chart.series.iter().find(|series| series.style == style);
+                Some((of(one)?, of(two)?, frame))
+            });
+            let alike: Vec<bool> = pairs
+                .map(|(one, two, frame)| two.coincides_with(one, frame))
+                .collect();
+            !alike.is_empty() && alike.into_iter().all(|same| same)
+        };
+        let mut remarks: Vec<(Style, Text)> = Vec::new();
+        for (k, (_, style)) in named.iter().enumerate() {
+            let earlier = named[..k].iter().find(|(_, of)| {
+                let is_first = !remarks.iter().any(|(remarked, _)| remarked == of);
+                is_first && of != style && coincide(*of, *style)
+            });
+            if let Some((label, _)) = earlier {
+                let remark = Text::plain(" (coincident with ").followed_by((*label).clone());
+                remarks.push((*style, remark.followed_by(")")));
+            }
+        }
+        remarks
     }
 
     fn name_columns(&self, frames: &[Frame], items: &mut Vec<Item>) {
@@ -307,12 +343,40 @@ impl Grid {
             let Some(frame) = frames.get(row * self.columns + column) else {
                 continue;
             };
-            let at = [
-                frame.bounds.left - rooms[column],
-                frame.bounds.top + ASCENT * LABEL_SIZE,
-            ];
-            let text = Text::plain(&format!("({letter})"));
-            items.push(Item::Label(Label::new(text, at, LABEL_SIZE, Anchor::Start)));
+            let at = [frame.bounds.left - rooms[column], frame.bounds.top];
+            Frame::draw_letter(letter, at, items);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of three lines two are less than a line width apart, sampled differently: the legend names them as one. A marker on a line is no
+    /// such case.
+    #[test]
+    fn a_legend_states_which_series_coincide() {
+        let line = |count: u32, offset: f64| -> Vec<[f64; 2]> {
+            let x = (0..=count).map(|k| f64::from(k) / f64::from(count));
+            x.map(|x| [x, x + offset]).collect()
+        };
+        let series = vec![
+            Series::new("first", line(10, 0.0), Style::line(0)),
+            Series::new("second", line(17, 1e-4), Style::line(1)),
+            Series::new("third", line(10, 0.3), Style::line(2)),
+            Series::new("points", line(10, 0.0), Style::marks(3)),
+        ];
+        let chart = Chart::new(Axis::linear("x"), Axis::linear("y"), series);
+        let grid = Grid::of_one("test", 240.0, 120.0, chart);
+        let (frames, _) = grid.frames();
+        let remarks = grid.coincidences(&frames);
+        let [(style, remark)] = remarks.as_slice() else {
+            panic!("{remarks:?}")
+        };
+        assert_eq!(*style, Style::line(1));
+        assert_eq!(remark.to_string(), " (coincident with first)");
+        let svg = grid.figure().svg_for_page();
+        assert!(svg.contains("second (coincident with first)"));
     }
 }

@@ -146,8 +146,9 @@ impl Figure {
         labels
     }
 
-    /// Checks the layout and returns the faults found: text that is off the page, overlaps other text or data, is too small, or
-    /// has characters missing from the font; and unclipped lines that leave the page. The list is empty if there is none.
+    /// Checks the layout and returns the faults found: text that is off the page, overlaps other text or data, is too small, has
+    /// characters missing from the font, or a unit such as `um` that is printed as `µm`; shapes positioned by data that are not
+    /// clipped; and axes that leave the page. The list is empty if there is none.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let page = Bounds::new(0.0, 0.0, self.size[0], self.size[1]);
@@ -158,11 +159,16 @@ impl Figure {
             .collect();
         let mut faults = Vec::new();
         for item in &self.items {
-            if let Item::Path { path, .. } = item {
-                let mut places = path.pieces.iter().flat_map(|piece| &piece.places);
-                if let Some(place) = places.find(|place| !page.contains(**place)) {
-                    faults.push(format!("a line leaves the page: {place:?}"));
+            match item {
+                Item::Path { .. } => faults.push("a line or an area is not clipped".to_owned()),
+                Item::Disc { .. } => faults.push("a disc is not clipped".to_owned()),
+                Item::Image { .. } => faults.push("a map is not clipped".to_owned()),
+                Item::Fixed(item) => {
+                    if let Some(place) = item.place_outside(&page) {
+                        faults.push(format!("a line leaves the page: {place:?}"));
+                    }
                 }
+                Item::Label(_) | Item::Clipped { .. } => {}
             }
         }
         for (k, (label, ink)) in inked.iter().enumerate() {
@@ -174,6 +180,13 @@ impl Figure {
                     "\"{}\" is too small: {} pt",
                     label.text, label.size
                 ));
+            }
+            let words = label.text.to_string();
+            if let Some(unit) = words
+                .split([' ', '(', ')', '/', ','])
+                .find(|word| ["um", "uN", "uJ", "um2", "uPa"].contains(word))
+            {
+                faults.push(format!("\"{words}\": the unit {unit} is printed with a µ"));
             }
             for run in label.text.runs() {
                 if let Some(missing) = run.text.chars().find(|c| !run.face.has(*c)) {
@@ -205,6 +218,7 @@ fn collect_labels<'a>(items: &'a [Item], labels: &mut Vec<&'a Label>) {
         match item {
             Item::Label(label) => labels.push(label),
             Item::Clipped { items, .. } => collect_labels(items, labels),
+            Item::Fixed(item) => collect_labels(std::slice::from_ref(item), labels),
             Item::Path { .. } | Item::Disc { .. } | Item::Image { .. } => {}
         }
     }
@@ -218,20 +232,33 @@ mod tests {
     #[test]
     fn every_fault_is_found() {
         let label = |x, size| Item::Label(Label::new("text", [x, 30.0], size, Anchor::Start));
-        let line = |y| {
+        let of_data = |y| {
             Item::stroked(
                 Path::line([[0.0, y], [100.0, y]]),
                 Stroke::solid(Colour::BLACK, 1.0),
             )
         };
+        let line = |y| Item::fixed(of_data(y));
+        let unit = Label::new("6 um", [10.0, 30.0], 8.0, Anchor::Start);
+        let disc = Item::Disc {
+            centre: [50.0, 25.0],
+            radius: 2.0,
+            fill: Some(Colour::BLACK),
+            stroke: None,
+        };
+        let clipped = |items| Item::clipped(Bounds::new(0.0, 0.0, 100.0, 50.0), items);
         let faults = |items: Vec<Item>| Figure::new("test", [100.0, 50.0], items).faults();
         assert!(faults(vec![label(10.0, 8.0), label(50.0, 8.0), line(40.0)]).is_empty());
+        assert!(faults(vec![clipped(vec![of_data(400.0), disc.clone()])]).is_empty());
         for (items, fault) in [
             (vec![label(90.0, 8.0)], "leaves the page"),
             (vec![label(10.0, 5.0)], "is too small"),
             (vec![label(10.0, 8.0), label(18.0, 8.0)], "is over"),
             (vec![line(28.0), label(10.0, 8.0)], "is crossed"),
             (vec![line(51.0)], "a line leaves the page"),
+            (vec![of_data(40.0)], "not clipped"),
+            (vec![disc], "not clipped"),
+            (vec![Item::Label(unit)], "printed with a µ"),
         ] {
             let found = faults(items);
             assert!(found.len() == 1 && found[0].contains(fault), "{found:?}");

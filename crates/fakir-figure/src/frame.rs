@@ -102,13 +102,24 @@ impl Frame {
     /// Draws the border, inward ticks on all sides, and numbers and names at the left and below.
     pub(crate) fn draw(&self, items: &mut Vec<Item>, x: Lettering<'_>, y: Lettering<'_>) {
         let ink = Stroke::solid(Colour::BLACK, TICK_WIDTH);
-        items.push(Item::stroked(self.tick_marks(), ink));
-        items.push(Item::stroked(
-            Path::rectangle(&self.bounds),
-            Stroke::solid(Colour::BLACK, FRAME_WIDTH),
-        ));
+        items.push(Item::fixed(Item::stroked(self.tick_marks(), ink)));
+        self.draw_border(items);
         self.letter_x(items, x);
         self.letter_y(items, y);
+    }
+
+    /// Border without ticks.
+    pub(crate) fn draw_border(&self, items: &mut Vec<Item>) {
+        let border = Path::rectangle(&self.bounds);
+        let stroke = Stroke::solid(Colour::BLACK, FRAME_WIDTH);
+        items.push(Item::fixed(Item::stroked(border, stroke)));
+    }
+
+    /// Panel letter at a position, with its top at that height.
+    pub(crate) fn draw_letter(letter: char, [left, top]: Place, items: &mut Vec<Item>) {
+        let text = Text::plain(&format!("({letter})"));
+        let at = [left, top + ASCENT * LABEL_SIZE];
+        items.push(Item::Label(Label::new(text, at, LABEL_SIZE, Anchor::Start)));
     }
 
     fn tick_marks(&self) -> Path {

@@ -60,6 +60,16 @@ impl Legend {
             .all(|entry| self.entries.contains(entry))
     }
 
+    /// The same legend with the remark of another one behind every entry of a style that it has.
+    pub(crate) fn with_remarks(mut self, remarks: &[(Style, Text)]) -> Self {
+        for (label, style) in &mut self.entries {
+            if let Some((_, remark)) = remarks.iter().find(|(of, _)| of == style) {
+                *label = label.clone().followed_by(remark.clone());
+            }
+        }
+        self
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

@@ -27,6 +27,9 @@ mod cells;
 mod chart;
 mod colour;
 mod error;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod every;
 mod figure;
 mod figures;
 mod font;
@@ -55,6 +58,7 @@ pub use figures::asperity_map::asperity_map;
 pub use figures::critical_curves::{
     CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,
 };
+pub use figures::critical_states::{CriticalStateCurve, CriticalStatePoint, critical_states};
 pub use figures::cycle::{cycle_curve, release_map};
 pub use figures::designed_curve::{
     DesignedCurve, DesignedQuantity, DesignedValues, designed_curve,

@@ -12,7 +12,7 @@ use crate::scene::{Anchor, Colour, Fill, Item, Label, Path, Pixels, Place, Strok
 use crate::series::Dash;
 use crate::text::Text;
 use crate::unit::{Unit, significant};
-use fakir::problem::{PlacedPillar, Point, System};
+use fakir::problem::{LensForm, PlacedPillar, Point, ShapedLens, System};
 use fakir::state::ContactState;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -115,6 +115,27 @@ impl Window {
         pillars.into_iter().map(disc).collect()
     }
 
+    /// Entries of a key for those of the two kinds of pillars that are visible, with the colours of [`pillar_discs`](Self::pillar_discs).
+    pub(crate) fn pillar_signs(
+        &self,
+        state: &ContactState,
+        [touched, untouched]: [Colour; 2],
+        [name, name_without]: [&'static str; 2],
+    ) -> Vec<(KeySign, &'static str)> {
+        let indices: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
+        let shown = self.pillars(&state.system);
+        let among = |contact| {
+            let mut shown = shown.iter();
+            shown.any(|pillar| indices.contains(&pillar.index) == contact)
+        };
+        let signs = [
+            (true, KeySign::Disc(touched), name),
+            (false, KeySign::Disc(untouched), name_without),
+        ];
+        let signs = signs.into_iter().filter(|(contact, ..)| among(*contact));
+        signs.map(|(_, sign, name)| (sign, name)).collect()
+    }
+
     /// Name of an axis with its unit.
     fn axis_name(&self, axis: &str) -> Text {
         Text::from(format!("*{axis}* ({})", self.unit.name))
@@ -127,10 +148,7 @@ impl Window {
 
     /// Border without ticks.
     pub(crate) fn draw_border(&self, items: &mut Vec<Item>) {
-        items.push(Item::stroked(
-            Path::rectangle(&self.frame.bounds),
-            Stroke::solid(Colour::BLACK, FRAME_WIDTH),
-        ));
+        self.frame.draw_border(items);
     }
 
     /// Scale bar below the window, with its length.
@@ -140,7 +158,8 @@ impl Window {
         let [left, y] = [bounds.left, bounds.bottom + SCALE_BAR_DROP];
         let right = left + self.length(length);
         let stroke = Stroke::solid(Colour::BLACK, 1.6);
-        items.push(Item::stroked(Path::line([[left, y], [right, y]]), stroke));
+        let bar = Path::line([[left, y], [right, y]]);
+        items.push(Item::fixed(Item::stroked(bar, stroke)));
         let text = format!(
             "{} {}",
             significant_without_zeros(self.unit.of(length)),
@@ -149,6 +168,11 @@ impl Window {
         let at = [right + 4.0, y + 0.5 * CAP_HEIGHT * NOTE_SIZE];
         items.push(Item::Label(Label::new(text, at, NOTE_SIZE, Anchor::Start)));
     }
+}
+
+/// Whether the contact of a lens has a radius: its height depends on the distance from the axis only.
+pub(crate) fn is_axisymmetric(lens: &ShapedLens) -> bool {
+    !matches!(lens.form(), LensForm::Cylinder | LensForm::Plate)
 }
 
 /// A figure of one column: a window with its axes, and a colour bar at the right.
@@ -191,10 +215,34 @@ impl Sheet {
         let bounds = window.frame.bounds;
         let height = bounds.height() - ARROW;
         bar.draw([bounds.right + 6.0, bounds.top + ARROW], height, &mut items);
-        let end = bounds.bottom + Frame::bottom_room(below);
-        key(signs, [COLUMN - MARGIN, end - 6.0], &mut items);
+        let mut end = bounds.bottom + Frame::bottom_room(below);
+        if !signs.is_empty() {
+            end += KEY_GAP;
+            end += key(signs, [MARGIN, COLUMN - MARGIN], end, &mut items);
+        }
         Figure::new(name, [COLUMN, end + MARGIN], items)
     }
+}
+
+/// Distance between the name of an axis or a scale bar and the key below it, points.
+const KEY_GAP: f64 = 2.0;
+
+/// A figure of one column without axes: a window around a point (m) with a scale bar, and a key below it.
+pub(crate) fn view_from_above(
+    name: &str,
+    window: &Window,
+    inside: Vec<Item>,
+    signs: &[(KeySign, &str)],
+) -> Figure {
+    let mut items = vec![window.clipped(inside)];
+    window.draw_border(&mut items);
+    window.draw_scale_bar(&mut items);
+    let mut end = window.frame.bounds.bottom + SCALE_BAR_ROOM;
+    if !signs.is_empty() {
+        end += KEY_GAP;
+        end += key(signs, [MARGIN, COLUMN - MARGIN], end, &mut items);
+    }
+    Figure::new(name, [COLUMN, end + MARGIN], items)
 }
 
 const SCALE_BAR_DROP: f64 = 8.0;
@@ -236,6 +284,9 @@ const BAR_WIDTH: f64 = 8.0;
 const NUMBER_GAP: f64 = 3.0;
 const NAME_GAP: f64 = 4.0;
 
+/// Meanings of the discs of pillars in a key: in contact, and not in contact.
+pub(crate) const PILLARS: [&str; 2] = ["pillar in contact", "pillar, no contact"];
+
 /// Height of the arrow on an open bar.
 pub(crate) const ARROW: f64 = 7.0;
 
@@ -272,21 +323,21 @@ impl ColourBar {
 
     pub(crate) fn draw(&self, [left, top]: Place, height: f64, items: &mut Vec<Item>) {
         let bounds = Bounds::new(left, top, BAR_WIDTH, height);
-        items.push(Item::Path {
-            path: Path::rectangle(&bounds),
-            fill: Some(self.map.fill()),
-            stroke: Some(Stroke::solid(Colour::BLACK, FRAME_WIDTH)),
-        });
-        if self.open {
-            items.push(Item::Path {
-                path: Path::polygon([
-                    [bounds.left, top],
-                    [bounds.right, top],
-                    [bounds.centre()[0], top - ARROW],
-                ]),
-                fill: Some(Fill::Colour(self.map.at(1.0))),
+        let shape = |path, fill| {
+            Item::fixed(Item::Path {
+                path,
+                fill: Some(fill),
                 stroke: Some(Stroke::solid(Colour::BLACK, FRAME_WIDTH)),
-            });
+            })
+        };
+        items.push(shape(Path::rectangle(&bounds), self.map.fill()));
+        if self.open {
+            let arrow = Path::polygon([
+                [bounds.left, top],
+                [bounds.right, top],
+                [bounds.centre()[0], top - ARROW],
+            ]);
+            items.push(shape(arrow, Fill::Colour(self.map.at(1.0))));
         }
         let mut marks = Path::default();
         for tick in self.span.ticks(height, TICK_SIZE, Direction::Upwards) {
@@ -297,7 +348,8 @@ impl ColourBar {
             let at = [bounds.right + NUMBER_GAP, y + 0.5 * CAP_HEIGHT * TICK_SIZE];
             items.push(Item::Label(Label::new(text, at, TICK_SIZE, Anchor::Start)));
         }
-        items.push(Item::stroked(marks, Stroke::solid(Colour::BLACK, 0.5)));
+        let marks = Item::stroked(marks, Stroke::solid(Colour::BLACK, 0.5));
+        items.push(Item::fixed(marks));
         let x =
             bounds.right + NUMBER_GAP + self.number_width(height) + NAME_GAP + ASCENT * LABEL_SIZE;
         let at = [x, bounds.centre()[1]];
@@ -343,39 +395,100 @@ pub(crate) enum KeySign {
     Outline,
     /// A disc with a ring around it.
     Ring,
+    /// A disc of this colour.
+    Disc(Colour),
+    /// A circle of this colour.
+    Circle(Colour),
     /// A patch of this colour.
     Patch(Colour),
 }
 
-/// Symbols and their meanings, in a line that ends at a position.
-pub(crate) fn key(entries: &[(KeySign, &str)], [right, middle]: Place, items: &mut Vec<Item>) {
-    const SIGN: f64 = 12.0;
-    let mut x = right;
-    for (sign, meaning) in entries.iter().rev() {
-        let text = Text::from(*meaning);
-        let at = [x, middle + 0.5 * CAP_HEIGHT * NOTE_SIZE];
-        x -= NOTE_SIZE * text.width() + 4.0;
-        items.push(Item::Label(Label::new(text, at, NOTE_SIZE, Anchor::End)));
-        match sign {
-            KeySign::Cross => cross([x - 2.5, middle], ARM, items),
-            KeySign::Edge => items.push(Item::stroked(
-                Path::line([[x - SIGN, middle], [x, middle]]),
+impl KeySign {
+    /// Width from the left end of the sign to its meaning, points.
+    fn width(self) -> f64 {
+        match self {
+            Self::Edge => 16.0,
+            _ => 10.0,
+        }
+    }
+
+    /// Draws the sign in the given width, starting at a position.
+    fn draw(self, [x, middle]: Place, items: &mut Vec<Item>) {
+        let centre = [x + 3.5, middle];
+        let disc = |fill, stroke| Item::Disc {
+            centre,
+            radius: 2.3,
+            fill,
+            stroke,
+        };
+        let thin = |colour| Some(Stroke::solid(colour, 0.7));
+        let mut drawn = Vec::new();
+        match self {
+            Self::Cross => cross(centre, ARM, &mut drawn),
+            Self::Edge => drawn.push(Item::stroked(
+                Path::line([[x, middle], [x + 12.0, middle]]),
                 edge_stroke(),
             )),
-            KeySign::Patch(colour) => items.push(Item::filled(
-                Path::rectangle(&Bounds::new(x - 7.0, middle - 2.5, 7.0, 5.0)),
-                *colour,
-            )),
-            KeySign::Outline => items.push(Item::Disc {
-                centre: [x - 2.5, middle],
-                radius: 2.3,
-                fill: Some(Colour::grey(160)),
-                stroke: Some(Stroke::solid(Colour::BLACK, 0.7)),
+            Self::Patch(colour) => drawn.push(Item::Path {
+                path: Path::rectangle(&Bounds::new(x, middle - 2.5, 7.0, 5.0)),
+                fill: Some(Fill::Colour(colour)),
+                stroke: Some(Stroke::solid(KEY_OUTLINE, 0.3)),
             }),
-            KeySign::Ring => items.extend(ringed([x - 2.5, middle], 1.6, Colour::grey(160))),
+            Self::Disc(colour) => {
+                let outline = Stroke::solid(KEY_OUTLINE, 0.3);
+                drawn.push(disc(Some(colour), Some(outline)));
+            }
+            Self::Circle(colour) => drawn.push(disc(None, thin(colour))),
+            Self::Outline => drawn.push(disc(Some(Colour::grey(160)), thin(Colour::BLACK))),
+            Self::Ring => drawn.extend(ringed(centre, 1.6, Colour::grey(160))),
         }
-        x -= SIGN + 6.0;
+        items.extend(drawn.into_iter().map(Item::fixed));
     }
+}
+
+/// Outline of the signs of a key, which makes light colours visible on white.
+const KEY_OUTLINE: Colour = Colour::grey(110);
+
+/// Height of a row of a key, points.
+const KEY_ROW: f64 = NOTE_SIZE * 1.45;
+const BETWEEN_SIGNS: f64 = 9.0;
+
+/// Symbols and their meanings, in rows centred between two ends, from `top` downwards; returns the height.
+pub(crate) fn key(
+    entries: &[(KeySign, &str)],
+    [left, right]: [f64; 2],
+    top: f64,
+    items: &mut Vec<Item>,
+) -> f64 {
+    let width =
+        |(sign, meaning): &(KeySign, &str)| sign.width() + NOTE_SIZE * Text::from(*meaning).width();
+    let whole = |row: &[(KeySign, &str)]| {
+        let between = BETWEEN_SIGNS * row.len().saturating_sub(1) as f64;
+        row.iter().map(width).sum::<f64>() + between
+    };
+    // The longest rows that fit, of about the same number of entries.
+    let rows = (1..=entries.len())
+        .map(|count| entries.chunks(entries.len().div_ceil(count)))
+        .find(|rows| rows.clone().all(|row| whole(row) <= right - left))
+        .unwrap_or_else(|| entries.chunks(1));
+    let count = rows.len();
+    for (number, row) in rows.enumerate() {
+        let middle = top + (number as f64 + 0.5) * KEY_ROW;
+        let mut x = 0.5 * (left + right - whole(row));
+        for entry in row {
+            let (sign, meaning) = entry;
+            sign.draw([x, middle], items);
+            let at = [x + sign.width(), middle + 0.5 * CAP_HEIGHT * NOTE_SIZE];
+            items.push(Item::Label(Label::new(
+                *meaning,
+                at,
+                NOTE_SIZE,
+                Anchor::Start,
+            )));
+            x += width(entry) + BETWEEN_SIGNS;
+        }
+    }
+    KEY_ROW * count as f64
 }
 
 /// A disc with a ring around it, which is visible on discs of any colour.

@@ -7,6 +7,9 @@ use fakir::state::FloorContact;
 /// Colour of the floor in contact if no pressure is shown.
 pub(crate) const ON_FLOOR: Colour = Colour::grey(120);
 
+/// Colour of the floor in contact on maps with pillars in grey. It is in no colour map of this crate.
+pub(crate) const FLOOR_CONTACT: Colour = Colour([250, 205, 170]);
+
 /// Floor cells in contact; neighbouring cells along x are merged.
 pub(crate) fn patches(window: &Window, floor: &FloorContact) -> Path {
     let [across, up] = floor.cell();

@@ -71,6 +71,7 @@ impl Painter<'_> {
                 items.iter().for_each(|item| self.item(item));
                 self.mask = outside;
             }
+            Item::Fixed(item) => self.item(item),
         }
     }
 

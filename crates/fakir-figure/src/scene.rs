@@ -238,11 +238,14 @@ pub(crate) enum Item {
         bounds: Bounds,
         pixels: Arc<Pixels>,
     },
-    /// Items clipped to a box; created by [`Item::clipped`].
+    /// Items clipped to a box; created by [`Item::clipped`]. Everything that is positioned by data is in such an item, or is text:
+    /// [`Figure::faults`](crate::Figure::faults) reports what is not.
     Clipped {
         bounds: Bounds,
         items: Vec<Item>,
     },
+    /// A shape that is not positioned by data: an axis, a legend, a colour bar or a scale bar.
+    Fixed(Box<Item>),
 }
 
 impl Item {
@@ -278,6 +281,20 @@ impl Item {
         Self::Clipped { bounds, items }
     }
 
+    /// A place of a path that is outside a box.
+    pub(crate) fn place_outside(&self, bounds: &Bounds) -> Option<Place> {
+        let Self::Path { path, .. } = self else {
+            return None;
+        };
+        let mut places = path.pieces.iter().flat_map(|piece| &piece.places);
+        places.find(|place| !bounds.contains(**place)).copied()
+    }
+
+    /// A shape that is not positioned by data, and is therefore not clipped.
+    pub(crate) fn fixed(item: Self) -> Self {
+        Self::Fixed(Box::new(item))
+    }
+
     /// Whether some of its lines, discs or text overlap a box. Filled areas without a line do not
     /// count: text may be written on them.
     pub(crate) fn comes_into(&self, bounds: &Bounds) -> bool {
@@ -295,6 +312,7 @@ impl Item {
                 bounds: window,
                 items,
             } => window.overlaps(bounds) && items.iter().any(|item| item.comes_into(bounds)),
+            Self::Fixed(item) => item.comes_into(bounds),
         }
     }
 }

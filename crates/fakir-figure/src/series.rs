@@ -161,14 +161,7 @@ impl Series {
     }
 
     pub(crate) fn draw(&self, frame: &Frame, items: &mut Vec<Item>) {
-        let places: Vec<Option<Place>> = self
-            .points
-            .iter()
-            .map(|[x, y]| {
-                let shown = frame.x.scale.shows(*x) && frame.y.scale.shows(*y);
-                shown.then(|| frame.place([*x, *y]))
-            })
-            .collect();
+        let places = self.places(frame);
         if let Some(dash) = self.style.line {
             let mut path = Path::default();
             for piece in places.split(Option::is_none) {
@@ -182,14 +175,45 @@ impl Series {
             }
         }
         self.draw_errors(frame, items);
-        let inside = frame.bounds.grown(0.5);
         if let Some(marker) = self.style.marker {
-            for place in places.into_iter().flatten() {
-                if inside.contains(place) {
-                    items.push(marker.item(place, self.style.tint.colour()));
-                }
+            // Markers of points on the frame are whole; those of points outside it are not drawn.
+            let inside = frame.bounds.grown(0.5);
+            let shown = places.into_iter().flatten();
+            let shown = shown.filter(|place| inside.contains(*place));
+            let marks: Vec<Item> = shown
+                .map(|place| marker.item(place, self.style.tint.colour()))
+                .collect();
+            if !marks.is_empty() {
+                items.push(Item::clipped(frame.bounds.grown(MARKER_SIZE), marks));
             }
         }
+    }
+
+    /// Positions of the points on the page; `None` for points that an axis cannot show.
+    fn places(&self, frame: &Frame) -> Vec<Option<Place>> {
+        let place = |[x, y]: &[f64; 2]| {
+            let shown = frame.x.scale.shows(*x) && frame.y.scale.shows(*y);
+            shown.then(|| frame.place([*x, *y]))
+        };
+        self.points.iter().map(place).collect()
+    }
+
+    /// Whether two series of the same kind cannot be told apart in a frame: every point of each is on the other.
+    pub(crate) fn coincides_with(&self, other: &Self, frame: &Frame) -> bool {
+        let seen = |series: &Self| -> Vec<Place> {
+            let places = series.places(frame).into_iter().flatten();
+            places
+                .filter(|place| frame.bounds.grown(0.5).contains(*place))
+                .collect()
+        };
+        let (one, two) = (seen(self), seen(other));
+        let same_kind = self.style.line.is_some() == other.style.line.is_some();
+        let on = |places: &[Place], line: &[Place]| {
+            places
+                .iter()
+                .all(|place| distance_to(*place, line) < COINCIDENT)
+        };
+        same_kind && one.len() > 1 && two.len() > 1 && on(&one, &two) && on(&two, &one)
     }
 
     fn draw_errors(&self, frame: &Frame, items: &mut Vec<Item>) {
@@ -213,6 +237,28 @@ impl Series {
     }
 }
 
+/// Largest distance of a marker's outline from its point, points.
+const MARKER_SIZE: f64 = 3.0;
+
+/// Distance on the page below which two lines look like one, points: half the width of a line.
+const COINCIDENT: f64 = 0.5;
+
+/// Distance of a point from a polyline of at least two points.
+fn distance_to([x, y]: Place, line: &[Place]) -> f64 {
+    let to_part = |pair: &[Place]| {
+        let [along, up] = [0, 1].map(|k| pair[1][k] - pair[0][k]);
+        let square = along * along + up * up;
+        let part = if square > 0.0 {
+            let part = ((x - pair[0][0]) * along + (y - pair[0][1]) * up) / square;
+            part.clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        (x - pair[0][0] - part * along).hypot(y - pair[0][1] - part * up)
+    };
+    line.windows(2).map(to_part).fold(f64::INFINITY, f64::min)
+}
+
 /// Width of the lines of a series, points.
 const LINE_WIDTH: f64 = 1.0;
 
@@ -229,10 +275,11 @@ impl Style {
     pub(crate) fn sample(self, [x, y]: Place, length: f64, items: &mut Vec<Item>) {
         if let Some(dash) = self.line {
             let path = Path::line([[x, y], [x + length, y]]);
-            items.push(Item::stroked(path, self.stroke(dash)));
+            items.push(Item::fixed(Item::stroked(path, self.stroke(dash))));
         }
         if let Some(marker) = self.marker {
-            items.push(marker.item([x + 0.5 * length, y], self.tint.colour()));
+            let item = marker.item([x + 0.5 * length, y], self.tint.colour());
+            items.push(Item::fixed(item));
         }
     }
 }

@@ -60,6 +60,7 @@ fn write(figure: &Figure, font: Font) -> String {
         out: String::new(),
         name: figure.name(),
         definitions: 0,
+        class: "",
     };
     writer.head(figure, font);
     figure.items.iter().for_each(|item| writer.item(item));
@@ -109,7 +110,12 @@ struct Writer<'a> {
     name: &'a str,
     /// Number of ids used so far.
     definitions: usize,
+    /// Attribute of the shapes that are not positioned by data.
+    class: &'static str,
 }
+
+/// Attribute of shapes that are not positioned by data. All other shapes are in a group with a clip path.
+const FIXED: &str = " class=\"fixed\"";
 
 impl Writer<'_> {
     fn head(&mut self, figure: &Figure, font: Font) {
@@ -172,7 +178,7 @@ impl Writer<'_> {
                 let (data, stroke) = (path_data(path), strokes(stroke.as_ref()));
                 put(
                     &mut self.out,
-                    format_args!("<path d=\"{data}\"{fill}{stroke}/>\n"),
+                    format_args!("<path{} d=\"{data}\"{fill}{stroke}/>\n", self.class),
                 );
             }
             Item::Disc {
@@ -185,7 +191,8 @@ impl Writer<'_> {
                 put(
                     &mut self.out,
                     format_args!(
-                        "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{fill}{}/>\n",
+                        "<circle{} cx=\"{}\" cy=\"{}\" r=\"{}\"{fill}{}/>\n",
+                        self.class,
                         number(centre[0]),
                         number(centre[1]),
                         number(*radius),
@@ -215,6 +222,11 @@ impl Writer<'_> {
                 );
                 items.iter().for_each(|item| self.item(item));
                 self.out.push_str("</g>\n");
+            }
+            Item::Fixed(item) => {
+                self.class = FIXED;
+                self.item(item);
+                self.class = "";
             }
         }
     }

@@ -97,13 +97,13 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
             "Mean pressure on every pillar top in the critical state, intermediate substrate, \
              {}: dashed the edge of the contact, crosses the floor contact in all its symmetric \
              places. Beside it, pressure at the centre of every pillar against its distance from the \
-             axis, with a semi-ellipse as in a Hertz contact.",
+             axis, with a Hertzian distribution.",
             fraction_label(&dense.contact)
         );
         Ok(vec![Plate::new(
             map,
             "pressure-map",
-            "Pressure on all pillars",
+            "Pressure on all pillar tops in the critical state",
             &caption,
         )])
     }));
@@ -118,7 +118,7 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
         Ok(vec![Plate::new(
             figure,
             "pillar-pressure",
-            "Pressure inside pillar tops",
+            "Pressure within the tops of two pillars",
             &caption,
         )])
     }));
@@ -136,27 +136,30 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
             Ok(vec![Plate::new(
                 figure,
                 "floor-gap",
-                "Gap to the floor",
+                "Gap between lens and floor in the critical state",
                 &caption,
             )])
         }));
-        for (state, view, name, words) in [
+        for (state, view, name, title, words) in [
             (
                 &approach.middle,
                 View::Contact,
                 "top-view-before",
+                "Contact from above before the transition",
                 "under 0.3 of the critical force",
             ),
             (
                 contact,
                 View::Contact,
                 "top-view-critical",
+                "Contact from above in the critical state",
                 "in the critical state",
             ),
             (
                 contact,
                 View::GREEN,
                 "newton-rings",
+                "Interference fringes in the critical state",
                 "in the critical state, with the interference of green light (550 nm)",
             ),
         ] {
@@ -167,7 +170,7 @@ pub fn plates(material: &Material<'_>, run: &Run<'_>) -> Result<Vec<Plate>, Draw
                     fraction_label(state)
                 );
                 let figure = top_view(state, view, single)?;
-                Ok(vec![Plate::new(figure, name, "View from above", &caption)])
+                Ok(vec![Plate::new(figure, name, title, &caption)])
             }));
         }
     }
@@ -238,7 +241,7 @@ fn curves(material: Material<'_>) -> Result<Plate, DrawingError> {
     Ok(Plate::new(
         critical_curves(&columns),
         "critical-curves",
-        "Critical force, contact radius and indentation",
+        "Critical force, contact radius and indentation over the surface fraction",
         "Reduced critical force, contact radius and indentation against the surface fraction, for \
          six places where the lens may land and three substrates; with the paper's formulas for \
          small and large contacts as printed, and the homogenised lattice. Where a curve has no \
@@ -272,10 +275,18 @@ fn models(grid: &Grid, substrate: Substrate) -> Result<Vec<CriticalCurve>, Drawi
     };
     let formula = Style::line(0).in_tint(Tint::Grey);
     Ok(vec![
-        curve("small contact", small, formula.with_line(Dash::Solid)),
-        curve("large contact", large, formula.with_line(Dash::Dashed)),
         curve(
-            "homogenised",
+            "formula, small contact",
+            small,
+            formula.with_line(Dash::Solid),
+        ),
+        curve(
+            "formula, large contact",
+            large,
+            formula.with_line(Dash::Dashed),
+        ),
+        curve(
+            "homogenised lattice",
             homogenised,
             formula.in_tint(Tint::Black).with_line(Dash::Dotted),
         ),
@@ -290,18 +301,27 @@ fn power_laws(material: Material<'_>) -> Plate {
         .iter()
         .map(|state| [state.surface_fraction, 1e6 * state.force])
         .collect();
-    let mut series = vec![Series::new("computed", points, Style::marks(0))];
+    let mut series = vec![Series::new(
+        "computed",
+        points,
+        Style::marks(4).in_tint(Tint::Sky),
+    )];
+    // Drawn over the markers, so that both are visible.
+    let lines_over_marks = [
+        Style::line(0).in_tint(Tint::Black),
+        Style::line(0).in_tint(Tint::Vermillion),
+    ];
     for (k, range) in LAW_RANGES.into_iter().enumerate() {
         let Some(law) = PowerLaw::of(curve, Quantity::Force, range) else {
             continue;
         };
         let ends = law.range.map(|phi| [phi, 1e6 * law.at(phi)]);
         let label = format!(
-            "*F*_{{c}} ~ *φ*^{{{:.2}}}, within {}",
+            "*F*_{{c}} ~ *φ*^{{{:.2}}}, deviation up to {}",
             law.exponent,
             percent(law.largest_deviation)
         );
-        series.push(Series::new(label, ends.to_vec(), Style::line(k + 1)));
+        series.push(Series::new(label, ends.to_vec(), lines_over_marks[k % 2]));
     }
     let figure = lines(&LineChart {
         x: Axis::logarithmic("surface fraction *φ*"),
@@ -311,10 +331,10 @@ fn power_laws(material: Material<'_>) -> Plate {
     Plate::new(
         figure,
         "power-laws",
-        "Power laws of the critical force",
-        "Critical force on the intermediate substrate, lens axis on a pillar, with power laws found \
-         by least squares over two ranges of the surface fraction, and how far the curve is from \
-         them at most: there is not one exponent.",
+        "Critical force over the surface fraction, with power laws",
+        "Critical force on the intermediate substrate, lens axis on a pillar, with power laws fitted \
+         by least squares over two ranges of the surface fraction, and the largest deviation of the \
+         curve from them: no single exponent applies.",
     )
 }
 
@@ -344,7 +364,7 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
                 ]
             });
             Series::new(
-                offset_label(curve.offset),
+                Text::from("critical, ").followed_by(offset_label(curve.offset)),
                 points.collect::<Vec<_>>(),
                 Style::marks(curve.offset),
             )
@@ -376,7 +396,7 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
             .map(|shared| &shared.state)
             .map(|s| phase_point(&s.system, s.force, s.contact_radius));
         let points = points.collect::<Vec<_>>();
-        let label = format!("{:.0} % on the floor", 100.0 * share);
+        let label = format!("{:.0} % of *F* on the floor", 100.0 * share);
         let style = Style::line(k + 2).in_tint(Tint::Grey);
         Series::new(label, points, style)
     });
@@ -390,13 +410,13 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
     Ok(Plate::new(
         figure,
         "phase-diagram",
-        "Phase diagram",
+        "Phase diagram: reduced force over the contact radius",
         "Reduced force against the radius of the contact on the pillar tops in pitches, \
          intermediate substrate: where the lens \
          rests on pillar tops only and where it touches the floor too, with the paper's transition \
          curve, computed critical states of six offsets, and two loading paths, of which that at the \
-         smaller surface fraction goes on into mixed contact. Grey lines join states in which the floor \
-         bears the same share of the load. Left of one pitch it matters where the lens lands.",
+         smaller surface fraction continues into mixed contact. Grey lines join states in which the floor \
+         carries the same fraction of the load. Below one pitch the state depends on the position of the lens axis.",
     ))
 }
 
@@ -437,8 +457,7 @@ fn mixed_contact(state: &ContactState, run: &Run<'_>) -> Result<Vec<Plate>, Draw
             "floor-pressure-map",
             "Pressure on the floor",
             format!(
-                "Pressure on the floor, {where_and_when}: around every pillar, which holds the lens up, \
-                 the floor stays free."
+                "Pressure on the floor, {where_and_when}: around every pillar the floor is not in contact."
             ),
         ),
     ])
@@ -448,9 +467,9 @@ fn sums(material: Material<'_>) -> Plate {
     Plate::new(
         lattice_sums(material.fit, material.fit.range[1]),
         "lattice-sums",
-        "Lattice sums",
-        "The lattice sums G0, G and G1 against the contact radius in pitches, with the paper's \
-         one-parameter fits, the limits for wide contacts, and how far both are off.",
+        "Lattice sums over the contact radius",
+        "The lattice sums G0, G and G1 against the contact radius in pitches, with a least-squares fit, the \
+         coefficients of the paper, the limits of wide contacts, and the relative error of the fit.",
     )
 }
 
@@ -483,7 +502,7 @@ fn section(
     Ok(Plate::new(
         profiles(&states, run)?,
         &format!("profiles-{}", substrate.name()),
-        "Deformed profiles",
+        "Section through the deformed lens and substrate",
         &caption,
     ))
 }

@@ -9,7 +9,10 @@ use fakir_case::Key;
 use fakir_case::Study;
 use fakir_case::study::{Asked, Axis, Combine, Coordinate, Variable};
 use fakir_case::unit::Dimension;
-use fakir_figure::{Axis as FigureAxis, Figure, PullOffCurve, PullOffPoint, Text, pull_off_curves};
+use fakir_figure::{
+    Axis as FigureAxis, CriticalStateCurve, CriticalStatePoint, Figure, PullOffCurve, PullOffPoint,
+    Text, critical_states, pull_off_curves,
+};
 use std::collections::BTreeMap;
 
 /// A figure as files.
@@ -26,20 +29,67 @@ pub fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
 /// Largest number of curves in a figure: the number of distinguishable lines and marks.
 const MOST_CURVES: usize = 6;
 
-/// Cycles of one curve, each with its abscissa in SI units.
-type Cycles<'a> = Vec<(f64, &'a Record)>;
+/// Answers of one curve, each with its abscissa in SI units.
+type Answers<'a> = Vec<(f64, &'a Record)>;
 
-/// Pull-off and hysteresis of the cycles of a study: over the surface fraction if that is an axis, otherwise over the longest numeric axis;
-/// one curve for every combination of the others, or a selection if there are too many. `None` for another question, an axis with a single
-/// value, or a part of a study.
+/// The figure of a study of cycles (pull-off and hysteresis) or of critical states (force, contact radius and indentation): over the surface
+/// fraction if that is an axis, otherwise over the longest numeric axis; one curve for every combination of the others, or a selection if
+/// there are too many. `None` for another question, an axis with a single value, or a part of a study.
 #[must_use]
-pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
-    if study.asked() != Asked::Cycle || rows.len() < study.cases() {
+pub fn of_study(study: &Study, rows: &[Row]) -> Option<Figure> {
+    match study.asked() {
+        Asked::Cycle => {
+            let (axis, curves) = curves(study, rows, cycle_point)?;
+            let curves = curves.into_iter();
+            let curves = curves.map(|(label, points)| PullOffCurve { label, points });
+            Some(pull_off_curves(&axis, &curves.collect::<Vec<_>>()))
+        }
+        Asked::Transition => {
+            let (axis, curves) = curves(study, rows, critical_point)?;
+            let curves = curves.into_iter();
+            let curves = curves.map(|(label, points)| CriticalStateCurve { label, points });
+            Some(critical_states(&axis, &curves.collect::<Vec<_>>()))
+        }
+        Asked::Press | Asked::Collapse => None,
+    }
+}
+
+fn cycle_point(x: f64, cycle: &Record) -> PullOffPoint {
+    let number = |path| cycle.number(path).unwrap_or(f64::NAN);
+    PullOffPoint {
+        x,
+        force: number("pull_off_force_N"),
+        normalized_force: number("normalized_pull_off_force"),
+        hysteresis: number("hysteresis_J"),
+        normalized_hysteresis: number("normalized_hysteresis"),
+    }
+}
+
+fn critical_point(x: f64, state: &Record) -> CriticalStatePoint {
+    let number = |path| state.number(path).unwrap_or(f64::NAN);
+    // On general surfaces it has the name that it has in every contact.
+    let radius = state.number("critical_contact_radius_m");
+    CriticalStatePoint {
+        x,
+        force: number("critical_force_N"),
+        contact_radius: radius.unwrap_or_else(|| number("contact_radius_m")),
+        indentation: number("critical_indentation_m"),
+    }
+}
+
+/// The curves of a study with their labels, each by increasing abscissa in the unit of the axis; `None` if no curve has two points, and for a
+/// part of a study.
+fn curves<P>(
+    study: &Study,
+    rows: &[Row],
+    point: fn(f64, &Record) -> P,
+) -> Option<(FigureAxis, Vec<(Text, Vec<P>)>)> {
+    if rows.len() < study.cases() {
         return None;
     }
     let axes: Vec<&Axis> = study.axes().collect();
     let across = across(study, &axes)?;
-    let mut curves: BTreeMap<Vec<usize>, (Text, Cycles<'_>)> = BTreeMap::new();
+    let mut curves: BTreeMap<Vec<usize>, (Text, Answers<'_>)> = BTreeMap::new();
     let mut seen: Vec<Vec<&Coordinate>> = axes.iter().map(|_| Vec::new()).collect();
     for row in rows {
         let mut place = Vec::new();
@@ -60,13 +110,13 @@ pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
         }
         let curve = curves.entry(place);
         let (_, points) = curve.or_insert_with(|| (Text::from(words.join(", ")), Vec::new()));
-        if let (Coordinate::Number(x), Some(RowAnswer::Numbers(cycle)), None) =
+        if let (Coordinate::Number(x), Some(RowAnswer::Numbers(numbers)), None) =
             (&row.coordinates[across], &row.answer, &row.problem)
         {
-            points.push((*x, cycle));
+            points.push((*x, numbers));
         }
     }
-    let curves: Vec<(Text, Cycles<'_>)> = curves.into_values().collect();
+    let curves: Vec<(Text, Answers<'_>)> = curves.into_values().collect();
     let values = curves.iter().flat_map(|(_, points)| points);
     let values: Vec<f64> = values.map(|(x, _)| *x).collect();
     let (axis, size) = figure_axis(axes[across].variable(), &values);
@@ -74,11 +124,18 @@ pub fn of_cycles(study: &Study, rows: &[Row]) -> Option<Figure> {
     let shown = curves.len().min(MOST_CURVES);
     // From the first to the last.
     let shown = (0..shown).map(|k| if shown > 1 { k * last / (shown - 1) } else { 0 });
-    let curves: Vec<PullOffCurve> = shown
-        .map(|k| curve(&curves[k].0, &curves[k].1, size))
+    let shown: Vec<(Text, Vec<P>)> = shown
+        .map(|k| {
+            let (label, points) = &curves[k];
+            let mut points = points.clone();
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let points = points.into_iter();
+            let points = points.map(|(x, numbers)| point(x / size, numbers));
+            (label.clone(), points.collect())
+        })
         .collect();
-    let drawn = curves.iter().any(|curve| curve.points.len() > 1);
-    drawn.then(|| pull_off_curves(&axis, &curves))
+    let drawn = shown.iter().any(|(_, points)| points.len() > 1);
+    drawn.then_some((axis, shown))
 }
 
 /// Index of the axis used as abscissa.
@@ -91,27 +148,6 @@ fn across(study: &Study, axes: &[&Axis]) -> Option<usize> {
     let of_fraction = numbers().find(|k| axes[*k].variable() == fraction);
     // The first of several of equal length.
     of_fraction.or_else(|| numbers().rev().max_by_key(|k| axes[*k].len()))
-}
-
-fn curve(label: &Text, points: &[(f64, &Record)], size: f64) -> PullOffCurve {
-    let mut points: Vec<PullOffPoint> = points
-        .iter()
-        .map(|(x, cycle)| {
-            let number = |path| cycle.number(path).unwrap_or(f64::NAN);
-            PullOffPoint {
-                x: x / size,
-                force: number("pull_off_force_N"),
-                normalized_force: number("normalized_pull_off_force"),
-                hysteresis: number("hysteresis_J"),
-                normalized_hysteresis: number("normalized_hysteresis"),
-            }
-        })
-        .collect();
-    points.sort_by(|a, b| a.x.total_cmp(&b.x));
-    PullOffCurve {
-        label: label.clone(),
-        points,
-    }
 }
 
 /// The axis of a variable, and the size of its unit in SI. Values that differ by more than a factor of five have a logarithmic axis.
@@ -171,6 +207,22 @@ pub fn printed(unit: &str) -> String {
     unit.replace("m2", "m^{2}").replace('u', "µ")
 }
 
+/// A question such as `contact at an indentation of 6 um` as the label of a panel: units as printed.
+#[must_use]
+pub fn question_in_figure(question: &str) -> Text {
+    let mut before_is_number = false;
+    let words = question.split(' ').map(|word| {
+        let word = if before_is_number {
+            word.replace('u', "µ")
+        } else {
+            word.to_owned()
+        };
+        before_is_number = word.parse::<f64>().is_ok();
+        word
+    });
+    Text::plain(&words.collect::<Vec<_>>().join(" "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,7 +244,7 @@ mod tests {
              \"adhesion.work\" = [\"5 mJ/m2\", \"20 mJ/m2\", \"50 mJ/m2\"]",
         );
         let rows = sweep(&study, &mut Options::default()).unwrap();
-        let figure = of_cycles(&study, &rows).unwrap();
+        let figure = of_study(&study, &rows).unwrap();
         assert_eq!(figure.name(), "pull-off");
         assert_eq!(figure.faults(), Vec::<String>::new());
         let text = figure.svg();
@@ -200,14 +252,59 @@ mod tests {
             assert!(text.contains(words), "{words}");
         }
         // A part of the study has no figure.
-        assert!(of_cycles(&study, &rows[1..]).is_none());
+        assert!(of_study(&study, &rows[1..]).is_none());
+    }
+
+    /// A sweep of critical states has a curve for every other setting.
+    #[test]
+    fn critical_states_are_drawn_over_the_surface_fraction() {
+        let study =
+            study("[axes]\nsurface_fraction = [0.001, 0.003]\n\"pattern.offset\" = [0, 0.5]");
+        let rows = sweep(&study, &mut Options::default()).unwrap();
+        let figure = of_study(&study, &rows).unwrap();
+        assert_eq!(figure.name(), "critical-states");
+        assert_eq!(figure.faults(), Vec::<String>::new());
+        let text = figure.svg();
+        for words in [
+            "surface fraction",
+            "critical force",
+            "contact radius",
+            "0.500",
+        ] {
+            assert!(text.contains(words), "{words}");
+        }
+        assert!(of_study(&study, &rows[1..]).is_none());
     }
 
     #[test]
     fn other_questions_have_no_figure() {
-        let study = study("[axes]\nsurface_fraction = [0.001, 0.003]");
+        let study = study(
+            "[study]\nquestion = \"press\"\nindentation = \"0.2 um\"\n[axes]\nsurface_fraction = [0.001, 0.003]",
+        );
         let rows = sweep(&study, &mut Options::default()).unwrap();
-        assert!(of_cycles(&study, &rows).is_none());
+        assert!(of_study(&study, &rows).is_none());
+    }
+
+    /// Figures print the unit of a question with its prefix.
+    #[test]
+    fn questions_as_printed() {
+        for (question, printed) in [
+            (
+                "contact at an indentation of 6 um",
+                "contact at an indentation of 6 µm",
+            ),
+            (
+                "contact under a force of 0.5 uN",
+                "contact under a force of 0.5 µN",
+            ),
+            (
+                "contact under a force of 2 mN",
+                "contact under a force of 2 mN",
+            ),
+            ("critical state", "critical state"),
+        ] {
+            assert_eq!(question_in_figure(question), Text::plain(printed));
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@
 //! | `provenance.json` | version, study, methods, reference |
 
 use crate::error::{StudyError, memory};
-use crate::figures::{of_cycles, saved};
+use crate::figures::{of_study, saved};
 use crate::journal::{Contents, DamagedLine, Found, Header, Journal, first_difference, whole};
 #[cfg(feature = "parquet")]
 use crate::names::PARQUET;
@@ -475,7 +475,7 @@ fn results(study: &Study, rows: &[Row]) -> Vec<File> {
         #[cfg(feature = "parquet")]
         File::new(PARQUET, table.to_parquet(&provenance)),
     ];
-    if let Some(figure) = of_cycles(study, rows) {
+    if let Some(figure) = of_study(study, rows) {
         files.extend(saved(figure, &provenance));
     }
     let names = files.iter().map(|file| file.name.as_ref());

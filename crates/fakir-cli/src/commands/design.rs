@@ -394,11 +394,15 @@ fn force_figure(
     let unit = column_unit(forces.iter().copied(), Dimension::Force)?;
     let figure = histogram(&Histogram {
         label: Text::from(format!("{name} {symbol} ({})", printed(unit.symbol))),
+        unit: Text::from(printed(unit.symbol)),
         values: forces.iter().map(|force| force / unit.in_si()).collect(),
         percentiles: vec![5.0, 50.0, 95.0],
     });
-    let title = format!("Spread of the {name}");
-    let caption = format!("The {name} of {} samples.", forces.len());
+    let title = format!("Distribution of the {name} over samples");
+    let caption = format!(
+        "Histogram of the {name} of {} samples, with percentiles.",
+        forces.len()
+    );
     figure
         .ok()
         .map(|figure| figure.named(file).with_description(&title, &caption))

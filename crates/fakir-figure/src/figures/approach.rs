@@ -52,13 +52,15 @@ pub fn approach(
         let y = Axis::linear(format!("{symbol} ({})", unit.name));
         Chart::new(x(), y, series)
     };
-    let mut upper = curve("force", force, Tint::Blue, |p| Some(p.force), "force *F*");
-    if all().any(|point| point.floor_force.is_some_and(|force| force > 0.0)) {
+    let on_floor = all().any(|point| point.floor_force.is_some_and(|force| force > 0.0));
+    let name = if on_floor { "total force *F*" } else { "force" };
+    let mut upper = curve(name, force, Tint::Blue, |p| Some(p.force), "force *F*");
+    if on_floor {
         let on_floor = points
             .iter()
             .filter_map(|point| Some([across.of(point.indentation), force.of(point.floor_force?)]));
         let style = Style::line(1).in_tint(Tint::Vermillion);
-        let on_floor = Series::new("on the floor", on_floor.collect(), style);
+        let on_floor = Series::new("floor force *F*_{floor}", on_floor.collect(), style);
         upper.series.insert(1, on_floor);
     }
     let mut charts = vec![upper];
@@ -81,10 +83,10 @@ pub fn approach(
             .iter()
             .filter_map(|point| Some([across.of(point.indentation), share(point)?]));
         let style = Style::line(1).in_tint(Tint::Vermillion);
-        let y = Axis::linear("share of the floor");
+        let y = Axis::linear("*F*_{floor}/*F*");
         let line = Series::new("", points.collect(), style);
         charts.push(unnamed(Chart::new(x(), y, vec![line])));
-        heights.push(80.0);
+        heights.push(92.0);
     }
     if points.iter().any(|point| point.pillars.is_some()) {
         let series = |label: &str, style, count: fn([usize; 2]) -> usize| {
@@ -94,16 +96,17 @@ pub fn approach(
             });
             Series::new(label, points.collect(), style)
         };
-        let touched = series("touched", Style::line(0), |[all, _]| all);
+        let touched = series("in contact", Style::line(0), |[all, _]| all);
         let partial = Style::line(2).in_tint(Tint::Black);
-        let partial = series("partially", partial, |[_, partial]| partial);
+        let partial = series("partial contact", partial, |[_, partial]| partial);
         charts.push(Chart::new(
             x(),
-            Axis::linear("pillars"),
+            Axis::linear("number of pillars"),
             vec![touched, partial],
         ));
-        heights.push(80.0);
+        heights.push(92.0);
     }
+    let tagged = charts.len() > 1;
     let figure = Grid {
         name: "approach",
         width: COLUMN,
@@ -113,14 +116,13 @@ pub fn approach(
         common_x: true,
         common_y: false,
         titles: Vec::new(),
-        tagged: false,
+        tagged,
     }
     .figure();
     Ok(figure.with_description(
-        "Loading of the surface",
-        "Force over indentation, and below it the contact radius, the share of the floor and the \
-         pillars that are touched, as far as there are such; the critical state, in which the floor \
-         is just reached, is marked.",
+        "Force and contact over indentation on loading",
+        "Force over indentation, and below it, where these exist, the contact radius, the fraction of the load carried by the \
+         floor and the number of pillars in contact; the critical state, in which the lens first touches the floor, is marked.",
     ))
 }
 
@@ -158,7 +160,7 @@ fn series(
         // The line continues from the critical state.
         let beyond = critical.into_iter().chain(beyond).filter_map(at).collect();
         let style = Style::line(1).in_tint(Tint::Grey);
-        series.push(Series::new("as if without floor", beyond, style));
+        series.push(Series::new("floor contact ignored", beyond, style));
     }
     if let Some(place) = critical.and_then(at) {
         let style = Style {

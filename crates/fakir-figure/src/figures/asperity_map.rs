@@ -2,7 +2,7 @@
 
 use crate::chart::MARGIN;
 use crate::figure::{COLUMN, Figure};
-use crate::map::{SCALE_BAR_ROOM, Window};
+use crate::map::{KeySign, Window, view_from_above};
 use crate::scene::{Colour, Item, Path, Stroke};
 use fakir::problem::{AsperityArray, Point};
 use fakir::state::AsperityContact;
@@ -10,6 +10,7 @@ use fakir::state::AsperityContact;
 const FLOOR: Colour = Colour::grey(205);
 const PILLAR: Colour = Colour::grey(235);
 const TOUCHED: Colour = Colour::grey(25);
+const NO_CONTACT: Colour = Colour::grey(120);
 
 /// Radius of the ring that represents a top without an edge that is not in contact, points.
 const RING: f64 = 2.2;
@@ -51,7 +52,7 @@ pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure 
             Some(rim) => inside.push(disc(asperity.apex, window.length(rim), Some(PILLAR), None)),
             None if state.radius > 0.0 => {}
             None => {
-                let stroke = Stroke::solid(Colour::grey(120), 0.6);
+                let stroke = Stroke::solid(NO_CONTACT, 0.6);
                 inside.push(disc(asperity.apex, RING, None, Some(stroke)));
             }
         }
@@ -64,12 +65,18 @@ pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure 
             None,
         ));
     }
-    let mut items = vec![window.clipped(inside)];
-    window.draw_border(&mut items);
-    window.draw_scale_bar(&mut items);
-    let end = MARGIN + side + SCALE_BAR_ROOM;
-    Figure::new("contact-map", [COLUMN, end + MARGIN], items).with_description(
-        "Contact with rounded tops",
-        "The contact from above: contacts dark, pillars with an edge light, tops without one that are not touched as rings.",
+    let mut signs = vec![(KeySign::Disc(TOUCHED), "contact")];
+    let has_edges = asperities().any(|(asperity, _)| asperity.rim_radius.is_some());
+    if has_edges {
+        signs.push((KeySign::Disc(PILLAR), "pillar, no contact"));
+    }
+    if asperities().any(|(asperity, state)| asperity.rim_radius.is_none() && state.radius <= 0.0) {
+        signs.push((KeySign::Circle(NO_CONTACT), "top without contact"));
+    }
+    let ground = if has_edges { "floor" } else { "no contact" };
+    signs.push((KeySign::Patch(FLOOR), ground));
+    view_from_above("contact-map", &window, inside, &signs).with_description(
+        "Contacts with rounded tops from above",
+        "The contact from above: contact areas dark, pillars with an edge light, tops without an edge that are not in contact as circles.",
     )
 }

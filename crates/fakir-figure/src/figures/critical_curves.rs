@@ -89,9 +89,21 @@ pub struct CriticalColumn {
 #[must_use]
 pub fn critical_curves(columns: &[CriticalColumn]) -> Figure {
     let quantities: [(&str, Quantity, Quality); 3] = [
-        ("*F*_{c} *γ*_{int}/(*h* *d*)", |r| r.force, |m| m.force),
-        ("*a*_{c}/*e*", |r| r.contact_radius, |m| m.contact_radius),
-        ("*ζ*_{c}/*h*", |r| r.indentation, |m| m.indentation),
+        (
+            "critical force *F*_{c} *γ*_{int}/(*h* *d*)",
+            |r| r.force,
+            |m| m.force,
+        ),
+        (
+            "contact radius *a*_{c}/*e*",
+            |r| r.contact_radius,
+            |m| m.contact_radius,
+        ),
+        (
+            "indentation *ζ*_{c}/*h*",
+            |r| r.indentation,
+            |m| m.indentation,
+        ),
     ];
     let charts = quantities
         .iter()
@@ -126,7 +138,7 @@ pub fn critical_curves(columns: &[CriticalColumn]) -> Figure {
     }
     .figure()
     .with_description(
-        "Critical force, contact radius and indentation against surface fraction",
+        "Critical force, contact radius and indentation over the surface fraction",
         "Three charts over the surface fraction: critical force times internal compliance over \
          pillar height and diameter, critical contact radius over pitch, critical indentation over \
          pillar height.",

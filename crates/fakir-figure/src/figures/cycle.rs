@@ -50,12 +50,12 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
             Series::unnamed(points.collect(), style())
         });
         charts.push(Chart::new(x(), Axis::linear(name), series.into()));
-        heights.push(80.0);
+        heights.push(96.0);
     };
     of_branches("pillars in contact", &|it| it.pillars_in_contact as f64);
     if cycle.floor.is_some() {
         let area = |station: &CycleLoadStep| station.floor.map_or(0.0, |floor| floor.area);
-        of_branches("area on the floor (µm²)", &|it| 1e12 * area(it));
+        of_branches("floor contact area (µm^{2})", &|it| 1e12 * area(it));
     }
     let figure = Grid {
         name: "cycle",
@@ -66,16 +66,19 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
         common_x: false,
         common_y: false,
         titles: Vec::new(),
-        tagged: false,
+        tagged: true,
     }
     .figure();
     Ok(figure.with_description(
-        "Loading, unloading and pull-off",
-        "Force over indentation while the lens is lowered and withdrawn, the same where it is pulled off, and the number of \
-         pillars in contact; marks show where pillars come into contact and are released, the critical state and the \
-         pull-off. Where the floor sticks its area in contact is below, and the jump onto it and its loss are marked.",
+        "Force and pillars in contact over indentation on loading and unloading",
+        "Force over indentation on loading and unloading, the same close to the pull-off, and the number of pillars in contact; \
+         marks show where pillars attach and detach, the critical state and the pull-off. With an adhesive floor its contact \
+         area is below, and the jump into floor contact and the detachment of the floor are marked.",
     ))
 }
+
+/// Colour of pillars that were never in contact.
+const UNTOUCHED: Colour = Colour::grey(226);
 
 type NamedBranch = (Branch, &'static str, fn() -> Style);
 
@@ -130,12 +133,12 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2]) -> Vec<Series> {
     for (kind, name, style) in [
         (
             CycleEventKind::SnapIn,
-            "contact made",
+            "attachment",
             marks(Tint::Blue, Marker::Ring),
         ),
         (
             CycleEventKind::Release,
-            "released",
+            "detachment",
             marks(Tint::Vermillion, Marker::Cross),
         ),
     ] {
@@ -158,8 +161,8 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2]) -> Vec<Series> {
     let jump = cycle.floor_jump().map(|[_, after]| after);
     let lost = cycle.floor_lost().map(|[last, _]| last);
     for (station, name, tint) in [
-        (jump, "jump onto the floor", Tint::Orange),
-        (lost, "floor lost", Tint::Purple),
+        (jump, "jump into floor contact", Tint::Orange),
+        (lost, "floor detachment", Tint::Purple),
     ] {
         if let Some(station) = station {
             let place = at([station.indentation, station.force]);
@@ -219,7 +222,7 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
         ColourMap::Viridis,
         unit.of(low),
         unit.of(high),
-        format!("indentation at release ({})", unit.name),
+        format!("indentation at detachment ({})", unit.name),
     );
     let pillar = cycle.system.pillar();
     let farthest = released.values().map(|([x, y], _)| x.hypot(*y));
@@ -230,11 +233,14 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
     let pulling = cycle.pull_off.iter().flat_map(|it| &it.pillars);
     let pulling: HashSet<(i64, i64)> = pulling.map(|pillar| pillar.index).collect();
     let discs = window.pillars(&cycle.system);
+    let has_untouched = discs
+        .iter()
+        .any(|pillar| !released.contains_key(&pillar.index));
     let discs = discs
         .into_iter()
         .flat_map(|PlacedPillar { index, centre, .. }| {
             let found = released.get(&index);
-            let colour = found.map_or(Colour::grey(226), |(_, at)| bar.colour(unit.of(*at)));
+            let colour = found.map_or(UNTOUCHED, |(_, at)| bar.colour(unit.of(*at)));
             let centre = window.place(centre);
             if pulling.contains(&index) {
                 return ringed(centre, radius, colour).to_vec();
@@ -248,14 +254,17 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
         });
     let mut signs = Vec::new();
     if !pulling.is_empty() {
-        signs.push((KeySign::Ring, "held at pull-off"));
+        signs.push((KeySign::Ring, "attached at pull-off"));
+    }
+    if has_untouched {
+        signs.push((KeySign::Disc(UNTOUCHED), "never in contact"));
     }
     let figure = sheet.figure("releases", &bar, discs.collect(), &signs);
     Ok(figure.with_description(
-        "Release of the pillars",
+        "Indentation at which each pillar detaches",
         &format!(
-            "Map of the {} pillars that were in contact, coloured by the indentation at which each was released; the {} that \
-             held at the pull-off have a ring.",
+            "Map of the {} pillars that were in contact, coloured by the indentation at which each detached; the {} that \
+             were attached at the pull-off have a ring.",
             released.len(),
             pulling.len()
         ),

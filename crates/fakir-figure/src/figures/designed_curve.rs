@@ -112,7 +112,7 @@ pub fn designed_curve(curve: &DesignedCurve) -> Figure {
         Series::new("designed", value(|point| point.designed), designed)
             .with_errors(errors(&|_| value_size.recip())),
         Series::new(
-            "wanted",
+            "target",
             value(|point| point.wanted),
             Style::marks(4).in_tint(Tint::Black),
         ),
@@ -123,24 +123,26 @@ pub fn designed_curve(curve: &DesignedCurve) -> Figure {
             .with_errors(errors(&|point| 100.0 / point.wanted)),
     ];
     let x = Axis::linear(label(name(curve.load), &load_unit));
+    let deviations = lower.iter().flat_map(|series| series.values(1));
+    let deviation = Axis::of_deviations(label("deviation", "%"), deviations);
     Grid {
         name: "design",
         width: COLUMN,
         columns: 1,
         charts: vec![
             Chart::new(x.clone(), Axis::linear(label(name(curve.value), &value_unit)), upper),
-            Chart::new(x, Axis::linear(label("off by", "%")), lower),
+            Chart::new(x, deviation, lower),
         ],
         heights: vec![130.0, 76.0],
         common_x: true,
         common_y: false,
         titles: Vec::new(),
-        tagged: false,
+        tagged: true,
     }
     .figure()
     .with_description(
-        "Wanted curve and designed heights",
-        "The wanted curve, that of the designed heights, and that of heights designed as if asperities did not act on each other; below, how far both are off. Bars are standard deviations by the errors of the heights.",
+        "Target curve and the curve of the designed heights",
+        "The target curve, the curve of the designed heights, and that of heights designed without interactions between asperities; below, the deviations of both from the target. Bars are standard deviations due to the errors of the heights.",
     )
 }
 

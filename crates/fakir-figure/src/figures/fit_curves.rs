@@ -63,7 +63,7 @@ pub struct FittedCurve {
 /// data, the title states this.
 #[must_use]
 pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve], describes_data: bool) -> Figure {
-    let warning = || Text::from("does not describe the data");
+    let warning = || Text::from("the fit does not describe the data");
     let titles = if describes_data {
         Vec::new()
     } else {
@@ -81,13 +81,13 @@ pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve], describes_data: bool
         common_x: true,
         common_y: false,
         titles,
-        tagged: false,
+        tagged: true,
     }
     .figure()
     .with_description(
-        "Measured curve and fit",
-        "Measured points with their standard errors on the fitted curve; below, measured less \
-         fitted values over the same load.",
+        "Measured points, fitted curve and residuals",
+        "Measured points with their standard errors on the fitted curve; below, the residuals (measured minus \
+         fitted values) over the same load.",
     )
 }
 
@@ -131,7 +131,8 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
         (points.iter().map(at).collect::<Vec<_>>(), errors)
     };
     let has_branches = !curve.unloading.is_empty();
-    let fitted = Style::line(1).with_line(Dash::Solid);
+    // Fitted lines are black and drawn over the points, which are in colour.
+    let fitted = Style::line(0).in_tint(Tint::Black);
     let line = |points: &[[f64; 2]]| {
         let points = points.iter();
         points
@@ -140,11 +141,11 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
     };
     let lines = if has_branches {
         vec![
-            ("fitted, loading", &curve.curve, fitted.in_tint(Tint::Blue)),
+            ("fitted, loading", &curve.curve, fitted),
             (
                 "fitted, unloading",
                 &curve.unloading,
-                fitted.in_tint(Tint::Vermillion),
+                fitted.with_line(Dash::Dashed),
             ),
         ]
     } else {
@@ -164,17 +165,14 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
             ),
         ]
     } else {
-        vec![(false, "measured", Style::marks(0).in_tint(Tint::Black))]
+        vec![(false, "measured", Style::marks(4).in_tint(Tint::Blue))]
     };
     let on = |unloading: bool| {
         used()
             .filter(move |point| point.unloading == unloading)
             .collect()
     };
-    let mut series: Vec<Series> = lines
-        .into_iter()
-        .map(|(name, points, style)| Series::new(name, line(points), style))
-        .collect();
+    let mut series: Vec<Series> = Vec::new();
     for (unloading, name, style) in &branches {
         let (points, errors) = marks(on(*unloading), of_value, &|p| p.measured);
         series.push(Series::new(*name, points, *style).with_errors(errors));
@@ -182,22 +180,30 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
     let left_out: Vec<&FittedPoint> = curve.points.iter().filter(|point| !point.used).collect();
     if !left_out.is_empty() {
         let (points, _) = marks(left_out, of_value, &|p| p.measured);
-        let style = Style::marks(4).in_tint(Tint::Grey);
-        series.push(Series::new("past the transition", points, style));
+        let style = Style::marks(5).in_tint(Tint::Grey);
+        series.push(Series::new(
+            "past the transition, not fitted",
+            points,
+            style,
+        ));
     }
+    let fits = lines.into_iter();
+    series.extend(fits.map(|(name, points, style)| Series::new(name, line(points), style)));
     let ends = curve.points.iter().map(|point| of_load.of(point.load));
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
     });
-    let zero = Series::unnamed(vec![[low, 0.0], [high, 0.0]], fitted);
-    let mut rests = vec![zero];
+    let mut rests = Vec::new();
     for (unloading, _, style) in &branches {
         let (rest, errors) = marks(on(*unloading), of_rest, &left);
         rests.push(Series::unnamed(rest, *style).with_errors(errors));
     }
+    rests.push(Series::unnamed(vec![[low, 0.0], [high, 0.0]], fitted));
+    let values = rests.iter().flat_map(|series| series.values(1));
+    let residual = Axis::of_deviations(label("residual", of_rest), values);
     [
         Chart::new(x.clone(), Axis::linear(label(symbol, of_value)), series),
-        Chart::new(x, Axis::linear(label("residual", of_rest)), rests),
+        Chart::new(x, residual, rests),
     ]
 }
 

@@ -48,8 +48,8 @@ pub fn flat_pressure(
     }
     .figure();
     Ok(figure.with_description(
-        "Pressure on a flat surface",
-        "Contact pressure over the distance from the lens axis, from the axis to the rim of the contact; negative where adhesion pulls.",
+        "Pressure on a flat surface over the distance from the lens axis",
+        "Contact pressure over the distance from the lens axis, from the axis to the rim of the contact; negative where adhesion makes it tensile.",
     ))
 }
 
@@ -135,15 +135,15 @@ pub fn flat_cycle(cycle: &FlatCycle) -> Result<Figure, FigureError> {
         columns: 1,
         heights: vec![122.0, 104.0],
         charts,
-        common_x: false,
+        common_x: true,
         common_y: false,
         titles: Vec::new(),
-        tagged: false,
+        tagged: true,
     }
     .figure();
     Ok(figure.with_description(
-        "Loading and unloading of a flat surface",
-        "Force and contact radius over indentation while the lens is lowered and withdrawn; marks show the jump into contact, the pull-off and the \
+        "Force and contact radius over indentation on loading and unloading of a flat surface",
+        "Force and contact radius over indentation on loading and unloading; marks show the jump into contact, the pull-off and the \
          detachment.",
     ))
 }

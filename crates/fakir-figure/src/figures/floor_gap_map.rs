@@ -3,8 +3,8 @@
 use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::Figure;
-use crate::map::{ColourBar, KeySign, Sheet, Window, crosses};
-use crate::patches::{ON_FLOOR, patches};
+use crate::map::{ColourBar, KeySign, PILLARS, Sheet, Window, crosses, is_axisymmetric};
+use crate::patches::{FLOOR_CONTACT, patches};
 use crate::scene::{Colour, Item, Stroke};
 use crate::unit::Unit;
 use fakir::state::{ContactState, Run};
@@ -19,7 +19,8 @@ const TOUCHED: Colour = Colour::grey(120);
 const UNTOUCHED: Colour = Colour::grey(225);
 
 /// Map of the gap between lens and floor around the lens axis, `h + f + w - zeta`. Pillars are dark grey if they are in contact, otherwise light
-/// grey. Crosses mark the smallest gap and its symmetric copies; past the transition the floor in contact is grey. The largest gaps, close to the
+/// grey. Crosses mark the smallest gap and its symmetric copies, unless it is known on the undeformed lens only (under a cylinder or a plate); past the
+/// transition the floor in contact is light orange. The largest gaps, close to the
 /// pillars, exceed the colour scale and have its last colour.
 ///
 /// # Errors
@@ -53,7 +54,13 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     // Close to the pillars the gap rises steeply.
     let most = (SHOWN * on_floor.len() as f64) as usize;
     let high = on_floor.get(most).copied().unwrap_or(pillar.height);
-    let low = state.smallest_floor_gap.min(0.0);
+    // As on an axis of a chart: the scale starts at zero if zero is near the range.
+    let least = on_floor.first().copied().unwrap_or(0.0);
+    let low = if least > 0.3 * high {
+        least
+    } else {
+        state.smallest_floor_gap.min(0.0)
+    };
     let unit = Unit::of_length(high.abs().max(low.abs()));
     let bar = ColourBar {
         open: true,
@@ -69,33 +76,37 @@ pub fn floor_gap_map(state: &ContactState, run: &Run<'_>) -> Result<Figure, Figu
     let colours: Vec<Colour> = gaps.iter().map(|gap| bar.colour(unit.of(*gap))).collect();
     let mut inside = vec![window.image(PIXELS, &colours)];
     if let Some(floor) = &state.floor {
-        inside.push(Item::filled(patches(&window, floor), ON_FLOOR));
+        inside.push(Item::filled(patches(&window, floor), FLOOR_CONTACT));
     }
     inside.extend(window.pillar_discs(
         state,
         [TOUCHED, UNTOUCHED],
         Some(&Stroke::solid(Colour::BLACK, 0.4)),
     ));
-    let signs = if state.floor.is_some() {
-        [(KeySign::Patch(ON_FLOOR), "in contact")]
-    } else {
+    let mut signs = window.pillar_signs(state, [TOUCHED, UNTOUCHED], PILLARS);
+    let is_known =
+        is_axisymmetric(system.lens()) && !fields.is_on_pillar(state.smallest_gap_position);
+    let marks_smallest = state.floor.is_none() && is_known;
+    if state.floor.is_some() {
+        signs.push((KeySign::Patch(FLOOR_CONTACT), "floor in contact"));
+    } else if marks_smallest {
         let copies = system.symmetric_copies(state.smallest_gap_position);
         let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
         crosses(&places, &mut inside);
-        [(KeySign::Cross, "smallest gap")]
-    };
+        signs.push((KeySign::Cross, "smallest gap"));
+    }
     let figure = sheet.figure("floor-gap-map", &bar, inside, &signs);
     Ok(figure.with_description(
         "Gap between the lens and the floor",
         &format!(
-            "Map of the gap between lens and floor around the lens axis. Grey discs are pillars, \
-             dark where touched; {}.",
+            "Map of the gap between lens and floor around the lens axis. Grey discs are pillars, dark if they are in contact{}.",
             match state.floor {
-                Some(_) => "grey patches are the floor in contact".to_owned(),
-                None => format!(
-                    "crosses mark the smallest gap, {}",
+                Some(_) => "; orange patches are the floor in contact".to_owned(),
+                None if marks_smallest => format!(
+                    "; crosses mark the smallest gap, {}",
                     Unit::of_length(state.smallest_floor_gap).text(state.smallest_floor_gap, 3)
                 ),
+                None => String::new(),
             }
         ),
     ))

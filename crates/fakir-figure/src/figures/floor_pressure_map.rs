@@ -3,7 +3,7 @@
 use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::Figure;
-use crate::map::{ColourBar, KeySign, Sheet, Window, edge_stroke};
+use crate::map::{ColourBar, KeySign, PILLARS, Sheet, Window, edge_stroke, is_axisymmetric};
 use crate::scene::{Colour, Item};
 use crate::unit::Unit;
 use fakir::state::{ContactState, FloorContact};
@@ -42,7 +42,7 @@ pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
     });
     let mut inside = vec![window.image(PIXELS, &colours.collect::<Vec<Colour>>())];
     inside.extend(window.pillar_discs(state, [TOUCHED, UNTOUCHED], None));
-    let is_seen = state.contact_radius < half_width;
+    let is_seen = is_axisymmetric(state.system.lens()) && state.contact_radius < half_width;
     if is_seen {
         inside.push(Item::Disc {
             centre: window.place([0.0, 0.0]),
@@ -51,13 +51,16 @@ pub fn floor_pressure_map(state: &ContactState) -> Result<Figure, FigureError> {
             stroke: Some(edge_stroke()),
         });
     }
-    let signs = [(KeySign::Edge, "edge on the tops")];
-    let signs = if is_seen { &signs[..] } else { &[] };
-    let figure = sheet.figure("floor-pressure-map", &bar, inside, signs);
+    let mut signs = window.pillar_signs(state, [TOUCHED, UNTOUCHED], PILLARS);
+    signs.push((KeySign::Patch(FLOOR), "floor, no contact"));
+    if is_seen {
+        signs.push((KeySign::Edge, "edge of the contact on the tops"));
+    }
+    let figure = sheet.figure("floor-pressure-map", &bar, inside, &signs);
     Ok(figure.with_description(
         "Pressure on the floor",
         "Map of the pressure on the floor between the pillars around the lens axis, on the cells by which it was solved. Grey discs are \
-         pillars, dark where touched.",
+         pillars, dark if they are in contact.",
     ))
 }
 

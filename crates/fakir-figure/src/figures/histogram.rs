@@ -15,6 +15,8 @@ use crate::unit::significant;
 pub struct Histogram {
     /// Name of the quantity and its unit.
     pub label: Text,
+    /// The unit, which is printed behind the percentiles; may be empty.
+    pub unit: Text,
     /// Values, in that unit. Values that are not finite are left out.
     pub values: Vec<f64>,
     /// Percentiles to mark, from 0 to 100, at most six.
@@ -53,7 +55,9 @@ pub fn histogram(histogram: &Histogram) -> Result<Figure, FigureError> {
     )];
     for (k, percentage) in histogram.percentiles.iter().take(6).enumerate() {
         let value = percentile(&values, *percentage);
-        let name = format!("{percentage} %: {}", significant(value, 4));
+        let name = Text::from(ordinal(*percentage))
+            .followed_by(format!(": {} ", significant(value, 4)))
+            .followed_by(histogram.unit.clone());
         let dash = [
             Dash::Dashed,
             Dash::Solid,
@@ -65,7 +69,7 @@ pub fn histogram(histogram: &Histogram) -> Result<Figure, FigureError> {
         let line = vec![[value, 0.0], [value, 1.08 * tallest]];
         series.push(Series::new(name, line, Style::line(k + 1).with_line(dash)));
     }
-    let y = Axis::linear("number").over(0.0, 1.08 * tallest);
+    let y = Axis::linear("number of samples").over(0.0, 1.08 * tallest);
     let mut chart = Chart::new(Axis::linear(histogram.label.clone()), y, series);
     let room = 0.5 * bins.width;
     chart.x = chart.x.over(
@@ -78,9 +82,24 @@ pub fn histogram(histogram: &Histogram) -> Result<Figure, FigureError> {
     });
     let figure = Grid::of_one("histogram", COLUMN, 0.55 * COLUMN, chart).figure();
     Ok(figure.with_description(
-        "Histogram",
+        "Histogram with percentiles",
         &format!("Histogram of {} values with percentiles.", values.len()),
     ))
+}
+
+/// Name of a percentile: `median`, `5th percentile`.
+fn ordinal(percentage: f64) -> String {
+    if percentage == 50.0 {
+        return "median".to_owned();
+    }
+    let ending = match (percentage % 10.0, percentage % 100.0) {
+        (_, 11.0..=13.0) => "th",
+        (1.0, _) => "st",
+        (2.0, _) => "nd",
+        (3.0, _) => "rd",
+        _ => "th",
+    };
+    format!("{percentage}{ending} percentile")
 }
 
 /// Percentile of sorted values, by linear interpolation.
@@ -149,6 +168,19 @@ mod tests {
         let values = [1.0, 2.0, 4.0, 8.0, 16.0];
         for (percentage, value) in [(50.0, 4.0), (0.0, 1.0), (100.0, 16.0), (12.5, 1.5)] {
             assert!((percentile(&values, percentage) - value).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn percentiles_have_english_names() {
+        for (percentage, name) in [
+            (50.0, "median"),
+            (5.0, "5th percentile"),
+            (91.0, "91st percentile"),
+            (12.0, "12th percentile"),
+            (2.5, "2.5th percentile"),
+        ] {
+            assert_eq!(ordinal(percentage), name);
         }
     }
 

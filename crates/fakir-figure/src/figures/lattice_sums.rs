@@ -22,12 +22,12 @@ pub fn lattice_sums(fit: &SumFit, largest_radius: f64) -> Figure {
         .collect();
     let exact: Vec<LatticeSums> = radii.iter().map(|a| LatticeSums::exact(*a)).collect();
     let sums: [(&str, Sum); 3] = [
-        ("*G*_{0}", |sums| sums.displacement),
-        ("*G*", |sums| sums.force),
-        ("*G*_{1}", |sums| sums.curvature),
+        ("lattice sum *G*_{0}", |sums| sums.displacement),
+        ("lattice sum *G*", |sums| sums.force),
+        ("lattice sum *G*_{1}", |sums| sums.curvature),
     ];
     let last = largest_radius * 1.02;
-    let radius = || Axis::logarithmic("*a*/*e*").over(1.0, last);
+    let radius = || Axis::logarithmic("contact radius over pitch *a*/*e*").over(1.0, last);
     let mut charts: Vec<Chart> = sums
         .iter()
         .enumerate()
@@ -42,12 +42,12 @@ pub fn lattice_sums(fit: &SumFit, largest_radius: f64) -> Figure {
             let by = |coefficients: SumCoefficients| values(&|a, _| sum(&coefficients.sums(a)));
             let series = vec![
                 Series::new(
-                    "sums",
+                    "exact sums",
                     values(&|_, exact| sum(exact)),
                     Style::line(0).in_tint(Tint::Black),
                 ),
                 Series::new(
-                    "fit",
+                    "fit by least squares",
                     by(fit.coefficients),
                     Style::line(0).with_line(Dash::Dashed),
                 ),
@@ -57,7 +57,7 @@ pub fn lattice_sums(fit: &SumFit, largest_radius: f64) -> Figure {
                     Style::line(1).with_line(Dash::Dotted),
                 ),
                 Series::new(
-                    "limits for wide contacts",
+                    "limits of wide contacts",
                     by(SumCoefficients::wide_contact_limit()),
                     Style::line(2),
                 ),
@@ -84,7 +84,7 @@ pub fn lattice_sums(fit: &SumFit, largest_radius: f64) -> Figure {
     }
     .figure()
     .with_description(
-        "Lattice sums and their fits",
+        "Lattice sums over the contact radius, with their fits",
         "The lattice sums G0, G and G1 against contact radius over pitch, with a least-squares fit, \
          the coefficients printed in the paper and the exact limits, and the relative error of the \
          fit.",
@@ -114,7 +114,8 @@ fn errors(
                 .collect();
             let tints = [Tint::Purple, Tint::Orange, Tint::Sky];
             let style = Style::line(k).in_tint(tints[k]);
-            Series::new(format!("error of {name}"), points, style)
+            let symbol = name.rsplit(' ').next().unwrap_or(name);
+            Series::new(symbol, points, style)
         })
         .collect();
     let mut chart = Chart::new(

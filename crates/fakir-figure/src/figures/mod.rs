@@ -3,6 +3,7 @@
 pub(crate) mod approach;
 pub(crate) mod asperity_map;
 pub(crate) mod critical_curves;
+pub(crate) mod critical_states;
 pub(crate) mod cycle;
 pub(crate) mod designed_curve;
 pub(crate) mod fit_curves;
@@ -12,6 +13,7 @@ pub(crate) mod floor_pressure_map;
 pub(crate) mod histogram;
 pub(crate) mod lattice_sums;
 pub(crate) mod lines;
+mod over_axis;
 pub(crate) mod phase_diagram;
 pub(crate) mod pillar_pressure;
 pub(crate) mod pressure_map;

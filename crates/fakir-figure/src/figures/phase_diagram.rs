@@ -57,8 +57,8 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let mut series = diagram.paths.clone();
     series.extend(diagram.shares.iter().cloned());
     series.extend(diagram.critical.iter().cloned());
-    let x = Axis::logarithmic("radius of the contact on the tops *a*/*e*");
-    let y = Axis::logarithmic("*F* *γ*_{int}/(*h* *d*)");
+    let x = Axis::logarithmic("radius of the contact on the tops over pitch *a*/*e*");
+    let y = Axis::logarithmic("reduced force *F* *γ*_{int}/(*h* *d*)");
     let mut spans = [
         x.span(series.iter().flat_map(|s| s.values(0)).chain([0.3, 10.0])),
         y.span(series.iter().flat_map(|s| s.values(1)).chain([0.3, 100.0])),
@@ -76,7 +76,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     series.insert(0, transition);
     let one_pitch = vec![[1.0, y_span.range[0]], [1.0, y_span.range[1]]];
     let boundary = Style::line(0).in_tint(Tint::Black).with_line(Dash::Dotted);
-    series.insert(1, Series::unnamed(one_pitch, boundary));
+    series.insert(1, Series::new("one pitch, *a* = *e*", one_pitch, boundary));
 
     let mut chart = Chart::new(x, y, series);
     chart.shades = shades(&curve, x_span.range, y_span.range);
@@ -115,7 +115,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     let mut end = frame.bounds.bottom + Frame::bottom_room(lettering[0]) + MARGIN;
     end += left.draw_below([0.5 * COLUMN, end], COLUMN - 2.0 * MARGIN, &mut items);
     Figure::new("phase-diagram", [COLUMN, end + MARGIN], items).with_description(
-        "Phase diagram of the contact",
+        "Phase diagram: reduced force over the contact radius",
         "Reduced force against the radius of the contact on the pillar tops, in pitches. Below the transition curve the lens rests on \
          pillar tops only, above it also touches the floor between them; left of one pitch the \
          outcome depends on where the lens lands.",

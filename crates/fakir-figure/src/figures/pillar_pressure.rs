@@ -8,7 +8,7 @@ use crate::figure::Figure;
 use crate::font::Bounds;
 use crate::frame::{ASCENT, DESCENT, Frame, Lettering, NOTE_SIZE};
 use crate::legend::Legend;
-use crate::map::{ARROW, ColourBar, Window};
+use crate::map::{ARROW, ColourBar, KeySign, Window, key};
 use crate::scene::{Anchor, Colour, Item, Label, Stroke};
 use crate::series::{Series, Style};
 use crate::text::Text;
@@ -68,8 +68,10 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
     let right = MARGIN + SECTION;
     shown.section(&pillars, [MARGIN, top], right, &mut items)?;
     let mut left = right;
-    for (((name, pillar), bar), width) in pillars.iter().zip(&bars).zip(widths) {
+    let panels = pillars.iter().zip(&bars).zip(widths).zip('b'..='z');
+    for ((((name, pillar), bar), width), letter) in panels {
         left += 14.0;
+        Frame::draw_letter(letter, [left - 4.0, MARGIN], &mut items);
         let window = Window::new([left, top], SIDE, pillar.centre, 0.54 * pillar.diameter);
         shown.map(name, pillar, &window, bar, &mut items)?;
         let at = [left + SIDE + BESIDE_MAP, top + ARROW];
@@ -83,10 +85,10 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
         items,
     );
     Ok(figure.with_description(
-        "Pressure within pillar tops",
+        "Pressure within the tops of the central pillar and of one at the rim",
         "Pressure on the top of the central pillar and of one at the rim of the contact, along a \
-         line through the lens axis and as maps, up to twice the mean: at the edge of a covered \
-         top it is infinite. Grey is not in contact.",
+         line through the lens axis and as maps, up to twice the mean: at the edge of a top in full \
+         contact it is infinite. Grey areas are not in contact.",
     ))
 }
 
@@ -119,7 +121,7 @@ impl Shown<'_> {
     fn bar(&self, pillar: &PillarState) -> ColourBar {
         let cut = self.cut(pillar);
         let unit = Unit::of_pressure(cut);
-        let label = format!("pressure ({})", unit.name);
+        let label = format!("pressure *p* ({})", unit.name);
         ColourBar {
             open: true,
             ..ColourBar::over(ColourMap::Viridis, 0.0, unit.of(cut), label)
@@ -161,8 +163,9 @@ impl Shown<'_> {
             series.push(Series::new(*name, points, Style::line(k)));
         }
         let height = SIDE;
-        let x = Axis::linear("2*s*/*d*, outwards").over(-1.08, 1.08);
-        let y = Axis::linear(format!("pressure ({})", unit.name)).over(0.0, unit.of(cut));
+        let x = Axis::linear("radial position on the top 2*s*/*d*").over(-1.08, 1.08);
+        let y = Axis::linear(format!("pressure *p* ({})", unit.name)).over(0.0, unit.of(cut));
+        Frame::draw_letter('a', [left, MARGIN], items);
         let (x_span, y_span) = (x.span(std::iter::empty()), y.span(std::iter::empty()));
         let lettering = Lettering::All(&y.label);
         let room = Frame::left_room(y_span, height, lettering);
@@ -241,7 +244,8 @@ impl Shown<'_> {
                 pressure.map_or(NO_CONTACT, |pressure| bar.colour(unit.of(pressure)))
             })
             .collect();
-        items.push(window.image(PIXELS, &colours));
+        let is_free = colours.contains(&NO_CONTACT);
+        let mut inside = vec![window.image(PIXELS, &colours)];
         let ring = |radius: f64, colour: Colour, width: f64| Item::Disc {
             centre: window.place(pillar.centre),
             radius: window.length(radius),
@@ -249,16 +253,27 @@ impl Shown<'_> {
             stroke: Some(Stroke::solid(colour, width)),
         };
         // Covers the pixel steps at the edge.
-        items.push(ring(
+        inside.push(ring(
             1.025 * radius,
             Colour::WHITE,
             0.05 * window.length(radius),
         ));
-        items.push(ring(radius, Colour::BLACK, 0.7));
+        inside.push(ring(radius, Colour::BLACK, 0.7));
+        items.push(window.clipped(inside));
         window.draw_scale_bar(items);
         let bounds = window.frame.bounds;
-        let title = Text::from(format!("{name}, *r* = "))
-            .followed_by(Unit::of_length(distance(pillar).max(1e-6)).text(distance(pillar), 3));
+        if is_free {
+            let sign = [(KeySign::Patch(NO_CONTACT), "no contact")];
+            let ends = [bounds.centre()[0], bounds.right];
+            key(&sign, ends, bounds.bottom + 3.0, items);
+        }
+        let from_axis = distance(pillar);
+        let place = if from_axis > 1e-6 * pillar.diameter {
+            Unit::of_length(from_axis).text(from_axis, 3)
+        } else {
+            "0".to_owned()
+        };
+        let title = Text::from(format!("{name}, *r* = {place}"));
         let at = [bounds.centre()[0], bounds.top - DESCENT * NOTE_SIZE - 1.0];
         items.push(Item::Label(Label::new(
             title,
@@ -290,7 +305,11 @@ mod tests {
             .items
             .iter()
             .filter_map(|item| match item {
-                Item::Clipped { bounds, items } => Some((bounds, items)),
+                // Maps are clipped too.
+                Item::Clipped { bounds, items } => {
+                    let is_map = items.iter().any(|item| matches!(item, Item::Image { .. }));
+                    (!is_map).then_some((bounds, items))
+                }
                 _ => None,
             })
             .collect();
@@ -298,7 +317,7 @@ mod tests {
         for (bounds, items) in lines {
             for item in items {
                 let Item::Path { path, .. } = item else {
-                    panic!("not a line: {item:?}")
+                    panic!("not a line")
                 };
                 let neighbours = path.pieces.iter().flat_map(|piece| piece.places.windows(2));
                 for pair in neighbours {

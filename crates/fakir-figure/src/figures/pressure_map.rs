@@ -8,23 +8,25 @@ use crate::figure::{Figure, PAGE};
 use crate::font::Bounds;
 use crate::frame::{Frame, Lettering};
 use crate::legend::Legend;
-use crate::map::{ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, key};
-use crate::patches::patches;
+use crate::map::{
+    ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, is_axisymmetric, key,
+};
+use crate::patches::{FLOOR_CONTACT, patches};
 use crate::scene::{Colour, Item, Stroke};
 use crate::series::{Marker, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
-use fakir::problem::Point;
+use fakir::problem::{LensForm, LensShape, Point, ShapedLens};
 use fakir::state::{ContactState, PillarState, PillarStatus};
 use std::collections::HashSet;
 
-const SIDE: f64 = 208.0;
+const SIDE: f64 = 202.0;
+/// Width at the left of the map for its letter, points.
+const LETTER: f64 = 14.0;
 /// Fewest pillars for which a distribution is shown: one with its neighbours.
 const FEWEST_FOR_CURVE: usize = 7;
 
 const GREY: Colour = Colour::grey(226);
-/// Colour of the floor in contact, whose pressure is lower than that of pillar tops.
-const FLOOR_CONTACT: Colour = Colour([250, 205, 170]);
 
 /// Mean pressure on every pillar top as a map, and the pressure at the centre of every pillar top
 /// against its distance from the lens axis.
@@ -32,7 +34,9 @@ const FLOOR_CONTACT: Colour = Colour([250, 205, 170]);
 /// The map shows the edge of the contact (a circle of [`ContactState::contact_radius`]), outlines
 /// of the pillars in partial contact, and `floor_contact` (m) with its symmetric copies.
 ///
-/// The curve beside it is Hertzian, `p_0 sqrt(1 - (r/a)^2)`, as assumed in the paper: the force on
+/// Under a cylinder or a plate, which have no contact radius, there is no such circle, and the distance is in a unit of length.
+///
+/// The curve beside it, under an axisymmetric lens, is Hertzian, `p_0 sqrt(1 - (r/a)^2)`, as assumed in the paper: the force on
 /// a pillar is `F_n = F_0 sqrt(1 - (r_n/a)^2)`, with `F_0` such that the pillars carry the whole
 /// force, and the pressure at the centre of a pillar top is half the mean pressure, as under a flat
 /// punch: `p = F_n/(2 pi (d/2)^2)`.
@@ -48,6 +52,7 @@ pub fn pressure_map(
             method: state.method.name(),
         });
     }
+    let has_radius = is_axisymmetric(state.system.lens());
     let mean = |pillar: &PillarState| pillar.force / pillar.top_area();
     let largest = largest(state.pillars.iter().map(mean));
     let unit = Unit::of_pressure(largest);
@@ -59,23 +64,26 @@ pub fn pressure_map(
     );
     let mut items = Vec::new();
     let top = MARGIN + 2.0;
-    let window = map_window(state, floor_contact, [MARGIN + 1.0, top]);
+    let window = map_window(state, floor_contact, [MARGIN + LETTER, top]);
+    Frame::draw_letter('a', [MARGIN, top], &mut items);
     let colour = |pillar: &PillarState| bar.colour(unit.of(mean(pillar)));
-    draw_map(&window, state, floor_contact, colour, &mut items);
+    let end_of_map = draw_map(&window, state, floor_contact, colour, &mut items);
     let bar_left = window.frame.bounds.right + 6.0;
     bar.draw([bar_left, top], SIDE, &mut items);
     let left = bar_left + bar.width(SIDE) + 16.0;
     let height = draw_profile(state, [left, top], &mut items);
-    let end = (top + SIDE + SCALE_BAR_ROOM).max(height);
+    let end = end_of_map.max(height);
     let figure = Figure::new("pressure-map", [PAGE, end + MARGIN], items);
     Ok(figure.with_description(
-        "Pressure on the pillars",
+        "Pressure on the pillar tops",
         &format!(
-            "Left: map of the {} touched pillars, coloured by mean pressure; partially touched \
-             ones are outlined, the dashed circle is the edge of the contact, crosses mark where \
-             the floor is just touched; where it bears a part of the load it is tinted. Right: pressure at the centre of every pillar top against the \
-             distance from the lens axis, with a Hertz-like distribution of the same force.",
-            state.pillars_in_contact
+            "Left: map of the {} pillars in contact, coloured by mean pressure; pillars in partial contact are outlined{}{}{}. \
+             Right: pressure at the centre of every pillar top over the distance from the lens axis{}.",
+            state.pillars_in_contact,
+            if has_radius { ", the dashed circle is the edge of the contact" } else { "" },
+            if floor_contact.is_some() { ", crosses mark the first floor contact" } else { "" },
+            if state.floor.is_some() { ", the floor in contact is light orange" } else { "" },
+            if has_radius && state.pillars.len() >= FEWEST_FOR_CURVE { ", with a Hertzian distribution of the same force" } else { "" },
         ),
     ))
 }
@@ -99,13 +107,15 @@ fn draw_map(
     floor_contact: Option<Point>,
     colour: impl Fn(&PillarState) -> Colour,
     items: &mut Vec<Item>,
-) {
+) -> f64 {
     let touched: HashSet<(i64, i64)> = state.pillars.iter().map(|p| p.index).collect();
     let mut inside = Vec::new();
     if let Some(floor) = &state.floor {
         inside.push(Item::filled(patches(window, floor), FLOOR_CONTACT));
     }
+    let mut has_untouched = false;
     for pillar in window.pillars(&state.system) {
+        has_untouched |= !touched.contains(&pillar.index);
         if !touched.contains(&pillar.index) {
             let radius = window.length(0.5 * pillar.diameter);
             inside.push(disc(window.place(pillar.centre), radius, GREY, None));
@@ -118,12 +128,15 @@ fn draw_map(
         let place = window.place(pillar.centre);
         inside.push(disc(place, radius, colour(pillar), outline));
     }
-    inside.push(Item::Disc {
-        centre: window.place([0.0, 0.0]),
-        radius: window.length(state.contact_radius),
-        fill: None,
-        stroke: Some(edge_stroke()),
-    });
+    let has_radius = is_axisymmetric(state.system.lens());
+    if has_radius {
+        inside.push(Item::Disc {
+            centre: window.place([0.0, 0.0]),
+            radius: window.length(state.contact_radius),
+            fill: None,
+            stroke: Some(edge_stroke()),
+        });
+    }
     if let Some(point) = floor_contact {
         let copies = state.system.symmetric_copies(point);
         let places: Vec<[f64; 2]> = copies.into_iter().map(|p| window.place(p)).collect();
@@ -134,9 +147,14 @@ fn draw_map(
     window.draw_scale_bar(items);
     let mut signs = Vec::new();
     if state.pillars_partially_in_contact > 0 {
-        signs.push((KeySign::Outline, "partial"));
+        signs.push((KeySign::Outline, "partial contact"));
     }
-    signs.push((KeySign::Edge, "edge"));
+    if has_untouched {
+        signs.push((KeySign::Disc(GREY), "no contact"));
+    }
+    if has_radius {
+        signs.push((KeySign::Edge, "edge of contact"));
+    }
     if state.floor.is_some() {
         signs.push((KeySign::Patch(FLOOR_CONTACT), "floor in contact"));
     }
@@ -144,7 +162,8 @@ fn draw_map(
         signs.push((KeySign::Cross, "floor contact"));
     }
     let bounds = window.frame.bounds;
-    key(&signs, [bounds.right, bounds.bottom + 8.0], items);
+    let top = bounds.bottom + SCALE_BAR_ROOM;
+    top + key(&signs, [bounds.left, bounds.right], top, items)
 }
 
 fn disc(centre: [f64; 2], radius: f64, fill: Colour, stroke: Option<Stroke>) -> Item {
@@ -158,16 +177,48 @@ fn disc(centre: [f64; 2], radius: f64, fill: Colour, stroke: Option<Stroke>) -> 
     }
 }
 
+/// Distance of a point from the axis of the lens, m: from the line along which a cylinder lies.
+fn distance_from_axis(lens: &ShapedLens, [x, y]: Point) -> f64 {
+    match lens.shape {
+        LensShape::Cylinder { angle, .. } => (y * angle.cos() - x * angle.sin()).abs(),
+        _ => x.hypot(y),
+    }
+}
+
 /// Draws the pressures at the centres over the distance from the lens axis; returns the end of the drawing on the page.
 fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Item>) -> f64 {
     let unit = Unit::of_pressure(largest(state.pillars.iter().map(|p| p.centre_pressure)));
-    let series = profile_series(state, unit);
-    let x = Axis::linear("*r*/*a*").over(-0.04, 1.08);
-    let y = Axis::linear(format!("pressure at pillar centre ({})", unit.name));
-    let y_span = y.span(series.iter().flat_map(|series| series.values(1)));
+    let lens = state.system.lens();
+    let distances = state.pillars.iter();
+    let farthest = distances
+        .map(|pillar| distance_from_axis(lens, pillar.centre))
+        .fold(state.system.pillar().diameter, f64::max);
+    let length = Unit::of_length(farthest);
+    let (scale, name, ends) = match lens.form() {
+        LensForm::Cylinder | LensForm::Plate => {
+            let farthest = length.of(farthest);
+            let name = if lens.form() == LensForm::Plate {
+                format!("distance from the origin *r* ({})", length.name)
+            } else {
+                format!("distance from the axis of the cylinder ({})", length.name)
+            };
+            (length.size, name, [-0.04 * farthest, 1.08 * farthest])
+        }
+        _ => {
+            let name = "distance from the axis over contact radius *r*/*a*";
+            (state.contact_radius, name.to_owned(), [-0.04, 1.08])
+        }
+    };
+    let series = profile_series(state, unit, scale);
+    let x = Axis::linear(name).over(ends[0], ends[1]);
+    let y = Axis::linear(format!("pressure at the pillar centre *p* ({})", unit.name));
+    // Zero is shown, also if all pressures are alike.
+    let values = series.iter().flat_map(|series| series.values(1));
+    let y_span = y.span(values.chain([0.0]));
     let x_span = x.span(std::iter::empty());
     let lettering = Lettering::All(&y.label);
     let room = Frame::left_room(y_span, SIDE, lettering);
+    Frame::draw_letter('b', [left, top], items);
     let bounds = Bounds::new(left + room, top, PAGE - left - room - MARGIN - 5.0, SIDE);
     let frame = Frame {
         bounds,
@@ -192,10 +243,11 @@ fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Ite
     end
 }
 
-fn profile_series(state: &ContactState, unit: Unit) -> Vec<Series> {
-    let a = state.contact_radius;
+/// Series of the pressures over distances in units of `scale` (m), which is the contact radius under an axisymmetric lens.
+fn profile_series(state: &ContactState, unit: Unit, scale: f64) -> Vec<Series> {
+    let lens = state.system.lens();
     let weight = |ratio: f64| (1.0 - ratio * ratio).max(0.0).sqrt();
-    let ratio = |pillar: &PillarState| pillar.centre[0].hypot(pillar.centre[1]) / a;
+    let ratio = |pillar: &PillarState| distance_from_axis(lens, pillar.centre) / scale;
     let of_status = |status: PillarStatus| -> Vec<[f64; 2]> {
         let pillars = state.pillars.iter().filter(|p| p.status == status);
         pillars
@@ -218,18 +270,19 @@ fn profile_series(state: &ContactState, unit: Unit) -> Vec<Series> {
         marker: Some(marker),
     };
     let mut series = vec![Series::new(
-        "touched fully",
+        "full contact",
         of_status(PillarStatus::Full),
         marks(Tint::Blue, Marker::Disc),
     )];
     let partial = of_status(PillarStatus::Partial);
     if !partial.is_empty() {
         let style = marks(Tint::Vermillion, Marker::Ring);
-        series.push(Series::new("touched partially", partial, style));
+        series.push(Series::new("partial contact", partial, style));
     }
-    if state.pillars.len() >= FEWEST_FOR_CURVE && largest.is_finite() {
+    let applies = is_axisymmetric(lens) && state.pillars.len() >= FEWEST_FOR_CURVE;
+    if applies && largest.is_finite() {
         series.push(Series::new(
-            Text::from("√(1 − (*r*/*a*)^{2}), same force"),
+            Text::from("Hertz: √(1 − (*r*/*a*)^{2}), same force"),
             curve,
             Style::line(1).in_tint(Tint::Black),
         ));

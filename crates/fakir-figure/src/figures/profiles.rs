@@ -73,8 +73,8 @@ pub fn profiles(states: &[ProfileState<'_>], run: &Run<'_>) -> Result<Figure, Fi
 }
 
 /// Content of the figure, for its description.
-const UNDER_LENS: [&str; 2] = ["Section along x through the lens axis", "the lens above"];
-const UNDER_PLATE: [&str; 2] = ["Section along x", "the plate above"];
+const UNDER_LENS: [&str; 2] = ["Section along x through the lens axis", "lens"];
+const UNDER_PLATE: [&str; 2] = ["Section along x", "plate"];
 
 /// Section along x through the lens axis on the cells of a general surface: one panel for every
 /// state, all with the same scales. It shows the contact of a lens, or the whole grid if the
@@ -139,7 +139,7 @@ fn panel_figure(
     panels: &[Panel],
     undeformed: [f64; 2],
     ends: [f64; 2],
-    [section, above]: [&str; 2],
+    [section, body]: [&str; 2],
 ) -> Result<Figure, FigureError> {
     let Some(last) = panels.len().checked_sub(1) else {
         return Err(FigureError::TooFewData {
@@ -180,15 +180,18 @@ fn panel_figure(
         };
         page.draw(&panel.section, &mut items);
         frame.draw(&mut items, across, Lettering::All(&names[1]));
+        if k == 0 {
+            page.name_bodies(body, &mut items);
+        }
         let letter = ('a'..='z').nth(k).filter(|_| last > 0);
         title(&page, panel, letter, &mut items);
         top += height + Frame::bottom_room(across) + 3.0;
     }
     let figure = Figure::new("profiles", [PAGE, top + MARGIN - 3.0], items);
     Ok(figure.with_description(
-        "Deformed bodies in section",
+        "Section through the deformed lens and substrate",
         &format!(
-            "{section}, a panel for every state: {above}, the substrate with its pillars below, \
+            "{section}, a panel for every state: the {body} above, the substrate with its pillars below, \
              heights exaggerated as stated."
         ),
     ))
@@ -252,6 +255,19 @@ impl Page {
         items.push(Item::clipped(bounds, inside));
     }
 
+    /// Writes the names of the bodies into them: above in the middle, and below at the left, beside the arrows.
+    fn name_bodies(&self, upper: &str, items: &mut Vec<Item>) {
+        let bounds = self.frame.bounds;
+        let above = bounds.top + 5.0 + ASCENT * NOTE_SIZE;
+        let below = bounds.bottom - 5.0;
+        for (name, at) in [
+            (upper, [bounds.centre()[0], above]),
+            ("substrate", [bounds.left + 30.0, below]),
+        ] {
+            items.push(Item::Label(Label::new(name, at, NOTE_SIZE, Anchor::Middle)));
+        }
+    }
+
     /// Draws an arrow from below to the point of first floor contact.
     fn arrow(&self, contact: Point, items: &mut Vec<Item>) {
         let [x, y] = self.place(contact);
@@ -288,8 +304,14 @@ fn title(page: &Page, panel: &Panel, letter: Option<char>, items: &mut Vec<Item>
         Anchor::Start,
     )));
     let note = match floor_note(panel) {
-        Some(floor) => format!("{floor}heights × {}", significant(page.exaggeration(), 2)),
-        None => format!("heights × {}", significant(page.exaggeration(), 2)),
+        Some(floor) => format!(
+            "{floor}heights exaggerated × {}",
+            significant(page.exaggeration(), 2)
+        ),
+        None => format!(
+            "heights exaggerated × {}",
+            significant(page.exaggeration(), 2)
+        ),
     };
     items.push(Item::Label(Label::new(
         note,
@@ -314,7 +336,7 @@ fn floor_note(panel: &Panel) -> Option<String> {
     }
     let [x, y] = panel.floor_contact?;
     if !panel.section.floor_contacts.is_empty() {
-        return Some("arrows: floor contact; ".to_owned());
+        return Some("arrows: first floor contact; ".to_owned());
     }
     let unit = Unit::of_length(x.hypot(y));
     Some(format!(

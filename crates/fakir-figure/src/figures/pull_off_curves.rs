@@ -1,9 +1,9 @@
 //! Pull-off force and hysteresis of many cycles.
 
-use crate::axis::{Axis, Scale};
-use crate::chart::{Chart, Grid};
+use super::over_axis::{Panel, charts};
+use crate::axis::Axis;
+use crate::chart::Grid;
 use crate::figure::{Figure, PAGE};
-use crate::series::{Marker, Series, Style};
 use crate::text::Text;
 use crate::unit::Unit;
 
@@ -44,13 +44,13 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
     };
     let force = Unit::of_force(largest(|point| point.force));
     let energy = Unit::of_energy(largest(|point| point.hysteresis));
-    let panels: [Panel; 4] = [
+    let quantities: [(String, Quantity); 4] = [
         (
             format!("pull-off force |*F*_{{p}}| ({})", force.name),
             Box::new(move |point| force.of(point.force.abs())),
         ),
         (
-            "|*F*_{p}|/*F*_{Kendall}".to_owned(),
+            "pull-off force |*F*_{p}|/*F*_{Kendall}".to_owned(),
             Box::new(|point| point.normalized_force),
         ),
         (
@@ -58,43 +58,23 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
             Box::new(move |point| energy.of(point.hysteresis)),
         ),
         (
-            "*E*_{loop}/(*w* *A*_{tops})".to_owned(),
+            "hysteresis *E*_{loop}/(*w* *A*_{tops})".to_owned(),
             Box::new(|point| point.normalized_hysteresis),
         ),
     ];
-    let charts = panels
-        .into_iter()
-        .enumerate()
-        .map(|(panel, (label, value))| {
-            let series: Vec<Series> = curves
-                .iter()
-                .enumerate()
-                .map(|(k, curve)| {
-                    let points = curve.points.iter().map(|point| [point.x, value(point)]);
-                    let style = Style {
-                        marker: Some(Marker::ORDER[k % Marker::ORDER.len()]),
-                        ..Style::line(k)
-                    };
-                    // The first panel has the legend for all panels.
-                    if panel == 0 && curve.label != Text::default() {
-                        Series::new(curve.label.clone(), points.collect(), style)
-                    } else {
-                        Series::unnamed(points.collect(), style)
-                    }
-                })
-                .collect();
-            let y = Axis {
-                label: Text::from(label),
-                scale: scale_for(&series),
-                range: None,
-            };
-            Chart::new(x.clone(), y, series)
-        });
+    let panels = quantities.into_iter().map(|(name, value)| -> Panel {
+        let points = |curve: &PullOffCurve| {
+            let points = curve.points.iter();
+            points.map(|point| [point.x, value(point)]).collect()
+        };
+        (name, curves.iter().map(points).collect())
+    });
+    let labels: Vec<&Text> = curves.iter().map(|curve| &curve.label).collect();
     Grid {
         name: "pull-off",
         width: PAGE,
         columns: 2,
-        charts: charts.collect(),
+        charts: charts(x, &labels, panels.collect()),
         heights: vec![130.0, 130.0],
         common_x: true,
         common_y: false,
@@ -103,26 +83,10 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
     }
     .figure()
     .with_description(
-        "Pull-off force and hysteresis",
-        "Four charts: the largest force with which the lens is held back when it is pulled off, the same over that of one flat pillar \
-         alone, the area of the loop of loading and unloading, and the same over the work of adhesion of all top area that was in contact.",
+        "Pull-off force and hysteresis of cycles",
+        "Four charts: the pull-off force, its ratio to the pull-off force of a single flat pillar (Kendall), the area of the loop of \
+         loading and unloading, and its ratio to the work of adhesion of the whole top area that was in contact.",
     )
 }
 
-/// Label and values of the axis.
-type Panel = (String, Box<dyn Fn(&PullOffPoint) -> f64>);
-
-/// Logarithmic if the values differ by more than a factor of five.
-fn scale_for(series: &[Series]) -> Scale {
-    let values = series.iter().flat_map(|series| series.values(1));
-    let (low, high) = values
-        .filter(|value| *value > 0.0)
-        .fold((f64::INFINITY, 0.0f64), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
-    if high > 5.0 * low {
-        Scale::Logarithmic
-    } else {
-        Scale::Linear
-    }
-}
+type Quantity = Box<dyn Fn(&PullOffPoint) -> f64>;

@@ -57,7 +57,20 @@ pub fn surface_pressure_map(state: &SurfaceState<'_>) -> Result<Figure, FigureEr
     };
     let mut signs = Vec::new();
     if has_edge(state) {
-        signs.push((KeySign::Edge, "edge"));
+        signs.push((KeySign::Edge, "edge of contact"));
+    }
+    let free = |grey| {
+        let mut free = (0..pressure.len()).filter(|cell| pressure[*cell] <= 0.0);
+        free.any(|cell| (grey == FLOOR) == floor.contains(surface, cell))
+    };
+    let names = match state.system.floor() {
+        Some(_) => ["top, no contact", "floor, no contact"],
+        None => ["no contact", "no contact"],
+    };
+    for (grey, name) in [TOP, FLOOR].into_iter().zip(names) {
+        if free(grey) {
+            signs.push((KeySign::Patch(grey), name));
+        }
     }
     if state.floor_contact.is_some() {
         signs.push((KeySign::Cross, "floor contact"));
@@ -79,15 +92,14 @@ pub fn surface_pressure_map(state: &SurfaceState<'_>) -> Result<Figure, FigureEr
     Ok(figure.with_description(
         "Pressure on the surface",
         &format!(
-            "Map of the contact pressure on the cells of the surface. Grey is what bears no load, \
-             light where it is floor{}{}.",
+            "Map of the contact pressure on the cells of the surface. Cells without contact are grey, light on the floor{}{}.",
             if has_edge(state) {
                 "; the dashed circle is the edge of the contact"
             } else {
                 ""
             },
             if state.floor_contact.is_some() {
-                "; a cross marks where the floor is just reached"
+                "; a cross marks the first floor contact"
             } else {
                 ""
             }
@@ -132,7 +144,7 @@ pub fn surface_gap_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> 
         gap.is_finite() && !floor_bears
     });
     let nearest = nearest.map(|(gap, place)| (gap, state.floor_contact.unwrap_or(place)));
-    let mut signs = Vec::new();
+    let mut signs = vec![(KeySign::Patch(TOUCHED), "in contact")];
     if nearest.is_some() {
         let name = if state.floor_contact.is_some() {
             "floor contact"
@@ -148,7 +160,7 @@ pub fn surface_gap_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> 
     };
     let smallest = match nearest {
         Some(_) if state.floor_contact.is_some() => {
-            "; the cross marks where the floor is just reached".to_owned()
+            "; the cross marks the first floor contact".to_owned()
         }
         Some((gap, _)) => format!(
             "; the cross marks the smallest gap to the floor, {}",
@@ -160,8 +172,7 @@ pub fn surface_gap_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> 
     Ok(figure.with_description(
         "Gap between the bodies",
         &format!(
-            "Map of the gap between the deformed bodies on the cells of the surface, dark grey where \
-             they touch{smallest}."
+            "Map of the gap between the deformed bodies on the cells of the surface, dark grey where they are in contact{smallest}."
         ),
     ))
 }

@@ -4,7 +4,7 @@ use crate::chart::MARGIN;
 use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::{COLUMN, Figure};
-use crate::map::{SCALE_BAR_ROOM, Window};
+use crate::map::{KeySign, Window, view_from_above};
 use crate::patches::{ON_FLOOR, patches};
 use crate::scene::{Colour, Item, Path};
 use crate::unit::Unit;
@@ -64,28 +64,44 @@ pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figur
         View::Contact => contact(state, &window)?,
         View::NewtonRings { wavelength } => vec![rings(state, &window, wavelength, run)?],
     };
-    let mut items = vec![window.clipped(inside)];
-    window.draw_border(&mut items);
-    window.draw_scale_bar(&mut items);
-    let end = MARGIN + side + SCALE_BAR_ROOM;
+    let fringes;
+    let mut signs = Vec::new();
     let (name, description) = match view {
-        View::Contact => (
-            "top-view",
-            "The contact from above: touched parts of pillar tops dark, untouched tops light, the \
-             floor in contact grey."
-                .to_owned(),
-        ),
-        View::NewtonRings { wavelength } => (
-            "newton-rings",
-            format!(
-                "The contact from above in reflected light of wavelength {}: dark in contact, \
-                 fringes at every half wavelength of gap.",
-                Unit::of_length(wavelength).text(wavelength, 3)
-            ),
-        ),
+        View::Contact => {
+            let names = ["top in contact", "top, no contact"];
+            signs.extend(window.pillar_signs(state, [TOUCHED, PILLAR], names));
+            if state.floor.is_some() {
+                signs.push((KeySign::Patch(ON_FLOOR), "floor in contact"));
+            }
+            signs.push((KeySign::Patch(FLOOR), "floor, no contact"));
+            (
+                "top-view",
+                "The contact from above: parts of pillar tops in contact dark, tops without contact light, the floor in contact grey."
+                    .to_owned(),
+            )
+        }
+        View::NewtonRings { wavelength } => {
+            let unit = Unit::of_length(wavelength);
+            fringes = format!(
+                "contact; fringes: {} of gap each",
+                unit.text(0.5 * wavelength, 3)
+            );
+            signs.push((KeySign::Patch(Colour::BLACK), fringes.as_str()));
+            (
+                "newton-rings",
+                format!(
+                    "The contact from above in reflected light of wavelength {}: dark in contact, fringes at every half wavelength of gap.",
+                    unit.text(wavelength, 3)
+                ),
+            )
+        }
     };
-    let figure = Figure::new(name, [COLUMN, end + MARGIN], items);
-    Ok(figure.with_description("Contact seen from above", &description))
+    let title = match view {
+        View::Contact => "Contact on pillar tops and floor from above",
+        View::NewtonRings { .. } => "Interference fringes of the contact from above",
+    };
+    let figure = view_from_above(name, &window, inside, &signs);
+    Ok(figure.with_description(title, &description))
 }
 
 fn no_fields(state: &ContactState) -> FigureError {

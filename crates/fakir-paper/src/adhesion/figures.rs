@@ -51,7 +51,7 @@ fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
         critical.contact_radius,
     ]);
     Ok(Way {
-        label: format!("*φ* = {fraction}, {} mJ/m^{{2}}", rounded(1e3 * work)),
+        label: format!("*φ* = {fraction}, *w* = {} mJ/m^{{2}}", rounded(1e3 * work)),
         floor: collapse_path(&sticky, critical.indentation, run)?,
         system: bare,
         tops,
@@ -59,7 +59,7 @@ fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
 }
 
 impl Way {
-    /// Loading and unloading as points of three numbers.
+    /// Points of loading and unloading with floor contact as three numbers; loading starts at the critical state.
     fn branches(&self) -> [Vec<[f64; 3]>; 2] {
         let [down, up] = [false, true].map(|unloading| {
             let points = self.floor.points.iter();
@@ -68,29 +68,41 @@ impl Way {
                 .map(|point| [point.indentation, point.force, point.contact_radius])
                 .collect::<Vec<_>>()
         });
-        [self.tops.iter().copied().chain(down).collect(), up]
+        [
+            self.tops.last().copied().into_iter().chain(down).collect(),
+            up,
+        ]
     }
 }
 
 const TINTS: [Tint; 4] = [Tint::Blue, Tint::Vermillion, Tint::Green, Tint::Purple];
 
-/// Lines of both branches: solid for loading, dashed for unloading.
+/// Lines of both branches: solid for loading, dashed for unloading. Loading on the tops, which does not depend on the work of adhesion, is
+/// grey.
 fn branches(ways: &[Way], point: impl Fn(&Way, [f64; 3]) -> [f64; 2]) -> Vec<Series> {
-    let mut series = Vec::new();
+    let points = |way: &Way, branch: &[[f64; 3]]| -> Vec<[f64; 2]> {
+        branch.iter().map(|values| point(way, *values)).collect()
+    };
+    let grey = Style::line(0).in_tint(Tint::Grey);
+    let on_tops = ways.iter().map(|way| {
+        let points = points(way, &way.tops);
+        Series::new("loading, tops only", points, grey)
+    });
+    let mut series: Vec<Series> = on_tops.collect();
     for (way, tint) in ways.iter().zip(TINTS) {
         let [down, up] = way.branches();
-        let points = |branch: Vec<[f64; 3]>| -> Vec<[f64; 2]> {
-            branch
-                .into_iter()
-                .map(|values| point(way, values))
-                .collect()
-        };
         let solid = Style::line(0).in_tint(tint);
-        let up = points(up);
-        series.push(Series::new(way.label.as_str(), points(down), solid));
-        series.push(Series::unnamed(up, solid.with_line(Dash::Dashed)));
+        series.push(Series::new(way.label.as_str(), points(way, &down), solid));
+        let dashed = solid.with_line(Dash::Dashed);
+        series.push(Series::unnamed(points(way, &up), dashed));
     }
+    series.push(in_legend("unloading", grey.with_line(Dash::Dashed)));
     series
+}
+
+/// An entry of the legend that explains a style of several series.
+fn in_legend(label: &str, style: Style) -> Series {
+    Series::new(label, Vec::new(), style)
 }
 
 /// All figures, in the order of the report.
@@ -138,9 +150,9 @@ fn cycles(ways: &[Way]) -> Plate {
     plate(
         &chart,
         "cycles",
-        "Down and up again",
-        "Force against indentation, both over those of the critical state, intermediate substrate, lens axis on a pillar: solid on loading, with the jump where the floor is first touched, \
-         dashed on unloading as far as the floor sticks. Fast model, in which shells of pillars make the teeth; tops alone without adhesion up to the critical state.",
+        "Force over indentation on loading and unloading, adhesive floor",
+        "Force against indentation, both over those of the critical state, intermediate substrate, lens axis on a pillar: solid on loading, with the jump at the first floor contact, \
+         dashed on unloading as long as the floor is attached. Fast model, in which shells of pillars cause the steps; up to the critical state tops only, without adhesion.",
     )
 }
 
@@ -156,7 +168,7 @@ fn phases(ways: &[Way]) -> Result<Plate, PaperError> {
     let figure = phase_diagram(&PhaseDiagram {
         system: system(Substrate::Intermediate, 0.0, TYPICAL)?,
         critical: vec![Series::new(
-            "first touch",
+            "first floor contact",
             critical.collect::<Vec<_>>(),
             marks,
         )],
@@ -166,9 +178,9 @@ fn phases(ways: &[Way]) -> Result<Plate, PaperError> {
     Ok(Plate::new(
         figure,
         "phase-diagram",
-        "Phase diagram of a floor that sticks",
-        "Reduced force against the radius of the contact in pitches, intermediate substrate: solid down, dashed up. On loading the lens reaches the transition curve and jumps below it; on the way back it stays on the floor \
-         far inside the region in which, without adhesion, it rests on the tops alone. Forces below zero are not shown.",
+        "Phase diagram with an adhesive floor",
+        "Reduced force against the radius of the contact in pitches, intermediate substrate: solid on loading, dashed on unloading. On loading the lens reaches the transition curve and the force drops; on unloading the floor remains attached \
+         far inside the region in which, without adhesion, only the tops are in contact. Forces below zero are not shown.",
     ))
 }
 
@@ -182,7 +194,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         }
     }
     let mut series = vec![Series::new(
-        "*w*_{c}, flat lattice",
+        "collapse threshold *w*_{c}, flat lattice",
         line,
         Style::line(0).in_tint(Tint::Black),
     )];
@@ -201,13 +213,13 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
     let is = |fate: Fate| move |case: &FloorCase| case.fate().unwrap_or(case.found.fate) == fate;
     let told = [
         (
-            "held through zero load",
+            "attached at zero load",
             Fate::HeldThroughZero,
             Tint::Vermillion,
             Marker::Disc,
         ),
         (
-            "lost under load",
+            "detached under load",
             Fate::LostUnderLoad,
             Tint::Blue,
             Marker::Square,
@@ -221,17 +233,17 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         ));
     }
     series.push(Series::new(
-        "held, beyond the model",
+        "attached, outside the model",
         points(&|case| !good(case) && is(Fate::HeldThroughZero)(case)),
         mark(Tint::Orange, Marker::Ring),
     ));
     series.push(Series::new(
-        "lost, beyond the model",
+        "detached, outside the model",
         points(&|case| !good(case) && is(Fate::LostUnderLoad)(case)),
         mark(Tint::Sky, Marker::Ring),
     ));
     series.push(Series::new(
-        "tops only, or not told",
+        "tops only, or not known",
         points(&|case| is(Fate::NoPatch)(case) || is(Fate::Unknown)(case)),
         mark(Tint::Grey, Marker::Cross),
     ));
@@ -244,10 +256,10 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
     plate(
         &chart,
         &format!("regions-{}", substrate.name()),
-        "What becomes of the floor",
+        "State of the adhesive floor on unloading",
         &format!(
-            "Work of adhesion against surface fraction, {} substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: whether the floor still holds where the load is zero. Full marks: cells of the floor, or the fast model \
-             in its range; rings: its answer beyond it. Crosses: it tells of no stuck region, since annuli meet, none is left where the lens turns back, or no front stands still, and cells were not asked. The line is the threshold of the flat lattice without load.",
+            "Work of adhesion against surface fraction, {} substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: whether the floor is still attached at zero load. Full marks: cells of the floor, or the fast model \
+             in its range; rings: its result outside of its range. Crosses: no bonded region, because annuli meet, none is left where unloading starts, or no front is stable, and there is no solution on cells. The line is the collapse threshold of the flat lattice without load.",
             substrate.name()
         ),
     )
@@ -291,18 +303,39 @@ fn withdrawals(cases: &Cases) -> Plate {
             Series::unnamed(points, style)
         }
     });
+    let substrates = [Substrate::Intermediate, Substrate::Rigid].map(|substrate| {
+        let style = Style::line(0).in_tint(Tint::Black);
+        let label = format!("{} substrate", substrate.name());
+        in_legend(&label, style.with_line(places(substrate.name())))
+    });
     let chart = LineChart {
-        x: Axis::logarithmic("*w*/*w*_{c}"),
-        y: Axis::logarithmic(Reduced::Withdrawal.formula()),
-        series: series.collect(),
+        x: Axis::logarithmic("work of adhesion over collapse threshold *w*/*w*_{c}"),
+        y: Axis::logarithmic(named(Reduced::Withdrawal)),
+        series: series.chain(substrates).collect(),
     };
     plate(
         &chart,
         "withdrawal",
-        "How far back until the floor is lost",
-        "How far the lens goes back until the floor is lost, over the critical indentation, against the work of adhesion over that of collapse, on cells or by the fast model in its range; solid: intermediate, dashed: rigid substrate. \
-         The threshold alone does not bring the curves together.",
+        "Withdrawal at the detachment of the floor over the work of adhesion",
+        "Withdrawal at which the floor detaches, over the critical indentation, against the work of adhesion over the collapse threshold, on cells or by the fast model in its range; solid: intermediate, dashed: rigid substrate. \
+         The threshold alone does not make the curves coincide.",
     )
+}
+
+/// Name of a quantity.
+fn quantity(reduced: Reduced) -> &'static str {
+    match reduced {
+        Reduced::Withdrawal => "withdrawal",
+        Reduced::Area => "floor contact area",
+        Reduced::Drop => "force drop",
+        Reduced::PullOff => "pull-off force",
+        Reduced::Hysteresis => "hysteresis",
+    }
+}
+
+/// Label of an axis: name and formula of a quantity.
+fn named(reduced: Reduced) -> String {
+    format!("{} {}", quantity(reduced), reduced.formula())
 }
 
 /// Values compared with their law.
@@ -336,7 +369,7 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
         line: None,
         marker: Some(Marker::Ring),
     };
-    series.push(Series::new("systems not in the law", others, ring));
+    series.push(Series::new("systems not used in the fit", others, ring));
     series.retain(|series| !series.points.is_empty());
     let all = series
         .iter()
@@ -344,7 +377,8 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
     });
-    series.push(Series::unnamed(
+    series.push(Series::new(
+        "law",
         vec![[low, low], [high, high]],
         Style::line(0).in_tint(Tint::Black),
     ));
@@ -366,17 +400,17 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     };
     let chart = LineChart {
         x: axis(label.as_str()),
-        y: axis(reduced.formula()),
+        y: axis(named(reduced).as_str()),
         series,
     };
     let unit = law.unit();
     let mut caption = format!(
         "{} against its law, on cells or in the range of the fast model: {} cases scatter about the line by {:.1} %{unit}, {:.1} % at most.",
         match reduced {
-            Reduced::Withdrawal => "How far the lens goes back until the floor is lost",
-            Reduced::Area => "Area of the floor after the jump over that of the contact",
-            Reduced::Drop => "The part of the force that the jump takes away",
-            Reduced::PullOff => "Pull-off with the floor over that of a smooth sphere by force",
+            Reduced::Withdrawal => "Relative withdrawal at which the floor detaches",
+            Reduced::Area => "Area of the floor contact after the jump over that of the contact",
+            Reduced::Drop => "Relative drop of the force at the jump",
+            Reduced::PullOff => "Pull-off force with the floor over that of a smooth sphere",
             Reduced::Hysteresis => "Hysteresis of the floor over critical force and indentation",
         },
         law.points,
@@ -385,7 +419,7 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     );
     if let Some(held) = held {
         caption.push_str(&format!(
-            " Rings: {} systems that are not in the law, {:.1} %{unit} from it, {:.1} % at most; {} are within the {:.1} % that 19 of 20 are expected in.",
+            " Rings: {} systems that are not used in the fit, {:.1} %{unit} from the law, {:.1} % at most; {} are within the {:.1} % in which 19 of 20 are expected.",
             held.points,
             100.0 * held.scatter,
             100.0 * held.largest,
@@ -396,7 +430,7 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     plate(
         &chart,
         &format!("law-{}", reduced.name().replace('_', "-")),
-        "A law and what it leaves",
+        &format!("Scaling law of the {}", quantity(reduced)),
         &caption,
     )
 }
@@ -404,6 +438,12 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
 /// Pull-off force over the surface fraction.
 fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
     let mut series = Vec::new();
+    let smooth_lines = [
+        Style::line(0).in_tint(Tint::Grey).with_line(Dash::Dotted),
+        Style::line(0)
+            .in_tint(Tint::Black)
+            .with_line(Dash::DashDotted),
+    ];
     for (place, substrate) in [Substrate::Rigid, Substrate::Intermediate]
         .into_iter()
         .enumerate()
@@ -421,7 +461,7 @@ fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
         let name = substrate.name();
         let floor: Vec<_> = floor.collect();
         series.push(Series::new(
-            format!("{name}, with the floor"),
+            format!("{name}, tops and floor"),
             floor,
             Style::marks(place).with_line(Dash::Solid),
         ));
@@ -431,7 +471,7 @@ fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
         });
         let tops: Vec<_> = tops.collect();
         series.push(Series::new(
-            format!("{name}, tops alone"),
+            format!("{name}, tops only"),
             tops,
             Style::marks(place + 2).with_line(Dash::Dashed),
         ));
@@ -445,23 +485,21 @@ fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
         series.push(Series::new(
             format!("{name}, smooth floor"),
             smooth,
-            Style::line(place)
-                .with_line(Dash::Dotted)
-                .in_tint(Tint::Grey),
+            smooth_lines[place],
         ));
     }
     series.retain(|series| !series.points.is_empty());
     let chart = LineChart {
         x: Axis::logarithmic("surface fraction *φ*"),
-        y: Axis::logarithmic("pull-off force (mN)"),
+        y: Axis::logarithmic("pull-off force |*F*_{off}| (mN)"),
         series,
     };
     plate(
         &chart,
         "pull-off",
-        "Pull-off with and without the floor",
-        "Pull-off force with 50 mJ/m^2 against the surface fraction, lens axis on a pillar: with a floor that sticks (fast model in its range, where the floor holds through zero load), from the tops alone (exact), \
-         and from a floor seen as smooth (closed form).",
+        "Pull-off force over the surface fraction, with and without the floor",
+        "Pull-off force with 50 mJ/m^2 against the surface fraction, lens axis on a pillar: with an adhesive floor (fast model in its range, where the floor is attached at zero load), of the tops alone (exact), \
+         and of a smooth floor (closed form).",
     )
 }
 
@@ -484,14 +522,14 @@ fn hystereses(scope: &Scope, cases: &Cases) -> Plate {
     }
     let chart = LineChart {
         x: Axis::logarithmic("work of adhesion *w* (mJ/m^{2})"),
-        y: Axis::logarithmic("hysteresis (nJ)"),
+        y: Axis::logarithmic("hysteresis *W* (nJ)"),
         series,
     };
     plate(
         &chart,
         "hysteresis",
-        "What a floor that sticks loses",
-        "Area between loading and unloading as far as the floor sticks, intermediate substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: fast model in its range.",
+        "Hysteresis of the adhesive floor over the work of adhesion",
+        "Area between loading and unloading as long as the floor is attached, intermediate substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: fast model in its range.",
     )
 }
 
@@ -515,7 +553,7 @@ fn sizes(scope: &Scope, cases: &Cases) -> Plate {
                 Dash::Dashed
             };
             let label = format!(
-                "*d* = {} µm, {} mJ/m^{{2}}",
+                "*d* = {} µm, *w* = {} mJ/m^{{2}}",
                 rounded(1e6 * diameter),
                 rounded(1e3 * work)
             );
@@ -530,15 +568,15 @@ fn sizes(scope: &Scope, cases: &Cases) -> Plate {
     }
     let chart = LineChart {
         x: Axis::logarithmic("height of the pillars *h* (µm)"),
-        y: Axis::logarithmic(Reduced::Withdrawal.formula()),
+        y: Axis::logarithmic(named(Reduced::Withdrawal)),
         series,
     };
     plate(
         &chart,
         "sizes",
-        "Height and diameter",
+        "Withdrawal at the detachment of the floor over the pillar height",
         &format!(
-            "How far the lens goes back until the floor is lost against the height of the pillars, for their diameters, intermediate substrate, φ = {fraction}: fast model in its range."
+            "Withdrawal at which the floor detaches against the height of the pillars, for several diameters, intermediate substrate, φ = {fraction}: fast model in its range."
         ),
     )
 }

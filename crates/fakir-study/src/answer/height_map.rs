@@ -4,7 +4,7 @@ use super::kind::{Kind, Reached, Saved};
 use super::request::{AnswerError, Details, Maps, Request, Running};
 use crate::citations::Topic;
 use crate::fields::{FieldMap, MOST_POINTS};
-use crate::figures::saved;
+use crate::figures::{question_in_figure, saved};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use crate::output::File;
 use crate::provenance::Provenance;
@@ -16,7 +16,7 @@ use fakir::state::{Limit, LoadSharing, Regime, Run, SurfaceContact};
 use fakir_case::SurfaceCase;
 use fakir_case::height_map::to_npy;
 use fakir_case::unit::Dimension;
-use fakir_figure::{SurfaceState, Text, surface_gap_map, surface_pressure_map, surface_profiles};
+use fakir_figure::{SurfaceState, surface_gap_map, surface_pressure_map, surface_profiles};
 
 /// Digits shown of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
@@ -170,7 +170,7 @@ impl Kind for SurfaceCase {
             )),
         }
         let state = SurfaceState {
-            label: Text::plain(&provenance.question),
+            label: question_in_figure(&provenance.question),
             system: &self.system,
             contact,
             floor_contact: found.floor_contact(),

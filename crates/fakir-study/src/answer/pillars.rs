@@ -4,7 +4,7 @@ use super::kind::{Found, Kind, Reached, Saved};
 use super::request::{AnswerError, Details, Maps, Request, Running};
 use crate::citations::Topic;
 use crate::fields::FieldMap;
-use crate::figures::saved;
+use crate::figures::{question_in_figure, saved};
 use crate::numbers::{significant, with_unit};
 use crate::provenance::{Provenance, method_words};
 use crate::record::{GradientObject, Record};
@@ -15,7 +15,7 @@ use fakir::state::{ContactState, CriticalState, Limit, Normalized, Regime, Run, 
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
 use fakir_figure::{
-    FigureError, ProfileState, Text, View, floor_gap_map, floor_pressure_map, pillar_pressure,
+    FigureError, ProfileState, View, floor_gap_map, floor_pressure_map, pillar_pressure,
     pressure_map, profiles, top_view,
 };
 
@@ -151,7 +151,7 @@ impl Kind for Case {
         }
         next("figures");
         let section = ProfileState {
-            label: Text::plain(&provenance.question),
+            label: question_in_figure(&provenance.question),
             state,
             floor_contact,
         };
