@@ -307,7 +307,9 @@ fn files_of_other_formats_are_named() {
     for (start, format, advice) in [
         (&b"GWYPsomething"[..], "Gwyddion", "save it as text"),
         (b"MATLAB 5.0", "MATLAB", "as text with writematrix"),
-        (b"bISO-1.0", "a binary SDF file", "save it as SDF in ASCII"),
+        (b"CDF\x01", "a NetCDF file", "fakir.bem.Surface accepts its objects"),
+        (b"II+\0", "a BigTIFF image", "bigtiff=False"),
+        (b"\x01\0\x02", "an unknown format", "as an array of NumPy"),
         (b"\xff\xfe0\0", "UTF-16", "save it as text in UTF-8"),
     ] {
         let error = read_text(start, &SCALE.into()).unwrap_err().to_string();
@@ -346,6 +348,26 @@ fn files_of_iso_25178() {
     );
     let error = read_text(sdf("0 high"), &nothing).unwrap_err().to_string();
     assert!(error.contains("\"high\" is no height"), "{error}");
+    // Binary SDF: 42 bytes of texts, counts, scales, and the type of the heights.
+    let binary = |kind: u8, heights: &[u8]| {
+        let mut bytes = format!("{:<42}", "bISO-1.0").into_bytes();
+        bytes.extend([4, 0, 3, 0]);
+        bytes.extend([2e-6, 1e-6, 1e-9, -1.0].into_iter().flat_map(f64::to_le_bytes));
+        bytes.extend([0, kind, 0]);
+        bytes.extend(heights);
+        bytes
+    };
+    let short = values(false);
+    let short = short.iter().flat_map(|v| (*v as i16).to_le_bytes());
+    let mut short: Vec<u8> = short.collect();
+    check(&read_text(binary(5, &short), &nothing).unwrap());
+    let error = read_text(binary(5, &short[1..]), &nothing).unwrap_err();
+    assert!(error.to_string().contains("24 bytes, and 23 are left"), "{error}");
+    let error = read_text(binary(0, &short), &nothing).unwrap_err();
+    assert!(error.to_string().contains("heights of type 0"), "{error}");
+    short[..2].copy_from_slice(&i16::MIN.to_le_bytes());
+    let error = read_text(binary(5, &short), &nothing).unwrap_err();
+    assert!(error.to_string().contains("1 of 12 heights are missing"), "{error}");
     // X3P with whole numbers, with floating-point numbers, and with heights in its description.
     let description = |kind: &str, increment: &str, data: &str| {
         let axis = |name: &str, kind: &str, increment: &str| {
@@ -381,8 +403,18 @@ fn files_of_iso_25178() {
         ];
         crate::tables::zip(&members)
     };
+    // Whole numbers with an offset of 5 nm.
+    let lower: Vec<u8> = values(false)
+        .iter()
+        .flat_map(|v| (*v as i16 - 5).to_le_bytes())
+        .collect();
+    let raised = description("I", "1e-9", link).replace(
+        "<DataType>I</DataType>",
+        "<DataType>I</DataType><Offset>5e-9</Offset>",
+    );
     for archive in [
         of(description("I", "1e-9", link), &whole),
+        of(raised, &lower),
         of(description("D", "1", link), &double),
         of(description("D", "1", &listed), &[]),
     ] {
