@@ -513,8 +513,54 @@ fn grey_images_have_the_largest_y_on_top() {
     }
 }
 
+#[test]
+fn tiff_in_tiles_and_packed() {
+    // Heights in nm, from the top. Tiles of 16 by 16 pixels are larger than the image; PackBits with literal bytes alone.
+    let heights: Vec<f32> = values(false)
+        .chunks(4)
+        .rev()
+        .flatten()
+        .map(|value| *value as f32)
+        .collect();
+    let literal = |bytes: &[u8]| -> Vec<u8> {
+        let parts = bytes.chunks(128);
+        parts.flat_map(|part| [&[part.len() as u8 - 1][..], part].concat()).collect()
+    };
+    let mut tile = vec![0.0_f32; 256];
+    for (place, height) in heights.iter().enumerate() {
+        tile[place / 4 * 16 + place % 4] = *height;
+    }
+    for big_endian in [false, true] {
+        let bytes = |heights: &[f32]| -> Vec<u8> {
+            let of = |height: &f32| match big_endian {
+                true => height.to_be_bytes(),
+                false => height.to_le_bytes(),
+            };
+            heights.iter().flat_map(of).collect()
+        };
+        let strips = tiff(big_endian, [32, 3, 32_773], &literal(&bytes(&heights)));
+        check(&read_text(strips, &SCALE.into()).unwrap());
+        let data = literal(&bytes(&tile));
+        let length = data.len() as u32;
+        let fields = [(322, 16), (323, 16), (324, 8), (325, length)];
+        let tiles = tiff_with(big_endian, [32, 3, 32_773], &data, &fields);
+        check(&read_text(tiles, &SCALE.into()).unwrap());
+        let short = tiff_with(big_endian, [32, 3, 1], &data, &[(322, 16), (323, 16)]);
+        let error = read_text(short, &SCALE.into()).unwrap_err().to_string();
+        assert!(error.contains("it is damaged"), "{error}");
+        let error = read_text(tiff(big_endian, [32, 3, 50_000], &data), &SCALE.into());
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("packed by method 50000: save it without"), "{error}");
+    }
+}
+
 /// A TIFF image of 4 by 3 pixels in one strip, with bits, sample format and compression.
 fn tiff(big_endian: bool, kind: [u16; 3], data: &[u8]) -> Vec<u8> {
+    tiff_with(big_endian, kind, data, &[(273, 8), (279, data.len() as u32)])
+}
+
+/// The same with the fields of tiles or strips.
+fn tiff_with(big_endian: bool, kind: [u16; 3], data: &[u8], blocks: &[(u16, u32)]) -> Vec<u8> {
     let short = |value: u16| {
         if big_endian {
             value.to_be_bytes()
@@ -539,17 +585,16 @@ fn tiff(big_endian: bool, kind: [u16; 3], data: &[u8]) -> Vec<u8> {
     bytes.extend(short(42));
     bytes.extend(long(start));
     bytes.extend(data);
-    let fields: [(u16, u32); 9] = [
+    let fields: [(u16, u32); 7] = [
         (256, 4),
         (257, 3),
         (258, bits.into()),
         (259, compression.into()),
         (262, 1),
-        (273, 8),
         (277, 1),
-        (279, data.len() as u32),
         (339, format.into()),
     ];
+    let fields = [&fields[..], blocks].concat();
     bytes.extend(short(fields.len() as u16));
     for (tag, value) in fields {
         bytes.extend(short(tag));
