@@ -137,7 +137,8 @@ pub(crate) fn environment(tests: &str) -> Result<PathBuf, String> {
 }
 
 fn read(list: &Path) -> Result<String, String> {
-    std::fs::read_to_string(list).map_err(|error| format!("cannot read {}: {error}", list.display()))
+    std::fs::read_to_string(list)
+        .map_err(|error| format!("cannot read {}: {error}", list.display()))
 }
 
 /// Installs the packages of a list, unless the file `stamp`, which is written afterwards, already contains `wanted`.
@@ -149,7 +150,8 @@ fn install(python: &Path, list: &Path, stamp: &Path, wanted: &str) -> Result<(),
         .args(["-m", "pip", "install", "--quiet", "--no-deps"])
         .args(["--disable-pip-version-check", "--requirement"])
         .arg(list))?;
-    std::fs::write(stamp, wanted).map_err(|error| format!("cannot write {}: {error}", stamp.display()))
+    std::fs::write(stamp, wanted)
+        .map_err(|error| format!("cannot write {}: {error}", stamp.display()))
 }
 
 /// The version of a Python, if it is new enough.

@@ -16,9 +16,9 @@ pub(crate) struct Format {
 
 const GWYDDION: &str = "open it in Gwyddion and save it as text (ASCII data matrix)";
 const NANOSCOPE: &str = "export it as text (ASCII) in NanoScope Analysis";
-pub(crate) const EXPORT: &str = "export it as a matrix of numbers in text, or as an array of NumPy (.npy)";
-const TOPOGRAPHY: &str =
-    "read it with SurfaceTopography in Python: fakir.bem.Surface accepts its objects, and to_x3p converts them";
+pub(crate) const EXPORT: &str =
+    "export it as a matrix of numbers in text, or as an array of NumPy (.npy)";
+const TOPOGRAPHY: &str = "read it with SurfaceTopography in Python: fakir.bem.Surface accepts its objects, and to_x3p converts them";
 const CURVES: &str =
     "the Python package afmformats reads it: fakir.fit accepts its curves, or save them as text";
 const TEXT: &str = "export it as text (CSV) from the program that wrote it";
@@ -102,14 +102,7 @@ const BY_BYTES: [(&[u8], Format); 32] = [
     (b"DSAA", format("a Surfer grid", NO_TABLE, GWYDDION)),
     (b"DSBB", format("a Surfer grid", NO_TABLE, GWYDDION)),
     (b"DSRB", format("a Surfer grid", NO_TABLE, GWYDDION)),
-    (
-        b"bISO",
-        format(
-            "an SDF file",
-            NO_TABLE,
-            EXPORT,
-        ),
-    ),
+    (b"bISO", format("an SDF file", NO_TABLE, EXPORT)),
     (
         b"\xff\xd8\xff",
         format(

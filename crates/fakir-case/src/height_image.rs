@@ -224,7 +224,8 @@ pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMap
     };
     let packing = Packing::of(packing).ok_or_else(|| unknown("method", packing))?;
     let predictor = tiff.value(tag::PREDICTOR, 1);
-    let found = Predictor::of(predictor).filter(|found| *found != Predictor::FloatingPoint || format == 3);
+    let found =
+        Predictor::of(predictor).filter(|found| *found != Predictor::FloatingPoint || format == 3);
     let predictor = found.ok_or_else(|| unknown("predictor", predictor))?;
     let count = (columns as u64).saturating_mul(rows as u64);
     source.check_memory(count, || format!("{columns} by {rows} points"))?;
@@ -241,7 +242,11 @@ pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMap
         32 => f64::from(f32::from_bits(number as u32)),
         _ => f64::from_bits(number),
     };
-    let needed = if count == 0 { 0 } else { blocks.across * rows.div_ceil(height) };
+    let needed = if count == 0 {
+        0
+    } else {
+        blocks.across * rows.div_ceil(height)
+    };
     if blocks.offsets.len().min(blocks.lengths.len()) < needed {
         return Err(damaged());
     }

@@ -105,11 +105,7 @@ fn column(name: &str) -> Option<usize> {
 }
 
 /// The table of a sheet, and the first cell with a formula whose value is not in the file.
-fn rows(
-    document: &str,
-    shared: &[String],
-    most: u64,
-) -> Result<(String, Option<String>), String> {
+fn rows(document: &str, shared: &[String], most: u64) -> Result<(String, Option<String>), String> {
     /// Columns of a sheet (ISO/IEC 29500, as Excel limits them).
     const MOST_COLUMNS: usize = 16_384;
     let too_large = || format!("the sheet has more than {} MB", most / 1_000_000);

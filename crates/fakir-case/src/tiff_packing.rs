@@ -58,7 +58,8 @@ fn pack_bits(packed: &[u8], length: usize) -> Option<Vec<u8>> {
                 after
             }
             count => {
-                let (literal, after) = after.split_at_checked(usize::from(count.unsigned_abs()) + 1)?;
+                let (literal, after) =
+                    after.split_at_checked(usize::from(count.unsigned_abs()) + 1)?;
                 bytes.extend_from_slice(literal);
                 after
             }
@@ -178,7 +179,8 @@ mod tests {
     fn examples_of_the_specification() {
         // TIFF 6.0, section 9.
         let packed = [
-            0xfe, 0xaa, 0x02, 0x80, 0x00, 0x2a, 0xfd, 0xaa, 0x03, 0x80, 0x00, 0x2a, 0x22, 0xf7, 0xaa,
+            0xfe, 0xaa, 0x02, 0x80, 0x00, 0x2a, 0xfd, 0xaa, 0x03, 0x80, 0x00, 0x2a, 0x22, 0xf7,
+            0xaa,
         ];
         let mut expected = vec![0xaa, 0xaa, 0xaa, 0x80, 0x00, 0x2a, 0xaa, 0xaa, 0xaa, 0xaa];
         expected.extend([0x80, 0x00, 0x2a, 0x22]);
@@ -187,9 +189,12 @@ mod tests {
         assert_eq!(Packing::PackBits.unpack(&packed, 25), None);
         // TIFF 6.0, section 13: codes 256, 7, 258, 8, 8, 258, 6, 6, 257 of 9 bits.
         let codes = [256_u32, 7, 258, 8, 8, 258, 6, 6, 257];
-        let bits = codes.iter().flat_map(|code| (0..9).rev().map(move |bit| code >> bit & 1));
+        let bits = codes
+            .iter()
+            .flat_map(|code| (0..9).rev().map(move |bit| code >> bit & 1));
         let bits: Vec<u32> = bits.collect();
-        let byte = |bits: &[u32]| bits.iter().fold(0, |byte, bit| byte << 1 | *bit) << (8 - bits.len());
+        let byte =
+            |bits: &[u32]| bits.iter().fold(0, |byte, bit| byte << 1 | *bit) << (8 - bits.len());
         let packed: Vec<u8> = bits.chunks(8).map(|bits| byte(bits) as u8).collect();
         let expected = vec![7, 7, 7, 8, 8, 7, 7, 6, 6];
         assert_eq!(Packing::Lzw.unpack(&packed, 9), Some(expected));
@@ -206,6 +211,9 @@ mod tests {
         // 1.5 is 0x3fc0_0000, and -2 is 0xc000_0000: bytes 3f c0 | c0 00 | 00 00 | 00 00, and their differences.
         let row = [0x3f, 0x81, 0x00, 0x40, 0x00, 0x00, 0x00, 0x00];
         let bits = Predictor::FloatingPoint.row(&row, 4, number);
-        assert_eq!(bits, [1.5_f32, -2.0].map(|value| u64::from(value.to_bits())));
+        assert_eq!(
+            bits,
+            [1.5_f32, -2.0].map(|value| u64::from(value.to_bits()))
+        );
     }
 }

@@ -307,7 +307,11 @@ fn files_of_other_formats_are_named() {
     for (start, format, advice) in [
         (&b"GWYPsomething"[..], "Gwyddion", "save it as text"),
         (b"MATLAB 5.0", "MATLAB", "as text with writematrix"),
-        (b"CDF\x01", "a NetCDF file", "fakir.bem.Surface accepts its objects"),
+        (
+            b"CDF\x01",
+            "a NetCDF file",
+            "fakir.bem.Surface accepts its objects",
+        ),
         (b"II+\0", "a BigTIFF image", "bigtiff=False"),
         (b"\x01\0\x02", "an unknown format", "as an array of NumPy"),
         (b"\xff\xfe0\0", "UTF-16", "save it as text in UTF-8"),
@@ -352,7 +356,11 @@ fn files_of_iso_25178() {
     let binary = |kind: u8, heights: &[u8]| {
         let mut bytes = format!("{:<42}", "bISO-1.0").into_bytes();
         bytes.extend([4, 0, 3, 0]);
-        bytes.extend([2e-6, 1e-6, 1e-9, -1.0].into_iter().flat_map(f64::to_le_bytes));
+        bytes.extend(
+            [2e-6, 1e-6, 1e-9, -1.0]
+                .into_iter()
+                .flat_map(f64::to_le_bytes),
+        );
         bytes.extend([0, kind, 0]);
         bytes.extend(heights);
         bytes
@@ -362,12 +370,18 @@ fn files_of_iso_25178() {
     let mut short: Vec<u8> = short.collect();
     check(&read_text(binary(5, &short), &nothing).unwrap());
     let error = read_text(binary(5, &short[1..]), &nothing).unwrap_err();
-    assert!(error.to_string().contains("24 bytes, and 23 are left"), "{error}");
+    assert!(
+        error.to_string().contains("24 bytes, and 23 are left"),
+        "{error}"
+    );
     let error = read_text(binary(0, &short), &nothing).unwrap_err();
     assert!(error.to_string().contains("heights of type 0"), "{error}");
     short[..2].copy_from_slice(&i16::MIN.to_le_bytes());
     let error = read_text(binary(5, &short), &nothing).unwrap_err();
-    assert!(error.to_string().contains("1 of 12 heights are missing"), "{error}");
+    assert!(
+        error.to_string().contains("1 of 12 heights are missing"),
+        "{error}"
+    );
     // X3P with whole numbers, with floating-point numbers, and with heights in its description.
     let description = |kind: &str, increment: &str, data: &str| {
         let axis = |name: &str, kind: &str, increment: &str| {
@@ -524,7 +538,9 @@ fn tiff_in_tiles_and_packed() {
         .collect();
     let literal = |bytes: &[u8]| -> Vec<u8> {
         let parts = bytes.chunks(128);
-        parts.flat_map(|part| [&[part.len() as u8 - 1][..], part].concat()).collect()
+        parts
+            .flat_map(|part| [&[part.len() as u8 - 1][..], part].concat())
+            .collect()
     };
     let mut tile = vec![0.0_f32; 256];
     for (place, height) in heights.iter().enumerate() {
@@ -550,13 +566,21 @@ fn tiff_in_tiles_and_packed() {
         assert!(error.contains("it is damaged"), "{error}");
         let error = read_text(tiff(big_endian, [32, 3, 50_000], &data), &SCALE.into());
         let error = error.unwrap_err().to_string();
-        assert!(error.contains("packed by method 50000: save it without"), "{error}");
+        assert!(
+            error.contains("packed by method 50000: save it without"),
+            "{error}"
+        );
     }
 }
 
 /// A TIFF image of 4 by 3 pixels in one strip, with bits, sample format and compression.
 fn tiff(big_endian: bool, kind: [u16; 3], data: &[u8]) -> Vec<u8> {
-    tiff_with(big_endian, kind, data, &[(273, 8), (279, data.len() as u32)])
+    tiff_with(
+        big_endian,
+        kind,
+        data,
+        &[(273, 8), (279, data.len() as u32)],
+    )
 }
 
 /// The same with the fields of tiles or strips.

@@ -37,7 +37,10 @@ pub(super) fn units_of_afmformats(headings: &[String]) -> Vec<String> {
         "height (measured)" | "height (piezo)" | "tip position" => "m",
         _ => "",
     };
-    headings.iter().map(|heading| unit(heading).to_owned()).collect()
+    headings
+        .iter()
+        .map(|heading| unit(heading).to_owned())
+        .collect()
 }
 
 /// Spring constant (N/m) in the metadata of afmformats, which are JSON.
