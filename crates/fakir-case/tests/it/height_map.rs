@@ -909,8 +909,21 @@ fn a_byte_changed_in_an_archive_is_noticed() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_file_without_end_is_read_no_further_than_a_line() {
+fn a_file_without_end_is_refused_by_its_first_bytes() {
     let error = read(Path::new("/dev/zero")).expect_err("it has no end");
+    assert!(
+        matches!(error, HeightMapError::OtherFormat { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_line_without_end_is_read_no_further_than_the_longest_one() {
+    // Digits, and zeros in a sparse file.
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    file.write_all(&[b'1'; 1000]).unwrap();
+    file.as_file().set_len(1_000_000_000).unwrap();
+    let error = read(file.path()).expect_err("one line");
     assert!(
         matches!(error, HeightMapError::LongLine { line: 1, .. }),
         "{error}"
