@@ -336,7 +336,7 @@ def fit(
         ``Load [mN]``. With adhesion, ``branch`` contains ``"loading"`` or ``"unloading"``; without it unloading begins after the
         largest load. ``time_s`` contains the time. Columns with pint units need no unit in their name: ``"force"``. Columns that
         are not recognised are not used: see `Fit.understood`. Objects of pandas, xarray (with units in ``attrs["units"]``) and
-        afmformats are accepted, and structured arrays of NumPy.
+        afmformats (a whole curve, of which approach and retract are used) are accepted, and structured arrays of NumPy.
     system
         All other quantities: pillars or a flat surface. Its values of the free parameters are the initial values.
     free
@@ -415,8 +415,8 @@ def _data(measurements: Measurements, named: Mapping[str, str], spring_constant:
     by_hand = [(str(quantity), str(heading)) for quantity, heading in named.items()]
     if isinstance(measurements, (str, PathLike)):
         return _fakir.Data.read(fspath(measurements), by_hand, spring_constant)
-    if spring_constant is None:
-        spring_constant = _spring_constant(measurements)
+    if _is_of_afmformats(measurements):
+        spring_constant = _spring_constant(measurements, spring_constant)
     columns = [_column(str(name), values) for name, values in _items(measurements)]
     return _fakir.Data.of(columns, by_hand, spring_constant)
 
@@ -463,11 +463,13 @@ def _position_of(curve: Any) -> str | None:
     return next((name for name in ("tip position", "height (measured)", "height (piezo)") if name in there), None)
 
 
-def _spring_constant(measurements: Any) -> float | None:
-    """The spring constant (N/m) of the cantilever of a curve of afmformats, if its deflection is in the positions."""
-    if not _is_of_afmformats(measurements) or _position_of(measurements) == "tip position":
+def _spring_constant(curve: Any, given: float | None) -> float | None:
+    """The spring constant (N/m) of the cantilever of a curve of afmformats; None if its deflection is not in the positions."""
+    if _position_of(curve) == "tip position":
         return None
-    constant = float(measurements.metadata.get("spring constant", np.nan))
+    if given is not None:
+        return given
+    constant = float(curve.metadata.get("spring constant", np.nan))
     return constant if np.isfinite(constant) and constant > 0.0 else None
 
 
