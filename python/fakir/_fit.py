@@ -336,7 +336,7 @@ def fit(
         ``Load [mN]``. With adhesion, ``branch`` contains ``"loading"`` or ``"unloading"``; without it unloading begins after the
         largest load. ``time_s`` contains the time. Columns with pint units need no unit in their name: ``"force"``. Columns that
         are not recognised are not used: see `Fit.understood`. Objects of pandas, xarray (with units in ``attrs["units"]``) and
-        afmformats are accepted, and structured arrays of NumPy.
+        afmformats (a whole curve, of which approach and retract are used) are accepted, and structured arrays of NumPy.
     system
         All other quantities: pillars or a flat surface. Its values of the free parameters are the initial values.
     free
@@ -415,13 +415,15 @@ def _data(measurements: Measurements, named: Mapping[str, str], spring_constant:
     by_hand = [(str(quantity), str(heading)) for quantity, heading in named.items()]
     if isinstance(measurements, (str, PathLike)):
         return _fakir.Data.read(fspath(measurements), by_hand, spring_constant)
+    if _is_of_afmformats(measurements):
+        spring_constant = _spring_constant(measurements, spring_constant)
     columns = [_column(str(name), values) for name, values in _items(measurements)]
     return _fakir.Data.of(columns, by_hand, spring_constant)
 
 
 def _items(measurements: Any) -> list[tuple[str, Any]]:
     """Headings and values of whatever has columns."""
-    if hasattr(measurements, "metadata") and hasattr(measurements, "columns") and not hasattr(measurements, "items"):
+    if _is_of_afmformats(measurements):
         return _of_afmformats(measurements)
     if hasattr(measurements, "to_dataset"):  # an array of xarray
         measurements = measurements.to_dataset(name=measurements.name or "values")
@@ -433,10 +435,16 @@ def _items(measurements: Any) -> list[tuple[str, Any]]:
         return [(name, measurements[name]) for name in names]
     items = getattr(measurements, "items", None)
     if items is None:
-        raise TypeError(
-            f"measurements are of type {type(measurements).__name__}: give the path of a file, or "
-            "a dictionary or table of columns"
+        try:
+            is_group = _is_of_afmformats(measurements[0])
+        except (TypeError, LookupError):
+            is_group = False
+        advice = (
+            "give one of its curves, as curves[0]"
+            if is_group
+            else "give the path of a file, a dictionary or table of columns, or a whole curve of afmformats"
         )
+        raise TypeError(f"measurements are of type {type(measurements).__name__}: {advice}")
     return list(items())
 
 
@@ -444,25 +452,52 @@ def _with_unit(name: str, unit: str | None) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
+def _is_of_afmformats(curve: Any) -> bool:
+    """Whether an object is a curve of afmformats."""
+    return hasattr(curve, "metadata") and hasattr(curve, "columns") and not hasattr(curve, "items")
+
+
+def _position_of(curve: Any) -> str | None:
+    """The column of positions of a curve of afmformats."""
+    there = set(curve.columns)
+    return next((name for name in ("tip position", "height (measured)", "height (piezo)") if name in there), None)
+
+
+def _spring_constant(curve: Any, given: float | None) -> float | None:
+    """The spring constant (N/m) of the cantilever of a curve of afmformats; None if its deflection is not in the positions."""
+    if _position_of(curve) == "tip position":
+        return None
+    if given is not None:
+        return given
+    constant = float(curve.metadata.get("spring constant", np.nan))
+    return constant if np.isfinite(constant) and constant > 0.0 else None
+
+
 def _of_afmformats(curve: Any) -> list[tuple[str, Any]]:
     """The columns of a curve of afmformats, which are in SI units; its positions decrease as the tip moves down."""
     there = set(curve.columns)
-    position = next((name for name in ("tip position", "height (measured)", "height (piezo)") if name in there), None)
+    position = _position_of(curve)
     missing = [name for name, found in (("force", "force" in there), ("tip position", position)) if not found]
     if missing:
         raise FitError(f"the curve has no {' and no '.join(missing)}: its columns are {', '.join(sorted(there))}")
-    segment = np.asarray(curve["segment"]) if "segment" in there else None
-    # Beside approach (0) and retract (1) there may be pauses.
-    used = slice(None) if segment is None else segment.astype(int) <= 1
     items = [
-        ("displacement_m", -np.asarray(curve[position], dtype=float)[used]),
-        ("force_N", np.asarray(curve["force"], dtype=float)[used]),
+        ("displacement_m", -np.asarray(curve[position], dtype=float)),
+        ("force_N", np.asarray(curve["force"], dtype=float)),
     ]
     if "time" in there:
-        items.append(("time_s", np.asarray(curve["time"], dtype=float)[used]))
-    if segment is not None:
-        branches = np.where(segment[used].astype(int) == 1, "unloading", "loading")
-        items.append(("branch", branches.astype(object)))
+        items.append(("time_s", np.asarray(curve["time"], dtype=float)))
+    if "segment" not in there:
+        return items
+    # Numbers of the segments depend on the kind of the curve: creep and relaxation have pauses between approach and retract.
+    loading, unloading = (
+        int(getattr(getattr(curve, name, None), "segment", otherwise))
+        for name, otherwise in (("appr", 0), ("retr", 1))
+    )
+    segment = np.asarray(curve["segment"]).astype(int)
+    used = (segment == loading) | (segment == unloading)
+    items = [(name, values[used]) for name, values in items]
+    branches = np.where(segment[used] == unloading, "unloading", "loading")
+    items.append(("branch", branches.astype(object)))
     return items
 
 

@@ -471,7 +471,9 @@ def _of_topography(topography: Any) -> tuple[FloatArray, list[float]]:
     scale = 1.0 if unit is None else _fakir.parse_quantity(f"1 {unit}", "length")
     raw = topography.heights()
     if np.ma.is_masked(raw):
-        raise ValueError("heights are missing in places: fill them in first")
+        raise ValueError(
+            "heights are missing in places: fill them in first, as topography.interpolate_undefined_data()"
+        )
     values = array(raw, "length", "heights")
     sizes = [float(size) * scale for size in topography.physical_sizes]
     if values.ndim != 2 or len(sizes) != 2:

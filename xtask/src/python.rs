@@ -14,6 +14,12 @@ pub(crate) const TESTS: &str = "tests/python";
 /// The Python package, of which a wheel is built.
 const PACKAGE: &str = "python";
 
+/// The mark of slow tests.
+const SLOW: &str = "slow";
+
+/// Libraries that only slow tests need, in the folder of the tests.
+const OTHER_LIBRARIES: &str = "other-libraries.txt";
+
 /// The oldest Python that the packages run on.
 const OLDEST: (u32, u32) = (3, 11);
 
@@ -24,11 +30,16 @@ pub(crate) fn quick(cargo: &OsStr) -> Result<(), String> {
 
 /// The second tier: tests that are marked slow.
 pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
-    check(cargo, "slow-python", "slow")
+    check(cargo, "slow-python", SLOW)
 }
 
 fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     let (python, program, wheel) = package(cargo)?;
+    if marked == SLOW {
+        let list = Path::new(TESTS).join(OTHER_LIBRARIES);
+        let stamp = target_folder()?.join("python").join(OTHER_LIBRARIES);
+        install(&python, &list, &stamp, &read(&list)?)?;
+    }
     let module = target_folder()?.join("release").join(format!(
         "{}_fakir{}",
         std::env::consts::DLL_PREFIX,
@@ -108,9 +119,7 @@ pub(crate) fn environment(tests: &str) -> Result<PathBuf, String> {
     let system = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let version = version(&system)?;
     let list = Path::new(tests).join("requirements.txt");
-    let wanted = std::fs::read_to_string(&list)
-        .map(|packages| format!("# Python {version}\n{packages}"))
-        .map_err(|error| format!("cannot read {}: {error}", list.display()))?;
+    let wanted = format!("# Python {version}\n{}", read(&list)?);
     let python = folder.join(if cfg!(windows) {
         "Scripts/python.exe"
     } else {
@@ -123,13 +132,26 @@ pub(crate) fn environment(tests: &str) -> Result<PathBuf, String> {
     run(Command::new(&system)
         .args(["-m", "venv", "--clear"])
         .arg(&folder))?;
-    run(Command::new(&python)
+    install(&python, &list, &stamp, &wanted)?;
+    Ok(python)
+}
+
+fn read(list: &Path) -> Result<String, String> {
+    std::fs::read_to_string(list)
+        .map_err(|error| format!("cannot read {}: {error}", list.display()))
+}
+
+/// Installs the packages of a list, unless the file `stamp`, which is written afterwards, already contains `wanted`.
+fn install(python: &Path, list: &Path, stamp: &Path, wanted: &str) -> Result<(), String> {
+    if std::fs::read_to_string(stamp).is_ok_and(|installed| installed == wanted) {
+        return Ok(());
+    }
+    run(Command::new(python)
         .args(["-m", "pip", "install", "--quiet", "--no-deps"])
         .args(["--disable-pip-version-check", "--requirement"])
-        .arg(&list))?;
-    std::fs::write(&stamp, wanted)
-        .map_err(|error| format!("cannot write {}: {error}", stamp.display()))?;
-    Ok(python)
+        .arg(list))?;
+    std::fs::write(stamp, wanted)
+        .map_err(|error| format!("cannot write {}: {error}", stamp.display()))
 }
 
 /// The version of a Python, if it is new enough.

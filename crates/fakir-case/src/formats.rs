@@ -16,10 +16,14 @@ pub(crate) struct Format {
 
 const GWYDDION: &str = "open it in Gwyddion and save it as text (ASCII data matrix)";
 const NANOSCOPE: &str = "export it as text (ASCII) in NanoScope Analysis";
-const EXPORT: &str = "export it as a matrix of numbers in text, or as an array of NumPy (.npy)";
+pub(crate) const EXPORT: &str =
+    "export it as a matrix of numbers in text, or as an array of NumPy (.npy)";
+const TOPOGRAPHY: &str = "read it with SurfaceTopography in Python: fakir.bem.Surface accepts its objects, and to_x3p converts them";
 const CURVES: &str =
     "the Python package afmformats reads it: fakir.fit accepts its curves, or save them as text";
 const TEXT: &str = "export it as text (CSV) from the program that wrote it";
+const SMALL_TIFF: &str =
+    "save it as TIFF with offsets of 32 bits (tifffile.imwrite with bigtiff=False)";
 const NO_TABLE: &str = "give a table in text (CSV) or a spreadsheet (.xlsx)";
 
 const fn format(name: &'static str, table: &'static str, heights: &'static str) -> Format {
@@ -30,8 +34,14 @@ const fn format(name: &'static str, table: &'static str, heights: &'static str) 
     }
 }
 
+const NETCDF: Format = format(
+    "a NetCDF file",
+    "open it with xarray in Python: fakir.fit accepts its datasets",
+    TOPOGRAPHY,
+);
+
 /// Formats by their first bytes.
-const BY_BYTES: [(&[u8], Format); 24] = [
+const BY_BYTES: [(&[u8], Format); 32] = [
     (b"GWYP", format("a Gwyddion file", GWYDDION, GWYDDION)),
     (b"GWYO", format("a Gwyddion file", GWYDDION, GWYDDION)),
     (
@@ -50,12 +60,27 @@ const BY_BYTES: [(&[u8], Format); 24] = [
             EXPORT,
         ),
     ),
+    (b"CDF\x01", NETCDF),
+    (b"CDF\x02", NETCDF),
+    (b"CDF\x05", NETCDF),
+    (
+        b"ARROW1",
+        format(
+            "a Feather file",
+            "convert it with pandas: pandas.read_feather(\"FILE\").to_csv(\"FILE.csv\"), or give the table to fakir.fit in Python",
+            EXPORT,
+        ),
+    ),
+    (
+        b"AliconaImaging\0",
+        format("an Alicona file", NO_TABLE, GWYDDION),
+    ),
     (
         b"\x89HDF",
         format(
             "an HDF5 file",
             "convert it with h5py or pandas in Python: fakir.fit accepts a dictionary of arrays; curves of AFMs are read by the Python package afmformats",
-            EXPORT,
+            TOPOGRAPHY,
         ),
     ),
     (
@@ -77,14 +102,7 @@ const BY_BYTES: [(&[u8], Format); 24] = [
     (b"DSAA", format("a Surfer grid", NO_TABLE, GWYDDION)),
     (b"DSBB", format("a Surfer grid", NO_TABLE, GWYDDION)),
     (b"DSRB", format("a Surfer grid", NO_TABLE, GWYDDION)),
-    (
-        b"bISO",
-        format(
-            "a binary SDF file",
-            NO_TABLE,
-            "save it as SDF in ASCII, or open it in Gwyddion and save it as text (ASCII data matrix)",
-        ),
-    ),
+    (b"bISO", format("an SDF file", NO_TABLE, EXPORT)),
     (
         b"\xff\xd8\xff",
         format(
@@ -96,6 +114,8 @@ const BY_BYTES: [(&[u8], Format); 24] = [
     (b"\x89PNG", format("a PNG image", NO_TABLE, EXPORT)),
     (b"II*\0", format("a TIFF image", NO_TABLE, EXPORT)),
     (b"MM\0*", format("a TIFF image", NO_TABLE, EXPORT)),
+    (b"II+\0", format("a BigTIFF image", NO_TABLE, SMALL_TIFF)),
+    (b"MM\0+", format("a BigTIFF image", NO_TABLE, SMALL_TIFF)),
     (b"GIF8", format("a GIF image", NO_TABLE, EXPORT)),
     (
         b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
@@ -128,6 +148,14 @@ const BY_BYTES: [(&[u8], Format); 24] = [
             "packed by bzip2",
             "unpack it with bunzip2",
             "unpack it with bunzip2",
+        ),
+    ),
+    (
+        b"\x28\xb5\x2f\xfd",
+        format(
+            "packed by zstd",
+            "unpack it with unzstd",
+            "unpack it with unzstd",
         ),
     ),
     (
@@ -221,6 +249,12 @@ const BY_MEMBER: [(&str, Format); 6] = [
     ("main.xml", format("an X3P file", NO_TABLE, EXPORT)),
 ];
 
+const ARRAYS: Format = format(
+    "an archive of NumPy arrays (.npz)",
+    "give its arrays to fakir.fit in Python: fakir.fit(numpy.load(\"FILE\"), ...)",
+    EXPORT,
+);
+
 const SPREADSHEET: Format = format("a spreadsheet (.xlsx)", "", EXPORT);
 
 const ZIP: Format = format("a ZIP archive", "unpack it first", EXPORT);
@@ -230,6 +264,9 @@ pub(crate) fn recognised(path: &Path, bytes: &[u8]) -> Option<Format> {
     if bytes.starts_with(b"PK\x03\x04") {
         let names = archive::names(bytes);
         let has = |start: &str| names.iter().any(|name| name.starts_with(start));
+        if !names.is_empty() && names.iter().all(|name| name.ends_with(".npy")) {
+            return Some(ARRAYS);
+        }
         let found = BY_MEMBER.iter().find(|(member, _)| has(member));
         return Some(found.map_or(ZIP, |(_, format)| *format));
     }

@@ -1,15 +1,15 @@
 //! Height maps from grey images of 16 bits: PNG and TIFF. The image is seen with y upwards: its first row has the largest y.
 
 use crate::height_table::{HeightMapError, Source, Stated, Table};
-use flate2::read::ZlibDecoder;
-use std::io::{Cursor, Read};
+use crate::tiff_packing::{Packing, Predictor};
+use std::io::Cursor;
 
 /// Largest grey value of 16 bits.
 const WHITE: f64 = 65_535.0;
 
 /// What an image must be.
 const WANTED: &str =
-    "export the heights as a grey image of 16 bits, without compression or with deflate";
+    "export the heights as a grey image of 16 bits, or as a TIFF image of floating-point numbers";
 
 fn wrong(source: &Source<'_>, problem: impl Into<String>) -> HeightMapError {
     HeightMapError::Image {
@@ -156,79 +156,119 @@ mod tag {
     pub(super) const PHOTOMETRIC: u16 = 262;
     pub(super) const STRIP_OFFSETS: u16 = 273;
     pub(super) const SAMPLES: u16 = 277;
+    pub(super) const ROWS_PER_STRIP: u16 = 278;
     pub(super) const STRIP_BYTES: u16 = 279;
     pub(super) const PREDICTOR: u16 = 317;
     pub(super) const TILE_WIDTH: u16 = 322;
+    pub(super) const TILE_LENGTH: u16 = 323;
+    pub(super) const TILE_OFFSETS: u16 = 324;
+    pub(super) const TILE_BYTES: u16 = 325;
     pub(super) const SAMPLE_FORMAT: u16 = 339;
+}
+
+/// Strips or tiles of a TIFF image.
+struct Blocks<'a> {
+    /// Pixels along x and y of all of them, also of tiles at the border of the image.
+    size: [usize; 2],
+    /// Number of them side by side.
+    across: usize,
+    offsets: &'a [u64],
+    lengths: &'a [u64],
+}
+
+impl<'a> Blocks<'a> {
+    fn of(tiff: &'a Tiff<'_>, columns: usize, rows: usize) -> Self {
+        let tile = [tag::TILE_WIDTH, tag::TILE_LENGTH].map(|tag| tiff.value(tag, 0) as usize);
+        if tile.contains(&0) {
+            let strip = tiff.value(tag::ROWS_PER_STRIP, u64::MAX);
+            return Self {
+                size: [columns, strip.min(rows as u64).max(1) as usize],
+                across: 1,
+                offsets: tiff.values(tag::STRIP_OFFSETS),
+                lengths: tiff.values(tag::STRIP_BYTES),
+            };
+        }
+        Self {
+            size: tile,
+            across: columns.div_ceil(tile[0]),
+            offsets: tiff.values(tag::TILE_OFFSETS),
+            lengths: tiff.values(tag::TILE_BYTES),
+        }
+    }
 }
 
 /// Reads the first image of a TIFF file: grey values of 16 bits, or heights as floating-point numbers of 32 or 64 bits.
 pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapError> {
-    let damaged = || {
-        wrong(
-            source,
-            "it is damaged, or a BigTIFF: save it as TIFF or PNG again",
-        )
-    };
+    let damaged = || wrong(source, "it is damaged: save it as TIFF or PNG again");
     let tiff = Tiff::new(bytes).ok_or_else(damaged)?;
     let columns = tiff.value(tag::WIDTH, 0) as usize;
     let rows = tiff.value(tag::LENGTH, 0) as usize;
     let (bits, samples) = (tiff.value(tag::BITS, 1), tiff.value(tag::SAMPLES, 1));
     let format = tiff.value(tag::SAMPLE_FORMAT, 1);
     if samples != 1 || !matches!((bits, format), (16, 1) | (32 | 64, 3)) {
-        let problem = format!("it has {samples} values of {bits} bits for each pixel: {WANTED}");
+        let kind = match format {
+            1 => "unsigned integers",
+            2 => "signed integers",
+            3 => "floating-point numbers",
+            _ => "values",
+        };
+        let problem = format!("it has {samples} {kind} of {bits} bits for each pixel: {WANTED}");
         return Err(wrong(source, problem));
     }
-    let compression = tiff.value(tag::COMPRESSION, 1);
+    let packing = tiff.value(tag::COMPRESSION, 1);
+    let unknown = |what: &str, number: u64| {
+        let problem = format!(
+            "its pixels are packed by {what} {number}: save it without compression, or with deflate, LZW or PackBits"
+        );
+        wrong(source, problem)
+    };
+    let packing = Packing::of(packing).ok_or_else(|| unknown("method", packing))?;
     let predictor = tiff.value(tag::PREDICTOR, 1);
-    let is_known =
-        matches!(compression, 1 | 8 | 32_946) && (predictor == 1 || predictor == 2 && bits == 16);
-    if !is_known || !tiff.values(tag::TILE_WIDTH).is_empty() {
-        let problem =
-            format!("its pixels are in tiles or packed by method {compression}: {WANTED}");
-        return Err(wrong(source, problem));
-    }
+    let found =
+        Predictor::of(predictor).filter(|found| *found != Predictor::FloatingPoint || format == 3);
+    let predictor = found.ok_or_else(|| unknown("predictor", predictor))?;
     let count = (columns as u64).saturating_mul(rows as u64);
     source.check_memory(count, || format!("{columns} by {rows} points"))?;
+    let blocks = Blocks::of(&tiff, columns, rows);
+    let [width, height] = blocks.size;
+    let of_block = (width as u64).saturating_mul(height as u64);
+    source.check_memory(of_block, || format!("tiles of {width} by {height} points"))?;
     let size = bits as usize / 8;
-    let needed = columns * rows * size;
-    let mut pixels = Vec::with_capacity(needed);
-    let strips = tiff
-        .values(tag::STRIP_OFFSETS)
-        .iter()
-        .zip(tiff.values(tag::STRIP_BYTES));
-    for (offset, length) in strips {
-        let (start, length) = (*offset as usize, *length as usize);
-        let end = start.checked_add(length).ok_or_else(damaged)?;
-        let strip = bytes.get(start..end).ok_or_else(damaged)?;
-        let left = (needed - pixels.len().min(needed)) as u64;
-        match compression {
-            1 => pixels.extend_from_slice(strip),
-            _ => {
-                let unpacked = ZlibDecoder::new(strip).take(left).read_to_end(&mut pixels);
-                unpacked.map_err(|_| damaged())?;
-            }
-        }
-    }
-    if pixels.len() < needed {
+    let mut values = vec![f64::NAN; columns * rows];
+    let is_inverted = tiff.value(tag::PHOTOMETRIC, 1) == 0;
+    let value = |number: u64| match bits {
+        16 if is_inverted => WHITE - number as f64,
+        16 => number as f64,
+        32 => f64::from(f32::from_bits(number as u32)),
+        _ => f64::from_bits(number),
+    };
+    let needed = if count == 0 {
+        0
+    } else {
+        blocks.across * rows.div_ceil(height)
+    };
+    if blocks.offsets.len().min(blocks.lengths.len()) < needed {
         return Err(damaged());
     }
-    let cells = pixels[..needed].chunks_exact(size);
-    let mut numbers: Vec<u64> = cells.map(|cell| tiff.order.number(cell)).collect();
-    if predictor == 2 {
-        for row in numbers.chunks_exact_mut(columns.max(1)) {
-            for k in 1..row.len() {
-                row[k] = (row[k] + row[k - 1]) & 0xffff;
+    let places = blocks.offsets.iter().zip(blocks.lengths).take(needed);
+    for (block, (offset, length)) in places.enumerate() {
+        let left = block % blocks.across * width;
+        let top = block / blocks.across * height;
+        let (start, length) = (*offset as usize, *length as usize);
+        let end = start.checked_add(length).ok_or_else(damaged)?;
+        let packed = bytes.get(start..end).ok_or_else(damaged)?;
+        // The last strip has only the rows that are left.
+        let inside = height.min(rows - top);
+        let unpacked = packing.unpack(packed, width * inside * size);
+        let unpacked = unpacked.ok_or_else(damaged)?;
+        for (row, line) in unpacked.chunks_exact(width * size).enumerate() {
+            let numbers = predictor.row(line, size, |bytes| tiff.order.number(bytes));
+            let first = (top + row) * columns + left;
+            let seen = width.min(columns - left);
+            for (value_at, number) in values[first..first + seen].iter_mut().zip(numbers) {
+                *value_at = value(number);
             }
         }
     }
-    let is_inverted = tiff.value(tag::PHOTOMETRIC, 1) == 0;
-    let value = |number: &u64| match bits {
-        16 if is_inverted => WHITE - *number as f64,
-        16 => *number as f64,
-        32 => f64::from(f32::from_bits(*number as u32)),
-        _ => f64::from_bits(*number),
-    };
-    let values: Vec<f64> = numbers.iter().map(value).collect();
     Ok(table(columns, rows, &values, (bits == 16).then_some(WHITE)))
 }

@@ -6,7 +6,7 @@
 //! | `.npz` | one such array of an archive: the one named, or the only one |
 //! | any other | rows of numbers separated by blanks, commas or semicolons, or numbers with decimal commas separated by blanks or semicolons; `#` begins a comment; an ESRI ASCII grid header is understood, and what Gwyddion writes before a matrix (`# Width: 10 um`) |
 //! | any other | three columns x, y, z of the points of a grid, in any order |
-//! | SDF in ASCII, X3P | the formats of ISO 25178, parts 71 and 72 |
+//! | SDF, X3P | the formats of ISO 25178, parts 71 and 72 |
 //! | PNG, TIFF | a grey image of 16 bits; a TIFF image of floating-point numbers |
 //!
 //! A size or a height unit that the file states must equal the given one, and is used if none is given. For an ESRI ASCII grid and a
@@ -161,6 +161,9 @@ fn parse_other(
     if begins(b"II*\0") || begins(b"MM\0*") {
         return height_image::tiff(source, &whole(&mut opened)?);
     }
+    if begins(b"bISO") {
+        return height_profiles::binary_sdf(source, &whole(&mut opened)?);
+    }
     if begins(b"aISO") || begins(b"aBCR") {
         return height_profiles::sdf(source, &whole(&mut opened)?);
     }
@@ -176,7 +179,12 @@ fn parse_other(
     let is_wide = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     let format = formats::recognised(path, &bytes).map(|format| (format.name, format.heights));
     let wide = ("text in UTF-16", "save it as text in UTF-8");
-    match format.or(is_wide.then_some(wide)) {
+    let unknown = ("a binary file of an unknown format", formats::EXPORT);
+    let is_binary = bytes.contains(&0);
+    match format
+        .or(is_wide.then_some(wide))
+        .or(is_binary.then_some(unknown))
+    {
         Some((format, advice)) => Err(HeightMapError::OtherFormat {
             file: source.file.to_owned(),
             format,

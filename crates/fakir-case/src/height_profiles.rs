@@ -1,4 +1,4 @@
-//! Height maps from the formats of ISO 25178: SDF in ASCII (part 71) and X3P (part 72). Lengths are in metres; the first row has the
+//! Height maps from the formats of ISO 25178: SDF (part 71) and X3P (part 72). Lengths are in metres; the first row has the
 //! smallest y.
 
 use crate::archive::member;
@@ -72,7 +72,58 @@ pub(crate) fn sdf(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapE
     Ok(table(columns, rows, values, cell, height))
 }
 
-/// How the heights of an X3P file are stored.
+/// Reads a binary SDF file: a header of fixed length, and heights. All numbers are little-endian.
+///
+/// | place | bytes | content |
+/// |---|---|---|
+/// | 0 | 42 | version, manufacturer, dates |
+/// | 42, 44 | 2 | number of points of a profile, number of profiles |
+/// | 46, 54, 62 | 8 | distances along x and y, unit of heights, m |
+/// | 70 | 8 | resolution |
+/// | 78, 79, 80 | 1 | compression, type of the heights, kind of checksum |
+pub(crate) fn binary_sdf(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapError> {
+    const HEADER: usize = 81;
+    let (header, heights) = bytes
+        .split_at_checked(HEADER)
+        .ok_or_else(|| wrong(source, "it ends within its header"))?;
+    let count = |place: usize| usize::from(u16::from_le_bytes([header[place], header[place + 1]]));
+    let number = |place: usize| Stored::Double.value(&header[place..place + 8]);
+    let (columns, rows) = (count(42), count(44));
+    let stored = match (header[78], header[79]) {
+        (0, 3) => Stored::Float,
+        (0, 5) => Stored::Short,
+        (0, 6) => Stored::Long,
+        (0, 7) => Stored::Double,
+        (compression, kind) => {
+            let problem = format!(
+                "heights of type {kind} with compression {compression}: types 3, 5, 6 and 7 without compression are read; save it as SDF in ASCII"
+            );
+            return Err(wrong(source, problem));
+        }
+    };
+    let points = (columns as u64) * (rows as u64);
+    source.check_memory(points, || format!("{columns} by {rows} points"))?;
+    let needed = columns * rows * stored.size();
+    let Some(heights) = heights.get(..needed) else {
+        let problem = format!(
+            "its header says {columns} by {rows} points, {needed} bytes, and {} are left",
+            heights.len()
+        );
+        return Err(wrong(source, problem));
+    };
+    let heights = heights.chunks_exact(stored.size());
+    let values = heights.map(|height| {
+        let value = stored.value(height);
+        // Missing heights have the smallest number of their type.
+        let is_missing = value <= stored.smallest();
+        if is_missing { f64::NAN } else { value }
+    });
+    let values = values.collect();
+    let cell = [number(46), number(54)];
+    Ok(table(columns, rows, values, cell, number(62)))
+}
+
+/// How the heights of a binary file are stored.
 #[derive(Clone, Copy, PartialEq)]
 enum Stored {
     Short,
@@ -87,6 +138,15 @@ impl Stored {
             Self::Short => 2,
             Self::Long | Self::Float => 4,
             Self::Double => 8,
+        }
+    }
+
+    fn smallest(self) -> f64 {
+        match self {
+            Self::Short => f64::from(i16::MIN),
+            Self::Long => f64::from(i32::MIN),
+            Self::Float => f64::from(f32::MIN),
+            Self::Double => f64::MIN,
         }
     }
 
@@ -226,6 +286,9 @@ pub(crate) fn x3p(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapE
         );
         return Err(wrong(source, problem));
     }
+    // In units of the increment, as the values.
+    let offset = description.number("CZ/Offset").unwrap_or(0.0) / height;
+    values.iter_mut().for_each(|value| *value += offset);
     if let Some(link) = description.text("DataLink/ValidPointsLink") {
         // One bit for every point, the lowest first.
         let valid = unpacked(link.trim_start_matches('/'))?;

@@ -115,6 +115,7 @@ mod support;
 mod surface;
 mod table;
 pub mod table_text;
+mod tiff_packing;
 pub mod unit;
 
 pub use any_case::AnyCase;

@@ -1,4 +1,4 @@
-//! Tables from XLSX files: the first sheet that has cells, as text with tabs between its cells.
+//! Tables from XLSX files: the first sheet that has a row of numbers, as text with tabs between its cells.
 
 use crate::archive::member;
 use crate::markup::{Part, attribute, parts};
@@ -18,14 +18,33 @@ pub(crate) fn to_text(bytes: &[u8], most: u64) -> Result<String, String> {
     let relations = text("xl/_rels/workbook.xml.rels")?.unwrap_or_default();
     let shared = text("xl/sharedStrings.xml")?.unwrap_or_default();
     let shared = shared_texts(&shared);
+    let mut first = None;
     for sheet in sheets(&workbook, &relations) {
         let Some(sheet) = text(&sheet)? else { continue };
-        let table = rows(&sheet, &shared, most)?;
-        if !table.trim().is_empty() {
+        let (table, formula) = rows(&sheet, &shared, most)?;
+        if let Some(cell) = formula.filter(|_| first.is_none()) {
+            return Err(format!(
+                "cell {cell} contains a formula and no value: open it in Excel or LibreOffice and save it again"
+            ));
+        }
+        if has_numbers(&table) {
             return Ok(table);
         }
+        if first.is_none() && !table.trim().is_empty() {
+            first = Some(table);
+        }
     }
-    Err("no sheet has any cells".to_owned())
+    first.ok_or_else(|| "no sheet has any cells".to_owned())
+}
+
+/// Whether a table has a row with two numbers, as notes on a measurement do not.
+fn has_numbers(table: &str) -> bool {
+    table.lines().any(|row| {
+        let mut numbers = row
+            .split('\t')
+            .filter(|cell| cell.replacen(',', ".", 1).parse::<f64>().is_ok());
+        numbers.nth(1).is_some()
+    })
 }
 
 /// Members of the archive that contain the sheets, in their order.
@@ -85,13 +104,17 @@ fn column(name: &str) -> Option<usize> {
     number.checked_sub(1)
 }
 
-fn rows(document: &str, shared: &[String], most: u64) -> Result<String, String> {
+/// The table of a sheet, and the first cell with a formula whose value is not in the file.
+fn rows(document: &str, shared: &[String], most: u64) -> Result<(String, Option<String>), String> {
     /// Columns of a sheet (ISO/IEC 29500, as Excel limits them).
     const MOST_COLUMNS: usize = 16_384;
     let too_large = || format!("the sheet has more than {} MB", most / 1_000_000);
     let mut text = String::new();
     let (mut lines, mut cells, mut kind) = (0_usize, 0_usize, String::new());
+    // Files contain no empty cells at the ends of rows: a row is as long as the longest one before it.
+    let mut longest = 0;
     let (mut value, mut is_value) = (String::new(), false);
+    let (mut name, mut is_formula, mut formula) = (String::new(), false, None);
     for part in parts(document) {
         match part {
             Part::Start("row", given) => {
@@ -106,7 +129,9 @@ fn rows(document: &str, shared: &[String], most: u64) -> Result<String, String> 
                 cells = 0;
             }
             Part::Start("c", given) => {
-                let place = attribute(given, "r").and_then(|name| column(&name));
+                name = attribute(given, "r").unwrap_or_default();
+                is_formula = false;
+                let place = column(&name);
                 let place = place.unwrap_or(cells).min(MOST_COLUMNS);
                 while cells < place {
                     text.push('\t');
@@ -115,13 +140,20 @@ fn rows(document: &str, shared: &[String], most: u64) -> Result<String, String> 
                 kind = attribute(given, "t").unwrap_or_default();
                 value.clear();
             }
+            Part::Start("f", _) => is_formula = true,
             Part::Start("v" | "t", _) => is_value = true,
             Part::End("v" | "t") => is_value = false,
             Part::Text(part) if is_value => value.push_str(&part),
             Part::End("c") => {
+                if is_formula && kind.is_empty() && value.trim().is_empty() {
+                    formula.get_or_insert_with(|| name.clone());
+                }
                 let number = || value.trim().parse::<usize>().ok();
+                let not_available = "n/a".to_owned();
                 let shown = match &kind[..] {
                     "s" => number().and_then(|number| shared.get(number)),
+                    // Errors of formulas, as #DIV/0!.
+                    "e" => Some(&not_available),
                     _ => Some(&value),
                 };
                 let shown = shown.map_or("", |shown| shown.trim());
@@ -131,6 +163,12 @@ fn rows(document: &str, shared: &[String], most: u64) -> Result<String, String> 
             }
             Part::End("row") => {
                 text.truncate(text.trim_end_matches('\t').len());
+                let row = &text[text.rfind('\n').map_or(0, |end| end + 1)..];
+                if !row.is_empty() {
+                    let tabs = row.matches('\t').count();
+                    text.push_str(&"\t".repeat(longest.max(tabs) - tabs));
+                    longest = longest.max(tabs);
+                }
                 text.push('\n');
                 lines += 1;
             }
@@ -140,7 +178,7 @@ fn rows(document: &str, shared: &[String], most: u64) -> Result<String, String> 
             return Err(too_large());
         }
     }
-    Ok(text)
+    Ok((text, formula))
 }
 
 #[cfg(test)]
@@ -155,8 +193,18 @@ mod tests {
         assert_eq!(shared, ["Load", "[mN]"]);
         let sheet = "<sheetData><row r=\"2\"><c r=\"A2\" t=\"s\"><v>0</v></c><c r=\"C2\" t=\"inlineStr\"><is><t>z</t></is></c></row>\
                      <row><c><v>1.5</v></c><c/><c><v>2</v></c></row></sheetData>";
-        let read = rows(sheet, &shared, 1000);
+        let read = rows(sheet, &shared, 1000).map(|(text, _)| text);
         assert_eq!(read.as_deref(), Ok("\nLoad\t\tz\n1.5\t\t2\n"));
+        // Rows end with their last cell that is not empty; the second one of 1/0.
+        let sheet = "<row><c><v>a</v></c></row><row><c><v>x</v></c><c><v>y</v></c><c/></row><row><c><v>1</v></c></row>\
+                     <row/><row><c t=\"e\"><f>1/0</f><v>#DIV/0!</v></c><c><v>2</v></c></row>";
+        let read = rows(sheet, &shared, 1000).map(|(text, _)| text);
+        assert_eq!(read.as_deref(), Ok("a\nx\ty\n1\t\n\nn/a\t2\n"));
+        // A formula that no program has computed.
+        let sheet = "<row><c r=\"A1\"><f>1+1</f><v>2</v></c><c r=\"B1\"><f>A1*2</f><v/></c></row>";
+        let (_, formula) = rows(sheet, &shared, 1000).unwrap();
+        assert_eq!(formula.as_deref(), Some("B1"));
         assert_eq!(column("AB12"), Some(27));
+        assert!(has_numbers("x\ty\nnote\t1,5\t2\n") && !has_numbers("radius\t2\tmm\n3\n"));
     }
 }

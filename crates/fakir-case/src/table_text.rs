@@ -8,7 +8,7 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 
 /// Reads a table as text, which may have at most `most` bytes: a text, also packed by gzip (`.gz`), or the first sheet of a
-/// spreadsheet (`.xlsx`) with cells, with a line for each of its rows and tabs between cells.
+/// spreadsheet (`.xlsx`) with a row of numbers, with a line for each of its rows and tabs between cells.
 ///
 /// # Errors
 /// As [`read`]: files of recognised formats that are not read ([`ErrorKind::Unsupported`]), with what converts them.

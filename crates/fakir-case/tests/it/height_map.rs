@@ -307,7 +307,13 @@ fn files_of_other_formats_are_named() {
     for (start, format, advice) in [
         (&b"GWYPsomething"[..], "Gwyddion", "save it as text"),
         (b"MATLAB 5.0", "MATLAB", "as text with writematrix"),
-        (b"bISO-1.0", "a binary SDF file", "save it as SDF in ASCII"),
+        (
+            b"CDF\x01",
+            "a NetCDF file",
+            "fakir.bem.Surface accepts its objects",
+        ),
+        (b"II+\0", "a BigTIFF image", "bigtiff=False"),
+        (b"\x01\0\x02", "an unknown format", "as an array of NumPy"),
         (b"\xff\xfe0\0", "UTF-16", "save it as text in UTF-8"),
     ] {
         let error = read_text(start, &SCALE.into()).unwrap_err().to_string();
@@ -346,6 +352,36 @@ fn files_of_iso_25178() {
     );
     let error = read_text(sdf("0 high"), &nothing).unwrap_err().to_string();
     assert!(error.contains("\"high\" is no height"), "{error}");
+    // Binary SDF: 42 bytes of texts, counts, scales, and the type of the heights.
+    let binary = |kind: u8, heights: &[u8]| {
+        let mut bytes = format!("{:<42}", "bISO-1.0").into_bytes();
+        bytes.extend([4, 0, 3, 0]);
+        bytes.extend(
+            [2e-6, 1e-6, 1e-9, -1.0]
+                .into_iter()
+                .flat_map(f64::to_le_bytes),
+        );
+        bytes.extend([0, kind, 0]);
+        bytes.extend(heights);
+        bytes
+    };
+    let short = values(false);
+    let short = short.iter().flat_map(|v| (*v as i16).to_le_bytes());
+    let mut short: Vec<u8> = short.collect();
+    check(&read_text(binary(5, &short), &nothing).unwrap());
+    let error = read_text(binary(5, &short[1..]), &nothing).unwrap_err();
+    assert!(
+        error.to_string().contains("24 bytes, and 23 are left"),
+        "{error}"
+    );
+    let error = read_text(binary(0, &short), &nothing).unwrap_err();
+    assert!(error.to_string().contains("heights of type 0"), "{error}");
+    short[..2].copy_from_slice(&i16::MIN.to_le_bytes());
+    let error = read_text(binary(5, &short), &nothing).unwrap_err();
+    assert!(
+        error.to_string().contains("1 of 12 heights are missing"),
+        "{error}"
+    );
     // X3P with whole numbers, with floating-point numbers, and with heights in its description.
     let description = |kind: &str, increment: &str, data: &str| {
         let axis = |name: &str, kind: &str, increment: &str| {
@@ -381,8 +417,18 @@ fn files_of_iso_25178() {
         ];
         crate::tables::zip(&members)
     };
+    // Whole numbers with an offset of 5 nm.
+    let lower: Vec<u8> = values(false)
+        .iter()
+        .flat_map(|v| (*v as i16 - 5).to_le_bytes())
+        .collect();
+    let raised = description("I", "1e-9", link).replace(
+        "<DataType>I</DataType>",
+        "<DataType>I</DataType><Offset>5e-9</Offset>",
+    );
     for archive in [
         of(description("I", "1e-9", link), &whole),
+        of(raised, &lower),
         of(description("D", "1", link), &double),
         of(description("D", "1", &listed), &[]),
     ] {
@@ -481,8 +527,64 @@ fn grey_images_have_the_largest_y_on_top() {
     }
 }
 
+#[test]
+fn tiff_in_tiles_and_packed() {
+    // Heights in nm, from the top. Tiles of 16 by 16 pixels are larger than the image; PackBits with literal bytes alone.
+    let heights: Vec<f32> = values(false)
+        .chunks(4)
+        .rev()
+        .flatten()
+        .map(|value| *value as f32)
+        .collect();
+    let literal = |bytes: &[u8]| -> Vec<u8> {
+        let parts = bytes.chunks(128);
+        parts
+            .flat_map(|part| [&[part.len() as u8 - 1][..], part].concat())
+            .collect()
+    };
+    let mut tile = vec![0.0_f32; 256];
+    for (place, height) in heights.iter().enumerate() {
+        tile[place / 4 * 16 + place % 4] = *height;
+    }
+    for big_endian in [false, true] {
+        let bytes = |heights: &[f32]| -> Vec<u8> {
+            let of = |height: &f32| match big_endian {
+                true => height.to_be_bytes(),
+                false => height.to_le_bytes(),
+            };
+            heights.iter().flat_map(of).collect()
+        };
+        let strips = tiff(big_endian, [32, 3, 32_773], &literal(&bytes(&heights)));
+        check(&read_text(strips, &SCALE.into()).unwrap());
+        let data = literal(&bytes(&tile));
+        let length = data.len() as u32;
+        let fields = [(322, 16), (323, 16), (324, 8), (325, length)];
+        let tiles = tiff_with(big_endian, [32, 3, 32_773], &data, &fields);
+        check(&read_text(tiles, &SCALE.into()).unwrap());
+        let short = tiff_with(big_endian, [32, 3, 1], &data, &[(322, 16), (323, 16)]);
+        let error = read_text(short, &SCALE.into()).unwrap_err().to_string();
+        assert!(error.contains("it is damaged"), "{error}");
+        let error = read_text(tiff(big_endian, [32, 3, 50_000], &data), &SCALE.into());
+        let error = error.unwrap_err().to_string();
+        assert!(
+            error.contains("packed by method 50000: save it without"),
+            "{error}"
+        );
+    }
+}
+
 /// A TIFF image of 4 by 3 pixels in one strip, with bits, sample format and compression.
 fn tiff(big_endian: bool, kind: [u16; 3], data: &[u8]) -> Vec<u8> {
+    tiff_with(
+        big_endian,
+        kind,
+        data,
+        &[(273, 8), (279, data.len() as u32)],
+    )
+}
+
+/// The same with the fields of tiles or strips.
+fn tiff_with(big_endian: bool, kind: [u16; 3], data: &[u8], blocks: &[(u16, u32)]) -> Vec<u8> {
     let short = |value: u16| {
         if big_endian {
             value.to_be_bytes()
@@ -507,17 +609,16 @@ fn tiff(big_endian: bool, kind: [u16; 3], data: &[u8]) -> Vec<u8> {
     bytes.extend(short(42));
     bytes.extend(long(start));
     bytes.extend(data);
-    let fields: [(u16, u32); 9] = [
+    let fields: [(u16, u32); 7] = [
         (256, 4),
         (257, 3),
         (258, bits.into()),
         (259, compression.into()),
         (262, 1),
-        (273, 8),
         (277, 1),
-        (279, data.len() as u32),
         (339, format.into()),
     ];
+    let fields = [&fields[..], blocks].concat();
     bytes.extend(short(fields.len() as u16));
     for (tag, value) in fields {
         bytes.extend(short(tag));
@@ -808,8 +909,21 @@ fn a_byte_changed_in_an_archive_is_noticed() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_file_without_end_is_read_no_further_than_a_line() {
+fn a_file_without_end_is_refused_by_its_first_bytes() {
     let error = read(Path::new("/dev/zero")).expect_err("it has no end");
+    assert!(
+        matches!(error, HeightMapError::OtherFormat { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_line_without_end_is_read_no_further_than_the_longest_one() {
+    // Digits, and zeros in a sparse file.
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    file.write_all(&[b'1'; 1000]).unwrap();
+    file.as_file().set_len(1_000_000_000).unwrap();
+    let error = read(file.path()).expect_err("one line");
     assert!(
         matches!(error, HeightMapError::LongLine { line: 1, .. }),
         "{error}"

@@ -116,7 +116,7 @@ const ERRORS: [&str; 9] = [
 ];
 
 /// Words without effect that may accompany the name.
-const FILLERS: [&str; 27] = [
+const FILLERS: [&str; 28] = [
     "normal",
     "measured",
     "contact",
@@ -125,6 +125,7 @@ const FILLERS: [&str; 27] = [
     "applied",
     "stage",
     "sensor",
+    "sense",
     "cell",
     "channel",
     "total",
@@ -328,6 +329,7 @@ mod tests {
             ("Force (mN)", "force", "mN"),
             ("F / mN", "force", "mN"),
             ("Fz, uN", "force", "uN"),
+            ("Z-Sense(nm)", "displacement", "nm"),
             ("Z Position (\u{b5}m)", "displacement", "\u{b5}m"),
             ("Load On Sample (uN)", "", ""),
             ("ContactRadius_um", "contact_radius", "um"),

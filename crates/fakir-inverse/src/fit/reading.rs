@@ -14,10 +14,16 @@ use super::heading::{
     without_brackets,
 };
 use super::layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason};
-use super::segments::{Segments, value_of};
+use super::segments::{
+    Segments, is_of_afmformats, spring_constant_of_afmformats, units_of_afmformats, value_of,
+};
 use super::units::{Scale, example_unit, is_unit};
 use fakir::state::Branch;
 use std::borrow::Cow;
+
+/// The error for a file that contains zeros or damaged characters.
+const NO_TEXT: &str =
+    "is no text: export it as text (CSV) or as .xlsx from the program that wrote it";
 
 /// Values of one row of the file, each with its column.
 pub(super) type RowValues = Vec<(Column, f64)>;
@@ -239,7 +245,12 @@ impl Reader<'_> {
             };
             let (first, second) = (&headings[other.place], &headings[one.place]);
             if first == second {
-                return Err(fail(second, "is there twice".to_owned()));
+                let problem = format!(
+                    "is there twice: name one of them by its number, as {}=\"#{}\"",
+                    one.column.quantity(),
+                    one.place + 1
+                );
+                return Err(fail(second, problem));
             }
             let quantity = one.column.quantity();
             let problem = format!(
@@ -312,6 +323,11 @@ impl Reader<'_> {
             .collect();
         let segments = Segments::of(&lines);
         let mut hints = hints.clone();
+        let is_of_afmformats = is_of_afmformats(&lines);
+        if is_of_afmformats {
+            let constant = hints.spring_constant;
+            hints.spring_constant = constant.or_else(|| spring_constant_of_afmformats(&lines));
+        }
         let place = match &segments {
             Some(segments) => {
                 hints.spring_constant = hints.spring_constant.or(segments.spring_constant);
@@ -338,6 +354,7 @@ impl Reader<'_> {
             .find_map(|line| value_of(line, "segment"));
         let units = match segments {
             Some(segments) => segments.units,
+            None if is_of_afmformats => units_of_afmformats(&headings),
             None => match unit_row(&lines, first, separator, &headings, &hints) {
                 Some((after, units)) => {
                     first = after;
@@ -455,7 +472,7 @@ impl Reader<'_> {
         let decoded = match bytes {
             [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
             [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
-            _ if bytes.contains(&0) => return Err(self.fail(None, None, "is no text")),
+            _ if bytes.contains(&0) => return Err(self.fail(None, None, NO_TEXT)),
             _ => {
                 let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
                 return Ok(match std::str::from_utf8(bytes) {
@@ -467,7 +484,7 @@ impl Reader<'_> {
         };
         decoded
             .map(Cow::Owned)
-            .map_err(|_| self.fail(None, None, "is no text"))
+            .map_err(|_| self.fail(None, None, NO_TEXT))
     }
 
     /// Finds the line of the headings and the separator for which most columns are recognised.
@@ -747,6 +764,15 @@ impl Heading {
     }
 }
 
+/// Whether a line that begins with a semicolon is a heading whose first cell is empty, as pandas writes it: rows of as many cells follow.
+fn begins_with_empty_cell(lines: &[&str], index: usize, separator: char) -> bool {
+    let line = lines[index];
+    let count = cells(line, separator).len();
+    separator == ';'
+        && line.starts_with(';')
+        && row_separator(lines, index + 1, separator, count) == Some(separator)
+}
+
 /// Whether a row is a marker or a footer: no used column has a number, or the row begins with a word where a number belongs.
 fn is_text(cells: &[String], heading: &Heading, is_complete: bool) -> bool {
     let is_word = |cell: &String| !is_not_measured(cell) && !is_number(cell);
@@ -815,7 +841,12 @@ impl Search<'_> {
                 let text = match (self.commented, comment(line)) {
                     (true, Some(text)) => text,
                     (true, None) => return None,
-                    (false, _) if is_comment(line, *separator, 0) => return None,
+                    (false, _)
+                        if is_comment(line, *separator, 0)
+                            && !begins_with_empty_cell(lines, index, *separator) =>
+                    {
+                        return None;
+                    }
                     (false, _) => line,
                 };
                 let first = index + 1;

@@ -1,4 +1,4 @@
-//! Headers of JPK's text files: comments that name columns, units and segments.
+//! Headers of text files of JPK and of the Python package afmformats: comments that name columns, units and segments.
 
 use super::cells::{BLANKS, cells, comment};
 
@@ -21,6 +21,36 @@ pub(super) struct Segments {
 pub(super) fn value_of<'a>(line: &'a str, name: &str) -> Option<&'a str> {
     let (found, value) = comment(line)?.split_once(':')?;
     (found.trim() == name).then(|| value.trim())
+}
+
+/// Whether a text was written by `export_data` of afmformats.
+pub(super) fn is_of_afmformats(lines: &[&str]) -> bool {
+    let first = lines.first().and_then(|line| comment(line));
+    first.is_some_and(|first| first.trim().starts_with("afmformats "))
+}
+
+/// Units of columns of afmformats, which are in SI units.
+pub(super) fn units_of_afmformats(headings: &[String]) -> Vec<String> {
+    let unit = |heading: &String| match &heading[..] {
+        "force" => "N",
+        "time" => "s",
+        "height (measured)" | "height (piezo)" | "tip position" => "m",
+        _ => "",
+    };
+    headings
+        .iter()
+        .map(|heading| unit(heading).to_owned())
+        .collect()
+}
+
+/// Spring constant (N/m) in the metadata of afmformats, which are JSON.
+pub(super) fn spring_constant_of_afmformats(lines: &[&str]) -> Option<f64> {
+    lines
+        .iter()
+        .map_while(|line| comment(line))
+        .find_map(|line| line.trim().strip_prefix("\"spring constant\":"))
+        .and_then(|value| value.trim().trim_end_matches(',').parse().ok())
+        .filter(|constant: &f64| constant.is_finite() && *constant > 0.0)
 }
 
 impl Segments {

@@ -47,6 +47,8 @@ fn separators_units_and_numbers() {
         "# displacement_um, force_uN\n2.500e+00 1.500e+00\n3.500e+00 -2.000e+00\n",
         "Displacement (um)  Normal force (uN)\n   2.5       1.5\n   3.5      -2.0\n",
         "Time(s) Position (um) Force (uN)\n0 2.5 1.5\n1 3.5 -2\n",
+        // pandas.DataFrame.to_csv with its index: the first cell is empty.
+        ";displacement_um;force_uN\n0;2,5;1,5\n1;3,5;-2,0\n",
         // A row of units after an empty one.
         "Displacement,Force\n,\n[um],[uN]\n2.5,1.5\n3.5,-2\n",
         // Rows that were not measured.
@@ -241,4 +243,16 @@ fn branches_side_by_side_and_segments() {
     );
     assert!(data.rows()[11].position.unwrap().value > data.rows()[0].position.unwrap().value);
     assert_eq!(data.layout().cantilever_compliance, Some(20.0));
+}
+
+/// As `export_data` of afmformats 0.18 writes it: units are SI, and the height contains the deflection of the cantilever.
+#[test]
+fn text_of_afmformats() {
+    let text = "# afmformats 0.18.7\r\n#\r\n# BEGIN METADATA\r\n# {\r\n#   \"spring constant\": 0.05,\r\n#   \"z range\": 1e-06\r\n# }\r\n\
+                # END METADATA\r\n#\r\n# force\theight (measured)\tsegment\r\n1.5e-06\t-2.5e-06\t0\r\n-2e-06\t-3.5e-06\t1\r\n";
+    let data = read(text);
+    assert_eq!(values(&data), [[2.5, 1.5], [3.5, -2.0]]);
+    assert_eq!(data.layout().cantilever_compliance, Some(20.0));
+    let tip = read(&text.replace("height (measured)", "tip position"));
+    assert_eq!(tip.layout().cantilever_compliance, None);
 }
