@@ -490,8 +490,8 @@ impl Cycle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{Adhesion, UnloadingPoint};
-    use crate::state::{Run, Solution};
+    use crate::problem::{Adhesion, Method, UnloadingPoint};
+    use crate::state::{ErrorEstimate, Run, Solution};
     use crate::theory::reference::intermediate;
 
     /// A cycle that turns at an indentation of 10 nm, on one pillar.
@@ -501,13 +501,7 @@ mod tests {
             turn: UnloadingPoint::Indentation(10e-9),
             ..CyclePlan::default()
         };
-        crate::cycle(
-            &system.unwrap(),
-            plan,
-            crate::problem::Method::default(),
-            &Run::default(),
-        )
-        .unwrap()
+        crate::cycle(&system.unwrap(), plan, Method::default(), &Run::default()).unwrap()
     }
 
     #[test]
@@ -536,11 +530,11 @@ mod tests {
     fn a_turn_of_which_nothing_is_known_is_no_answer() {
         let mut cycle = cycle();
         cycle.turn = ContactState {
-            error: crate::state::ErrorEstimate {
+            error: ErrorEstimate {
                 force: 1.0,
                 indentation: 1.0,
             },
-            ..ContactState::untouched(&cycle.system, crate::problem::Method::default(), 1e-12)
+            ..ContactState::untouched(&cycle.system, Method::default(), 1e-12)
         };
         cycle.pull_off = None;
         cycle.separation = None;
