@@ -408,6 +408,20 @@ def test_the_section_is_cut_by_its_frame(explore):
         assert tenfold - middle == pytest.approx(10 * (once - middle), abs=1)
 
 
+def test_the_exaggeration_is_fitted_again(explore):
+    page = explore("#" + "&".join(paper(0.02)))
+    fit = page.page.locator("#exaggeration-fit")
+    fitted = page.text("exaggeration-words")
+    assert fit.get_attribute("aria-pressed") == "true"
+    page.slide("exaggeration", 2.5)
+    assert fit.get_attribute("aria-pressed") == "false"
+    assert page.text("exaggeration-words") != fitted
+    page.page.click("#exaggeration-fit")
+    page.rest()
+    assert fit.get_attribute("aria-pressed") == "true"
+    assert page.text("exaggeration-words") == fitted
+
+
 def test_an_address_that_is_entered_is_not_written_over(explore):
     """The page is told late of an address that was entered: after it would have put there what it shows itself."""
 

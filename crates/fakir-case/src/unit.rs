@@ -575,6 +575,61 @@ mod tests {
         assert!(length("1e999999999999 um").unwrap().is_infinite());
     }
 
+    /// SI prefixes; dyne and angstrom (BIPM, The International System of Units, 2019); standard gravity (CGPM 1901); international pound, of 16
+    /// ounces, and inch, of 1000 mils (1959).
+    #[test]
+    fn every_unit_has_its_definition() {
+        let (inch, kilogram, pound) = (0.0254, 9.806_65, 0.453_592_37 * 9.806_65);
+        let defined = [
+            ("m", 1.0),
+            ("cm", 1e-2),
+            ("mm", 1e-3),
+            ("um", 1e-6),
+            ("nm", 1e-9),
+            ("\u{c5}", 1e-10),
+            ("pm", 1e-12),
+            ("in", inch),
+            ("mil", inch / 1000.0),
+            ("GPa", 1e9),
+            ("MPa", 1e6),
+            ("bar", 1e5),
+            ("kPa", 1e3),
+            ("Pa", 1.0),
+            ("psi", pound / (inch * inch)),
+            ("ksi", 1000.0 * pound / (inch * inch)),
+            ("kN", 1e3),
+            ("N", 1.0),
+            ("mN", 1e-3),
+            ("dyn", 1e-5),
+            ("uN", 1e-6),
+            ("nN", 1e-9),
+            ("pN", 1e-12),
+            ("kgf", kilogram),
+            ("gf", kilogram / 1e3),
+            ("mgf", kilogram / 1e6),
+            ("lbf", pound),
+            ("ozf", pound / 16.0),
+            ("J/m2", 1.0),
+            ("mJ/m2", 1e-3),
+            ("kN/m", 1e3),
+            ("N/m", 1.0),
+            ("mN/m", 1e-3),
+            ("deg", std::f64::consts::PI / 180.0),
+            ("rad", 1.0),
+            ("%", 1e-2),
+        ];
+        for unit in UNITS.into_iter().chain(FURTHER_UNITS) {
+            let found = defined.iter().find(|(symbol, _)| *symbol == unit.symbol);
+            let (symbol, value) = found.unwrap();
+            assert!((unit.in_si() / value - 1.0).abs() < 1e-12, "{symbol}");
+            let read = parse_quantity(&format!("2 {symbol}"), unit.dimension).unwrap();
+            assert!(
+                (read / (2.0 * value) - 1.0).abs() < 1e-12,
+                "{symbol}: {read}"
+            );
+        }
+    }
+
     #[test]
     fn what_is_not_a_quantity() {
         let length_of = |text| parse_quantity(text, Dimension::Length).unwrap();

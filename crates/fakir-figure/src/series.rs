@@ -376,4 +376,27 @@ mod tests {
             assert!(drawn > 100, "{drawn}");
         }
     }
+    /// An error far larger than what the axes show.
+    #[test]
+    fn error_bars_end_at_the_frame() {
+        let axis = |name: &str| Axis::linear(name).over(0.0, 2.0).span(std::iter::empty());
+        let frame = Frame {
+            bounds: Bounds::new(20.0, 10.0, 200.0, 120.0),
+            x: axis("x"),
+            y: axis("y"),
+        };
+        for error in [[1e6, 0.0], [0.0, 1e6]] {
+            let mut items = Vec::new();
+            let point = Series::new("s", vec![[1.0, 1.0]], Style::line(0));
+            point.with_errors(vec![error]).draw(&frame, &mut items);
+            let [Item::Clipped { items, .. }] = items.as_slice() else {
+                panic!("not clipped")
+            };
+            let [Item::Path { path, .. }] = items.as_slice() else {
+                panic!("not one path")
+            };
+            let mut places = path.pieces.iter().flat_map(|piece| &piece.places);
+            assert!(places.all(|place| frame.bounds.grown(6.0).contains(*place)));
+        }
+    }
 }

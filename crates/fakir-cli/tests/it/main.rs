@@ -15,3 +15,4 @@ mod recorded;
 mod results;
 mod surfaces;
 mod sweeps;
+mod unresolved;

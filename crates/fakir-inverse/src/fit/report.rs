@@ -82,11 +82,21 @@ impl Fit {
                 .as_ref()
                 .map_or(Vec::new(), FittedCycle::warnings),
         );
-        let unsolved = self.rows.iter().filter(|row| !row.converged).count();
-        if unsolved > 0 {
-            warnings.push(format!(
-                "{unsolved} contacts did not converge or are not resolved"
-            ));
+        let unsolved: Vec<u64> = self
+            .rows
+            .iter()
+            .filter(|row| !row.converged)
+            .map(|row| row.measurement.line)
+            .collect();
+        match &unsolved[..] {
+            [] => {}
+            [line] => warnings.push(format!(
+                "1 state (line {line}) did not converge or is not resolved"
+            )),
+            [first, .., last] => warnings.push(format!(
+                "{} states (lines {first} to {last}) did not converge or are not resolved",
+                unsolved.len()
+            )),
         }
         if self.termination != Termination::Converged {
             warnings.push(format!("the fit {}", self.termination.description()));

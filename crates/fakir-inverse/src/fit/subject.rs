@@ -2,7 +2,7 @@
 
 use super::error::FitError;
 use fakir::problem::{Adhesion, CyclePlan, FlatSystem, InvalidQuantity, Load};
-use fakir::state::{Cycle, FlatCycle, Limit, Run, SolveError};
+use fakir::state::{Cycle, FlatCycle, Limit, Run, Solution, SolveError};
 use fakir_case::{Case, CaseError, CaseFile, FlatCase, Key, Setting};
 use fakir_study::result::cycle_warnings;
 
@@ -150,6 +150,15 @@ impl FittedCycle {
         }
     }
 
+    /// Whether its numbers are resolved too.
+    #[must_use]
+    pub fn is_answer(&self) -> bool {
+        match self {
+            Self::Pillars(cycle) => cycle.is_answer(),
+            Self::Flat(cycle, _) => cycle.is_answer(),
+        }
+    }
+
     /// Limits of the model at the end of the loading.
     #[must_use]
     pub fn limits(&self) -> Vec<Limit> {
@@ -174,8 +183,9 @@ impl FittedCycle {
         match self {
             Self::Pillars(cycle) => cycle_warnings(cycle),
             Self::Flat(cycle, _) => {
-                let warnings = cycle.turn.warnings.iter();
-                warnings.map(ToString::to_string).collect()
+                let warnings = cycle.turn.warnings.iter().map(ToString::to_string);
+                let unresolved = cycle.unresolved().map(|it| it.to_string());
+                warnings.chain(unresolved).collect()
             }
         }
     }

@@ -210,6 +210,31 @@ fn rows_outside_of_the_model_are_named_and_left_out() {
     assert!(warnings.contains(told), "{warnings}");
 }
 
+/// Boundary elements 0.75 um wide under a lens that presses 1 pm: no cell is touched, which states a force of 0 with an error of 1. At 0.1 nm four cells are touched, and none of
+/// those twice as large.
+#[test]
+fn rows_whose_contacts_are_not_resolved_are_named() {
+    let file = case_file(&["method.name=love", "method.cells_per_diameter=8"]);
+    let depths = [1e-12, 1e-10, 0.2e-6, 0.4e-6, 0.6e-6];
+    let [_, force, _] = loading(&file, &depths);
+    assert!(force[0] <= 0.0 && force[1] > 0.0, "{force:?}");
+    let columns = [
+        (Column::Indentation, depths.to_vec()),
+        (Column::Force, force),
+    ];
+    let data = Measurements::new(&columns)
+        .unwrap()
+        .with_force_error(0.2e-6);
+    let fitted = run_fit(&file, &data, &[SUBSTRATE]);
+    assert_eq!(fitted.termination, Termination::Converged);
+    let resolved: Vec<bool> = fitted.rows.iter().map(|row| row.converged).collect();
+    assert_eq!(resolved, [false, false, true, true, true]);
+    assert!(!fitted.converged());
+    let warnings = fitted.warnings().join("\n");
+    let told = "2 states (lines 1 to 2) did not converge or are not resolved";
+    assert!(warnings.contains(told), "{warnings}");
+}
+
 #[test]
 fn moduli_that_force_cannot_tell_apart() {
     // Without columns only the common compliance of both bodies has an effect.

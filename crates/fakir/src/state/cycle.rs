@@ -486,3 +486,61 @@ impl Cycle {
         limits_of_adhesion(&self.system, farthest.fold(0.0, f64::max), range)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{Adhesion, Method, UnloadingPoint};
+    use crate::state::{ErrorEstimate, Run, Solution};
+    use crate::theory::reference::intermediate;
+
+    /// A cycle that turns at an indentation of 10 nm, on one pillar.
+    fn cycle() -> Cycle {
+        let system = intermediate(0.01).with_adhesion(Adhesion::new(50e-3));
+        let plan = CyclePlan {
+            turn: UnloadingPoint::Indentation(10e-9),
+            ..CyclePlan::default()
+        };
+        crate::cycle(&system.unwrap(), plan, Method::default(), &Run::default()).unwrap()
+    }
+
+    #[test]
+    fn a_part_without_a_first_digit_is_no_answer() {
+        let cycle = cycle();
+        assert!(cycle.is_answer());
+        let places: [(&str, fn(&mut Cycle) -> &mut f64); 3] = [
+            ("force at the end of loading", |cycle| {
+                &mut cycle.turn.error.force
+            }),
+            ("pull-off force", |cycle| {
+                &mut cycle.errors.pull_off_force.levels
+            }),
+            ("hysteresis", |cycle| &mut cycle.errors.loop_area.degree),
+        ];
+        for (quantity, place) in places {
+            let mut doubtful = cycle.clone();
+            *place(&mut doubtful) = 0.6;
+            assert!(doubtful.converged() && !doubtful.is_answer());
+            assert_eq!(doubtful.unresolved().unwrap().quantity, quantity);
+        }
+    }
+
+    /// A contact that is smaller than the first position of fronts on a top: a force of 0 with an error of 1.
+    #[test]
+    fn a_turn_of_which_nothing_is_known_is_no_answer() {
+        let mut cycle = cycle();
+        cycle.turn = ContactState {
+            error: ErrorEstimate {
+                force: 1.0,
+                indentation: 1.0,
+            },
+            ..ContactState::untouched(&cycle.system, Method::default(), 1e-12)
+        };
+        cycle.pull_off = None;
+        cycle.separation = None;
+        assert_eq!(
+            cycle.unresolved().unwrap().quantity,
+            "force at the end of loading"
+        );
+    }
+}

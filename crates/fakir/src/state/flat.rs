@@ -139,4 +139,87 @@ impl FlatCycle {
     pub fn converged(&self) -> bool {
         self.turn.converged()
     }
+    /// The first result of a converged solution that is [not resolved](Unresolved), among the jump into contact, the end of loading, pull-off and
+    /// the hysteresis.
+    #[must_use]
+    pub fn unresolved(&self) -> Option<Unresolved> {
+        if !self.converged() {
+            return None;
+        }
+        let of = |contact: &FlatContact| contact.unresolved().map_or(0.0, |found| found.error);
+        let numbers = [
+            ("force at the jump into contact", of(&self.jump)),
+            ("force at the end of loading", of(&self.turn)),
+            ("pull-off force", self.pull_off.as_ref().map_or(0.0, of)),
+            (
+                "hysteresis",
+                self.loop_area.map_or(0.0, |_| self.loop_area_error),
+            ),
+        ];
+        Unresolved::among(numbers, Remedy::HigherLoad)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{Adhesion, FlatSystem, Lens, Load, Material, UnloadingPoint};
+    use crate::state::{Run, Solution};
+
+    fn system() -> FlatSystem {
+        let material = Material::new(2e6, 0.5);
+        let lens = Lens {
+            radius: 2e-3,
+            material,
+        };
+        FlatSystem::new(lens, material).unwrap()
+    }
+
+    #[test]
+    fn a_contact_without_a_first_digit_is_no_answer() {
+        let contact = system()
+            .press(Load::Indentation(1e-6), &Run::default())
+            .unwrap();
+        assert!(contact.is_answer());
+        let places: [(&str, fn(&mut FlatErrors) -> &mut f64); 3] = [
+            ("force", |error| &mut error.force),
+            ("indentation", |error| &mut error.indentation),
+            ("contact radius", |error| &mut error.contact_radius),
+        ];
+        for (quantity, place) in places {
+            let mut doubtful = contact.clone();
+            *place(&mut doubtful.error) = 0.6;
+            assert!(!doubtful.is_answer());
+            assert_eq!(doubtful.unresolved().unwrap().quantity, quantity);
+        }
+    }
+
+    #[test]
+    fn a_cycle_with_a_part_without_a_first_digit_is_no_answer() {
+        let system = system().with_adhesion(Adhesion::new(50e-3)).unwrap();
+        let plan = CyclePlan {
+            turn: UnloadingPoint::Indentation(1e-6),
+            ..CyclePlan::default()
+        };
+        let cycle = system.cycle(&plan, &Run::default()).unwrap();
+        assert!(cycle.is_answer());
+        let places: [(&str, fn(&mut FlatCycle) -> &mut f64); 4] = [
+            ("force at the jump into contact", |cycle| {
+                &mut cycle.jump.error.force
+            }),
+            ("force at the end of loading", |cycle| {
+                &mut cycle.turn.error.force
+            }),
+            ("pull-off force", |cycle| {
+                &mut cycle.pull_off.as_mut().unwrap().error.force
+            }),
+            ("hysteresis", |cycle| &mut cycle.loop_area_error),
+        ];
+        for (quantity, place) in places {
+            let mut doubtful = cycle.clone();
+            *place(&mut doubtful) = 0.6;
+            assert!(doubtful.converged() && !doubtful.is_answer());
+            assert_eq!(doubtful.unresolved().unwrap().quantity, quantity);
+        }
+    }
 }

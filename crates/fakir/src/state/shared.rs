@@ -94,7 +94,7 @@ impl Solution for FlatCycle {
     }
 
     fn unresolved(&self) -> Option<Unresolved> {
-        self.turn.unresolved()
+        FlatCycle::unresolved(self)
     }
 }
 
