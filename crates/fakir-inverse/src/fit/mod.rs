@@ -59,8 +59,10 @@ mod parameter;
 mod radius;
 mod reading;
 mod report;
+mod sampled;
 mod segments;
 mod selection;
+mod table;
 mod units;
 
 pub use column::{Column, DataError};
@@ -81,6 +83,7 @@ use fakir_case::{CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
+use sampled::{Sampled, Tolerance};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::cell::Cell as StdCell;
 use std::convert::Infallible;
@@ -123,6 +126,9 @@ pub struct Scatter {
     pub residual: f64,
     /// Standard error of a value, estimated from the residuals; `None` if errors were given.
     pub estimated: Option<f64>,
+    /// Estimated interpolation error: the largest one of the force, N, or the root mean square of that of the contact radius, m. `None` if all
+    /// rows were solved.
+    pub interpolation_error: Option<f64>,
 }
 
 /// A measured value and the corresponding computed value.
@@ -422,6 +428,7 @@ impl<'a> Model<'a> {
             search.restart(*stretch)?;
             termination = search.run(run)?;
         }
+        search.finish()?;
         Ok((search, termination))
     }
 }
@@ -516,6 +523,10 @@ struct Search<'a> {
     earlier_iterations: usize,
     /// Number of contacts solved for the tests.
     solved: StdCell<usize>,
+    /// Interpolation between solved states; `None` if every row is solved.
+    sampled: Option<Sampled>,
+    /// Whether the search has ended.
+    is_finished: bool,
 }
 
 impl<'a> Search<'a> {
@@ -528,7 +539,7 @@ impl<'a> Search<'a> {
         let mut search = Self {
             model,
             stretch,
-            states: model.states(&unknowns, stretch)?,
+            states: Vec::new(),
             derivatives: Vec::new(),
             used: Vec::new(),
             data: Vec::new(),
@@ -538,8 +549,11 @@ impl<'a> Search<'a> {
             iterations: 0,
             earlier_iterations: 0,
             solved: StdCell::new(0),
+            sampled: Sampled::suits(model).then(Sampled::default),
+            is_finished: false,
             unknowns,
         };
+        search.states = search.states_at(&search.unknowns)?;
         search.select();
         search.check_enough().or_else(|error| {
             // The initial values may place too many states past the transition.
@@ -567,6 +581,61 @@ impl<'a> Search<'a> {
         self.select();
         self.check_enough()?;
         self.linearise()
+    }
+
+    /// Ends the search: up to a number of rows, the states are solved for each of them.
+    fn finish(&mut self) -> Result<(), FitError> {
+        if self.sampled.is_none() {
+            return Ok(());
+        }
+        self.is_finished = true;
+        self.states = self.states_at(&self.unknowns)?;
+        self.select();
+        self.check_enough()?;
+        self.linearise()
+    }
+
+    /// Computed states of all rows.
+    fn states_at(&self, unknowns: &[f64]) -> Result<Vec<State>, FitError> {
+        match &self.sampled {
+            Some(sampled) => sampled.states(self.model, unknowns, self.tolerance()),
+            None => self.model.states(unknowns, self.stretch),
+        }
+    }
+
+    /// Derivatives at the states, of this model or of one with other free parameters.
+    fn derivatives_of(
+        &self,
+        model: &Model<'_>,
+        unknowns: &[f64],
+    ) -> Result<Vec<Derivatives>, FitError> {
+        let Some(sampled) = &self.sampled else {
+            return model.derivatives(unknowns, &self.states, self.stretch);
+        };
+        let table = sampled.table(self.model, &self.unknowns, self.tolerance())?;
+        sampled.derivatives(model, unknowns, &self.states, &table, !self.is_finished)
+    }
+
+    /// Tolerances of the interpolation.
+    fn tolerance(&self) -> Tolerance {
+        let rows = self.model.data.rows();
+        let largest = Quantity::ALL.map(|quantity| {
+            let values = rows.iter().filter_map(|row| quantity.of(row));
+            values.fold(0.0, |largest: f64, value| largest.max(value.value.abs()))
+        });
+        let errors = Quantity::ALL.map(|quantity| {
+            let pairs = self.data.iter().zip(&self.errors);
+            let used = pairs.filter(|(datum, _)| datum.quantity == quantity);
+            let used = used.map(|(_, error)| *error);
+            let smallest = used.reduce(f64::min);
+            smallest.unwrap_or(self.scatter[quantity as usize])
+        });
+        let tolerance = Tolerance::new(errors, largest);
+        if self.is_finished && rows.len() <= sampled::SOLVED_AT_END {
+            tolerance.exact()
+        } else {
+            tolerance
+        }
     }
 
     /// Selects the rows to be used and their values; returns whether they have changed.
@@ -637,9 +706,7 @@ impl<'a> Search<'a> {
 
     /// Derivatives and errors at the unknowns.
     fn linearise(&mut self) -> Result<(), FitError> {
-        self.derivatives = self
-            .model
-            .derivatives(&self.unknowns, &self.states, self.stretch)?;
+        self.derivatives = self.derivatives_of(self.model, &self.unknowns)?;
         self.errors = self.with_errors()?;
         // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is sufficient,
         // because every step of the search updates them.
@@ -907,7 +974,7 @@ impl<'a> Search<'a> {
                 .zip(&self.unknowns)
                 .map(|(a, b)| a - b)
                 .collect();
-            match self.model.states(&trial, self.stretch) {
+            match self.states_at(&trial) {
                 Ok(states) if self.are_enough(&states) => {
                     let squares = self.trial_chi_square(&states);
                     if squares <= now {
@@ -1135,7 +1202,7 @@ impl<'a> Search<'a> {
         }
         let model = self.model.with(&self.unknowns, held)?;
         let start = model.start()?;
-        let derivatives = match model.derivatives(&start, &self.states, self.stretch) {
+        let derivatives = match self.derivatives_of(&model, &start) {
             Ok(derivatives) => derivatives,
             Err(error) if error.is_interruption() => return Err(error),
             Err(_) => return Ok(Vec::new()),
@@ -1253,7 +1320,7 @@ impl<'a> Search<'a> {
             undetermined,
             chi_square: self.chi_square_of_values(),
             degrees_of_freedom: freedom,
-            scatter: self.scatters(),
+            scatter: self.scatters()?,
             rows: self.rows(),
             limits: match &solved {
                 Some((_, cycle)) => cycle.turn.limits(None),
@@ -1460,8 +1527,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn scatters(&self) -> Vec<Scatter> {
+    fn scatters(&self) -> Result<Vec<Scatter>, FitError> {
         let residuals = self.residuals();
+        let interpolated = self.interpolation_errors()?;
         let mut scatters = Vec::new();
         for quantity in Quantity::ALL {
             let of: Vec<usize> = (0..self.data.len())
@@ -1477,19 +1545,46 @@ impl<'a> Search<'a> {
                 values: of.len(),
                 residual: (squares / of.len() as f64).sqrt(),
                 estimated: estimated.then_some(self.scatter[quantity as usize]),
+                interpolation_error: interpolated.as_ref().map(|errors| {
+                    let errors = of.iter().map(|k| errors[self.data[*k].row]);
+                    match quantity {
+                        Quantity::Force => errors.fold(0.0, |most, [force, _]| larger(most, force)),
+                        Quantity::ContactRadius => {
+                            let squares: f64 = errors.map(|[_, radius]| radius * radius).sum();
+                            (squares / of.len() as f64).sqrt()
+                        }
+                    }
+                }),
             });
         }
-        scatters
+        Ok(scatters)
+    }
+
+    /// Estimated interpolation errors of force and contact radius of every row; `None` if all rows were solved.
+    fn interpolation_errors(&self) -> Result<Option<Vec<[f64; 2]>>, FitError> {
+        let tolerance = self.tolerance();
+        match &self.sampled {
+            Some(sampled) if !tolerance.every_row => {
+                let states = &self.states;
+                let errors = sampled.errors(self.model, &self.unknowns, states, tolerance);
+                errors.map(Some)
+            }
+            _ => Ok(None),
+        }
     }
 
     fn rows(&self) -> Vec<FittedRow> {
+        let mut places = vec![[None; 2]; self.states.len()];
+        for (place, datum) in self.data.iter().enumerate() {
+            places[datum.row][datum.quantity as usize] = Some(place);
+        }
         let rows = self.model.data.rows().iter().zip(&self.states).enumerate();
         rows.map(|(number, (measurement, state))| {
             let modelled = state.problem.is_none();
             let compared = |quantity: Quantity, computed: f64| {
                 let measured = quantity.of(measurement).filter(|_| modelled)?;
-                let datum = |d: &Datum| d.row == number && d.quantity == quantity;
-                let error = self.data.iter().position(datum).map(|k| self.errors[k]);
+                let place = places[number][quantity as usize];
+                let error = place.map(|place: usize| self.errors[place]);
                 Some(Compared {
                     measured: measured.value,
                     computed,
@@ -1633,8 +1728,18 @@ impl<'a> Search<'a> {
         }
         let at = |k: usize| low + (high - low) * k as f64 / (CURVE - 1) as f64;
         let mut points = Vec::with_capacity(CURVE);
+        let table = match &self.sampled {
+            Some(sampled) => Some(sampled.table(self.model, &self.unknowns, self.tolerance())?),
+            None => None,
+        };
         for load in (0..CURVE).map(at) {
-            let state = if self.is_by_force() {
+            let state = if let Some(table) = &table {
+                let state = sampled::state_at(self.model.data, settings, table, load, 0.0);
+                if state.problem.is_some() {
+                    continue;
+                }
+                Ok(state)
+            } else if self.is_by_force() {
                 self.model.state_under(settings, load, 0.0)
             } else {
                 self.model.state_at(settings, load, 0.0, 0.0)
