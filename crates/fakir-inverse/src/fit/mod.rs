@@ -83,7 +83,7 @@ use fakir_case::{CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
-use sampled::{Sampled, Tolerance};
+use sampled::{Purpose, Sampled, Tolerance};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::cell::Cell as StdCell;
 use std::convert::Infallible;
@@ -324,6 +324,9 @@ const SMALL: f64 = 1e-3;
 /// the last step reduced the sum of squares by at most this amount and the condition of [`LITTLE_PROMISED`] is met too.
 const NO_GAIN: f64 = 1e-4;
 
+/// Reduction of the sum of squares, about a third of a standard error, that the interpolation of rows may hide.
+const INTERPOLATED: f64 = 0.1;
+
 /// At a kink, the reduction of the sum of squares predicted for the next step must be at most this amount, which is less
 /// than a standard error.
 const LITTLE_PROMISED: f64 = 0.5;
@@ -368,15 +371,27 @@ pub fn fit(
     options: &FitOptions,
     run: &Run<'_>,
 ) -> Result<Fit, FitError> {
+    fit_with(file, data, free, options, run, sampled::DIRECT)
+}
+
+/// [`fit`] in which up to `direct` rows are solved in every step.
+fn fit_with(
+    file: &CaseFile,
+    data: &Measurements,
+    free: &[Parameter],
+    options: &FitOptions,
+    run: &Run<'_>,
+    direct: usize,
+) -> Result<Fit, FitError> {
     file.check_surface(&[Question::Fit])?;
     check(data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
     let begin = model.start()?;
-    let (mut search, mut termination) = model.search(begin.clone(), run)?;
+    let (mut search, mut termination) = model.search(begin.clone(), run, direct)?;
     let mut starts = vec![search.started(termination)];
     let mut answer = 0;
     for number in 1..options.starts {
-        match model.search(model.other_start(&begin, number), run) {
+        match model.search(model.other_start(&begin, number), run, direct) {
             Ok((other, ended)) => {
                 let started = other.started(ended);
                 let best = starts[answer];
@@ -417,12 +432,13 @@ impl<'a> Model<'a> {
         &'m self,
         unknowns: Vec<f64>,
         run: &Run<'_>,
+        direct: usize,
     ) -> Result<(Search<'m>, Termination), FitError>
     where
         'a: 'm,
     {
         let stages = if self.sticks { &STRETCHES[..] } else { &[0.0] };
-        let mut search = Search::new(self, unknowns, stages[0])?;
+        let mut search = Search::new(self, unknowns, stages[0], direct)?;
         let mut termination = search.run(run)?;
         for stretch in &stages[1..] {
             search.restart(*stretch)?;
@@ -530,7 +546,12 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(model: &'a Model<'a>, unknowns: Vec<f64>, stretch: f64) -> Result<Self, FitError> {
+    fn new(
+        model: &'a Model<'a>,
+        unknowns: Vec<f64>,
+        stretch: f64,
+        direct: usize,
+    ) -> Result<Self, FitError> {
         let rows = model.data.rows();
         let scale = |quantity: Quantity| {
             let values = rows.iter().filter_map(|row| quantity.of(row));
@@ -549,7 +570,7 @@ impl<'a> Search<'a> {
             iterations: 0,
             earlier_iterations: 0,
             solved: StdCell::new(0),
-            sampled: Sampled::suits(model).then(Sampled::default),
+            sampled: Sampled::suits(model, direct).then(Sampled::default),
             is_finished: false,
             unknowns,
         };
@@ -583,8 +604,10 @@ impl<'a> Search<'a> {
         self.linearise()
     }
 
-    /// Ends the search: up to a number of rows, the states are solved for each of them.
+    /// Ends the search: up to a number of rows, the states are solved for each of them, and the search continues with these for a few steps.
     fn finish(&mut self) -> Result<(), FitError> {
+        /// Largest number of steps.
+        const STEPS: usize = 2;
         if self.sampled.is_none() {
             return Ok(());
         }
@@ -592,7 +615,30 @@ impl<'a> Search<'a> {
         self.states = self.states_at(&self.unknowns)?;
         self.select();
         self.check_enough()?;
-        self.linearise()
+        self.linearise()?;
+        for _ in 0..STEPS {
+            let promised = self.promised(&self.step(0.0));
+            if !self.tolerance().every_row || within(promised, NO_GAIN) {
+                break;
+            }
+            let step = self.bounded(self.step(0.0));
+            let trial = self.model.moved(&self.unknowns, &step);
+            let states = match self.states_at(&trial) {
+                Ok(states) if self.are_enough(&states) => states,
+                Err(error) if error.is_interruption() => return Err(error),
+                _ => break,
+            };
+            if !within(self.trial_chi_square(&states), self.chi_square()) {
+                break;
+            }
+            self.iterations += 1;
+            self.states = states;
+            self.unknowns = trial;
+            self.select();
+            self.check_enough()?;
+            self.linearise()?;
+        }
+        Ok(())
     }
 
     /// Computed states of all rows.
@@ -608,12 +654,13 @@ impl<'a> Search<'a> {
         &self,
         model: &Model<'_>,
         unknowns: &[f64],
+        purpose: Purpose,
     ) -> Result<Vec<Derivatives>, FitError> {
         let Some(sampled) = &self.sampled else {
             return model.derivatives(unknowns, &self.states, self.stretch);
         };
         let table = sampled.table(self.model, &self.unknowns, self.tolerance())?;
-        sampled.derivatives(model, unknowns, &self.states, &table, !self.is_finished)
+        sampled.derivatives(model, unknowns, &self.states, &table, purpose)
     }
 
     /// Tolerances of the interpolation.
@@ -628,9 +675,11 @@ impl<'a> Search<'a> {
             let used = pairs.filter(|(datum, _)| datum.quantity == quantity);
             let used = used.map(|(_, error)| *error);
             let smallest = used.reduce(f64::min);
-            smallest.unwrap_or(self.scatter[quantity as usize])
+            // At the start there are no errors yet.
+            let first = || self.scatter[quantity as usize] * (rows.len() as f64).sqrt();
+            smallest.unwrap_or_else(first)
         });
-        let tolerance = Tolerance::new(errors, largest);
+        let tolerance = Tolerance::new(errors, largest, rows.len());
         if self.is_finished && rows.len() <= sampled::SOLVED_AT_END {
             tolerance.exact()
         } else {
@@ -706,7 +755,11 @@ impl<'a> Search<'a> {
 
     /// Derivatives and errors at the unknowns.
     fn linearise(&mut self) -> Result<(), FitError> {
-        self.derivatives = self.derivatives_of(self.model, &self.unknowns)?;
+        let purpose = match self.is_finished {
+            true => Purpose::Result,
+            false => Purpose::Search,
+        };
+        self.derivatives = self.derivatives_of(self.model, &self.unknowns, purpose)?;
         self.errors = self.with_errors()?;
         // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is sufficient,
         // because every step of the search updates them.
@@ -968,6 +1021,10 @@ impl<'a> Search<'a> {
         let mut outside = 0;
         while *damping <= MOST_DAMPING {
             let step = self.bounded(self.step(*damping));
+            // Smaller gains are uncertain by the interpolation; the steps after the search continue with solved rows.
+            if self.sampled.is_some() && within(self.promised(&step), NO_GAIN) {
+                return Ok(None);
+            }
             let trial = self.model.moved(&self.unknowns, &step);
             let step: Vec<f64> = trial
                 .iter()
@@ -977,10 +1034,14 @@ impl<'a> Search<'a> {
             match self.states_at(&trial) {
                 Ok(states) if self.are_enough(&states) => {
                     let squares = self.trial_chi_square(&states);
-                    if squares <= now {
+                    // Near the end, interpolation errors may exceed the gain.
+                    let promised = self.promised(&step);
+                    let is_near = self.sampled.is_some() && within(promised, INTERPOLATED);
+                    let noise = if is_near { INTERPOLATED } else { 0.0 };
+                    if squares <= now + noise {
                         // Ratio of the actual to the predicted reduction. A small ratio means that the linear
                         // prediction fails over the length of the step, and that the next step should be shorter.
-                        let kept = (now - squares) / self.promised(&step);
+                        let kept = (now - squares) / promised;
                         self.states = states;
                         self.unknowns = trial;
                         *damping = match kept {
@@ -1202,7 +1263,7 @@ impl<'a> Search<'a> {
         }
         let model = self.model.with(&self.unknowns, held)?;
         let start = model.start()?;
-        let derivatives = match self.derivatives_of(&model, &start) {
+        let derivatives = match self.derivatives_of(&model, &start, Purpose::Tests) {
             Ok(derivatives) => derivatives,
             Err(error) if error.is_interruption() => return Err(error),
             Err(_) => return Ok(Vec::new()),
@@ -1799,6 +1860,9 @@ fn quantile(freedom: Option<usize>) -> f64 {
         _ => Normal::standard().inverse_cdf(PROBABILITY),
     }
 }
+
+#[cfg(test)]
+mod interpolation_tests;
 
 #[cfg(test)]
 mod tests {

@@ -214,9 +214,9 @@ impl Table {
         let [first, last] = self.ends(interval);
         let (low, high) = (chord - first, last - chord);
         if self.changes(interval) {
-            // A single kink in the middle has half of the distance between chord and tangents.
+            // Largest distance between chord and tangents.
             return if low * high > 0.0 {
-                0.5 * step * (low * high / (low + high)).abs()
+                step * (low * high / (low + high)).abs()
             } else {
                 0.125 * step * (low.abs() + high.abs())
             };
@@ -276,7 +276,7 @@ impl Table {
             let chord = self.chord(interval, |knot| knot.answer);
             let [first, last] = self.ends(interval);
             let away = (from * (chord - first).abs()).min(to * (last - chord).abs());
-            largest.min(0.5 * away)
+            largest.min(away)
         } else {
             largest * (4.0 * part).min(1.0)
         };
@@ -287,12 +287,12 @@ impl Table {
     /// Change of the contact radius over an interval in which pillars come into contact, and an estimate of the error of linear
     /// interpolation in others, m.
     pub(super) fn radius_error(&self, interval: usize) -> f64 {
-        let radius = |knot: &Knot| knot.contact_radius;
-        let rise = (radius(&self.knots[interval + 1]) - radius(&self.knots[interval])).abs();
+        let [low, high] = [&self.knots[interval], &self.knots[interval + 1]];
+        let rise = (high.contact_radius - low.contact_radius).abs();
         if self.changes(interval) {
             rise
         } else {
-            0.125 * rise
+            0.125 * larger(rise, (high.smooth_radius - low.smooth_radius).abs())
         }
     }
 
@@ -354,7 +354,25 @@ impl Table {
         };
         let straight = |a: f64, b: f64| a + part * (b - a);
         let smooth = |k: usize, right: bool| self.estimated_slope(k, right, |k| k.smooth_radius);
-        let (answer, slope) = cubic([low.answer, high.answer], self.ends(interval));
+        let ends = self.ends(interval);
+        let (mut answer, mut slope) = cubic([low.answer, high.answer], ends);
+        let chord = (high.answer - low.answer) / step;
+        if part < 1.0 && self.changes(interval) && ends[0] < chord && chord < ends[1] {
+            // A convex curve is between its tangents and the chord.
+            let tangents = [
+                (low.answer + ends[0] * (load - low.load), ends[0]),
+                (high.answer - ends[1] * (high.load - load), ends[1]),
+            ];
+            for (value, rate) in tangents {
+                if value > answer {
+                    (answer, slope) = (value, rate);
+                }
+            }
+            let value = low.answer + chord * (load - low.load);
+            if answer > value {
+                (answer, slope) = (value, chord);
+            }
+        }
         let (smooth_radius, smooth_slope) = cubic(
             [low.smooth_radius, high.smooth_radius],
             [smooth(interval, true), smooth(interval + 1, false)],
