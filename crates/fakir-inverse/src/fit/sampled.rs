@@ -63,7 +63,7 @@ pub(super) enum Purpose {
     Search,
     /// The last steps, and standard errors.
     Result,
-    /// Tests of fixed parameters: with load on the floor, one-sided differences.
+    /// Tests of fixed parameters.
     Tests,
 }
 
@@ -406,14 +406,7 @@ impl Sampled {
                     smooth_radius: knot.smooth_radius,
                     ..State::without_contact(state.0)
                 };
-                let is_dear = knot.contacts.1 && purpose == Purpose::Tests;
-                Ok(match (is_dear, &sides[1]) {
-                    (true, Some(above)) => {
-                        let above = [None, Some(above.clone())];
-                        model.between(&above, load, &state)?
-                    }
-                    _ => model.between(sides, load, &state)?,
-                })
+                Ok(model.between(sides, load, &state)?)
             })?;
             let exactly = knots
                 .iter()
@@ -793,6 +786,7 @@ impl Refining<'_, '_> {
 
 /// State of a contact under an indentation.
 fn knot_of(contact: &ContactState) -> Knot {
+    let pillars = contact.pillars_in_contact;
     Knot {
         load: contact.indentation,
         answer: contact.force,
@@ -801,7 +795,8 @@ fn knot_of(contact: &ContactState) -> Knot {
         smooth_radius: smooth_radius(contact),
         floor_gap: contact.smallest_floor_gap,
         contacts: (
-            contact.pillars_in_contact,
+            // Up to full contact of the first top, the curve is another one.
+            2 * pillars - usize::from(pillars == 1 && contact.pillars_partially_in_contact == 1),
             contact.smallest_floor_gap <= 0.0,
         ),
         converged: contact.is_answer(),
@@ -820,7 +815,7 @@ mod tests {
     use fakir_case::CaseFile;
 
     /// Random cases, with the axis anywhere, of two methods: at rows that are not solved the difference from a solution is below the
-    /// estimated error. Of the solver itself 1e-7 of the largest force is allowed.
+    /// estimated error. A hundredth of the tolerance is allowed for the solver.
     #[test]
     fn estimated_errors_cover_the_differences() {
         const ROWS: u32 = 60;
@@ -860,12 +855,12 @@ mod tests {
             let states = sampled.states(&model, &begin, tolerance).unwrap();
             let errors = sampled.errors(&model, &begin, &states, tolerance).unwrap();
             let solved = model.states(&begin, 0.0).unwrap();
-            let largest = solved.iter().map(|state| state.force).fold(0.0, f64::max);
             for (row, ((state, exact), [error, _])) in
                 states.iter().zip(&solved).zip(&errors).enumerate()
             {
                 let difference = (state.force - exact.force).abs();
-                let allowed = error + 1e-7 * largest;
+                // Errors far below the tolerance are those of the solver.
+                let allowed = error + 0.01 * tolerance.force;
                 assert!(
                     difference <= allowed,
                     "{method} {number} row {row}: {difference:e} {error:e}"

@@ -26,7 +26,7 @@ pub(super) struct Knot {
     pub(super) smooth_radius: f64,
     /// Smallest gap between lens and floor, m.
     pub(super) floor_gap: f64,
-    /// Number of pillars in contact, and whether the lens touches the floor.
+    /// Label of the set of pillars in contact, and whether the lens touches the floor.
     pub(super) contacts: (usize, bool),
     /// Whether the contact was solved and its numbers are resolved.
     pub(super) converged: bool,
