@@ -153,6 +153,13 @@ fn text(data: &Measurements, case: &Described, fitted: &Fit, wall_time: f64) -> 
             scatter.values,
             with_unit(scatter.residual, dimension, 3),
         );
+        if let Some(error) = scatter.interpolation_error {
+            text += &format!(
+                "{}: interpolated between solved states, estimated error {}\n",
+                scatter.quantity.name(),
+                with_unit(error, dimension, 2)
+            );
+        }
     }
     text += &match fitted.reduced_chi_square() {
         Some(reduced) => format!(

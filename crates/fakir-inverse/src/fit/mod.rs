@@ -60,9 +60,11 @@ mod parameter;
 mod radius;
 mod reading;
 mod report;
+mod sampled;
 mod segments;
 mod selection;
 mod subject;
+mod table;
 mod units;
 
 pub use column::{Column, DataError};
@@ -84,6 +86,7 @@ use fakir_case::{CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
+use sampled::{Purpose, Sampled, Tolerance};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::cell::Cell as StdCell;
 use std::convert::Infallible;
@@ -126,6 +129,9 @@ pub struct Scatter {
     pub residual: f64,
     /// Standard error of a value, estimated from the residuals; `None` if errors were given.
     pub estimated: Option<f64>,
+    /// Estimated interpolation error: the largest one of the force, N, or the root mean square of that of the contact radius, m. `None` if all
+    /// rows were solved.
+    pub interpolation_error: Option<f64>,
 }
 
 /// A measured value and the corresponding computed value.
@@ -324,6 +330,9 @@ const SMALL: f64 = 1e-3;
 /// the last step reduced the sum of squares by at most this amount and the condition of [`LITTLE_PROMISED`] is met too.
 const NO_GAIN: f64 = 1e-4;
 
+/// Reduction of the sum of squares, about a third of a standard error, that the interpolation of rows may hide.
+const INTERPOLATED: f64 = 0.1;
+
 /// At a kink, the reduction of the sum of squares predicted for the next step must be at most this amount, which is less
 /// than a standard error.
 const LITTLE_PROMISED: f64 = 0.5;
@@ -368,15 +377,27 @@ pub fn fit(
     options: &FitOptions,
     run: &Run<'_>,
 ) -> Result<Fit, FitError> {
+    fit_with(file, data, free, options, run, sampled::DIRECT)
+}
+
+/// [`fit`] in which up to `direct` rows are solved in every step.
+fn fit_with(
+    file: &CaseFile,
+    data: &Measurements,
+    free: &[Parameter],
+    options: &FitOptions,
+    run: &Run<'_>,
+    direct: usize,
+) -> Result<Fit, FitError> {
     file.check_surface(&[Question::Fit])?;
     check(file, data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
     let begin = model.start()?;
-    let (mut search, mut termination) = model.search(begin.clone(), run)?;
+    let (mut search, mut termination) = model.search(begin.clone(), run, direct)?;
     let mut starts = vec![search.started(termination)];
     let mut answer = 0;
     for number in 1..options.starts {
-        match model.search(model.other_start(&begin, number), run) {
+        match model.search(model.other_start(&begin, number), run, direct) {
             Ok((other, ended)) => {
                 let started = other.started(ended);
                 let best = starts[answer];
@@ -417,6 +438,7 @@ impl<'a> Model<'a> {
         &'m self,
         unknowns: Vec<f64>,
         run: &Run<'_>,
+        direct: usize,
     ) -> Result<(Search<'m>, Termination), FitError>
     where
         'a: 'm,
@@ -426,12 +448,13 @@ impl<'a> Model<'a> {
         } else {
             &[0.0]
         };
-        let mut search = Search::new(self, unknowns, stages[0])?;
+        let mut search = Search::new(self, unknowns, stages[0], direct)?;
         let mut termination = search.run(run)?;
         for stretch in &stages[1..] {
             search.restart(*stretch)?;
             termination = search.run(run)?;
         }
+        search.finish()?;
         Ok((search, termination))
     }
 }
@@ -540,10 +563,19 @@ struct Search<'a> {
     earlier_iterations: usize,
     /// Number of contacts solved for the tests.
     solved: StdCell<usize>,
+    /// Interpolation between solved states; `None` if every row is solved.
+    sampled: Option<Sampled>,
+    /// Whether the search has ended.
+    is_finished: bool,
 }
 
 impl<'a> Search<'a> {
-    fn new(model: &'a Model<'a>, unknowns: Vec<f64>, stretch: f64) -> Result<Self, FitError> {
+    fn new(
+        model: &'a Model<'a>,
+        unknowns: Vec<f64>,
+        stretch: f64,
+        direct: usize,
+    ) -> Result<Self, FitError> {
         let rows = model.data.rows();
         let scale = |quantity: Quantity| {
             let values = rows.iter().filter_map(|row| quantity.of(row));
@@ -552,7 +584,7 @@ impl<'a> Search<'a> {
         let mut search = Self {
             model,
             stretch,
-            states: model.states(&unknowns, stretch)?,
+            states: Vec::new(),
             derivatives: Vec::new(),
             used: Vec::new(),
             data: Vec::new(),
@@ -562,8 +594,11 @@ impl<'a> Search<'a> {
             iterations: 0,
             earlier_iterations: 0,
             solved: StdCell::new(0),
+            sampled: Sampled::suits(model, direct).then(Sampled::default),
+            is_finished: false,
             unknowns,
         };
+        search.states = search.states_at(&search.unknowns)?;
         search.select();
         search.check_enough().or_else(|error| {
             // The initial values may place too many states past the transition.
@@ -591,6 +626,89 @@ impl<'a> Search<'a> {
         self.select();
         self.check_enough()?;
         self.linearise()
+    }
+
+    /// Ends the search: up to a number of rows, the states are solved for each of them, and the search continues with these for a few steps.
+    fn finish(&mut self) -> Result<(), FitError> {
+        /// Largest number of steps.
+        const STEPS: usize = 2;
+        if self.sampled.is_none() {
+            return Ok(());
+        }
+        self.is_finished = true;
+        self.states = self.states_at(&self.unknowns)?;
+        self.select();
+        self.check_enough()?;
+        self.linearise()?;
+        for _ in 0..STEPS {
+            let promised = self.promised(&self.step(0.0));
+            if !self.tolerance().every_row || within(promised, NO_GAIN) {
+                break;
+            }
+            let step = self.bounded(self.step(0.0));
+            let trial = self.model.moved(&self.unknowns, &step);
+            let states = match self.states_at(&trial) {
+                Ok(states) if self.are_enough(&states) => states,
+                Err(error) if error.is_interruption() => return Err(error),
+                _ => break,
+            };
+            if !within(self.trial_chi_square(&states), self.chi_square()) {
+                break;
+            }
+            self.iterations += 1;
+            self.states = states;
+            self.unknowns = trial;
+            self.select();
+            self.check_enough()?;
+            self.linearise()?;
+        }
+        Ok(())
+    }
+
+    /// Computed states of all rows.
+    fn states_at(&self, unknowns: &[f64]) -> Result<Vec<State>, FitError> {
+        match &self.sampled {
+            Some(sampled) => sampled.states(self.model, unknowns, self.tolerance()),
+            None => self.model.states(unknowns, self.stretch),
+        }
+    }
+
+    /// Derivatives at the states, of this model or of one with other free parameters.
+    fn derivatives_of(
+        &self,
+        model: &Model<'_>,
+        unknowns: &[f64],
+        purpose: Purpose,
+    ) -> Result<Vec<Derivatives>, FitError> {
+        let Some(sampled) = &self.sampled else {
+            return model.derivatives(unknowns, &self.states, self.stretch);
+        };
+        let table = sampled.table(self.model, &self.unknowns, self.tolerance())?;
+        sampled.derivatives(model, unknowns, &self.states, &table, purpose)
+    }
+
+    /// Tolerances of the interpolation.
+    fn tolerance(&self) -> Tolerance {
+        let rows = self.model.data.rows();
+        let largest = Quantity::ALL.map(|quantity| {
+            let values = rows.iter().filter_map(|row| quantity.of(row));
+            values.fold(0.0, |largest: f64, value| largest.max(value.value.abs()))
+        });
+        let errors = Quantity::ALL.map(|quantity| {
+            let pairs = self.data.iter().zip(&self.errors);
+            let used = pairs.filter(|(datum, _)| datum.quantity == quantity);
+            let used = used.map(|(_, error)| *error);
+            let smallest = used.reduce(f64::min);
+            // At the start there are no errors yet.
+            let first = || self.scatter[quantity as usize] * (rows.len() as f64).sqrt();
+            smallest.unwrap_or_else(first)
+        });
+        let tolerance = Tolerance::new(errors, largest, rows.len());
+        if self.is_finished && rows.len() <= sampled::SOLVED_AT_END {
+            tolerance.exact()
+        } else {
+            tolerance
+        }
     }
 
     /// Selects the rows to be used and their values; returns whether they have changed.
@@ -661,9 +779,11 @@ impl<'a> Search<'a> {
 
     /// Derivatives and errors at the unknowns.
     fn linearise(&mut self) -> Result<(), FitError> {
-        self.derivatives = self
-            .model
-            .derivatives(&self.unknowns, &self.states, self.stretch)?;
+        let purpose = match self.is_finished {
+            true => Purpose::Result,
+            false => Purpose::Search,
+        };
+        self.derivatives = self.derivatives_of(self.model, &self.unknowns, purpose)?;
         self.errors = self.with_errors()?;
         // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is sufficient,
         // because every step of the search updates them.
@@ -925,19 +1045,27 @@ impl<'a> Search<'a> {
         let mut outside = 0;
         while *damping <= MOST_DAMPING {
             let step = self.bounded(self.step(*damping));
+            // Smaller gains are uncertain by the interpolation; the steps after the search continue with solved rows.
+            if self.sampled.is_some() && within(self.promised(&step), NO_GAIN) {
+                return Ok(None);
+            }
             let trial = self.model.moved(&self.unknowns, &step);
             let step: Vec<f64> = trial
                 .iter()
                 .zip(&self.unknowns)
                 .map(|(a, b)| a - b)
                 .collect();
-            match self.model.states(&trial, self.stretch) {
+            match self.states_at(&trial) {
                 Ok(states) if self.are_enough(&states) => {
                     let squares = self.trial_chi_square(&states);
-                    if squares <= now {
+                    // Near the end, interpolation errors may exceed the gain.
+                    let promised = self.promised(&step);
+                    let is_near = self.sampled.is_some() && within(promised, INTERPOLATED);
+                    let noise = if is_near { INTERPOLATED } else { 0.0 };
+                    if squares <= now + noise {
                         // Ratio of the actual to the predicted reduction. A small ratio means that the linear
                         // prediction fails over the length of the step, and that the next step should be shorter.
-                        let kept = (now - squares) / self.promised(&step);
+                        let kept = (now - squares) / promised;
                         self.states = states;
                         self.unknowns = trial;
                         *damping = match kept {
@@ -1161,7 +1289,7 @@ impl<'a> Search<'a> {
         }
         let model = self.model.with(&self.unknowns, held)?;
         let start = model.start()?;
-        let derivatives = match model.derivatives(&start, &self.states, self.stretch) {
+        let derivatives = match self.derivatives_of(&model, &start, Purpose::Tests) {
             Ok(derivatives) => derivatives,
             Err(error) if error.is_interruption() => return Err(error),
             Err(_) => return Ok(Vec::new()),
@@ -1279,7 +1407,7 @@ impl<'a> Search<'a> {
             undetermined,
             chi_square: self.chi_square_of_values(),
             degrees_of_freedom: freedom,
-            scatter: self.scatters(),
+            scatter: self.scatters()?,
             rows: self.rows(),
             limits: match &solved {
                 Some((_, cycle)) => cycle.limits(),
@@ -1487,8 +1615,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn scatters(&self) -> Vec<Scatter> {
+    fn scatters(&self) -> Result<Vec<Scatter>, FitError> {
         let residuals = self.residuals();
+        let interpolated = self.interpolation_errors()?;
         let mut scatters = Vec::new();
         for quantity in Quantity::ALL {
             let of: Vec<usize> = (0..self.data.len())
@@ -1504,19 +1633,46 @@ impl<'a> Search<'a> {
                 values: of.len(),
                 residual: (squares / of.len() as f64).sqrt(),
                 estimated: estimated.then_some(self.scatter[quantity as usize]),
+                interpolation_error: interpolated.as_ref().map(|errors| {
+                    let errors = of.iter().map(|k| errors[self.data[*k].row]);
+                    match quantity {
+                        Quantity::Force => errors.fold(0.0, |most, [force, _]| larger(most, force)),
+                        Quantity::ContactRadius => {
+                            let squares: f64 = errors.map(|[_, radius]| radius * radius).sum();
+                            (squares / of.len() as f64).sqrt()
+                        }
+                    }
+                }),
             });
         }
-        scatters
+        Ok(scatters)
+    }
+
+    /// Estimated interpolation errors of force and contact radius of every row; `None` if all rows were solved.
+    fn interpolation_errors(&self) -> Result<Option<Vec<[f64; 2]>>, FitError> {
+        let tolerance = self.tolerance();
+        match &self.sampled {
+            Some(sampled) if !tolerance.every_row => {
+                let states = &self.states;
+                let errors = sampled.errors(self.model, &self.unknowns, states, tolerance);
+                errors.map(Some)
+            }
+            _ => Ok(None),
+        }
     }
 
     fn rows(&self) -> Vec<FittedRow> {
+        let mut places = vec![[None; 2]; self.states.len()];
+        for (place, datum) in self.data.iter().enumerate() {
+            places[datum.row][datum.quantity as usize] = Some(place);
+        }
         let rows = self.model.data.rows().iter().zip(&self.states).enumerate();
         rows.map(|(number, (measurement, state))| {
             let modelled = state.problem.is_none();
             let compared = |quantity: Quantity, computed: f64| {
                 let measured = quantity.of(measurement).filter(|_| modelled)?;
-                let datum = |d: &Datum| d.row == number && d.quantity == quantity;
-                let error = self.data.iter().position(datum).map(|k| self.errors[k]);
+                let place = places[number][quantity as usize];
+                let error = place.map(|place: usize| self.errors[place]);
                 Some(Compared {
                     measured: measured.value,
                     computed,
@@ -1656,8 +1812,18 @@ impl<'a> Search<'a> {
         }
         let at = |k: usize| low + (high - low) * k as f64 / (CURVE - 1) as f64;
         let mut points = Vec::with_capacity(CURVE);
+        let table = match &self.sampled {
+            Some(sampled) => Some(sampled.table(self.model, &self.unknowns, self.tolerance())?),
+            None => None,
+        };
         for load in (0..CURVE).map(at) {
-            let state = if self.is_by_force() {
+            let state = if let Some(table) = &table {
+                let state = sampled::state_at(self.model.data, settings, table, load, 0.0);
+                if state.problem.is_some() {
+                    continue;
+                }
+                Ok(state)
+            } else if self.is_by_force() {
                 self.model.state_under(settings, load, 0.0)
             } else {
                 self.model.state_at(settings, load, 0.0, 0.0)
@@ -1717,6 +1883,9 @@ fn quantile(freedom: Option<usize>) -> f64 {
         _ => Normal::standard().inverse_cdf(PROBABILITY),
     }
 }
+
+#[cfg(test)]
+mod interpolation_tests;
 
 #[cfg(test)]
 mod tests {

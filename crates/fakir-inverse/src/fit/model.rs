@@ -12,7 +12,7 @@ use super::subject::{FittedCycle, Subject, with_some_adhesion};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, UnloadingPoint};
-use fakir::state::{Branch, Gradient, Limit, Run, Solution, SolveError};
+use fakir::state::{Branch, ContactState, Gradient, Limit, Run, Solution, SolveError};
 use fakir_case::{Case, CaseFile, FlatCase, Key};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -80,7 +80,7 @@ fn unknown_of(units: f64) -> f64 {
 
 impl State {
     /// State at an indentation (m) without contact, or without a solution.
-    fn without_contact(indentation: f64) -> Self {
+    pub(super) fn without_contact(indentation: f64) -> Self {
         Self {
             indentation,
             force: 0.0,
@@ -111,6 +111,18 @@ pub(super) struct Derivatives {
     pub(super) radius_by_force: f64,
 }
 
+impl Derivatives {
+    /// Derivatives of a row that is outside the model.
+    pub(super) fn none(unknowns: usize) -> Self {
+        let none = vec![0.0; unknowns];
+        Self {
+            force: none.clone(),
+            contact_radius: none,
+            ..Self::default()
+        }
+    }
+}
+
 /// Values that correspond to a set of unknowns.
 #[derive(Debug, Clone)]
 pub(super) struct Settings {
@@ -137,6 +149,17 @@ impl Settings {
             }
             Position::Indentation => measured,
             Position::None => measured - self.offset(moment),
+        }
+    }
+
+    /// The case with pillars.
+    ///
+    /// # Errors
+    /// A flat surface has none; it is not interpolated.
+    pub(super) fn pillars(&self) -> Result<&Case, FitError> {
+        match &self.case {
+            Subject::Pillars(case) => Ok(case),
+            Subject::Flat(_) => Err(FitError::NoDerivatives),
         }
     }
 
@@ -176,7 +199,7 @@ pub(super) enum RangeEnd {
 }
 
 /// Valid cases on both sides of a set of unknowns, and their distances in one of the unknowns.
-type Sides = [Option<(Subject, f64)>; 2];
+pub(super) type Sides = [Option<(Subject, f64)>; 2];
 
 pub(super) struct Model<'a> {
     file: CaseFile,
@@ -185,9 +208,9 @@ pub(super) struct Model<'a> {
     /// Start of the fit.
     start: Settings,
     scales: Vec<Scale>,
-    single: Run<'a>,
-    pool: Option<&'a rayon::ThreadPool>,
-    wants_radius: bool,
+    pub(super) single: Run<'a>,
+    pub(super) pool: Option<&'a rayon::ThreadPool>,
+    pub(super) wants_radius: bool,
     /// Whether pillar tops are adhesive: then all rows belong to one cycle of loading and
     /// unloading.
     pub(super) sticks: bool,
@@ -202,7 +225,7 @@ pub(super) struct Model<'a> {
     /// Time of every row, from 0 at the first to 1 at the last.
     pub(super) moments: Vec<f64>,
     /// Number of contacts and cycles solved.
-    solved: AtomicUsize,
+    pub(super) solved: AtomicUsize,
 }
 
 impl<'a> Model<'a> {
@@ -355,7 +378,7 @@ impl<'a> Model<'a> {
     }
 
     /// Displacement of a row from that of the first row, m; 0 without displacements.
-    fn travel(&self, row: &Measurement) -> f64 {
+    pub(super) fn travel(&self, row: &Measurement) -> f64 {
         self.travel_to(load_of(row))
     }
 
@@ -445,7 +468,7 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
-    fn largest_force(&self) -> f64 {
+    pub(super) fn largest_force(&self) -> f64 {
         let forces = self.data.rows().iter().filter_map(|row| row.force);
         let largest = forces.fold(0.0, |largest: f64, force| largest.max(force.value));
         if largest > 0.0 { largest } else { 1e-6 }
@@ -1006,7 +1029,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    fn solve(&self, case: &Subject, load: Load) -> Result<State, SolveError> {
+    pub(super) fn solve(&self, case: &Subject, load: Load) -> Result<State, SolveError> {
         if let Load::Indentation(zeta) = load
             && zeta <= 0.0
         {
@@ -1015,10 +1038,9 @@ impl<'a> Model<'a> {
                 ..State::without_contact(zeta)
             });
         }
-        self.solved.fetch_add(1, Ordering::Relaxed);
         match case {
             Subject::Pillars(case) => {
-                let contact = fakir::press(&case.system, load, case.method, &self.single)?;
+                let contact = self.contact(case, load)?;
                 Ok(State {
                     force: contact.force,
                     read_force: contact.force,
@@ -1031,6 +1053,7 @@ impl<'a> Model<'a> {
                 })
             }
             Subject::Flat(case) => {
+                self.solved.fetch_add(1, Ordering::Relaxed);
                 let contact = case.system.press(load, &self.single)?;
                 Ok(State {
                     force: contact.force,
@@ -1042,6 +1065,11 @@ impl<'a> Model<'a> {
                 })
             }
         }
+    }
+
+    pub(super) fn contact(&self, case: &Case, load: Load) -> Result<ContactState, SolveError> {
+        self.solved.fetch_add(1, Ordering::Relaxed);
+        fakir::press(&case.system, load, case.method, &self.single)
     }
 
     /// Limits of the model at an indentation, m.
@@ -1071,32 +1099,12 @@ impl<'a> Model<'a> {
             _ => return self.derivatives_of_cycle(unknowns, states, stretch),
         };
         let by_key = ByKey::new(&self.file(unknowns), pillars)?;
-        let mut cases = Vec::new();
-        for (number, parameter) in self.free.iter().enumerate() {
-            let side = |step: f64| -> Option<(Subject, f64)> {
-                let mut moved = unknowns.to_vec();
-                moved[number] += step;
-                // There is no body thicker than the half-space.
-                let is_beyond = matches!(self.scales[number], Scale::Inverse(_)) && step < 0.0;
-                let settings = self.settings(&moved).ok().filter(|_| !is_beyond);
-                settings.map(|settings| (settings.case, step.abs()))
-            };
-            cases.push(match parameter {
-                Parameter::Key(_) => Some([side(-DIFFERENCE), side(DIFFERENCE)]),
-                _ => None,
-            });
-        }
+        let cases = self.sides(unknowns);
         self.for_each_row(|row_number, row| {
             let state = &states[row_number];
             if state.problem.is_some() {
-                let none = vec![0.0; self.free.len()];
-                return Ok(Derivatives {
-                    force: none.clone(),
-                    contact_radius: none,
-                    ..Derivatives::default()
-                });
+                return Ok(Derivatives::none(self.free.len()));
             }
-            let moment = self.moments[row_number];
             let load = match row.position {
                 Some(_) => Load::Indentation(state.indentation),
                 None => Load::Force(state.force),
@@ -1108,50 +1116,95 @@ impl<'a> Model<'a> {
                 })?,
                 None => self.along_load(&settings.case, load, state)?,
             };
-            let mut all = Derivatives::default();
-            let compliance = match (row.position, self.data.position()) {
-                (Some(_), Position::Displacement) => settings.machine_compliance,
-                _ => 0.0,
-            };
-            // Derivative of the indentation with respect to the position.
-            let follow = match row.position {
-                Some(_) => 1.0 / (1.0 + compliance * along[0]),
-                None => {
-                    all.radius_by_force = along[1];
-                    0.0
-                }
-            };
-            all.force_by_position = along[0] * follow;
-            all.radius_by_position = along[1] * follow;
+            let mut held = vec![[0.0; 2]; self.free.len()];
             for (number, parameter) in self.free.iter().enumerate() {
-                let unit = self.slope(number, unknowns[number]);
-                let ([force, radius], moved) = match (parameter, &cases[number]) {
-                    (Parameter::Key(key), Some(sides)) => {
-                        let exact = gradient
-                            .as_ref()
-                            .and_then(|gradient| by_key.exactly(gradient.force.as_ref()?, *key));
-                        let differences = || self.between(sides, load, state);
-                        let held = match exact {
-                            Some(slope) => self.with_radius(slope * unit, differences)?,
-                            None => differences()?,
-                        };
-                        (held, -compliance * held[0] * follow)
-                    }
-                    (Parameter::ContactPoint, _) => ([0.0; 2], -unit * follow),
-                    (Parameter::DisplacementDrift, _) => ([0.0; 2], -unit * moment * follow),
-                    (Parameter::ForceOffset, _) => ([unit, -unit * all.radius_by_force], 0.0),
-                    (Parameter::ForceDrift, _) => {
-                        let unit = unit * moment;
-                        ([unit, -unit * all.radius_by_force], 0.0)
-                    }
-                    (Parameter::ForceSlope, _) => ([unit * self.travel(row), 0.0], 0.0),
-                    _ => ([0.0; 2], -unit * state.force * follow),
+                let (Parameter::Key(key), Some(sides)) = (parameter, &cases[number]) else {
+                    continue;
                 };
-                all.force.push(force + along[0] * moved);
-                all.contact_radius.push(radius + along[1] * moved);
+                let exact = gradient
+                    .as_ref()
+                    .and_then(|gradient| by_key.exactly(gradient.force.as_ref()?, *key));
+                let differences = || self.between(sides, load, state);
+                held[number] = match exact {
+                    Some(slope) => {
+                        let unit = self.slope(number, unknowns[number]);
+                        self.with_radius(slope * unit, differences)?
+                    }
+                    None => differences()?,
+                };
             }
-            Ok(all)
+            Ok(self.at_reading(&settings, unknowns, row_number, state, along, &held))
         })
+    }
+
+    /// For every unknown that belongs to the case, the cases on both sides.
+    pub(super) fn sides(&self, unknowns: &[f64]) -> Vec<Option<Sides>> {
+        let of = |(number, parameter): (usize, &Parameter)| {
+            let side = |step: f64| -> Option<(Subject, f64)> {
+                let mut moved = unknowns.to_vec();
+                moved[number] += step;
+                // There is no body thicker than the half-space.
+                let is_beyond = matches!(self.scales[number], Scale::Inverse(_)) && step < 0.0;
+                let settings = self.settings(&moved).ok().filter(|_| !is_beyond);
+                settings.map(|settings| (settings.case, step.abs()))
+            };
+            match parameter {
+                Parameter::Key(_) => Some([side(-DIFFERENCE), side(DIFFERENCE)]),
+                _ => None,
+            }
+        };
+        self.free.iter().enumerate().map(of).collect()
+    }
+
+    /// Derivatives at a fixed reading, from those of force and smooth contact radius along the load and, under a fixed load, with respect to
+    /// the unknowns of the case.
+    pub(super) fn at_reading(
+        &self,
+        settings: &Settings,
+        unknowns: &[f64],
+        row_number: usize,
+        state: &State,
+        along: [f64; 2],
+        held: &[[f64; 2]],
+    ) -> Derivatives {
+        let row = &self.data.rows()[row_number];
+        let moment = self.moments[row_number];
+        let mut all = Derivatives::default();
+        let compliance = match (row.position, self.data.position()) {
+            (Some(_), Position::Displacement) => settings.machine_compliance,
+            _ => 0.0,
+        };
+        // Derivative of the indentation with respect to the position.
+        let follow = match row.position {
+            Some(_) => 1.0 / (1.0 + compliance * along[0]),
+            None => {
+                all.radius_by_force = along[1];
+                0.0
+            }
+        };
+        all.force_by_position = along[0] * follow;
+        all.radius_by_position = along[1] * follow;
+        for (number, parameter) in self.free.iter().enumerate() {
+            let unit = self.slope(number, unknowns[number]);
+            let ([force, radius], moved) = match parameter {
+                Parameter::Key(_) => {
+                    let held = held[number];
+                    (held, -compliance * held[0] * follow)
+                }
+                Parameter::ContactPoint => ([0.0; 2], -unit * follow),
+                Parameter::DisplacementDrift => ([0.0; 2], -unit * moment * follow),
+                Parameter::ForceOffset => ([unit, -unit * all.radius_by_force], 0.0),
+                Parameter::ForceDrift => {
+                    let unit = unit * moment;
+                    ([unit, -unit * all.radius_by_force], 0.0)
+                }
+                Parameter::ForceSlope => ([unit * self.travel(row), 0.0], 0.0),
+                Parameter::MachineCompliance => ([0.0; 2], -unit * state.force * follow),
+            };
+            all.force.push(force + along[0] * moved);
+            all.contact_radius.push(radius + along[1] * moved);
+        }
+        all
     }
 
     /// Derivative of a value with respect to its unknown.
@@ -1279,7 +1332,12 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives of force and smooth contact radius between two cases, at the state under the load.
-    fn between(&self, sides: &Sides, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
+    pub(super) fn between(
+        &self,
+        sides: &Sides,
+        load: Load,
+        state: &State,
+    ) -> Result<[f64; 2], SolveError> {
         let side = |side: &Option<(Subject, f64)>| match side {
             Some((case, away)) => self.side(case, load, *away),
             None => Ok(None),

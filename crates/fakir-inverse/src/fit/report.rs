@@ -461,7 +461,7 @@ fn scatter_json(scatter: &Scatter) -> Map<String, Value> {
         Quantity::Force => "_N",
         Quantity::ContactRadius => "_m",
     };
-    Map::from_iter([
+    let mut all = Map::from_iter([
         ("quantity".to_owned(), Value::from(scatter.quantity.name())),
         ("values".to_owned(), Value::from(scatter.values)),
         (format!("residual{suffix}"), Value::from(scatter.residual)),
@@ -469,5 +469,9 @@ fn scatter_json(scatter: &Scatter) -> Map<String, Value> {
             format!("estimated_error{suffix}"),
             Value::from(scatter.estimated),
         ),
-    ])
+    ]);
+    if let Some(error) = scatter.interpolation_error {
+        all.insert(format!("interpolation_error{suffix}"), Value::from(error));
+    }
+    all
 }
