@@ -46,6 +46,8 @@
 mod cells;
 mod column;
 mod curve;
+mod curves;
+mod curves_report;
 mod error;
 mod heading;
 mod layout;
@@ -61,9 +63,12 @@ mod reading;
 mod report;
 mod segments;
 mod selection;
+mod statistics;
 mod units;
 
 pub use column::{Column, DataError};
+pub use curves::{Curve, CurveFit, CurveFits, FittedData, fit_curves};
+pub use curves_report::CurvesSummary;
 pub use error::FitError;
 pub use layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason, Skipped};
 pub use measurements::{Measured, Measurement, Measurements, Position, Quantity};
@@ -72,6 +77,9 @@ pub use options::{FitOptions, MOST_STARTS};
 pub use parameter::Parameter;
 pub use report::FitSummary;
 pub use selection::Selection;
+pub use statistics::{
+    FEWEST_FOR_OUTLIERS, OUTLIER_SCORE, Outlier, Sample, Statistics, WeightedMean,
+};
 
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
