@@ -3,11 +3,12 @@
 use crate::case::Case;
 use crate::error::{fit_error, value_error, warn_of_former_name};
 use crate::study::{PyColumns, columns};
-use crate::watched::{Options, watched};
+use crate::watched::{Options, watched, watched_parts};
+use fakir::problem::Method;
 use fakir::state::Branch;
 use fakir_inverse::fit::{
-    Column, Fit, FitOptions, FitSummary, Hints, Measurements, NamedColumn, Parameter, Position,
-    Quantity, Selection,
+    Column, Curve, CurveFit, CurvesSummary, Fit, FitError, FitOptions, FitSummary, Hints,
+    Measurements, NamedColumn, Parameter, Position, Quantity, Selection,
 };
 use fakir_study::Table;
 use fakir_study::result::json;
@@ -201,21 +202,32 @@ impl Fitted {
     }
 }
 
-/// Values of the free parameters that fit the data best.
-#[pyfunction]
-pub(crate) fn fit(
-    py: Python<'_>,
-    case: &Case,
-    data: &Data,
-    free: Vec<String>,
-    instrument: (Option<f64>, f64, f64, f64, f64, f64),
-    starts: usize,
-    options: Options,
-) -> PyResult<Fitted> {
-    for name in &free {
+impl Fitted {
+    fn new(measurements: &Measurements, method: Method, fit: Fit, wall_time: f64) -> PyResult<Self> {
+        let summary = FitSummary::new(measurements, method, &fit, wall_time);
+        Ok(Self {
+            table: fit.table(measurements),
+            load: match measurements.position() {
+                Position::Displacement => Column::Displacement.name(),
+                Position::Indentation => "measured_indentation_m",
+                Position::None => Column::Force.name(),
+            },
+            summary: json(&summary),
+            case: fit
+                .file
+                .case()
+                .map_err(|error| crate::error::case_error(&error))?,
+            fit,
+        })
+    }
+}
+
+/// Parameters of these names.
+fn parameters(py: Python<'_>, names: &[String]) -> PyResult<Vec<Parameter>> {
+    for name in names {
         warn_of_former_name(py, name)?;
     }
-    let free = free.iter().map(|name| {
+    let parameters = names.iter().map(|name| {
         let named = Parameter::all_named(name);
         let listed = match named[..] {
             [parameter] => return Ok(parameter),
@@ -228,7 +240,13 @@ pub(crate) fn fit(
             "{name} cannot be fitted: give some of {names}"
         )))
     });
-    let free = free.collect::<PyResult<Vec<_>>>()?;
+    parameters.collect()
+}
+
+/// Contact point, machine compliance, force offset, drifts of displacement and force, and force slope.
+type Instrument = (Option<f64>, f64, f64, f64, f64, f64);
+
+fn fit_options(instrument: Instrument, starts: usize) -> FitOptions {
     let (
         contact_point,
         machine_compliance,
@@ -237,7 +255,7 @@ pub(crate) fn fit(
         force_drift,
         force_slope,
     ) = instrument;
-    let known = FitOptions {
+    FitOptions {
         contact_point,
         machine_compliance,
         force_offset,
@@ -245,7 +263,22 @@ pub(crate) fn fit(
         force_drift,
         force_slope,
         starts,
-    };
+    }
+}
+
+/// Values of the free parameters that fit the data best.
+#[pyfunction]
+pub(crate) fn fit(
+    py: Python<'_>,
+    case: &Case,
+    data: &Data,
+    free: Vec<String>,
+    instrument: Instrument,
+    starts: usize,
+    options: Options,
+) -> PyResult<Fitted> {
+    let free = parameters(py, &free)?;
+    let known = fit_options(instrument, starts);
     let file = case.file()?;
     let measurements = &data.measurements;
     let start = Instant::now();
@@ -254,19 +287,93 @@ pub(crate) fn fit(
     })?;
     let fit = fit.map_err(|error| fit_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let summary = FitSummary::new(measurements, case.case.method, &fit, wall_time);
-    Ok(Fitted {
-        table: fit.table(measurements),
-        load: match measurements.position() {
-            Position::Displacement => Column::Displacement.name(),
-            Position::Indentation => "measured_indentation_m",
-            Position::None => Column::Force.name(),
-        },
-        summary: json(&summary),
-        case: fit
-            .file
-            .case()
-            .map_err(|error| crate::error::case_error(&error))?,
-        fit,
+    Fitted::new(measurements, case.case.method, fit, wall_time)
+}
+
+/// Results of fits of several curves.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct FittedCurves {
+    curves: Vec<Option<Py<Fitted>>>,
+    table: Table,
+    summary: String,
+    warnings: Vec<String>,
+}
+
+#[pymethods]
+impl FittedCurves {
+    /// The object that `fakir fit --json` prints.
+    fn json(&self) -> &str {
+        &self.summary
+    }
+
+    /// The fit of every curve; `None` if there is none.
+    fn curves(&self, py: Python<'_>) -> Vec<Option<Py<Fitted>>> {
+        let curves = self.curves.iter();
+        curves
+            .map(|curve| curve.as_ref().map(|curve| curve.clone_ref(py)))
+            .collect()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// Results by curve, as columns.
+    fn table<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
+        columns(py, &self.table)
+    }
+}
+
+/// A curve: its name, its data with the values of the instrument, or why there are none.
+type GivenCurve<'py> = (String, Option<(PyRef<'py, Data>, Instrument)>, String);
+
+/// Fits of several curves, each separately.
+#[pyfunction]
+pub(crate) fn fit_curves(
+    py: Python<'_>,
+    case: &Case,
+    curves: Vec<GivenCurve<'_>>,
+    free: Vec<String>,
+    starts: usize,
+    options: Options,
+) -> PyResult<FittedCurves> {
+    let free = parameters(py, &free)?;
+    let file = case.file()?;
+    let curves: Vec<Curve> = curves
+        .into_iter()
+        .map(|(name, given, problem)| Curve {
+            name,
+            data: match given {
+                Some((data, instrument)) => Ok((
+                    data.measurements.clone(),
+                    fit_options(instrument, starts),
+                )),
+                None => Err(FitError::Unreadable(problem)),
+            },
+        })
+        .collect();
+    let start = Instant::now();
+    let total = curves.len();
+    let fitted = watched_parts(py, &options, total, |run, done| {
+        fakir_inverse::fit::fit_curves(&file, curves, &free, run, done)
+    })?;
+    let fitted = fitted.map_err(|error| fit_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let method = case.case.method;
+    let summary = json(&CurvesSummary::new(method, &fitted, wall_time));
+    let (table, warnings) = (fitted.table(), fitted.warnings());
+    let one = |curve: CurveFit| match curve.outcome {
+        Err(_) => Ok(None),
+        Ok(one) => {
+            let fitted = Fitted::new(&one.data, method, one.fit, one.wall_time)?;
+            Py::new(py, fitted).map(Some)
+        }
+    };
+    Ok(FittedCurves {
+        curves: fitted.curves.into_iter().map(one).collect::<PyResult<_>>()?,
+        table,
+        summary,
+        warnings,
     })
 }

@@ -25,8 +25,8 @@ use std::time::Instant;
 /// The report of a fit, and what is printed even if no warnings are.
 pub(crate) struct Fitted {
     pub(crate) report: Report,
-    /// Why the fit does not describe the data.
-    pub(crate) misfit: Option<String>,
+    /// Why fits do not describe the data.
+    pub(crate) misfits: Vec<String>,
 }
 
 pub(crate) fn run(
@@ -73,11 +73,14 @@ pub(crate) fn run(
         converged: fitted.converged(),
         strained,
     };
-    Ok(Fitted { report, misfit })
+    Ok(Fitted {
+        report,
+        misfits: misfit.into_iter().collect(),
+    })
 }
 
 /// A value of a parameter with its unit.
-fn quantity(parameter: Parameter, value: f64, digits: usize) -> String {
+pub(crate) fn quantity(parameter: Parameter, value: f64, digits: usize) -> String {
     match parameter.dimension() {
         Some(dimension) => with_unit(value, dimension, digits),
         None => format!("{} m/N", significant(value, digits)),
@@ -276,7 +279,8 @@ fn correlations(fitted: &Fit) -> String {
     text
 }
 
-fn figure(data: &Measurements, fitted: &Fit) -> Figure {
+/// Data and model.
+pub(crate) fn figure(data: &Measurements, fitted: &Fit) -> Figure {
     let load_of = match data.position() {
         Position::Displacement => FittedLoad::Displacement,
         Position::Indentation => FittedLoad::Indentation,

@@ -84,9 +84,8 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
                 })
                 .collect();
             let y = Axis {
-                label: Text::from(label),
                 scale: scale_for(&series),
-                range: None,
+                ..Axis::linear(label)
             };
             Chart::new(x.clone(), y, series)
         });

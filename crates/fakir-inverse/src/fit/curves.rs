@@ -49,6 +49,16 @@ impl CurveFit {
         fitted.filter(|fitted| fitted.fit.converged())
     }
 
+    /// A text about the curve, with its name before it unless it is there already, as in errors of data.
+    #[must_use]
+    pub fn named(&self, text: &str) -> String {
+        if text.starts_with(&self.name) {
+            text.to_owned()
+        } else {
+            format!("{}: {text}", self.name)
+        }
+    }
+
     /// Why there is no result of this curve.
     #[must_use]
     pub fn problem(&self) -> Option<String> {

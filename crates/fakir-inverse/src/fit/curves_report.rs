@@ -146,16 +146,11 @@ impl CurveFits {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let of = |curve: &CurveFit| -> Vec<String> {
-            // Errors of data contain the name.
-            let named = |text: &str| match text.starts_with(&curve.name) {
-                true => text.to_owned(),
-                false => format!("{}: {text}", curve.name),
-            };
             match &curve.outcome {
-                Err(error) => vec![format!("no fit of {}", named(&error.to_string()))],
+                Err(error) => vec![format!("no fit of {}", curve.named(&error.to_string()))],
                 Ok(fitted) => {
                     let warnings = fitted.fit.warnings();
-                    warnings.iter().map(|warning| named(warning)).collect()
+                    warnings.iter().map(|warning| curve.named(warning)).collect()
                 }
             }
         };

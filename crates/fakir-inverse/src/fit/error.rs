@@ -16,6 +16,9 @@ pub enum FitError {
     /// Invalid data.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// Data that could not be read, with the reason.
+    #[error("{0}")]
+    Unreadable(String),
     /// The contact could not be computed.
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),

@@ -1,0 +1,420 @@
+//! `fakir fit` with several files: every curve fitted separately, and the statistics of the parameters.
+
+use super::fit::{Fitted, figure, quantity};
+use crate::arguments::Fit as Options;
+use crate::failure::Failure;
+use crate::numbers::{column_unit, seconds, significant, with_unit};
+use crate::session::Session;
+use fakir_case::unit::Dimension;
+use fakir_case::{Case, CaseFile};
+use fakir_figure::{Figure, FittedParameter, FittedValue, fits};
+use fakir_inverse::fit::{
+    Curve, CurveFit, CurveFits, CurvesSummary, Estimate, FEWEST_FOR_OUTLIERS, FitError,
+    OUTLIER_SCORE, Parameter, Quantity, Statistics, fit_curves,
+};
+use fakir_study::citations::Topic;
+use fakir_study::figures::saved;
+use fakir_study::output::File;
+use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::report::Report;
+use fakir_study::report::state::{pillar_pattern_line, strained_words};
+use fakir_study::report::table::{Column, table};
+use fakir_study::result::json;
+use std::path::PathBuf;
+use std::time::Instant;
+
+pub(crate) fn run(
+    file: &CaseFile,
+    options: &Options,
+    session: &Session,
+) -> Result<Fitted, Failure> {
+    let start = Instant::now();
+    let curves = read(options)?;
+    // The case is checked before the first curve: an error of it is reported once.
+    file.case()?;
+    let bar = session.count("curves", curves.len());
+    let run = session.run();
+    let done = || bar.inc(1);
+    let fitted = fit_curves(file, curves, &options.free, &run, &done);
+    bar.finish_and_clear();
+    let fitted = refuse_if_all_failed(fitted?)?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let case = fitted.mean_case(file).case()?;
+    let names: Vec<&str> = options.free.iter().map(|free| free.name()).collect();
+    let mut topics = Topic::of_case(&case);
+    topics.push(Topic::LeastSquares);
+    let provenance = Provenance::new(
+        format!(
+            "least squares for {}, {} curves",
+            names.join(", "),
+            fitted.curves.len()
+        ),
+        method_words(case.method),
+        &topics,
+        case.to_toml(),
+    );
+    let mut tables = vec![File::new("fits.csv", fitted.table().to_csv())];
+    tables.extend(saved(figure_of(&fitted), &provenance));
+    tables.extend(files_of_curves(&fitted.curves, &provenance));
+    let (misfits, warnings) = sorted_warnings(&fitted);
+    let report = Report {
+        json: json(&CurvesSummary::new(case.method, &fitted, wall_time)),
+        text: text(&case, &fitted, wall_time),
+        provenance,
+        tables,
+        warnings,
+        converged: fitted.failed().next().is_none(),
+        strained: strained(&fitted.curves),
+    };
+    Ok(Fitted { report, misfits })
+}
+
+/// The data of all files, or why they cannot be read.
+fn read(options: &Options) -> Result<Vec<Curve>, Failure> {
+    for (number, path) in options.data.iter().enumerate() {
+        if options.data[..number].contains(path) {
+            let path = path.display();
+            return Err(Failure::Argument(format!(
+                "{path} is given twice: give every file once"
+            )));
+        }
+    }
+    let one = |path: &PathBuf| {
+        let data = match options.measurements(path) {
+            Ok(data) => {
+                let known = options.known(&data);
+                Ok((data, known))
+            }
+            Err(Failure::Fit(error)) => Err(error),
+            Err(other) => return Err(other),
+        };
+        Ok(Curve {
+            name: path.display().to_string(),
+            data,
+        })
+    };
+    options.data.iter().map(one).collect()
+}
+
+/// If there is no fit of any curve, prints the errors of all but the last one, which it returns. An error that all curves have in common
+/// is printed once.
+fn refuse_if_all_failed(mut fitted: CurveFits) -> Result<CurveFits, Failure> {
+    if fitted.curves.iter().any(|curve| curve.outcome.is_ok()) {
+        return Ok(fitted);
+    }
+    let mut errors: Vec<FitError> = Vec::new();
+    for curve in fitted.curves.drain(..) {
+        let Err(error) = curve.outcome else {
+            continue;
+        };
+        let is_new = |known: &FitError| known.to_string() != error.to_string();
+        if errors.last().is_none_or(is_new) {
+            errors.push(error);
+        }
+    }
+    let last = errors.pop();
+    for error in errors {
+        Failure::Fit(error).explain();
+    }
+    match last {
+        Some(error) => Err(error.into()),
+        None => Ok(fitted),
+    }
+}
+
+/// Statements of fits that do not describe their data, and all other warnings.
+fn sorted_warnings(fitted: &CurveFits) -> (Vec<String>, Vec<String>) {
+    let misfits: Vec<String> = fitted
+        .curves
+        .iter()
+        .filter_map(|curve| {
+            let statement = curve.outcome.as_ref().ok()?.fit.misfit_statement()?;
+            Some(curve.named(&statement))
+        })
+        .collect();
+    let mut warnings = fitted.warnings();
+    warnings.retain(|warning| !misfits.contains(warning));
+    (misfits, warnings)
+}
+
+/// Limits of the model that are exceeded, and fits that do not describe their data.
+fn strained(curves: &[CurveFit]) -> Vec<String> {
+    let of = |curve: &CurveFit| -> Vec<String> {
+        let Ok(fitted) = &curve.outcome else {
+            return Vec::new();
+        };
+        let mut words = strained_words(&fitted.fit.limits);
+        if !fitted.fit.misfit.describes_data() {
+            words.push("the fit does not describe the data".to_owned());
+        }
+        let named = words.iter().map(|words| format!("{}: {words}", curve.name));
+        named.collect()
+    };
+    curves.iter().flat_map(of).collect()
+}
+
+/// Table with data and model, and figure, of every curve: in a folder for each, named by its number and the name of its file.
+fn files_of_curves(curves: &[CurveFit], provenance: &Provenance) -> Vec<File> {
+    let mut files = Vec::new();
+    for (number, curve) in curves.iter().enumerate() {
+        let Ok(fitted) = &curve.outcome else {
+            continue;
+        };
+        let stem = PathBuf::from(&curve.name);
+        let stem = stem.file_stem().map(|stem| stem.to_string_lossy());
+        let stem: String = stem
+            .unwrap_or_default()
+            .chars()
+            .map(|c| match c.is_alphanumeric() || "-_.".contains(c) {
+                true => c,
+                false => '-',
+            })
+            .collect();
+        let folder = format!("curves/{}-{stem}", number + 1);
+        let figure = figure(&fitted.data, &fitted.fit).with_provenance(&provenance.stamp());
+        files.extend([
+            File::new(
+                format!("{folder}/fitted.csv"),
+                fitted.fit.table(&fitted.data).to_csv(),
+            ),
+            File::new(format!("{folder}/fit.svg"), figure.svg()),
+        ]);
+    }
+    files
+}
+
+/// The unit of the values of a parameter in a column: its symbol and its size in SI units.
+fn unit_of(parameter: Parameter, values: impl Iterator<Item = f64>) -> (&'static str, f64) {
+    match parameter.dimension() {
+        None => ("m/N", 1.0),
+        Some(dimension) => {
+            column_unit(values, dimension).map_or(("", 1.0), |unit| (unit.symbol, unit.in_si()))
+        }
+    }
+}
+
+/// A value with its standard error, both with as many decimals as two digits of the error have.
+fn plus_minus(value: f64, error: Option<f64>) -> String {
+    let Some(error) = error.filter(|error| error.is_finite() && *error > 0.0) else {
+        return format!("{} (not determined)", significant(value, 3));
+    };
+    let place = error.log10().floor();
+    if (-8.0..6.0).contains(&place) {
+        let decimals = (1.0 - place).max(0.0) as usize;
+        format!("{value:.decimals$} ± {error:.decimals$}")
+    } else {
+        format!("{value:.5e} ± {error:.1e}")
+    }
+}
+
+/// A curve as a row of the table.
+struct Line {
+    number: usize,
+    file: String,
+    values: Vec<String>,
+    residual: String,
+    verdict: String,
+}
+
+impl Line {
+    fn new(number: usize, curve: &CurveFit, units: &[(&'static str, f64)]) -> Self {
+        let mut line = Self {
+            number: number + 1,
+            file: curve.name.clone(),
+            values: vec!["-".to_owned(); units.len()],
+            residual: "-".to_owned(),
+            verdict: "no fit".to_owned(),
+        };
+        let Ok(fitted) = &curve.outcome else {
+            return line;
+        };
+        let estimates = fitted.fit.estimates.iter().zip(units);
+        line.values = estimates
+            .map(|(estimate, (_, size))| {
+                let error = estimate.standard_error.map(|error| error / size);
+                plus_minus(estimate.value / size, error)
+            })
+            .collect();
+        let residuals = fitted.fit.scatter.iter().map(|scatter| {
+            let dimension = match scatter.quantity {
+                Quantity::Force => Dimension::Force,
+                Quantity::ContactRadius => Dimension::Length,
+            };
+            with_unit(scatter.residual, dimension, 3)
+        });
+        line.residual = residuals.collect::<Vec<_>>().join(", ");
+        line.verdict = match curve.problem() {
+            Some(_) => "not converged".to_owned(),
+            None if fitted.fit.misfit.describes_data() => "yes".to_owned(),
+            None => "no".to_owned(),
+        };
+        line
+    }
+}
+
+/// All fitted values of a parameter, by its number.
+fn estimates(curves: &[CurveFit], number: usize) -> impl Iterator<Item = (usize, &Estimate)> {
+    let curves = curves.iter().enumerate();
+    curves.filter_map(move |(curve, of)| {
+        let fitted = of.outcome.as_ref().ok()?;
+        Some((curve, fitted.fit.estimates.get(number)?))
+    })
+}
+
+/// The table of all curves.
+pub(crate) fn curves_table(free: &[Parameter], curves: &[CurveFit]) -> String {
+    let units: Vec<(&'static str, f64)> = free
+        .iter()
+        .enumerate()
+        .map(|(number, parameter)| {
+            unit_of(*parameter, estimates(curves, number).map(|(_, e)| e.value))
+        })
+        .collect();
+    let lines = curves.iter().enumerate();
+    let lines: Vec<Line> = lines
+        .map(|(number, curve)| Line::new(number, curve, &units))
+        .collect();
+    let mut columns = vec![
+        Column::right("", |line: &Line| line.number.to_string()),
+        Column::text("file", |line: &Line| line.file.clone()),
+    ];
+    for (number, (parameter, (unit, _))) in free.iter().zip(&units).enumerate() {
+        let heading = match *unit {
+            "" => parameter.name().to_owned(),
+            unit => format!("{} ({unit})", parameter.name()),
+        };
+        columns.push(Column::formatted(&heading, move |line: &Line| {
+            line.values[number].clone()
+        }));
+    }
+    columns.push(Column::right("residual", |line: &Line| {
+        line.residual.clone()
+    }));
+    columns.push(Column::text("describes the data", |line: &Line| {
+        line.verdict.clone()
+    }));
+    table(&lines, &columns)
+}
+
+fn text(case: &Case, fitted: &CurveFits, wall_time: f64) -> String {
+    let failed: Vec<&CurveFit> = fitted.failed().collect();
+    let of_failed = match failed.len() {
+        0 => String::new(),
+        count => format!(", {count} without a result"),
+    };
+    let mut text = format!(
+        "{} curves, each fitted separately{of_failed}\n{}\n{}, in {}\n\n",
+        fitted.curves.len(),
+        pillar_pattern_line(&case.system),
+        method_words(case.method),
+        seconds(wall_time)
+    );
+    text += &curves_table(&fitted.free, &fitted.curves);
+    text.push('\n');
+    let of = fitted.free.iter().zip(&fitted.statistics);
+    let found: Vec<(Parameter, Statistics)> = of
+        .filter_map(|(parameter, found)| Some((*parameter, found.clone()?)))
+        .collect();
+    if !found.is_empty() {
+        text += &statistics_table(&found);
+        text.push('\n');
+    }
+    for (parameter, outlier) in fitted.outliers() {
+        text += &format!(
+            "outlier: {}, {} {}, modified z-score {}\n",
+            fitted.curves[outlier.curve].name,
+            parameter.name(),
+            quantity(parameter, outlier.value, 4),
+            significant(outlier.score, 3)
+        );
+    }
+    let usable = found.iter().map(|(_, found)| found.count).max();
+    if usable.is_some_and(|count| count < FEWEST_FOR_OUTLIERS) {
+        text += &format!("outliers: named for {FEWEST_FOR_OUTLIERS} curves or more\n");
+    } else if fitted.outliers().next().is_none() {
+        text += &format!("outliers: none (modified z-score beyond {OUTLIER_SCORE})\n");
+    }
+    for curve in failed {
+        if let Some(problem) = curve.problem() {
+            text += &format!("no result of {}\n", curve.named(&problem));
+        }
+    }
+    text
+}
+
+/// A probability with two digits.
+fn probability(p: f64) -> String {
+    if p < 1e-16 {
+        return "< 1e-16".to_owned();
+    }
+    significant(p, 2)
+}
+
+/// A mean with its standard error, in the unit that suits it.
+fn mean_words(parameter: Parameter, mean: f64, error: Option<f64>) -> String {
+    let (unit, size) = unit_of(parameter, [mean].into_iter());
+    let error = error.filter(|error| *error > 0.0);
+    let words = match error {
+        Some(error) => plus_minus(mean / size, Some(error / size)),
+        None => significant(mean / size, 4),
+    };
+    match unit {
+        "" => words,
+        unit if error.is_some() => format!("({words}) {unit}"),
+        unit => format!("{words} {unit}"),
+    }
+}
+
+/// Mean, scatter and weighted mean of every parameter.
+fn statistics_table(found: &[(Parameter, Statistics)]) -> String {
+    type Row = (Parameter, Statistics);
+    table(
+        found,
+        &[
+            Column::text("", |(parameter, _): &Row| parameter.name().to_owned()),
+            Column::right("curves", |(_, found): &Row| found.count.to_string()),
+            Column::right("mean ± standard error", |(parameter, found): &Row| {
+                mean_words(*parameter, found.mean, found.standard_error)
+            }),
+            Column::right("standard deviation", |(parameter, found): &Row| {
+                let scatter = found.standard_deviation;
+                scatter.map_or("-".to_owned(), |scatter| quantity(*parameter, scatter, 3))
+            }),
+            Column::right("weighted mean ± standard error", |(parameter, found): &Row| {
+                found.weighted_mean.map_or("-".to_owned(), |mean| {
+                    mean_words(*parameter, mean.value, Some(mean.standard_error))
+                })
+            }),
+            Column::right("same value: p", |(_, found): &Row| {
+                let p = found.weighted_mean.and_then(|mean| mean.p_value);
+                p.map_or("-".to_owned(), probability)
+            }),
+        ],
+    )
+}
+
+/// Values of every parameter with their mean and standard deviation.
+fn figure_of(fitted: &CurveFits) -> Figure {
+    let panel = |(number, parameter): (usize, &Parameter)| {
+        let of = || estimates(&fitted.curves, number);
+        let (unit, size) = unit_of(*parameter, of().map(|(_, estimate)| estimate.value));
+        let found = fitted.statistics[number].as_ref();
+        let outliers = found.map_or(&[][..], |found| &found.outliers);
+        let value = |(curve, estimate): (usize, &Estimate)| FittedValue {
+            curve: curve + 1,
+            value: estimate.value / size,
+            error: estimate.standard_error.map(|error| error / size),
+            outlier: outliers.iter().any(|outlier| outlier.curve == curve),
+        };
+        FittedParameter {
+            name: parameter.name().to_owned(),
+            unit: unit.replacen('u', "µ", 1),
+            values: of().map(value).collect(),
+            mean: found.map(|found| {
+                [found.mean, found.standard_deviation.unwrap_or(0.0)].map(|value| value / size)
+            }),
+        }
+    };
+    let panels: Vec<FittedParameter> = fitted.free.iter().enumerate().map(panel).collect();
+    fits(&panels, fitted.curves.len(), false)
+}
