@@ -8,7 +8,9 @@ use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
 use fakir_case::{CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
-use fakir_inverse::fit::{FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection};
+use fakir_inverse::fit::{
+    FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection, shared_by_default,
+};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::answer::{Details, Maps, Request};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
@@ -219,13 +221,18 @@ pub(crate) enum Command {
     /// mean, standard deviation, standard error of the mean, and weighted mean; with at least 5 files, a value is named as an outlier if
     /// its modified z-score, 0.6745 (value - median)/(median absolute deviation), is beyond 3.5. It remains in the mean. If a file cannot
     /// be read or its fit does not converge, it is named, the others are fitted, and the exit status is 1.
+    ///
+    /// With --joint all files are fitted together: moduli, sizes and works of adhesion have one value, and contact points and other
+    /// parameters of the instrument a value for every file, unless --shared names the shared parameters. Printed is a test of whether the
+    /// files agree on the shared values. All files must contain the same quantities, and all of them must be readable.
     #[command(after_help = "Examples:
   fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
   fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
       --machine-compliance 2e-3 --force-error 0.5uN --output fitted
   fakir fit retraction.csv --case sticky.toml --free adhesion.work,contact_point,force_offset
   fakir fit measured/*.csv --case case.toml --free substrate.young_modulus,contact_point \\
-      --threads 0 --output fitted")]
+      --threads 0 --output fitted
+  fakir fit measured/*.csv --case case.toml --free substrate.young_modulus,contact_point --joint")]
     Fit(Fit),
     /// Compute many cases: a study file with axes along which a case is varied
     ///
@@ -818,6 +825,12 @@ pub(crate) struct Fit {
     /// force_offset, displacement_drift, force_drift, force_slope; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
+    /// Fit all files together: shared parameters have one value for all files, the others a value for every file
+    #[arg(long)]
+    pub(crate) joint: bool,
+    /// Parameters that are shared, of those that are free; default: all keys of the case, except pattern.offset and pattern.offset_angle
+    #[arg(long, value_name = "KEY", requires = "joint", value_delimiter = ',', value_parser = fitted)]
+    shared: Vec<Parameter>,
     /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or its initial value; default: 0, or estimated from the
     /// data
     #[arg(long, value_name = "LENGTH", value_parser = reading, allow_hyphen_values = true)]
@@ -859,7 +872,7 @@ pub(crate) struct Fit {
     json: bool,
     /// Save the result in this folder, which must be empty or not exist: summary.json, fitted.csv with data and model, the figure fit.svg
     /// and fit.png, the case with the fitted values, and its provenance; for several files fits.csv, the figure fits.svg and fits.png,
-    /// fitted.csv and fit.svg of every file in the folder curves, and the case with the mean values
+    /// fitted.csv and fit.svg of every file in the folder curves, and the case with the mean or shared values
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Replace all results in the folder; a folder with other files is not changed
@@ -934,6 +947,14 @@ impl Fit {
             data = data.with_position_error(error);
         }
         Ok(data)
+    }
+
+    /// The shared parameters of a joint fit.
+    pub(crate) fn shared(&self) -> Vec<Parameter> {
+        match &self.shared[..] {
+            [] => shared_by_default(&self.free),
+            shared => shared.to_vec(),
+        }
     }
 
     pub(crate) fn known(&self, data: &Measurements) -> FitOptions {

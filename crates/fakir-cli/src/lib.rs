@@ -131,7 +131,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let session = Session::start(&options.run, case.quiet)?;
     // The data are read before the case, and the folder is checked before the computation.
     let one = match &options.data[..] {
-        [path] => Some(options.measurements(path)?),
+        [path] if !options.joint => Some(options.measurements(path)?),
         _ => None,
     };
     let file = read_case(&case)?;
@@ -140,6 +140,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     }
     let fitted = match &one {
         Some(data) => commands::fit::run(&file, data, options, &session)?,
+        None if options.joint => commands::fits::joint(&file, options, &session)?,
         None => commands::fits::run(&file, options, &session)?,
     };
     drop(session);

@@ -104,28 +104,7 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
         fitted.iterations,
         crate::numbers::seconds(wall_time)
     );
-    text += &table(
-        &fitted.estimates,
-        &[
-            Column::text("", |e: &Estimate| e.parameter.name().to_owned()),
-            Column::right("value", |e| quantity(e.parameter, e.value, known_digits(e))),
-            Column::right("standard error", |e| match e.standard_error {
-                Some(error) => quantity(e.parameter, error, 2),
-                None => "not determined".to_owned(),
-            }),
-            Column::right("95 % interval", interval),
-        ],
-    );
-    for estimate in fitted
-        .estimates
-        .iter()
-        .filter(|estimate| estimate.one_sided)
-    {
-        text += &format!(
-            "{}: the interval is one-sided, as the data do not tell the value from the least that it can have\n",
-            estimate.parameter.name()
-        );
-    }
+    text += &estimates_table(&fitted.estimates);
     text.push('\n');
     if let Some(pull_off) = &fitted.pull_off {
         text += &pull_off_words(pull_off);
@@ -173,6 +152,29 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
     let limits = limits.text();
     if !limits.is_empty() {
         text += &format!("\nunder the largest load\n{limits}");
+    }
+    text
+}
+
+/// Values, standard errors and intervals.
+pub(crate) fn estimates_table(estimates: &[Estimate]) -> String {
+    let mut text = table(
+        estimates,
+        &[
+            Column::text("", |e: &Estimate| e.parameter.name().to_owned()),
+            Column::right("value", |e| quantity(e.parameter, e.value, known_digits(e))),
+            Column::right("standard error", |e| match e.standard_error {
+                Some(error) => quantity(e.parameter, error, 2),
+                None => "not determined".to_owned(),
+            }),
+            Column::right("95 % interval", interval),
+        ],
+    );
+    for estimate in estimates.iter().filter(|estimate| estimate.one_sided) {
+        text += &format!(
+            "{}: the interval is one-sided, as the data do not tell the value from the least that it can have\n",
+            estimate.parameter.name()
+        );
     }
     text
 }

@@ -1,6 +1,6 @@
-//! `fakir fit` with several files: every curve fitted separately, and the statistics of the parameters.
+//! `fakir fit` with several files: every curve fitted separately, with the statistics of the parameters, or all curves together.
 
-use super::fit::{Fitted, figure, quantity};
+use super::fit::{Fitted, estimates_table, figure, quantity};
 use crate::arguments::Fit as Options;
 use crate::failure::Failure;
 use crate::numbers::{column_unit, seconds, significant, with_unit};
@@ -9,8 +9,8 @@ use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile};
 use fakir_figure::{Figure, FittedParameter, FittedValue, fits};
 use fakir_inverse::fit::{
-    Curve, CurveFit, CurveFits, CurvesSummary, Estimate, FEWEST_FOR_OUTLIERS, FitError,
-    OUTLIER_SCORE, Parameter, Quantity, Statistics, fit_curves,
+    Curve, CurveFit, CurveFits, CurvesSummary, Estimate, FEWEST_FOR_OUTLIERS, FitError, JointFit,
+    JointSummary, OUTLIER_SCORE, Parameter, Quantity, Statistics, fit_curves, fit_jointly,
 };
 use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
@@ -65,6 +65,59 @@ pub(crate) fn run(
         warnings,
         converged: fitted.failed().next().is_none(),
         strained: strained(&fitted.curves),
+    };
+    Ok(Fitted { report, misfits })
+}
+
+/// All files fitted together.
+pub(crate) fn joint(
+    file: &CaseFile,
+    options: &Options,
+    session: &Session,
+) -> Result<Fitted, Failure> {
+    let start = Instant::now();
+    let curves = read(options)?;
+    file.case()?;
+    let shared = options.shared();
+    let bar = session.count("curves", curves.len());
+    let run = session.run();
+    let done = || bar.inc(1);
+    let fitted = fit_jointly(file, curves, &options.free, &shared, &run, &done);
+    bar.finish_and_clear();
+    let fitted = fitted?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let case = fitted.file.case()?;
+    let names: Vec<&str> = options.free.iter().map(|free| free.name()).collect();
+    let mut topics = Topic::of_case(&case);
+    topics.push(Topic::LeastSquares);
+    let provenance = Provenance::new(
+        format!(
+            "joint least squares for {}, {} curves",
+            names.join(", "),
+            fitted.curves.len()
+        ),
+        method_words(case.method),
+        &topics,
+        case.to_toml(),
+    );
+    let mut tables = vec![File::new("fits.csv", fitted.table().to_csv())];
+    tables.extend(saved(figure_of_joint(&fitted), &provenance));
+    tables.extend(files_of_curves(&fitted.curves, &provenance));
+    let misfits = fitted.misfit_statements();
+    let mut warnings = fitted.warnings();
+    warnings.retain(|warning| !misfits.contains(warning));
+    let mut strained = strained(&fitted.curves);
+    if !fitted.agrees() {
+        strained.push("the curves do not agree on the shared values".to_owned());
+    }
+    let report = Report {
+        json: json(&JointSummary::new(case.method, &fitted, wall_time)),
+        text: text_of_joint(&case, &fitted, wall_time),
+        provenance,
+        tables,
+        warnings,
+        converged: fitted.converged(),
+        strained,
     };
     Ok(Fitted { report, misfits })
 }
@@ -207,6 +260,13 @@ fn plus_minus(value: f64, error: Option<f64>) -> String {
     }
 }
 
+/// A parameter of the table: its number among the estimates, and the unit of its column.
+struct Place {
+    number: usize,
+    unit: &'static str,
+    size: f64,
+}
+
 /// A curve as a row of the table.
 struct Line {
     number: usize,
@@ -217,24 +277,24 @@ struct Line {
 }
 
 impl Line {
-    fn new(number: usize, curve: &CurveFit, units: &[(&'static str, f64)]) -> Self {
+    fn new(number: usize, curve: &CurveFit, places: &[Place]) -> Self {
         let mut line = Self {
             number: number + 1,
             file: curve.name.clone(),
-            values: vec!["-".to_owned(); units.len()],
+            values: vec!["-".to_owned(); places.len()],
             residual: "-".to_owned(),
             verdict: "no fit".to_owned(),
         };
         let Ok(fitted) = &curve.outcome else {
             return line;
         };
-        let estimates = fitted.fit.estimates.iter().zip(units);
-        line.values = estimates
-            .map(|(estimate, (_, size))| {
-                let error = estimate.standard_error.map(|error| error / size);
-                plus_minus(estimate.value / size, error)
-            })
-            .collect();
+        let estimates = &fitted.fit.estimates;
+        let values = places.iter().map(|Place { number, size, .. }| {
+            let estimate = &estimates[*number];
+            let error = estimate.standard_error.map(|error| error / size);
+            plus_minus(estimate.value / size, error)
+        });
+        line.values = values.collect();
         let residuals = fitted.fit.scatter.iter().map(|scatter| {
             let dimension = match scatter.quantity {
                 Quantity::Force => Dimension::Force,
@@ -261,13 +321,18 @@ fn estimates(curves: &[CurveFit], number: usize) -> impl Iterator<Item = (usize,
     })
 }
 
-/// The table of all curves.
-pub(crate) fn curves_table(free: &[Parameter], curves: &[CurveFit]) -> String {
-    let units: Vec<(&'static str, f64)> = free
+/// The table of all curves, with these parameters, each after its number among the estimates.
+fn curves_table(parameters: &[(usize, Parameter)], curves: &[CurveFit]) -> String {
+    let units: Vec<Place> = parameters
         .iter()
-        .enumerate()
         .map(|(number, parameter)| {
-            unit_of(*parameter, estimates(curves, number).map(|(_, e)| e.value))
+            let values = estimates(curves, *number).map(|(_, estimate)| estimate.value);
+            let (unit, size) = unit_of(*parameter, values);
+            Place {
+                number: *number,
+                unit,
+                size,
+            }
         })
         .collect();
     let lines = curves.iter().enumerate();
@@ -278,13 +343,13 @@ pub(crate) fn curves_table(free: &[Parameter], curves: &[CurveFit]) -> String {
         Column::right("", |line: &Line| line.number.to_string()),
         Column::text("file", |line: &Line| line.file.clone()),
     ];
-    for (number, (parameter, (unit, _))) in free.iter().zip(&units).enumerate() {
-        let heading = match *unit {
+    for (place, ((_, parameter), unit)) in parameters.iter().zip(&units).enumerate() {
+        let heading = match unit.unit {
             "" => parameter.name().to_owned(),
             unit => format!("{} ({unit})", parameter.name()),
         };
         columns.push(Column::formatted(&heading, move |line: &Line| {
-            line.values[number].clone()
+            line.values[place].clone()
         }));
     }
     columns.push(Column::right("residual", |line: &Line| {
@@ -309,7 +374,8 @@ fn text(case: &Case, fitted: &CurveFits, wall_time: f64) -> String {
         method_words(case.method),
         seconds(wall_time)
     );
-    text += &curves_table(&fitted.free, &fitted.curves);
+    let all: Vec<(usize, Parameter)> = fitted.free.iter().copied().enumerate().collect();
+    text += &curves_table(&all, &fitted.curves);
     text.push('\n');
     let of = fitted.free.iter().zip(&fitted.statistics);
     let found: Vec<(Parameter, Statistics)> = of
@@ -363,6 +429,106 @@ fn mean_words(parameter: Parameter, mean: f64, error: Option<f64>) -> String {
         unit if error.is_some() => format!("({words}) {unit}"),
         unit => format!("{words} {unit}"),
     }
+}
+
+fn text_of_joint(case: &Case, fitted: &JointFit, wall_time: f64) -> String {
+    let mut text = format!(
+        "{} curves, fitted together\n{}\n{}, {} in {} steps, in {}\n\nshared by all curves\n{}",
+        fitted.curves.len(),
+        pillar_pattern_line(&case.system),
+        method_words(case.method),
+        fitted.termination.description(),
+        fitted.iterations,
+        seconds(wall_time),
+        estimates_table(&fitted.shared),
+    );
+    let is_shared = |parameter: &Parameter| fitted.shared.iter().any(|e| e.parameter == *parameter);
+    let own = fitted.free.iter().copied().enumerate();
+    let own: Vec<(usize, Parameter)> = own.filter(|(_, free)| !is_shared(free)).collect();
+    text += &format!("\n{}\n", curves_table(&own, &fitted.curves));
+    for (a, one) in fitted.shared.iter().enumerate() {
+        for (b, other) in fitted.shared.iter().enumerate().take(a) {
+            if let Some(correlation) = fitted.correlation[a][b] {
+                text += &format!(
+                    "correlation of {} with {}: {correlation:.3}\n",
+                    other.parameter.name(),
+                    one.parameter.name()
+                );
+            }
+        }
+    }
+    if let Some(test) = fitted.agreement {
+        let verdict = match fitted.agrees() {
+            true => "the curves agree on the shared values",
+            false => "the curves do not agree on the shared values",
+        };
+        let against = match test.denominator {
+            None => format!(
+                "chi-square {} with {} degrees of freedom",
+                significant(test.statistic, 3),
+                test.degrees_of_freedom
+            ),
+            Some(rest) => format!(
+                "F {} with {} and {rest} degrees of freedom",
+                significant(test.statistic, 3),
+                test.degrees_of_freedom
+            ),
+        };
+        text += &format!(
+            "{verdict}: joint fit against separate fits, {against}, p = {}\n",
+            probability(test.p_value)
+        );
+    }
+    text += &match fitted.chi_square_p_value {
+        Some(p) => format!(
+            "chi-square of all curves {} for {} degrees of freedom, p = {}; normal intervals\n",
+            significant(fitted.chi_square, 4),
+            fitted.degrees_of_freedom,
+            probability(p)
+        ),
+        None => format!(
+            "{} degrees of freedom; intervals of Student's distribution\n",
+            fitted.degrees_of_freedom
+        ),
+    };
+    text += match fitted.describes_data() {
+        true => "the joint fit describes the data\n",
+        false => "the joint fit does not describe the data\n",
+    };
+    text
+}
+
+/// Own values of every curve, and separate and joint values of the shared parameters.
+fn figure_of_joint(fitted: &JointFit) -> Figure {
+    let panel = |(number, parameter): (usize, &Parameter)| {
+        let mut shared = fitted.shared.iter();
+        let shared = shared.position(|estimate| estimate.parameter == *parameter);
+        let values: Vec<(usize, &Estimate)> = match shared {
+            None => estimates(&fitted.curves, number).collect(),
+            Some(place) => {
+                let curves = fitted.separate.iter().enumerate();
+                curves.filter_map(|(curve, of)| Some((curve, of.get(place)?))).collect()
+            }
+        };
+        let (unit, size) = unit_of(*parameter, values.iter().map(|(_, e)| e.value));
+        let value = |(curve, estimate): &(usize, &Estimate)| FittedValue {
+            curve: curve + 1,
+            value: estimate.value / size,
+            error: estimate.standard_error.map(|error| error / size),
+            outlier: false,
+        };
+        FittedParameter {
+            name: parameter.name().to_owned(),
+            unit: unit.replacen('u', "µ", 1),
+            values: values.iter().map(value).collect(),
+            mean: shared.map(|place| {
+                let shared = &fitted.shared[place];
+                [shared.value, shared.standard_error.unwrap_or(0.0)].map(|value| value / size)
+            }),
+        }
+    };
+    let panels: Vec<FittedParameter> = fitted.free.iter().enumerate().map(panel).collect();
+    fits(&panels, fitted.curves.len(), true)
 }
 
 /// Mean, scatter and weighted mean of every parameter.

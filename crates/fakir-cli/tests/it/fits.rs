@@ -326,6 +326,11 @@ fn columns_are_named_on_the_command_line() {
     assert!(outcome.stderr.contains("\"mass\" is no quantity"));
 }
 
+/// Arguments of a fit of several files.
+fn several<'a>(files: &[&'a str], options: &[&'a str]) -> Vec<&'a str> {
+    [&["fit"], files, options].concat()
+}
+
 /// Three curves of one modulus, 1.4 MPa, of crates/fakir-inverse/examples/synthetic_curves.rs.
 #[test]
 fn several_files_are_fitted_separately() {
@@ -343,9 +348,8 @@ fn several_files_are_fitted_separately() {
         "method.name=punch",
         "--quiet",
     ];
-    let several = |files: &[&str]| [&["fit"], files, &options[..]].concat();
     let names = files.each_ref().map(|file| &file[..]);
-    let result = bench.json(&[&several(&names)[..], &["--output", "results"]].concat());
+    let result = bench.json(&[&several(&names, &options)[..], &["--output", "results"]].concat());
     let modulus = &result["parameters"][0];
     assert_eq!(modulus["name"], "substrate.young_modulus");
     assert_eq!(modulus["curves"], 3);
@@ -354,7 +358,7 @@ fn several_files_are_fitted_separately() {
     let error = number(&modulus["standard_error_of_mean_Pa"]);
     assert!((mean - 1.4e6).abs() < 4.0 * error, "{modulus}");
     // Every fit is that of the file alone.
-    let alone = bench.json(&several(&names[1..2]));
+    let alone = bench.json(&several(&names[1..2], &options));
     assert_eq!(result["curves"][1]["fit"]["parameters"], alone["parameters"]);
     assert_eq!(
         bench.files("results"),
@@ -379,14 +383,14 @@ fn several_files_are_fitted_separately() {
     assert_eq!(bench.read("results/fits.csv").lines().count(), 4);
     // The folder is replaced as a whole, with its subfolders.
     let again = [
-        &several(&names[..2])[..],
+        &several(&names[..2], &options)[..],
         &["--output", "results", "--overwrite"],
     ];
     let text = bench.result(&again.concat());
     assert!(text.starts_with("2 curves, each fitted separately\n"), "{text}");
     assert_eq!(bench.files("results/curves"), ["1-spot-1", "2-spot-2"]);
     // A file that cannot be read is named, and the others are fitted.
-    let outcome = bench.run(&several(&[names[0], "missing.csv", names[2]]));
+    let outcome = bench.run(&several(&[names[0], "missing.csv", names[2]], &options));
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
     let warning = "warning: no fit of missing.csv: cannot read: ";
     assert!(outcome.stderr.contains(warning), "{}", outcome.stderr);

@@ -160,7 +160,7 @@ impl CurveFits {
     /// Table of the results: one row for each curve.
     #[must_use]
     pub fn table(&self) -> Table {
-        curve_table(&self.free, &self.curves, |number| self.outlier_of(number))
+        curve_table(&self.free, &self.curves, Some(&|number| self.outlier_of(number)))
     }
 }
 
@@ -168,7 +168,7 @@ impl CurveFits {
 pub(super) fn curve_table(
     free: &[Parameter],
     curves: &[CurveFit],
-    outlier_of: impl Fn(usize) -> Vec<&'static str>,
+    outlier_of: Option<&dyn Fn(usize) -> Vec<&'static str>>,
 ) -> Table {
     let fits = || {
         let of = curves.iter();
@@ -212,7 +212,6 @@ pub(super) fn curve_table(
     let count = |value: Option<usize>| value.and_then(|value| i64::try_from(value).ok());
     let freedoms = fits().map(|fit| count(fit.map(|fit| fit.degrees_of_freedom)));
     let described = fits().map(|fit| Some(fit?.misfit.describes_data()));
-    let outliers = (0..curves.len()).map(|number| Some(outlier_of(number).join(" ")));
     let problems = curves.iter();
     let problems = problems.map(|curve| Some(curve.problem().unwrap_or_default()));
     let converged = curves.iter();
@@ -226,7 +225,15 @@ pub(super) fn curve_table(
             "describes_data".to_owned(),
             Values::Flags(described.collect()),
         ),
-        column("outlier_of".to_owned(), Values::Words(outliers.collect())),
+    ]);
+    if let Some(outlier_of) = outlier_of {
+        let outliers = (0..curves.len()).map(|number| Some(outlier_of(number).join(" ")));
+        columns.push(column(
+            "outlier_of".to_owned(),
+            Values::Words(outliers.collect()),
+        ));
+    }
+    columns.extend([
         column("converged".to_owned(), Values::Flags(converged.collect())),
         column("problem".to_owned(), Values::Words(problems.collect())),
     ]);
