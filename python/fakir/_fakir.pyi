@@ -222,6 +222,16 @@ def fit_curves(
     starts: int,
     options: Options,
 ) -> FittedCurves: ...
+def fit_jointly(
+    case: Case,
+    curves: Sequence[
+        tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
+    ],
+    free: Sequence[str],
+    shared: Sequence[str] | None,
+    starts: int,
+    options: Options,
+) -> FittedCurves: ...
 @final
 class Study:
     @staticmethod

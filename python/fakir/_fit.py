@@ -113,7 +113,7 @@ class Fit(Result):
     @property
     def parameters(self) -> dict[str, Estimate]:
         """The fitted parameters by name."""
-        return {given["name"]: _estimate(given) for given in self._summary["parameters"]}
+        return {given["name"]: estimate(given) for given in self._summary["parameters"]}
 
     def __getitem__(self, name: str) -> Estimate:
         return self.parameters[name]
@@ -557,7 +557,8 @@ def _of_unit(given: Quantity | None, unit: str, name: str) -> float | None:
     return finite(given, "number", name)
 
 
-def _estimate(given: Mapping[str, Any]) -> Estimate:
+def estimate(given: Mapping[str, Any]) -> Estimate:
+    """An estimate of the JSON object."""
     suffix = next(name.removeprefix("value") for name in given if name.startswith("value"))
     error = given[f"standard_error{suffix}"]
     ends = given[f"confidence_interval_95{suffix}"]
@@ -572,6 +573,7 @@ def _estimate(given: Mapping[str, Any]) -> Estimate:
 
 
 def written(value: float, unit: str) -> str:
+    """A value with its unit."""
     return f"{value:.4g} {unit}".strip() if unit not in {"m", "Pa", "N", "J/m^2"} else engineering(value, unit, 4)
 
 

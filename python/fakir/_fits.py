@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, overload
 
 from . import _fakir
-from ._fit import UNITS, Fit, Instrument, Measurements, check_parameters, prepared, written
+from ._fit import UNITS, Estimate, Fit, Instrument, Measurements, check_parameters, estimate, prepared, written
 from ._format import Row
 from ._quantity import Quantity
 from ._result import Result
 from ._run import options, warn
 from ._system import System
-from .errors import FitError
+from .errors import FitError, NotConverged
 
 if TYPE_CHECKING:
     import pandas
@@ -72,10 +72,23 @@ class Statistics(NamedTuple):
     """The unit."""
 
 
-class Fits(Result):
-    """Fits of several curves."""
+class Agreement(NamedTuple):
+    """Test of whether all curves have the same shared values: joint fit against separate fits."""
 
-    _titles = ("fakir.Fits", "Fits of several curves")
+    test: str
+    """``"chi_square"`` if all errors were given, otherwise ``"f"``."""
+    statistic: float
+    """Chi-square or F."""
+    degrees_of_freedom: tuple[int, ...]
+    """One number for chi-square, two for F."""
+    p_value: float
+    """Probability of a statistic at least as large if the values are the same."""
+    agree: bool
+    """Whether the probability is at least 0.01."""
+
+
+class CurveResults(Result):
+    """Results of several curves."""
 
     def __init__(self, fitted: _fakir.FittedCurves, understood: Sequence[Sequence[str]]) -> None:
         self._fitted = fitted
@@ -88,15 +101,7 @@ class Fits(Result):
     def curves(self) -> list[FittedCurve]:
         """The curves, in the order in which they were given."""
         given = zip(self._summary["curves"], self._fits)
-        return [FittedCurve(one["file"], fit, one["problem"], one["outlier_of"]) for one, fit in given]
-
-    @property
-    def parameters(self) -> dict[str, Statistics]:
-        """Mean, scatter and outliers of every parameter, by its name."""
-        return {given["name"]: _statistics(given) for given in self._summary["parameters"]}
-
-    def __getitem__(self, name: str) -> Statistics:
-        return self.parameters[name]
+        return [FittedCurve(one["file"], fit, one["problem"], one.get("outlier_of", [])) for one, fit in given]
 
     def __len__(self) -> int:
         return len(self._fits)
@@ -133,6 +138,20 @@ class Fits(Result):
         except ImportError:
             return self.columns()
 
+
+class Fits(CurveResults):
+    """Fits of several curves, each separately."""
+
+    _titles = ("fakir.Fits", "Fits of several curves")
+
+    @property
+    def parameters(self) -> dict[str, Statistics]:
+        """Mean, scatter and outliers of every parameter, by its name."""
+        return {given["name"]: _statistics(given) for given in self._summary["parameters"]}
+
+    def __getitem__(self, name: str) -> Statistics:
+        return self.parameters[name]
+
     def _rows(self) -> list[Row]:
         rows: list[Row] = []
         for name, found in self.parameters.items():
@@ -152,11 +171,116 @@ class Fits(Result):
         return rows
 
 
+class JointFit(CurveResults):
+    """Fit of several curves together. The fits of its curves contain all parameters, with the errors of the joint fit."""
+
+    _titles = ("fakir.JointFit", "Joint fit")
+
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """The shared parameters by name."""
+        return {given["name"]: estimate(given) for given in self._summary["parameters"]}
+
+    def __getitem__(self, name: str) -> Estimate:
+        return self.parameters[name]
+
+    @property
+    def separate(self) -> list[dict[str, Estimate]]:
+        """For every curve, the shared parameters as its separate fit gives them."""
+        return [
+            {given["name"]: estimate(given) for given in curve["separate"]} for curve in self._summary["curves"]
+        ]
+
+    @property
+    def agreement(self) -> Agreement | None:
+        """Test of the shared values; None for one curve, or if a separate fit did not converge."""
+        given = self._summary["agreement"]
+        if given is None:
+            return None
+        return Agreement(**{**given, "degrees_of_freedom": tuple(given["degrees_of_freedom"])})
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of values of all curves minus number of shared parameters and of parameters of the curves."""
+        return int(self._summary["degrees_of_freedom"])
+
+    @property
+    def chi_square(self) -> float:
+        """Sum of squares of (measured - computed)/error of all curves."""
+        return float(self._summary["chi_square"])
+
+    @property
+    def undetermined(self) -> list[str]:
+        """A sentence for everything that the curves do not determine."""
+        return list(self._summary["undetermined"])
+
+    def _rows(self) -> list[Row]:
+        rows: list[Row] = [("curves", str(len(self)))]
+        for name, found in self.parameters.items():
+            value = written(found.value, found.unit)
+            if found.interval is None:
+                rows.append((name, f"{value}: not determined by the data"))
+                continue
+            low, high = (written(end, found.unit) for end in found.interval)
+            rows.append((name, f"{value}, 95 % interval {low} to {high}"))
+        if self.agreement is not None:
+            verdict = "agree" if self.agreement.agree else "do not agree"
+            rows.append(("the curves", f"{verdict} (p = {self.agreement.p_value:.2g})"))
+        if not self.describes_data:
+            rows.append(("does not describe the data", "see the fits of the curves"))
+        return rows
+
+
+class CurveOptions(TypedDict, total=False):
+    """Arguments of `fit_many` that are the same for all curves: see `fit`."""
+
+    contact_point: Quantity | None
+    machine_compliance: Quantity | None
+    force_offset: Quantity
+    displacement_drift: Quantity
+    force_drift: Quantity
+    force_slope: Quantity
+    starts: int
+    columns: Mapping[str, str] | None
+    spring_constant: Quantity | None
+    rows: tuple[int | None, int | None] | None
+    cycle: int | None
+    branch: str | None
+    between: tuple[Quantity | None, Quantity | None] | None
+    position_error: Quantity | None
+    force_error: Quantity | None
+    contact_radius_error: Quantity | None
+    threads: int
+    progress: Callable[[int, int], object] | None
+    memory_limit: int | None
+
+
+@overload
 def fit_many(
     curves: Curves,
     system: System,
     free: Sequence[str],
     *,
+    joint: Literal[False] = False,
+    **options: Unpack[CurveOptions],
+) -> Fits: ...
+@overload
+def fit_many(
+    curves: Curves,
+    system: System,
+    free: Sequence[str],
+    *,
+    joint: Literal[True],
+    shared: Sequence[str] | None = None,
+    **options: Unpack[CurveOptions],
+) -> JointFit: ...
+def fit_many(
+    curves: Curves,
+    system: System,
+    free: Sequence[str],
+    *,
+    joint: bool = False,
+    shared: Sequence[str] | None = None,
     contact_point: Quantity | None = None,
     machine_compliance: Quantity | None = None,
     force_offset: Quantity = 0.0,
@@ -176,16 +300,20 @@ def fit_many(
     threads: int = 0,
     progress: Callable[[int, int], object] | None = None,
     memory_limit: int | None = None,
-) -> Fits:
-    """Fits parameters to several curves, each separately, and computes mean and scatter of every parameter.
+) -> Fits | JointFit:
+    """Fits parameters to several curves: each separately, with mean and scatter of every parameter, or all together.
 
-    All other arguments are those of `fit`, and are the same for all curves. A curve that cannot be read or fitted is part of the
-    result (``Fits.failed``) and of its warnings.
+    All other arguments are those of `fit`, and are the same for all curves. A curve that cannot be read or fitted separately is
+    part of the result (``Fits.failed``) and of its warnings; a joint fit requires all curves.
 
     Parameters
     ----------
     curves
         A list of files or tables, or a dictionary of them by names.
+    joint
+        Whether all curves are fitted together: shared parameters have one value, the others a value for every curve.
+    shared
+        The shared parameters of a joint fit; by default all keys of the case, except for the position of the lens axis.
     threads
         Number of threads, which share the curves; 0 for all processors, which is the maximum.
     progress
@@ -194,9 +322,16 @@ def fit_many(
     Raises
     ------
     FitError
-        If no curve can be read or fitted, or the parameters are invalid.
+        If no curve can be read or fitted, or the parameters are invalid; with ``joint``, if one of the curves cannot be read or
+        fitted, or if they contain different quantities.
+    NotConverged
+        If a joint search did not converge; ``result`` contains the last iterate.
     """
     check_parameters(free, starts)
+    if isinstance(shared, str):
+        raise TypeError(f'shared is the text "{shared}": give a list of names')
+    if shared is not None and not joint:
+        raise TypeError("shared needs joint=True")
     run = options(threads, progress, memory_limit, "done, curves")
     given: list[tuple[str, tuple[_fakir.Data, Instrument] | None, str]] = []
     understood: list[list[str]] = []
@@ -221,11 +356,21 @@ def fit_many(
                 force_slope=force_slope,
             )
         except FitError as error:
+            if joint:
+                raise
             given.append((name, None, str(error)))
             understood.append([])
         else:
             given.append((name, (data, instrument), ""))
             understood.append(raw.understood())
+    if joint:
+        names = None if shared is None else list(shared)
+        together = _fakir.fit_jointly(system._case, given, list(free), names, starts, run)
+        found = JointFit(together, understood)
+        warn(together.warnings, depth=1)
+        if not found.converged:
+            raise NotConverged(f"the joint fit {found._summary['termination']}", found)
+        return found
     fitted = _fakir.fit_curves(system._case, given, list(free), starts, run)
     result = Fits(fitted, understood)
     if all(curve.fit is None for curve in result.curves):
@@ -241,11 +386,7 @@ def named(curves: Curves) -> list[tuple[str, Measurements]]:
     if isinstance(curves, Mapping):
         pairs = [(str(name), one) for name, one in curves.items()]
     elif isinstance(curves, Sequence):
-        is_path = lambda one: isinstance(one, (str, PathLike))  # noqa: E731
-        pairs = [
-            (str(fspath(one)) if is_path(one) else f"curve {number}", one)
-            for number, one in enumerate(curves, 1)
-        ]
+        pairs = [(_name(one, number), one) for number, one in enumerate(curves, 1)]
     else:
         raise TypeError(
             f"curves is of type {type(curves).__name__}: give a list of files or tables, or a dictionary of them by names"
@@ -257,6 +398,10 @@ def named(curves: Curves) -> list[tuple[str, Measurements]]:
     if twice is not None:
         raise ValueError(f"{twice} is given twice: give every curve once")
     return pairs
+
+
+def _name(measurements: Measurements, number: int) -> str:
+    return fspath(measurements) if isinstance(measurements, (str, PathLike)) else f"curve {number}"
 
 
 def _statistics(given: Mapping[str, Any]) -> Statistics:

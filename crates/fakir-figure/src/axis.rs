@@ -346,7 +346,11 @@ fn linear_ticks([low, high]: [f64; 2], most: usize, whole: bool) -> Vec<Tick> {
         .into_iter()
         .find(|(step, _)| step * unit >= 0.8 * raw)
         .map_or((10.0 * unit, 5), |(step, minor)| (step * unit, minor));
-    let minor = if whole && step < f64::from(minor) { 1 } else { minor };
+    let minor = if whole && step < f64::from(minor) {
+        1
+    } else {
+        minor
+    };
     let fine = step / f64::from(minor);
     let (first, last) = (
         (low / fine - 1e-6).ceil() as i64,

@@ -8,7 +8,8 @@ use fakir::problem::Method;
 use fakir::state::Branch;
 use fakir_inverse::fit::{
     Column, Curve, CurveFit, CurvesSummary, Fit, FitError, FitOptions, FitSummary, Hints,
-    Measurements, NamedColumn, Parameter, Position, Quantity, Selection,
+    JointSummary, Measurements, NamedColumn, Parameter, Position, Quantity, Selection,
+    shared_by_default,
 };
 use fakir_study::Table;
 use fakir_study::result::json;
@@ -203,7 +204,12 @@ impl Fitted {
 }
 
 impl Fitted {
-    fn new(measurements: &Measurements, method: Method, fit: Fit, wall_time: f64) -> PyResult<Self> {
+    fn new(
+        measurements: &Measurements,
+        method: Method,
+        fit: Fit,
+        wall_time: f64,
+    ) -> PyResult<Self> {
         let summary = FitSummary::new(measurements, method, &fit, wall_time);
         Ok(Self {
             table: fit.table(measurements),
@@ -328,6 +334,35 @@ impl FittedCurves {
 /// A curve: its name, its data with the values of the instrument, or why there are none.
 type GivenCurve<'py> = (String, Option<(PyRef<'py, Data>, Instrument)>, String);
 
+fn given_curves(curves: Vec<GivenCurve<'_>>, starts: usize) -> Vec<Curve> {
+    let one = |(name, given, problem): GivenCurve<'_>| Curve {
+        name,
+        data: match given {
+            Some((data, instrument)) => {
+                Ok((data.measurements.clone(), fit_options(instrument, starts)))
+            }
+            None => Err(FitError::Unreadable(problem)),
+        },
+    };
+    curves.into_iter().map(one).collect()
+}
+
+/// The fits of curves as Python objects.
+fn fitted_curves(
+    py: Python<'_>,
+    method: Method,
+    curves: Vec<CurveFit>,
+) -> PyResult<Vec<Option<Py<Fitted>>>> {
+    let one = |curve: CurveFit| match curve.outcome {
+        Err(_) => Ok(None),
+        Ok(one) => {
+            let fitted = Fitted::new(&one.data, method, one.fit, one.wall_time)?;
+            Py::new(py, fitted).map(Some)
+        }
+    };
+    curves.into_iter().map(one).collect()
+}
+
 /// Fits of several curves, each separately.
 #[pyfunction]
 pub(crate) fn fit_curves(
@@ -340,19 +375,7 @@ pub(crate) fn fit_curves(
 ) -> PyResult<FittedCurves> {
     let free = parameters(py, &free)?;
     let file = case.file()?;
-    let curves: Vec<Curve> = curves
-        .into_iter()
-        .map(|(name, given, problem)| Curve {
-            name,
-            data: match given {
-                Some((data, instrument)) => Ok((
-                    data.measurements.clone(),
-                    fit_options(instrument, starts),
-                )),
-                None => Err(FitError::Unreadable(problem)),
-            },
-        })
-        .collect();
+    let curves = given_curves(curves, starts);
     let start = Instant::now();
     let total = curves.len();
     let fitted = watched_parts(py, &options, total, |run, done| {
@@ -361,19 +384,44 @@ pub(crate) fn fit_curves(
     let fitted = fitted.map_err(|error| fit_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
     let method = case.case.method;
-    let summary = json(&CurvesSummary::new(method, &fitted, wall_time));
-    let (table, warnings) = (fitted.table(), fitted.warnings());
-    let one = |curve: CurveFit| match curve.outcome {
-        Err(_) => Ok(None),
-        Ok(one) => {
-            let fitted = Fitted::new(&one.data, method, one.fit, one.wall_time)?;
-            Py::new(py, fitted).map(Some)
-        }
-    };
     Ok(FittedCurves {
-        curves: fitted.curves.into_iter().map(one).collect::<PyResult<_>>()?,
-        table,
-        summary,
-        warnings,
+        summary: json(&CurvesSummary::new(method, &fitted, wall_time)),
+        table: fitted.table(),
+        warnings: fitted.warnings(),
+        curves: fitted_curves(py, method, fitted.curves)?,
+    })
+}
+
+/// Fit of several curves together; without `shared`, the keys of the case are shared.
+#[pyfunction]
+pub(crate) fn fit_jointly(
+    py: Python<'_>,
+    case: &Case,
+    curves: Vec<GivenCurve<'_>>,
+    free: Vec<String>,
+    shared: Option<Vec<String>>,
+    starts: usize,
+    options: Options,
+) -> PyResult<FittedCurves> {
+    let free = parameters(py, &free)?;
+    let shared = match shared {
+        None => shared_by_default(&free),
+        Some(names) => parameters(py, &names)?,
+    };
+    let file = case.file()?;
+    let curves = given_curves(curves, starts);
+    let start = Instant::now();
+    let total = curves.len();
+    let joint = watched_parts(py, &options, total, |run, done| {
+        fakir_inverse::fit::fit_jointly(&file, curves, &free, &shared, run, done)
+    })?;
+    let joint = joint.map_err(|error| fit_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let method = case.case.method;
+    Ok(FittedCurves {
+        summary: json(&JointSummary::new(method, &joint, wall_time)),
+        table: joint.table(),
+        warnings: joint.warnings(),
+        curves: fitted_curves(py, method, joint.curves)?,
     })
 }

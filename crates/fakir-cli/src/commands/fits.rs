@@ -507,7 +507,9 @@ fn figure_of_joint(fitted: &JointFit) -> Figure {
             None => estimates(&fitted.curves, number).collect(),
             Some(place) => {
                 let curves = fitted.separate.iter().enumerate();
-                curves.filter_map(|(curve, of)| Some((curve, of.get(place)?))).collect()
+                curves
+                    .filter_map(|(curve, of)| Some((curve, of.get(place)?)))
+                    .collect()
             }
         };
         let (unit, size) = unit_of(*parameter, values.iter().map(|(_, e)| e.value));
@@ -546,11 +548,14 @@ fn statistics_table(found: &[(Parameter, Statistics)]) -> String {
                 let scatter = found.standard_deviation;
                 scatter.map_or("-".to_owned(), |scatter| quantity(*parameter, scatter, 3))
             }),
-            Column::right("weighted mean ± standard error", |(parameter, found): &Row| {
-                found.weighted_mean.map_or("-".to_owned(), |mean| {
-                    mean_words(*parameter, mean.value, Some(mean.standard_error))
-                })
-            }),
+            Column::right(
+                "weighted mean ± standard error",
+                |(parameter, found): &Row| {
+                    found.weighted_mean.map_or("-".to_owned(), |mean| {
+                        mean_words(*parameter, mean.value, Some(mean.standard_error))
+                    })
+                },
+            ),
             Column::right("same value: p", |(_, found): &Row| {
                 let p = found.weighted_mean.and_then(|mean| mean.p_value);
                 p.map_or("-".to_owned(), probability)

@@ -58,7 +58,10 @@ pub fn fits(parameters: &[FittedParameter], curves: usize, joint: bool) -> Figur
         name: "fits",
         width: if columns > 1 { PAGE } else { COLUMN },
         columns,
-        charts: parameters.iter().map(|one| panel(one, curves, joint)).collect(),
+        charts: parameters
+            .iter()
+            .map(|one| panel(one, curves, joint))
+            .collect(),
         heights: vec![120.0; rows.max(1)],
         common_x: false,
         common_y: false,

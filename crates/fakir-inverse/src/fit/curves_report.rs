@@ -38,14 +38,15 @@ impl CurvesSummary {
     /// Summary of several fits.
     #[must_use]
     pub fn new(method: Method, fits: &CurveFits, wall_time: f64) -> Self {
-        let curve = |(number, curve): (usize, &CurveFit)| CurveJson {
-            file: curve.name.clone(),
-            problem: curve.problem(),
-            outlier_of: fits.outlier_of(number),
-            fit: curve.outcome.as_ref().ok().map(|fitted| {
-                FitSummary::new(&fitted.data, method, &fitted.fit, fitted.wall_time)
-            }),
-        };
+        let curve =
+            |(number, curve): (usize, &CurveFit)| CurveJson {
+                file: curve.name.clone(),
+                problem: curve.problem(),
+                outlier_of: fits.outlier_of(number),
+                fit: curve.outcome.as_ref().ok().map(|fitted| {
+                    FitSummary::new(&fitted.data, method, &fitted.fit, fitted.wall_time)
+                }),
+            };
         let of = fits.free.iter().zip(&fits.statistics);
         let failed = fits.failed().count();
         Self {
@@ -150,7 +151,10 @@ impl CurveFits {
                 Err(error) => vec![format!("no fit of {}", curve.named(&error.to_string()))],
                 Ok(fitted) => {
                     let warnings = fitted.fit.warnings();
-                    warnings.iter().map(|warning| curve.named(warning)).collect()
+                    warnings
+                        .iter()
+                        .map(|warning| curve.named(warning))
+                        .collect()
                 }
             }
         };
@@ -160,7 +164,11 @@ impl CurveFits {
     /// Table of the results: one row for each curve.
     #[must_use]
     pub fn table(&self) -> Table {
-        curve_table(&self.free, &self.curves, Some(&|number| self.outlier_of(number)))
+        curve_table(
+            &self.free,
+            &self.curves,
+            Some(&|number| self.outlier_of(number)),
+        )
     }
 }
 
@@ -183,10 +191,7 @@ pub(super) fn curve_table(
         let values = estimates().map(|estimate| Some(estimate?.value));
         let errors = estimates().map(|estimate| estimate?.standard_error);
         columns.extend([
-            column(
-                format!("{name}{suffix}"),
-                Values::Numbers(values.collect()),
-            ),
+            column(format!("{name}{suffix}"), Values::Numbers(values.collect())),
             column(
                 format!("{name}_standard_error{suffix}"),
                 Values::Numbers(errors.collect()),

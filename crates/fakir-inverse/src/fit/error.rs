@@ -115,6 +115,9 @@ pub enum FitError {
         /// The displacement, m.
         reading: f64,
     },
+    /// A joint fit without curves.
+    #[error("there are no curves: give one or more")]
+    NoCurves,
     /// A joint fit without shared parameters.
     #[error(
         "no free parameter is shared: share one or more of the free parameters, or fit the curves separately"

@@ -1,9 +1,9 @@
 //! A joint fit as a JSON object, as a table and as warnings, for command line and Python package.
 
+use super::Estimate;
 use super::curves::CurveFit;
 use super::curves_report::curve_table;
 use super::joint::{Agreement, JointFit};
-use super::Estimate;
 use super::report::{FitSummary, estimate_json};
 use fakir::problem::Method;
 use fakir::state::Termination;
@@ -65,14 +65,15 @@ impl JointSummary {
     /// Summary of a joint fit.
     #[must_use]
     pub fn new(method: Method, joint: &JointFit, wall_time: f64) -> Self {
-        let curve = |(curve, separate): (&CurveFit, &Vec<Estimate>)| JointCurveJson {
-            file: curve.name.clone(),
-            problem: curve.problem(),
-            separate: separate.iter().map(estimate_json).collect(),
-            fit: curve.outcome.as_ref().ok().map(|fitted| {
-                FitSummary::new(&fitted.data, method, &fitted.fit, fitted.wall_time)
-            }),
-        };
+        let curve =
+            |(curve, separate): (&CurveFit, &Vec<Estimate>)| JointCurveJson {
+                file: curve.name.clone(),
+                problem: curve.problem(),
+                separate: separate.iter().map(estimate_json).collect(),
+                fit: curve.outcome.as_ref().ok().map(|fitted| {
+                    FitSummary::new(&fitted.data, method, &fitted.fit, fitted.wall_time)
+                }),
+            };
         Self {
             method: method.name(),
             joint: true,

@@ -86,12 +86,12 @@ pub use statistics::{
     FEWEST_FOR_OUTLIERS, OUTLIER_SCORE, Outlier, Sample, Statistics, WeightedMean,
 };
 
+use descent::{Descent, PATIENCE};
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
 use fakir::problem::{Load, Question};
 use fakir::state::{Branch, Cycle, Limit, Run, Termination};
 use fakir_case::{CaseFile, Key};
-use descent::{Descent, PATIENCE};
 use least_squares::Linear;
 use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
