@@ -7,8 +7,8 @@ use crate::watched::{Options, watched, watched_parts};
 use fakir::problem::Method;
 use fakir::state::Branch;
 use fakir_inverse::fit::{
-    Column, Curve, CurveFit, CurvesSummary, Fit, FitError, FitOptions, FitSummary, Hints,
-    JointSummary, Measurements, NamedColumn, Parameter, Position, Quantity, Selection,
+    Column, CurveFit, CurvesSummary, Fit, FitError, FitOptions, FitSummary, Hints, JointSummary,
+    MeasuredCurve, Measurements, NamedColumn, Parameter, Position, Quantity, Selection,
     shared_by_default,
 };
 use fakir_study::Table;
@@ -334,8 +334,8 @@ impl FittedCurves {
 /// A curve: its name, its data with the values of the instrument, or why there are none.
 type GivenCurve<'py> = (String, Option<(PyRef<'py, Data>, Instrument)>, String);
 
-fn given_curves(curves: Vec<GivenCurve<'_>>, starts: usize) -> Vec<Curve> {
-    let one = |(name, given, problem): GivenCurve<'_>| Curve {
+fn given_curves(curves: Vec<GivenCurve<'_>>, starts: usize) -> Vec<MeasuredCurve> {
+    let one = |(name, given, problem): GivenCurve<'_>| MeasuredCurve {
         name,
         data: match given {
             Some((data, instrument)) => {

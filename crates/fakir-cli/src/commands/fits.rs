@@ -9,8 +9,9 @@ use fakir_case::unit::Dimension;
 use fakir_case::{Case, CaseFile};
 use fakir_figure::{Figure, FittedParameter, FittedValue, fits};
 use fakir_inverse::fit::{
-    Curve, CurveFit, CurveFits, CurvesSummary, Estimate, FEWEST_FOR_OUTLIERS, FitError, JointFit,
-    JointSummary, OUTLIER_SCORE, Parameter, Quantity, Statistics, fit_curves, fit_jointly,
+    CurveFit, CurveFits, CurvesSummary, Estimate, FEWEST_FOR_OUTLIERS, FitError, JointFit,
+    JointSummary, MeasuredCurve, OUTLIER_SCORE, Parameter, Quantity, Statistics, fit_curves,
+    fit_jointly,
 };
 use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
@@ -123,7 +124,7 @@ pub(crate) fn joint(
 }
 
 /// The data of all files, or why they cannot be read.
-fn read(options: &Options) -> Result<Vec<Curve>, Failure> {
+fn read(options: &Options) -> Result<Vec<MeasuredCurve>, Failure> {
     for (number, path) in options.data.iter().enumerate() {
         if options.data[..number].contains(path) {
             let path = path.display();
@@ -141,7 +142,7 @@ fn read(options: &Options) -> Result<Vec<Curve>, Failure> {
             Err(Failure::Fit(error)) => Err(error),
             Err(other) => return Err(other),
         };
-        Ok(Curve {
+        Ok(MeasuredCurve {
             name: path.display().to_string(),
             data,
         })

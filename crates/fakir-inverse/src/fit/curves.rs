@@ -14,7 +14,7 @@ use std::time::Instant;
 
 /// A curve to be fitted.
 #[derive(Debug)]
-pub struct Curve {
+pub struct MeasuredCurve {
     /// Its name: the file.
     pub name: String,
     /// The data with the options of the fit, or why they cannot be read.
@@ -121,7 +121,7 @@ impl CurveFits {
 /// If the case is invalid or the computation was cancelled. Errors of single curves are part of the result.
 pub fn fit_curves(
     file: &CaseFile,
-    curves: Vec<Curve>,
+    curves: Vec<MeasuredCurve>,
     free: &[Parameter],
     run: &Run<'_>,
     done: &(dyn Fn() + Sync),
@@ -133,7 +133,7 @@ pub fn fit_curves(
         progress: None,
         ..run.clone()
     };
-    let one = |curve: Curve| {
+    let one = |curve: MeasuredCurve| {
         let start = Instant::now();
         let outcome = curve.data.and_then(|(data, options)| {
             if run.cancel.is_cancelled() {

@@ -4,7 +4,7 @@
 //! shared parameters and those of the parameters of this curve. The search starts from separate fits of the curves, from which the test of
 //! the agreement of the shared values follows too.
 
-use super::curves::{Curve, CurveFit, FittedData};
+use super::curves::{CurveFit, FittedData, MeasuredCurve};
 use super::descent::Descent;
 use super::error::FitError;
 use super::least_squares::Linear;
@@ -134,7 +134,7 @@ pub fn shared_by_default(free: &[Parameter]) -> Vec<Parameter> {
 /// See [`FitError`]: the curves must contain the same quantities, and all of them must be read.
 pub fn fit_jointly(
     file: &CaseFile,
-    curves: Vec<Curve>,
+    curves: Vec<MeasuredCurve>,
     free: &[Parameter],
     shared: &[Parameter],
     run: &Run<'_>,

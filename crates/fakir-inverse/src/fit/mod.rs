@@ -70,7 +70,7 @@ mod statistics;
 mod units;
 
 pub use column::{Column, DataError};
-pub use curves::{Curve, CurveFit, CurveFits, FittedData, fit_curves};
+pub use curves::{CurveFit, CurveFits, FittedData, MeasuredCurve, fit_curves};
 pub use curves_report::CurvesSummary;
 pub use error::FitError;
 pub use joint::{Agreement, JointFit, fit_jointly, shared_by_default};

@@ -6,7 +6,7 @@ use chacha20::rand_core::SeedableRng;
 use fakir::state::{CancelToken, Run, SolveError};
 use fakir_case::CaseFile;
 use fakir_inverse::fit::{
-    Column, Curve, CurveFits, FitError, FitOptions, JointFit, Measurements, Parameter, fit,
+    Column, CurveFits, FitError, FitOptions, JointFit, MeasuredCurve, Measurements, Parameter, fit,
     fit_curves, fit_jointly, shared_by_default,
 };
 use rand_distr::{Distribution, Normal};
@@ -31,19 +31,19 @@ fn noisy(file: &CaseFile, seed: u64, shift: f64) -> Measurements {
     .unwrap()
 }
 
-fn curve(name: &str, data: Measurements) -> Curve {
+fn curve(name: &str, data: Measurements) -> MeasuredCurve {
     let options = FitOptions {
         machine_compliance: COMPLIANCE,
         ..FitOptions::default()
     };
-    Curve {
+    MeasuredCurve {
         name: name.to_owned(),
         data: Ok((data, options)),
     }
 }
 
 /// Ten curves of one modulus with different contact points.
-fn ten(file: &CaseFile) -> Vec<Curve> {
+fn ten(file: &CaseFile) -> Vec<MeasuredCurve> {
     (0..10u32)
         .map(|k| {
             let shift = 0.1e-6 * f64::from(k);
@@ -53,7 +53,7 @@ fn ten(file: &CaseFile) -> Vec<Curve> {
         .collect()
 }
 
-fn fit_all(curves: Vec<Curve>, run: &Run<'_>) -> CurveFits {
+fn fit_all(curves: Vec<MeasuredCurve>, run: &Run<'_>) -> CurveFits {
     fit_curves(&case_file(&[]), curves, &FREE, run, &|| {}).unwrap()
 }
 
@@ -133,7 +133,7 @@ fn curves_that_cannot_be_fitted_are_named_and_the_others_fitted() {
     ]);
     let curves = vec![
         curve("good.csv", noisy(&truth, 1, 0.0)),
-        Curve {
+        MeasuredCurve {
             name: "missing.csv".to_owned(),
             data: Err(FitError::Unreadable(
                 "missing.csv: cannot read: not found".to_owned(),
@@ -182,7 +182,7 @@ fn a_cancelled_computation_has_no_result() {
     ));
 }
 
-fn fit_together(curves: Vec<Curve>, free: &[Parameter], shared: &[Parameter]) -> JointFit {
+fn fit_together(curves: Vec<MeasuredCurve>, free: &[Parameter], shared: &[Parameter]) -> JointFit {
     let file = case_file(&[]);
     fit_jointly(&file, curves, free, shared, &Run::default(), &|| {}).unwrap()
 }
@@ -259,7 +259,7 @@ fn a_joint_modulus_is_the_weighted_mean_of_the_curves() {
 fn linear_parameters_follow_the_exact_theory() {
     let truth = case_file(&[]);
     let free = [Parameter::ForceOffset, Parameter::ForceDrift];
-    let curves = || -> Vec<Curve> {
+    let curves = || -> Vec<MeasuredCurve> {
         // Curves of different precision.
         let errors = [0.4e-6, 0.5e-6, 1.5e-6];
         let one = |(k, error): (u64, f64)| {
@@ -356,7 +356,7 @@ fn curves_of_different_samples_do_not_agree() {
 #[test]
 fn what_cannot_be_fitted_together_says_why() {
     let truth = case_file(&[]);
-    let refused = |curves: Vec<Curve>, shared: &[Parameter]| {
+    let refused = |curves: Vec<MeasuredCurve>, shared: &[Parameter]| {
         let joint = fit_jointly(&truth, curves, &FREE, shared, &Run::default(), &|| {});
         joint.unwrap_err().to_string()
     };
@@ -389,7 +389,7 @@ fn what_cannot_be_fitted_together_says_why() {
     ]);
     let told = refused(vec![good(), curve("few.csv", few.unwrap())], &[SUBSTRATE]);
     assert!(told.starts_with("few.csv: "), "{told}");
-    let missing = Curve {
+    let missing = MeasuredCurve {
         name: "missing.csv".to_owned(),
         data: Err(FitError::Unreadable(
             "missing.csv: cannot read: no file".to_owned(),
