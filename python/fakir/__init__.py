@@ -42,6 +42,7 @@ from ._cycle import Adhesion, Cycle, PullOff, StuckFloor
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
+from ._fits import Fits, JointFit, fit_many
 from ._flat import Flat, FlatApproach, FlatContact, FlatCycle, FlatSystem
 from ._floor import FloorContact
 from ._gradient import Gradient
@@ -94,6 +95,7 @@ __all__ = [
     "FakirWarning",
     "Fit",
     "FitError",
+    "Fits",
     "Flat",
     "FlatApproach",
     "FlatContact",
@@ -106,6 +108,7 @@ __all__ = [
     "HeightDesign",
     "HexagonalPattern",
     "HomogenisedLattice",
+    "JointFit",
     "LatticeOptions",
     "LayerOptions",
     "Lens",
@@ -138,6 +141,7 @@ __all__ = [
     "design_heights",
     "errors",
     "fit",
+    "fit_many",
     "homogenised",
     "plot",
     "problem",

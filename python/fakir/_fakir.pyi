@@ -15,7 +15,7 @@ _Path = str | PathLike[str]
 class Options(TypedDict):
     threads: int
     memory_limit: int | None
-    progress: Callable[[str, int, int, int], object] | None
+    progress: Callable[..., object] | None
 
 __version__: str
 
@@ -205,6 +205,33 @@ def fit(
     starts: int,
     options: Options,
 ) -> Fitted: ...
+@final
+class FittedCurves:
+    def json(self) -> str: ...
+    def curves(self) -> list[Fitted | None]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def table(self) -> list[tuple[str, Any]]: ...
+
+def fit_curves(
+    case: Case,
+    curves: Sequence[
+        tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
+    ],
+    free: Sequence[str],
+    starts: int,
+    options: Options,
+) -> FittedCurves: ...
+def fit_jointly(
+    case: Case,
+    curves: Sequence[
+        tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
+    ],
+    free: Sequence[str],
+    shared: Sequence[str] | None,
+    starts: int,
+    options: Options,
+) -> FittedCurves: ...
 @final
 class Study:
     @staticmethod

@@ -114,7 +114,7 @@ class Fit(Result):
     @property
     def parameters(self) -> dict[str, Estimate]:
         """The fitted parameters by name."""
-        return {given["name"]: _estimate(given) for given in self._summary["parameters"]}
+        return {given["name"]: estimate(given) for given in self._summary["parameters"]}
 
     def __getitem__(self, name: str) -> Estimate:
         return self.parameters[name]
@@ -274,11 +274,11 @@ class Fit(Result):
     def _rows(self) -> list[Row]:
         rows = []
         for name, estimate in self.parameters.items():
-            value = _written(estimate.value, estimate.unit)
+            value = written(estimate.value, estimate.unit)
             if estimate.interval is None:
                 rows.append((name, f"{value}: not determined by the data"))
                 continue
-            low, high = (_written(end, estimate.unit) for end in estimate.interval)
+            low, high = (written(end, estimate.unit) for end in estimate.interval)
             kind = "one-sided 95 % interval" if estimate.one_sided else "95 % interval"
             rows.append((name, f"{value}, {kind} {low} to {high}"))
         reduced = self.reduced_chi_square
@@ -375,40 +375,93 @@ def fit(
     NotConverged
         If the search did not converge; ``result`` contains the last iterate.
     """
+    check_parameters(free, starts)
+    raw, data, instrument = prepared(
+        measurements,
+        columns=columns,
+        spring_constant=spring_constant,
+        rows=rows,
+        cycle=cycle,
+        branch=branch,
+        between=between,
+        position_error=position_error,
+        force_error=force_error,
+        contact_radius_error=contact_radius_error,
+        contact_point=contact_point,
+        machine_compliance=machine_compliance,
+        force_offset=force_offset,
+        displacement_drift=displacement_drift,
+        force_drift=force_drift,
+        force_slope=force_slope,
+    )
+    run = options(threads, progress, memory_limit)
+    fitted = _fakir.fit(case_of(system), data, list(free), instrument, starts, run)
+    result = Fit(fitted, raw.understood())
+    warn(result._fitted.warnings, depth=1)
+    if not result.converged:
+        raise NotConverged(f"the fit {result._summary['termination']}", result)
+    return result
+
+
+def case_of(system: System | FlatSystem) -> _fakir.Case | _fakir.Flat:
+    """The case of a system that can be fitted."""
+    return system._flat if isinstance(system, FlatSystem) else system._case
+
+
+Instrument: TypeAlias = tuple[float | None, float, float, float, float, float]
+"""Contact point, machine compliance, force offset, drifts of displacement and force, and force slope."""
+
+
+def check_parameters(free: Sequence[str], starts: int) -> None:
+    """Raises an error for names that are not a list, and for an invalid number of starts."""
     if isinstance(free, str):
         raise TypeError(f'free is the text "{free}": give a list of names')
+    if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
+        raise ValueError(f"starts is {starts!r}: give a number from 1 to 32")
+
+
+def prepared(
+    measurements: Measurements,
+    *,
+    columns: Mapping[str, str] | None,
+    spring_constant: Quantity | None,
+    rows: tuple[int | None, int | None] | None,
+    cycle: int | None,
+    branch: str | None,
+    between: tuple[Quantity | None, Quantity | None] | None,
+    position_error: Quantity | None,
+    force_error: Quantity | None,
+    contact_radius_error: Quantity | None,
+    contact_point: Quantity | None,
+    machine_compliance: Quantity | None,
+    force_offset: Quantity,
+    displacement_drift: Quantity,
+    force_drift: Quantity,
+    force_slope: Quantity,
+) -> tuple[_fakir.Data, _fakir.Data, Instrument]:
+    """The data as read and selected, the same with the given errors, and the values of the instrument."""
     errors = [
         _error(position_error, "length", "position_error"),
         _error(force_error, "force", "force_error"),
         _error(contact_radius_error, "length", "contact_radius_error"),
     ]
-    if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
-        raise ValueError(f"starts is {starts!r}: give a number from 1 to 32")
     raw = _data(measurements, dict(columns or {}), _of_unit(spring_constant, "N/m", "spring_constant"))
     dimension = raw.load_dimension()
     ends = [None if end is None else finite(end, dimension, "between") for end in between or (None, None)]
     raw = raw.select(list(rows or (None, None)), cycle, branch, ends)
     data = raw.with_errors(*errors)
-    point = None if contact_point is None else finite(contact_point, "length", "contact_point")
     compliance = _of_unit(machine_compliance, "m/N", "machine_compliance")
     if compliance is None:
         compliance = raw.cantilever_compliance() or 0.0
-    run = options(threads, progress, memory_limit)
     instrument = (
-        point,
+        None if contact_point is None else finite(contact_point, "length", "contact_point"),
         compliance,
         finite(force_offset, "force", "force_offset"),
         finite(displacement_drift, "length", "displacement_drift"),
         finite(force_drift, "force", "force_drift"),
         _of_unit(force_slope, "N/m", "force_slope") or 0.0,
     )
-    case = system._flat if isinstance(system, FlatSystem) else system._case
-    fitted = _fakir.fit(case, data, list(free), instrument, starts, run)
-    result = Fit(fitted, raw.understood())
-    warn(result._fitted.warnings, depth=1)
-    if not result.converged:
-        raise NotConverged(f"the fit {result._summary['termination']}", result)
-    return result
+    return raw, data, instrument
 
 
 def _data(measurements: Measurements, named: Mapping[str, str], spring_constant: float | None) -> _fakir.Data:
@@ -442,7 +495,8 @@ def _items(measurements: Any) -> list[tuple[str, Any]]:
         advice = (
             "give one of its curves, as curves[0]"
             if is_group
-            else "give the path of a file, a dictionary or table of columns, or a whole curve of afmformats"
+            else "give the path of a file, a dictionary or table of columns, or a whole curve of afmformats; "
+            "fakir.fit_many fits several curves"
         )
         raise TypeError(f"measurements are of type {type(measurements).__name__}: {advice}")
     return list(items())
@@ -546,7 +600,8 @@ def _of_unit(given: Quantity | None, unit: str, name: str) -> float | None:
     return finite(given, "number", name)
 
 
-def _estimate(given: Mapping[str, Any]) -> Estimate:
+def estimate(given: Mapping[str, Any]) -> Estimate:
+    """An estimate of the JSON object."""
     suffix = next(name.removeprefix("value") for name in given if name.startswith("value"))
     error = given[f"standard_error{suffix}"]
     ends = given[f"confidence_interval_95{suffix}"]
@@ -560,7 +615,8 @@ def _estimate(given: Mapping[str, Any]) -> Estimate:
     )
 
 
-def _written(value: float, unit: str) -> str:
+def written(value: float, unit: str) -> str:
+    """A value with its unit."""
     return f"{value:.4g} {unit}".strip() if unit not in {"m", "Pa", "N", "J/m^2"} else engineering(value, unit, 4)
 
 

@@ -15,17 +15,17 @@ Progress: TypeAlias = Callable[[str, int, int, int], object]
 
 def options(
     threads: int = 1,
-    progress: Progress | None = None,
+    progress: Callable[..., object] | None = None,
     memory_limit: int | None = None,
+    arguments: str = "stage, step, pillars, touched",
 ) -> _fakir.Options:
-    """Validated options for the extension module."""
+    """Validated options for the extension module; ``arguments`` are those of ``progress``."""
     warn_of_threads(threads, depth=3)
     if memory_limit is not None and memory_limit <= 0:
         raise ValueError(f"memory_limit is {memory_limit}: give a number of bytes")
     if progress is not None and not callable(progress):
         raise TypeError(
-            "progress must be a function of (stage, step, pillars, touched), "
-            f"not {type(progress).__name__}"
+            f"progress must be a function of ({arguments}), not {type(progress).__name__}"
         )
     limit = None if memory_limit is None else int(memory_limit)
     return {"threads": threads, "memory_limit": limit, "progress": progress}

@@ -15,6 +15,7 @@ from . import theory
 from ._bodies import CylinderLens, Lens, Pillars, PlateLens
 from ._cycle import Cycle
 from ._fit import Fit
+from ._fits import Fits, JointFit
 from ._loading import Approach
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep
@@ -29,6 +30,7 @@ __all__ = [
     "critical_curves",
     "cycle",
     "fit",
+    "fits",
     "floor_gap_map",
     "gap_map",
     "lattice_sums",
@@ -613,6 +615,43 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
     if not result.describes_data:
         axes[0].set_title("the fit does not describe the data")
     _legend(axes[0])
+    return axes
+
+
+def fits(result: Fits | JointFit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
+    """Plots the fitted values of several curves with their standard errors, one axes for every parameter.
+
+    A line is the mean in the band of the standard deviation. In a joint fit it is the shared value in the band of its standard error,
+    with the values of the separate fits.
+    """
+    curves = [(number, curve.fit) for number, curve in enumerate(result.curves) if curve.fit is not None]
+    names = list(curves[0][1].parameters)
+    axes = _axes(ax, 1, len(names), (3.6 * len(names), 3.2))
+    for name, axis in zip(names, axes):
+        level, half, label = None, None, "mean"
+        estimates = [(number, fit[name]) for number, fit in curves]
+        if isinstance(result, Fits):
+            level, half = result[name].mean, result[name].standard_deviation
+        elif name in result.parameters:
+            level, half, label = result[name].value, result[name].standard_error, "shared value"
+            estimates = [(number, result.separate[number][name]) for number, _ in curves]
+        largest = max(abs(one.value) for _, one in estimates)
+        power = 3 * int(np.floor(np.log10(largest) / 3)) if largest > 0.0 else 0
+        scale = 10.0**power
+        errors = [(one.standard_error or 0.0) / scale for _, one in estimates]
+        values = [one.value / scale for _, one in estimates]
+        axis.errorbar([number + 1 for number, _ in estimates], values, errors, fmt="ko", ms=4, lw=0.8)
+        if level is not None:
+            axis.axhline(level / scale, label=label)
+            if half is not None:
+                axis.axhspan((level - half) / scale, (level + half) / scale, color="0.88", zorder=0)
+            axis.legend()
+        unit = estimates[0][1].unit
+        prefix = {0: "", 3: "k", 6: "M", 9: "G", -3: "m", -6: "µ", -9: "n", -12: "p"}.get(power)
+        words = f"{prefix}{unit}" if prefix is not None and unit in {"m", "N", "Pa"} else f"10^{power} {unit}"
+        axis.set_ylabel(f"{name} ({words})")
+        axis.set_xticks(range(1, len(result) + 1), [curve.name.rsplit("/", 1)[-1] for curve in result.curves])
+        axis.tick_params(axis="x", rotation=45)
     return axes
 
 

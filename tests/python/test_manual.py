@@ -176,6 +176,13 @@ QUESTIONS = {
     "compare": ["compare", CASE, *WIDE],
     "design": ["design", CASE, "--free", "pitch", "--critical-force", "1mN", *TOLERANCE],
     "fit": ["fit", "examples/fit/loading.csv", "--case", "examples/fit/case.toml", *FREE],
+    "fits": [
+        "fit",
+        *(f"examples/fit/spot-{number}.csv" for number in (1, 2, 3)),
+        "--case",
+        "examples/fit/case.toml",
+        *FREE,
+    ],
     "rounded": ["press", "examples/asperities.toml", "--force", "69mN"],
     "heights": [
         "design",

@@ -8,7 +8,9 @@ use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
 use fakir_case::{CaseError, CaseFile, Key, Kind};
 use fakir_inverse::design::{Wanted, free_key};
-use fakir_inverse::fit::{FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection};
+use fakir_inverse::fit::{
+    FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection, shared_by_default,
+};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::answer::{Details, Maps, Request};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
@@ -16,7 +18,7 @@ use fakir_study::fields::MOST_POINTS;
 use fakir_study::output::Replace;
 use fakir_study::{Existing, Shard};
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const ABOUT: &str = "\
 Contact between a smooth elastic lens and a surface patterned with pillars, and the load at which \
@@ -200,7 +202,7 @@ pub(crate) enum Command {
   fakir design case.toml --samples 1000
   fakir design asperities.toml --free heights --target curve.csv --height-error 0.2um --output designed")]
     Design(Design),
-    /// Fit moduli, work of adhesion and instrument parameters to a measured curve, by least squares
+    /// Fit moduli, work of adhesion and instrument parameters to measured curves, by least squares
     ///
     /// DATA has a heading with units and a row for every state, with two or more of the columns displacement_m (reading of the instrument,
     /// increasing with depth) or indentation_m, force_N and contact_radius_m. Standard errors are in columns of the same names with _error
@@ -214,11 +216,23 @@ pub(crate) enum Command {
     /// With adhesive pillar tops (a case with [adhesion], or adhesion.work free) the data are one cycle of loading and unloading. A column
     /// branch contains loading or unloading in every row; without it unloading begins after the largest load. Pull-off is the smallest
     /// force, negative as measured; it determines the initial value of the work of adhesion.
+    ///
+    /// Several files are fitted separately, with the same case and options. Printed are the values of every file and, for every parameter,
+    /// mean, standard deviation, standard error of the mean, and weighted mean; with at least 5 files, a value is named as an outlier if
+    /// its modified z-score, 0.6745 (value - median)/(median absolute deviation), is beyond 3.5. It remains in the mean. If a file cannot
+    /// be read or its fit does not converge, it is named, the others are fitted, and the exit status is 1.
+    ///
+    /// With --joint all files are fitted together: moduli, sizes and works of adhesion have one value, and contact points and other
+    /// parameters of the instrument a value for every file, unless --shared names the shared parameters. Printed is a test of whether the
+    /// files agree on the shared values. All files must contain the same quantities, and all of them must be readable.
     #[command(after_help = "Examples:
   fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
   fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
       --machine-compliance 2e-3 --force-error 0.5uN --output fitted
-  fakir fit retraction.csv --case sticky.toml --free adhesion.work,contact_point,force_offset")]
+  fakir fit retraction.csv --case sticky.toml --free adhesion.work,contact_point,force_offset
+  fakir fit measured/*.csv --case case.toml --free substrate.young_modulus,contact_point \\
+      --threads 0 --output fitted
+  fakir fit measured/*.csv --case case.toml --free substrate.young_modulus,contact_point --joint")]
     Fit(Fit),
     /// Compute many cases: a study file with axes along which a case is varied
     ///
@@ -766,7 +780,7 @@ fn free(text: &str) -> Result<Free, String> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HeightsQuestion<'a> {
     /// File of the curve.
-    pub(crate) target: &'a std::path::Path,
+    pub(crate) target: &'a Path,
     /// Standard deviation of manufactured heights, m.
     pub(crate) height_error: Option<f64>,
     /// Seed for the assignment of heights to pillars.
@@ -776,8 +790,9 @@ pub(crate) struct HeightsQuestion<'a> {
 #[derive(Debug, Args)]
 pub(crate) struct Fit {
     /// Measured curve of loading, or of loading and unloading: a table as written by instruments (text, .gz, .xlsx), with commas, semicolons,
-    /// tabs or blanks, and a unit in the heading of every column, as in force_uN or Load [mN]
-    data: PathBuf,
+    /// tabs or blanks, and a unit in the heading of every column, as in force_uN or Load [mN]; several files are fitted separately
+    #[arg(required = true, value_name = "DATA")]
+    pub(crate) data: Vec<PathBuf>,
     /// Assign a column explicitly, as in force="Channel 2 [mN]" or force="#2 [mN]"; a minus sign before the heading reverses the sign of its values,
     /// and a sensitivity after it converts them, as in force="Deflection [V]*25 nN/V"; may be repeated
     #[arg(long = "column", value_name = "QUANTITY=HEADING", value_parser = NamedColumn::parse)]
@@ -810,6 +825,12 @@ pub(crate) struct Fit {
     /// force_offset, displacement_drift, force_drift, force_slope; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
+    /// Fit all files together: shared parameters have one value for all files, the others a value for every file
+    #[arg(long)]
+    pub(crate) joint: bool,
+    /// Parameters that are shared, of those that are free; default: all keys of the case, except pattern.offset and pattern.offset_angle
+    #[arg(long, value_name = "KEY", requires = "joint", value_delimiter = ',', value_parser = fitted)]
+    shared: Vec<Parameter>,
     /// Displacement at which the lens would touch the pillar tops (m, mm, um, nm), or its initial value; default: 0, or estimated from the
     /// data
     #[arg(long, value_name = "LENGTH", value_parser = reading, allow_hyphen_values = true)]
@@ -850,7 +871,8 @@ pub(crate) struct Fit {
     #[arg(long)]
     json: bool,
     /// Save the result in this folder, which must be empty or not exist: summary.json, fitted.csv with data and model, the figure fit.svg
-    /// and fit.png, the case with the fitted values, and its provenance
+    /// and fit.png, the case with the fitted values, and its provenance; for several files fits.csv, the figure fits.svg and fits.png,
+    /// fitted.csv and fit.svg of every file in the folder curves, and the case with the mean or shared values
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Replace all results in the folder; a folder with other files is not changed
@@ -879,13 +901,13 @@ impl Fit {
         }
     }
 
-    /// The data, with the errors given as arguments where the file has none.
-    pub(crate) fn measurements(&self) -> Result<Measurements, Failure> {
+    /// The data of a file, with the errors given as arguments where the file has none.
+    pub(crate) fn measurements(&self, path: &Path) -> Result<Measurements, Failure> {
         let hints = Hints {
             named: self.columns.clone(),
             spring_constant: self.spring_constant,
         };
-        let mut data = Measurements::read_with(&self.data, &hints)?;
+        let mut data = Measurements::read_with(path, &hints)?;
         let dimension = data.load_dimension();
         let load = |name: &str, text: &Option<String>| {
             let load = text.as_deref().map(|text| match dimension {
@@ -925,6 +947,14 @@ impl Fit {
             data = data.with_position_error(error);
         }
         Ok(data)
+    }
+
+    /// The shared parameters of a joint fit.
+    pub(crate) fn shared(&self) -> Vec<Parameter> {
+        match &self.shared[..] {
+            [] => shared_by_default(&self.free),
+            shared => shared.to_vec(),
+        }
     }
 
     pub(crate) fn known(&self, data: &Measurements) -> FitOptions {

@@ -195,11 +195,14 @@ impl Failure {
             | Self::Solve(_)
             | Self::Figure(_)
             | Self::Design(DesignError::Solve(_))
-            | Self::Spread(SpreadError::Solve(_))
-            | Self::Fit(
-                FitError::Solve(_) | FitError::NoBalance { .. } | FitError::NoDerivatives,
-            ) => NO_ANSWER,
-            Self::Design(_) | Self::Spread(_) | Self::Fit(_) | Self::Heights(_) => 2,
+            | Self::Spread(SpreadError::Solve(_)) => NO_ANSWER,
+            Self::Fit(error) => match error.cause() {
+                FitError::Solve(_) | FitError::NoBalance { .. } | FitError::NoDerivatives => {
+                    NO_ANSWER
+                }
+                _ => 2,
+            },
+            Self::Design(_) | Self::Spread(_) | Self::Heights(_) => 2,
         }
     }
 }

@@ -125,19 +125,27 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
     })
 }
 
-/// Runs a fit; the saved case is the one with the fitted values.
+/// Runs a fit, or several; the saved case is the one with the fitted values or their means.
 fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let case = options.case();
     let session = Session::start(&options.run, case.quiet)?;
-    let data = options.measurements()?;
+    // The data are read before the case, and the folder is checked before the computation.
+    let one = match &options.data[..] {
+        [path] if !options.joint => Some(options.measurements(path)?),
+        _ => None,
+    };
     let file = read_case(&case)?;
     if let Some(folder) = &case.output {
         fakir_study::results::check_folder(folder, case.replace())?;
     }
-    let fitted = commands::fit::run(&file, &data, options, &session)?;
+    let fitted = match &one {
+        Some(data) => commands::fit::run(&file, data, options, &session)?,
+        None if options.joint => commands::fits::joint(&file, options, &session)?,
+        None => commands::fits::run(&file, options, &session)?,
+    };
     drop(session);
     // Printed even with --quiet: without it the numbers would be misleading.
-    if let Some(misfit) = &fitted.misfit {
+    for misfit in &fitted.misfits {
         failure::tell(&format!("warning: {misfit}"));
     }
     deliver(command, &case, file.warnings(), || Ok(fitted.report))

@@ -27,6 +27,8 @@ pub struct Axis {
     pub scale: Scale,
     /// First and last value; `None`: the range of the data.
     pub range: Option<[f64; 2]>,
+    /// Whether a linear axis has ticks at whole numbers alone.
+    pub whole: bool,
 }
 
 impl Axis {
@@ -37,6 +39,7 @@ impl Axis {
             label: label.into(),
             scale: Scale::Linear,
             range: None,
+            whole: false,
         }
     }
 
@@ -46,6 +49,14 @@ impl Axis {
         Self {
             scale: Scale::Logarithmic,
             ..Self::linear(label)
+        }
+    }
+
+    /// A linear axis for numbers from 1 to `last`.
+    pub(crate) fn numbered(label: impl Into<Text>, last: usize) -> Self {
+        Self {
+            whole: true,
+            ..Self::linear(label).over(0.5, last as f64 + 0.5)
         }
     }
 
@@ -91,6 +102,7 @@ impl Axis {
         Span {
             scale: self.scale,
             range,
+            whole: self.whole,
         }
     }
 }
@@ -137,6 +149,8 @@ fn with_room(scale: Scale, low: f64, high: f64) -> [f64; 2] {
 pub(crate) struct Span {
     pub(crate) scale: Scale,
     pub(crate) range: [f64; 2],
+    /// Whether ticks of a linear scale are whole numbers.
+    whole: bool,
 }
 
 /// A mark on an axis.
@@ -160,6 +174,7 @@ impl Span {
         Self {
             scale: Scale::Linear,
             range: [low, high],
+            whole: false,
         }
     }
 
@@ -199,7 +214,7 @@ impl Span {
             .rev()
             .chain(most + 1..=2 * most + 4)
             .map(|count| match self.scale {
-                Scale::Linear => linear_ticks(self.range, count),
+                Scale::Linear => linear_ticks(self.range, count, self.whole),
                 Scale::Logarithmic => self.logarithmic_ticks(count),
             })
             .collect();
@@ -302,7 +317,7 @@ impl Span {
         let digits = match choice {
             Some(digits) => digits,
             None if self.range[1] > 5.0 * self.range[0] && labelled(&[1]) > 0 => &[1],
-            None => return linear_ticks(self.range, most),
+            None => return linear_ticks(self.range, most, false),
         };
         all.iter()
             .map(|(digit, value)| {
@@ -333,15 +348,21 @@ fn plain(value: f64) -> String {
     }
 }
 
-/// Marks at multiples of 1, 2 or 5 times a power of ten, `most` with labels at most.
-fn linear_ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
+/// Marks at multiples of 1, 2 or 5 times a power of ten, `most` with labels at most; at whole numbers if `whole`.
+fn linear_ticks([low, high]: [f64; 2], most: usize, whole: bool) -> Vec<Tick> {
     let raw = (high - low) / most as f64;
+    let raw = if whole { raw.max(1.0) } else { raw };
     let power = raw.log10().floor();
     let unit = 10f64.powf(power);
     let (step, minor) = [(1.0, 5), (2.0, 4), (5.0, 5), (10.0, 5)]
         .into_iter()
         .find(|(step, _)| step * unit >= 0.8 * raw)
         .map_or((10.0 * unit, 5), |(step, minor)| (step * unit, minor));
+    let minor = if whole && step < f64::from(minor) {
+        1
+    } else {
+        minor
+    };
     let fine = step / f64::from(minor);
     let (first, last) = (
         (low / fine - 1e-6).ceil() as i64,
@@ -399,6 +420,7 @@ mod tests {
         Span {
             scale: Scale::Logarithmic,
             range: [low, high],
+            whole: false,
         }
     }
 
@@ -413,6 +435,19 @@ mod tests {
             labels(Span::linear(0.0, 2.3e-7), 150.0),
             ["0", "0.5·10−7", "1.0·10−7", "1.5·10−7", "2.0·10−7"]
         );
+    }
+
+    #[test]
+    fn whole_numbers_alone() {
+        let ticks = |last: usize| {
+            let span = Axis::numbered("curve", last).span(std::iter::empty());
+            let ticks = span.ticks(200.0, 7.0, Direction::Across);
+            assert!(ticks.iter().all(|tick| tick.value.fract() == 0.0));
+            labels(span, 200.0)
+        };
+        assert_eq!(ticks(3), ["1", "2", "3"]);
+        assert_eq!(ticks(1), ["1"]);
+        assert_eq!(ticks(20), ["5", "10", "15", "20"]);
     }
 
     #[test]

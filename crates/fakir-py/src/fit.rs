@@ -1,15 +1,16 @@
 //! Fits of measured curves.
 
 use crate::case::{Case, Described};
-use crate::error::{fit_error, value_error, warn_of_former_name};
+use crate::error::{case_error, fit_error, value_error, warn_of_former_name};
 use crate::flat::Flat;
 use crate::study::{PyColumns, columns};
-use crate::watched::{Options, watched};
+use crate::watched::{Options, watched, watched_parts};
 use fakir::state::Branch;
 use fakir_case::CaseFile;
 use fakir_inverse::fit::{
-    Column, Fit, FitOptions, FitSummary, Hints, Measurements, NamedColumn, Parameter, Position,
-    Quantity, Selection,
+    Column, CurveFit, CurvesSummary, Fit, FitError, FitOptions, FitSummary, Hints, JointSummary,
+    MeasuredCurve, Measurements, NamedColumn, Parameter, Position, Quantity, Selection,
+    method_name, shared_by_default,
 };
 use fakir_study::Table;
 use fakir_study::result::json;
@@ -218,21 +219,28 @@ impl Fittable<'_> {
     }
 }
 
-/// Values of the free parameters that fit the data best.
-#[pyfunction]
-pub(crate) fn fit(
-    py: Python<'_>,
-    case: Fittable<'_>,
-    data: &Data,
-    free: Vec<String>,
-    instrument: (Option<f64>, f64, f64, f64, f64, f64),
-    starts: usize,
-    options: Options,
-) -> PyResult<Fitted> {
-    for name in &free {
+impl Fitted {
+    fn new(measurements: &Measurements, fit: Fit, wall_time: f64) -> Self {
+        let summary = FitSummary::new(measurements, &fit, wall_time);
+        Self {
+            table: fit.table(measurements),
+            load: match measurements.position() {
+                Position::Displacement => Column::Displacement.name(),
+                Position::Indentation => "measured_indentation_m",
+                Position::None => Column::Force.name(),
+            },
+            summary: json(&summary),
+            fit,
+        }
+    }
+}
+
+/// Parameters of these names.
+fn parameters(py: Python<'_>, names: &[String]) -> PyResult<Vec<Parameter>> {
+    for name in names {
         warn_of_former_name(py, name)?;
     }
-    let free = free.iter().map(|name| {
+    let parameters = names.iter().map(|name| {
         let named = Parameter::all_named(name);
         let listed = match named[..] {
             [parameter] => return Ok(parameter),
@@ -245,7 +253,13 @@ pub(crate) fn fit(
             "{name} cannot be fitted: give some of {names}"
         )))
     });
-    let free = free.collect::<PyResult<Vec<_>>>()?;
+    parameters.collect()
+}
+
+/// Contact point, machine compliance, force offset, drifts of displacement and force, and force slope.
+type Instrument = (Option<f64>, f64, f64, f64, f64, f64);
+
+fn fit_options(instrument: Instrument, starts: usize) -> FitOptions {
     let (
         contact_point,
         machine_compliance,
@@ -254,7 +268,7 @@ pub(crate) fn fit(
         force_drift,
         force_slope,
     ) = instrument;
-    let known = FitOptions {
+    FitOptions {
         contact_point,
         machine_compliance,
         force_offset,
@@ -262,7 +276,22 @@ pub(crate) fn fit(
         force_drift,
         force_slope,
         starts,
-    };
+    }
+}
+
+/// Values of the free parameters that fit the data best.
+#[pyfunction]
+pub(crate) fn fit(
+    py: Python<'_>,
+    case: Fittable<'_>,
+    data: &Data,
+    free: Vec<String>,
+    instrument: Instrument,
+    starts: usize,
+    options: Options,
+) -> PyResult<Fitted> {
+    let free = parameters(py, &free)?;
+    let known = fit_options(instrument, starts);
     let file = case.file()?;
     let measurements = &data.measurements;
     let start = Instant::now();
@@ -271,15 +300,131 @@ pub(crate) fn fit(
     })?;
     let fit = fit.map_err(|error| fit_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let summary = FitSummary::new(measurements, &fit, wall_time);
-    Ok(Fitted {
-        table: fit.table(measurements),
-        load: match measurements.position() {
-            Position::Displacement => Column::Displacement.name(),
-            Position::Indentation => "measured_indentation_m",
-            Position::None => Column::Force.name(),
+    Ok(Fitted::new(measurements, fit, wall_time))
+}
+
+/// Results of fits of several curves.
+#[pyclass(frozen, module = "fakir._fakir")]
+pub(crate) struct FittedCurves {
+    curves: Vec<Option<Py<Fitted>>>,
+    table: Table,
+    summary: String,
+    warnings: Vec<String>,
+}
+
+#[pymethods]
+impl FittedCurves {
+    /// The object that `fakir fit --json` prints.
+    fn json(&self) -> &str {
+        &self.summary
+    }
+
+    /// The fit of every curve; `None` if there is none.
+    fn curves(&self, py: Python<'_>) -> Vec<Option<Py<Fitted>>> {
+        let curves = self.curves.iter();
+        curves
+            .map(|curve| curve.as_ref().map(|curve| curve.clone_ref(py)))
+            .collect()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// Results by curve, as columns.
+    fn table<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
+        columns(py, &self.table)
+    }
+}
+
+/// A curve: its name, its data with the values of the instrument, or why there are none.
+type GivenCurve<'py> = (String, Option<(PyRef<'py, Data>, Instrument)>, String);
+
+fn given_curves(curves: Vec<GivenCurve<'_>>, starts: usize) -> Vec<MeasuredCurve> {
+    let one = |(name, given, problem): GivenCurve<'_>| MeasuredCurve {
+        name,
+        data: match given {
+            Some((data, instrument)) => {
+                Ok((data.measurements.clone(), fit_options(instrument, starts)))
+            }
+            None => Err(FitError::Unreadable(problem)),
         },
-        summary: json(&summary),
-        fit,
+    };
+    curves.into_iter().map(one).collect()
+}
+
+/// The fits of curves as Python objects.
+fn fitted_curves(py: Python<'_>, curves: Vec<CurveFit>) -> PyResult<Vec<Option<Py<Fitted>>>> {
+    let one = |curve: CurveFit| match curve.outcome {
+        Err(_) => Ok(None),
+        Ok(one) => {
+            let fitted = Fitted::new(&one.data, one.fit, one.wall_time);
+            Py::new(py, fitted).map(Some)
+        }
+    };
+    curves.into_iter().map(one).collect()
+}
+
+/// Fits of several curves, each separately.
+#[pyfunction]
+pub(crate) fn fit_curves(
+    py: Python<'_>,
+    case: Fittable<'_>,
+    curves: Vec<GivenCurve<'_>>,
+    free: Vec<String>,
+    starts: usize,
+    options: Options,
+) -> PyResult<FittedCurves> {
+    let free = parameters(py, &free)?;
+    let file = case.file()?;
+    let curves = given_curves(curves, starts);
+    let start = Instant::now();
+    let total = curves.len();
+    let fitted = watched_parts(py, &options, total, |run, done| {
+        fakir_inverse::fit::fit_curves(&file, curves, &free, run, done)
+    })?;
+    let fitted = fitted.map_err(|error| fit_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let method = method_name(&file).map_err(|error| case_error(&error))?;
+    Ok(FittedCurves {
+        summary: json(&CurvesSummary::new(method, &fitted, wall_time)),
+        table: fitted.table(),
+        warnings: fitted.warnings(),
+        curves: fitted_curves(py, fitted.curves)?,
+    })
+}
+
+/// Fit of several curves together; without `shared`, the keys of the case are shared.
+#[pyfunction]
+pub(crate) fn fit_jointly(
+    py: Python<'_>,
+    case: Fittable<'_>,
+    curves: Vec<GivenCurve<'_>>,
+    free: Vec<String>,
+    shared: Option<Vec<String>>,
+    starts: usize,
+    options: Options,
+) -> PyResult<FittedCurves> {
+    let free = parameters(py, &free)?;
+    let shared = match shared {
+        None => shared_by_default(&free),
+        Some(names) => parameters(py, &names)?,
+    };
+    let file = case.file()?;
+    let curves = given_curves(curves, starts);
+    let start = Instant::now();
+    let total = curves.len();
+    let joint = watched_parts(py, &options, total, |run, done| {
+        fakir_inverse::fit::fit_jointly(&file, curves, &free, &shared, run, done)
+    })?;
+    let joint = joint.map_err(|error| fit_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let method = method_name(&file).map_err(|error| case_error(&error))?;
+    Ok(FittedCurves {
+        summary: json(&JointSummary::new(method, &joint, wall_time)),
+        table: joint.table(),
+        warnings: joint.warnings(),
+        curves: fitted_curves(py, joint.curves)?,
     })
 }

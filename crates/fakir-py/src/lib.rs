@@ -37,7 +37,7 @@ mod _fakir {
     #[pymodule_export]
     use super::design::{cite, design, parse_deviation, sampling_defaults, spread};
     #[pymodule_export]
-    use super::fit::{Data, Fitted, fit};
+    use super::fit::{Data, Fitted, FittedCurves, fit, fit_curves, fit_jointly};
     #[pymodule_export]
     use super::flat::{Flat, approach_flat, cycle_flat, press_flat};
     #[pymodule_export]

@@ -7,6 +7,7 @@ use fakir::state::{CancelToken, Progress, Run, Threads};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -75,6 +76,41 @@ pub(crate) fn watched<T: Send>(
         })
     };
     py.detach(|| stoppable(&cancel, || work(&run), look))
+}
+
+/// Runs a computation of `total` parts; it calls a function after each, and the listener of the options is called with the number of
+/// parts done and `total`.
+pub(crate) fn watched_parts<T: Send>(
+    py: Python<'_>,
+    options: &Options,
+    total: usize,
+    work: impl FnOnce(&Run<'_>, &(dyn Fn() + Sync)) -> T + Send,
+) -> PyResult<T> {
+    let pool = options.pool()?;
+    let done = AtomicUsize::new(0);
+    let cancel = CancelToken::default();
+    let run = Run {
+        cancel: cancel.clone(),
+        pool: pool.as_ref(),
+        memory_limit: options.memory_limit,
+        ..Run::default()
+    };
+    let part_done = || {
+        done.fetch_add(1, Ordering::Relaxed);
+    };
+    let mut last = 0;
+    let look = || {
+        Python::attach(|py| {
+            py.check_signals()?;
+            let now = done.load(Ordering::Relaxed);
+            if let Some(listener) = options.progress.as_ref().filter(|_| now > last) {
+                last = now;
+                listener.call1(py, (now, total))?;
+            }
+            Ok(())
+        })
+    };
+    py.detach(|| stoppable(&cancel, || work(&run, &part_done), look))
 }
 
 /// Raises the exception of a pending signal, on the main thread.

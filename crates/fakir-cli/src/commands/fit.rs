@@ -27,8 +27,8 @@ use std::time::Instant;
 /// The report of a fit, and what is printed even if no warnings are.
 pub(crate) struct Fitted {
     pub(crate) report: Report,
-    /// Why the fit does not describe the data.
-    pub(crate) misfit: Option<String>,
+    /// Why fits do not describe the data.
+    pub(crate) misfits: Vec<String>,
 }
 
 pub(crate) fn run(
@@ -75,11 +75,14 @@ pub(crate) fn run(
         converged: fitted.converged(),
         strained,
     };
-    Ok(Fitted { report, misfit })
+    Ok(Fitted {
+        report,
+        misfits: misfit.into_iter().collect(),
+    })
 }
 
 /// A value of a parameter with its unit.
-fn quantity(parameter: Parameter, value: f64, digits: usize) -> String {
+pub(crate) fn quantity(parameter: Parameter, value: f64, digits: usize) -> String {
     match parameter.dimension() {
         Some(dimension) => with_unit(value, dimension, digits),
         None => format!("{} m/N", significant(value, digits)),
@@ -103,28 +106,7 @@ fn text(data: &Measurements, case: &Described, fitted: &Fit, wall_time: f64) -> 
         fitted.iterations,
         crate::numbers::seconds(wall_time)
     );
-    text += &table(
-        &fitted.estimates,
-        &[
-            Column::text("", |e: &Estimate| e.parameter.name().to_owned()),
-            Column::right("value", |e| quantity(e.parameter, e.value, known_digits(e))),
-            Column::right("standard error", |e| match e.standard_error {
-                Some(error) => quantity(e.parameter, error, 2),
-                None => "not determined".to_owned(),
-            }),
-            Column::right("95 % interval", interval),
-        ],
-    );
-    for estimate in fitted
-        .estimates
-        .iter()
-        .filter(|estimate| estimate.one_sided)
-    {
-        text += &format!(
-            "{}: the interval is one-sided, as the data do not tell the value from the least that it can have\n",
-            estimate.parameter.name()
-        );
-    }
+    text += &estimates_table(&fitted.estimates);
     text.push('\n');
     if let Some(pull_off) = &fitted.pull_off {
         text += &pull_off_words(pull_off);
@@ -179,6 +161,29 @@ fn text(data: &Measurements, case: &Described, fitted: &Fit, wall_time: f64) -> 
     let limits = limits.text();
     if !limits.is_empty() {
         text += &format!("\nunder the largest load\n{limits}");
+    }
+    text
+}
+
+/// Values, standard errors and intervals.
+pub(crate) fn estimates_table(estimates: &[Estimate]) -> String {
+    let mut text = table(
+        estimates,
+        &[
+            Column::text("", |e: &Estimate| e.parameter.name().to_owned()),
+            Column::right("value", |e| quantity(e.parameter, e.value, known_digits(e))),
+            Column::right("standard error", |e| match e.standard_error {
+                Some(error) => quantity(e.parameter, error, 2),
+                None => "not determined".to_owned(),
+            }),
+            Column::right("95 % interval", interval),
+        ],
+    );
+    for estimate in estimates.iter().filter(|estimate| estimate.one_sided) {
+        text += &format!(
+            "{}: the interval is one-sided, as the data do not tell the value from the least that it can have\n",
+            estimate.parameter.name()
+        );
     }
     text
 }
@@ -291,7 +296,8 @@ fn correlations(fitted: &Fit) -> String {
     text
 }
 
-fn figure(data: &Measurements, fitted: &Fit) -> Figure {
+/// Data and model.
+pub(crate) fn figure(data: &Measurements, fitted: &Fit) -> Figure {
     let load_of = match data.position() {
         Position::Displacement => FittedLoad::Displacement,
         Position::Indentation => FittedLoad::Indentation,

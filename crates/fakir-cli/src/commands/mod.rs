@@ -6,6 +6,7 @@ pub(crate) mod design;
 #[cfg(feature = "explore")]
 pub(crate) mod explore;
 pub(crate) mod fit;
+pub(crate) mod fits;
 pub(crate) mod heights;
 pub(crate) mod init;
 pub(crate) mod installed;

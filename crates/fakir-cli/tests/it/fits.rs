@@ -325,3 +325,182 @@ fn columns_are_named_on_the_command_line() {
     assert_eq!(outcome.status, Some(2));
     assert!(outcome.stderr.contains("\"mass\" is no quantity"));
 }
+
+/// Arguments of a fit of several files.
+fn several<'a>(files: &[&'a str], options: &[&'a str]) -> Vec<&'a str> {
+    [&["fit"], files, options].concat()
+}
+
+/// Three curves of one modulus, 1.4 MPa, of crates/fakir-inverse/examples/synthetic_curves.rs.
+#[test]
+fn several_files_are_fitted_separately() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    let files = ["fit/spot-1.csv", "fit/spot-2.csv", "fit/spot-3.csv"].map(example);
+    let options = [
+        "--case",
+        &case,
+        "--free",
+        "substrate.young_modulus,contact_point",
+        "--machine-compliance",
+        "0.002",
+        "--set",
+        "method.name=punch",
+        "--quiet",
+    ];
+    let names = files.each_ref().map(|file| &file[..]);
+    let result = bench.json(&[&several(&names, &options)[..], &["--output", "results"]].concat());
+    let modulus = &result["parameters"][0];
+    assert_eq!(modulus["name"], "substrate.young_modulus");
+    assert_eq!(modulus["curves"], 3);
+    let number = |value: &Value| value.as_f64().unwrap();
+    let mean = number(&modulus["mean_Pa"]);
+    let error = number(&modulus["standard_error_of_mean_Pa"]);
+    assert!((mean - 1.4e6).abs() < 4.0 * error, "{modulus}");
+    // Every fit is that of the file alone.
+    let alone = bench.json(&several(&names[1..2], &options));
+    assert_eq!(
+        result["curves"][1]["fit"]["parameters"],
+        alone["parameters"]
+    );
+    assert_eq!(
+        bench.files("results"),
+        [
+            "case.toml",
+            "curves",
+            "fits.csv",
+            "fits.png",
+            "fits.svg",
+            "provenance.json",
+            "summary.json"
+        ]
+    );
+    assert_eq!(
+        bench.files("results/curves"),
+        ["1-spot-1", "2-spot-2", "3-spot-3"]
+    );
+    assert_eq!(
+        bench.files("results/curves/2-spot-2"),
+        ["fit.svg", "fitted.csv"]
+    );
+    assert_eq!(bench.read("results/fits.csv").lines().count(), 4);
+    // The folder is replaced as a whole, with its subfolders.
+    let again = [
+        &several(&names[..2], &options)[..],
+        &["--output", "results", "--overwrite"],
+    ];
+    let text = bench.result(&again.concat());
+    assert!(
+        text.starts_with("2 curves, each fitted separately\n"),
+        "{text}"
+    );
+    assert_eq!(bench.files("results/curves"), ["1-spot-1", "2-spot-2"]);
+    // A file that cannot be read is named, and the others are fitted.
+    let outcome = bench.run(&several(&[names[0], "missing.csv", names[2]], &options));
+    assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
+    let warning = "warning: no fit of missing.csv: cannot read: ";
+    assert!(outcome.stderr.contains(warning), "{}", outcome.stderr);
+    let told = "no result of missing.csv: cannot read: ";
+    assert!(outcome.stdout.contains(told), "{}", outcome.stdout);
+    assert!(
+        outcome
+            .stdout
+            .contains("3 curves, each fitted separately, 1 without a result")
+    );
+}
+
+#[test]
+fn bad_input_of_several_files_ends_with_status_2() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    let data = example("fit/spot-1.csv");
+    let fit = |files: &[&str], free: &str| {
+        let options = ["--case", &case, "--free", free, "--quiet"];
+        bench.run(&[&["fit"], files, &options[..]].concat())
+    };
+    let outcome = fit(&["one.csv", "two.csv"], "substrate.young_modulus");
+    assert_eq!(outcome.status, Some(2));
+    let lines: Vec<&str> = outcome.stderr.lines().collect();
+    assert!(lines.len() == 2, "{lines:?}");
+    assert!(lines[0].starts_with("error: one.csv: cannot read: "));
+    assert!(lines[1].starts_with("error: two.csv: cannot read: "));
+    let outcome = fit(&[&data, &data], "substrate.young_modulus");
+    assert_eq!(outcome.status, Some(2));
+    let told = "is given twice: give every file once";
+    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    // An error of the parameters is printed once.
+    let other = example("fit/spot-2.csv");
+    let outcome = fit(&[&data, &other], "substrate.thickness");
+    assert_eq!(outcome.status, Some(2));
+    assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
+}
+
+/// The three curves together: one modulus, 1.4 MPa, and the contact points of crates/fakir-inverse/examples/synthetic_curves.rs.
+#[test]
+fn several_files_are_fitted_together() {
+    let bench = Bench::new();
+    let case = example("fit/case.toml");
+    let files = ["fit/spot-1.csv", "fit/spot-2.csv", "fit/spot-3.csv"].map(example);
+    let names = files.each_ref().map(|file| &file[..]);
+    let options = [
+        "--case",
+        &case,
+        "--free",
+        "substrate.young_modulus,contact_point",
+        "--machine-compliance",
+        "0.002",
+        "--set",
+        "method.name=punch",
+        "--quiet",
+        "--joint",
+    ];
+    let arguments = several(&names, &options);
+    let result = bench.json(&[&arguments[..], &["--output", "results"]].concat());
+    assert_eq!(
+        result["shared"],
+        serde_json::json!(["substrate.young_modulus"])
+    );
+    let number = |value: &Value| value.as_f64().unwrap();
+    let modulus = &result["parameters"][0];
+    let ends = &modulus["confidence_interval_95_Pa"];
+    assert!(
+        number(&ends[0]) < 1.4e6 && 1.4e6 < number(&ends[1]),
+        "{modulus}"
+    );
+    for (curve, point) in [3e-6, 3.4e-6, 2.2e-6].into_iter().enumerate() {
+        let fit = &result["curves"][curve]["fit"];
+        assert_eq!(fit["parameters"][0]["value_Pa"], modulus["value_Pa"]);
+        let ends = &fit["parameters"][1]["confidence_interval_95_m"];
+        assert!(
+            number(&ends[0]) < point && point < number(&ends[1]),
+            "{ends}"
+        );
+    }
+    assert_eq!(result["agreement"]["agree"], true);
+    assert_eq!(result["describes_data"], true, "{result}");
+    assert!(
+        bench
+            .read("results/fits.csv")
+            .starts_with("file,substrate.young_modulus_Pa,")
+    );
+    let text = bench.result(&arguments);
+    assert!(text.starts_with("3 curves, fitted together\n"), "{text}");
+    assert!(
+        text.contains("the curves agree on the shared values: joint fit against separate fits, F "),
+        "{text}"
+    );
+    // All files must be readable.
+    let outcome = bench.run(&several(&[names[0], "missing.csv"], &options));
+    assert_eq!(outcome.status, Some(2), "{}", outcome.stderr);
+    assert!(
+        outcome
+            .stderr
+            .starts_with("error: missing.csv: cannot read: ")
+    );
+    let outcome = bench.run(&[&arguments[..], &["--shared", "force_offset"]].concat());
+    assert_eq!(outcome.status, Some(2), "{}", outcome.stderr);
+    assert_eq!(
+        outcome.stderr,
+        "error: force_offset is shared, but not free: make it free too\n"
+    );
+}

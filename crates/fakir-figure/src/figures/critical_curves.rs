@@ -111,9 +111,8 @@ pub fn critical_curves(columns: &[CriticalColumn]) -> Figure {
             let scale = scale_for(columns, *quantity);
             columns.iter().map(move |column| {
                 let y = Axis {
-                    label: Text::from(*label),
                     scale,
-                    range: None,
+                    ..Axis::linear(*label)
                 };
                 let x = Axis::logarithmic("surface fraction *φ*");
                 Chart::new(x, y, series(column, *quantity, *quality))

@@ -7,6 +7,7 @@ pub(crate) mod critical_states;
 pub(crate) mod cycle;
 pub(crate) mod designed_curve;
 pub(crate) mod fit_curves;
+pub(crate) mod fits;
 pub(crate) mod flat;
 pub(crate) mod floor_gap_map;
 pub(crate) mod floor_pressure_map;

@@ -26,9 +26,8 @@ pub(crate) fn charts(x: &Axis, labels: &[&Text], panels: Vec<Panel>) -> Vec<Char
             })
             .collect();
         let y = Axis {
-            label: Text::from(name),
             scale: scale_for(&series),
-            range: None,
+            ..Axis::linear(name)
         };
         Chart::new(x.clone(), y, series)
     };

@@ -16,6 +16,9 @@ pub enum FitError {
     /// Invalid data.
     #[error(transparent)]
     Data(#[from] DataError),
+    /// Data that could not be read, with the reason.
+    #[error("{0}")]
+    Unreadable(String),
     /// The contact could not be computed.
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
@@ -115,6 +118,40 @@ pub enum FitError {
         /// The displacement, m.
         reading: f64,
     },
+    /// A joint fit without curves.
+    #[error("there are no curves: give one or more")]
+    NoCurves,
+    /// A joint fit without shared parameters.
+    #[error(
+        "no free parameter is shared: share one or more of the free parameters, or fit the curves separately"
+    )]
+    NothingShared,
+    /// A shared parameter that is not free.
+    #[error("{} is shared, but not free: make it free too", .0.name())]
+    SharedNotFree(Parameter),
+    /// Curves of a joint fit contain different quantities.
+    #[error(
+        "joint fits whose curves have other quantities are not supported: {first} has {of_first}, {other} has {of_other}; fit them \
+         separately, or leave out a column"
+    )]
+    OtherQuantities {
+        /// The first curve.
+        first: String,
+        /// Its compared quantities.
+        of_first: String,
+        /// Another curve.
+        other: String,
+        /// Its compared quantities.
+        of_other: String,
+    },
+    /// An error of one of several curves.
+    #[error("{name}: {error}")]
+    OfCurve {
+        /// Name of the curve.
+        name: String,
+        /// The error.
+        error: Box<FitError>,
+    },
     /// Numbers that are not finite.
     #[error("the model has no derivatives where the fit has come to: give other starting values")]
     NoDerivatives,
@@ -131,6 +168,27 @@ fn are(count: usize) -> &'static str {
 }
 
 impl FitError {
+    /// The error, without the name of its curve.
+    #[must_use]
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::OfCurve { error, .. } => error.cause(),
+            other => other,
+        }
+    }
+
+    /// The error with the name of its curve, unless it contains the name or does not depend on the curve.
+    pub(super) fn of_curve(self, name: &str) -> Self {
+        let is_common = matches!(self, Self::Case(_)) || self.is_interruption();
+        if is_common || self.to_string().starts_with(name) {
+            return self;
+        }
+        Self::OfCurve {
+            name: name.to_owned(),
+            error: Box::new(self),
+        }
+    }
+
     pub(super) fn is_interruption(&self) -> bool {
         matches!(self, Self::Solve(SolveError::Interrupted))
     }

@@ -47,8 +47,13 @@ mod attachment;
 mod cells;
 mod column;
 mod curve;
+mod curves;
+mod curves_report;
+mod descent;
 mod error;
 mod heading;
+mod joint;
+mod joint_report;
 mod layout;
 mod least_squares;
 mod measurements;
@@ -63,12 +68,17 @@ mod report;
 mod sampled;
 mod segments;
 mod selection;
+mod statistics;
 mod subject;
 mod table;
 mod units;
 
 pub use column::{Column, DataError};
+pub use curves::{CurveFit, CurveFits, FittedData, MeasuredCurve, fit_curves};
+pub use curves_report::CurvesSummary;
 pub use error::FitError;
+pub use joint::{Agreement, JointFit, fit_jointly, shared_by_default};
+pub use joint_report::JointSummary;
 pub use layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason, Skipped};
 pub use measurements::{Measured, Measurement, Measurements, Position, Quantity};
 pub use misfit::{LEVEL, LeftOut, Misfit, RunsTest};
@@ -76,12 +86,16 @@ pub use options::{FitOptions, MOST_STARTS};
 pub use parameter::Parameter;
 pub use report::FitSummary;
 pub use selection::Selection;
-pub use subject::FittedCycle;
+pub use statistics::{
+    FEWEST_FOR_OUTLIERS, OUTLIER_SCORE, Outlier, Sample, Statistics, WeightedMean,
+};
+pub use subject::{FittedCycle, method_name};
 
+use descent::{Descent, NO_GAIN, PATIENCE};
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
 use fakir::problem::Question;
-use fakir::state::{Branch, Limit, Run, SolveError, Termination};
+use fakir::state::{Branch, Limit, Run, Termination};
 use fakir_case::{CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
@@ -319,34 +333,6 @@ impl Fit {
     }
 }
 
-/// Largest number of steps of a search.
-const MOST_ITERATIONS: usize = 100;
-
-/// The search ends if the step is smaller than this fraction of the standard error of every
-/// parameter.
-const SMALL: f64 = 1e-3;
-
-/// The sum of squares has kinks where pillars come into contact, and its minimum may be at a kink. The search ends there if
-/// the last step reduced the sum of squares by at most this amount and the condition of [`LITTLE_PROMISED`] is met too.
-const NO_GAIN: f64 = 1e-4;
-
-/// Reduction of the sum of squares, about a third of a standard error, that the interpolation of rows may hide.
-const INTERPOLATED: f64 = 0.1;
-
-/// At a kink, the reduction of the sum of squares predicted for the next step must be at most this amount, which is less
-/// than a standard error.
-const LITTLE_PROMISED: f64 = 0.5;
-
-/// After this number of steps [`LITTLE_PROMISED`] alone ends the search, because jumps of the contact radius may move the
-/// best fit back and forth. From then on, rows left out as past the transition remain left out.
-const PATIENCE: usize = 30;
-
-/// The search also ends if the step in the unknowns is as small as the errors of the solver.
-const EXACT: f64 = 1e-8;
-
-/// Largest damping; beyond it, steps are too short to have an effect.
-const MOST_DAMPING: f64 = 1e8;
-
 /// Smallest estimated error of a quantity, relative to its largest value: the error of the solver.
 const LEAST_SCATTER: f64 = 1e-9;
 
@@ -392,47 +378,61 @@ fn fit_with(
     file.check_surface(&[Question::Fit])?;
     check(file, data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
-    let begin = model.start()?;
-    let (mut search, mut termination) = model.search(begin.clone(), run, direct)?;
-    let mut starts = vec![search.started(termination)];
-    let mut answer = 0;
-    for number in 1..options.starts {
-        match model.search(model.other_start(&begin, number), run, direct) {
-            Ok((other, ended)) => {
-                let started = other.started(ended);
-                let best = starts[answer];
-                let is_better = match (started.deviance, best.deviance) {
-                    (Some(one), Some(two)) => one < two - SAME_DEVIANCE,
-                    (one, _) => one.is_some(),
-                };
-                if (started.converged, is_better) > (best.converged, false) {
-                    (search, termination, answer) = (other, ended, number);
-                }
-                starts.push(started);
-            }
-            Err(error) if error.is_interruption() => return Err(error),
-            // It started from an invalid case or from a case without a contact.
-            Err(_) => starts.push(StartedFit {
-                converged: false,
-                deviance: None,
-                is_answer: false,
-            }),
-        }
-    }
-    let best = starts[answer].deviance;
-    for started in &mut starts {
-        started.is_answer = match (started.deviance, best) {
-            (Some(one), Some(two)) => within((one - two).abs(), SAME_DEVIANCE),
-            _ => false,
-        };
-    }
-    starts[answer].is_answer = true;
+    let (search, termination, starts) = model.best(options, run, direct)?;
     let mut fitted = search.answer(termination)?;
     fitted.starts = starts;
     Ok(fitted)
 }
 
 impl<'a> Model<'a> {
+    /// Runs a search from each start; returns the best one and all starts.
+    fn best<'m>(
+        &'m self,
+        options: &FitOptions,
+        run: &Run<'_>,
+        direct: usize,
+    ) -> Result<(Search<'m>, Termination, Vec<StartedFit>), FitError>
+    where
+        'a: 'm,
+    {
+        let begin = self.start()?;
+        let (mut search, mut termination) = self.search(begin.clone(), run, direct)?;
+        let mut starts = vec![search.started(termination)];
+        let mut answer = 0;
+        for number in 1..options.starts {
+            match self.search(self.other_start(&begin, number), run, direct) {
+                Ok((other, ended)) => {
+                    let started = other.started(ended);
+                    let best = starts[answer];
+                    let is_better = match (started.deviance, best.deviance) {
+                        (Some(one), Some(two)) => one < two - SAME_DEVIANCE,
+                        (one, _) => one.is_some(),
+                    };
+                    if (started.converged, is_better) > (best.converged, false) {
+                        (search, termination, answer) = (other, ended, number);
+                    }
+                    starts.push(started);
+                }
+                Err(error) if error.is_interruption() => return Err(error),
+                // It started from an invalid case or from a case without a contact.
+                Err(_) => starts.push(StartedFit {
+                    converged: false,
+                    deviance: None,
+                    is_answer: false,
+                }),
+            }
+        }
+        let best = starts[answer].deviance;
+        for started in &mut starts {
+            started.is_answer = match (started.deviance, best) {
+                (Some(one), Some(two)) => within((one - two).abs(), SAME_DEVIANCE),
+                _ => false,
+            };
+        }
+        starts[answer].is_answer = true;
+        Ok((search, termination, starts))
+    }
+
     /// Runs a search from the given unknowns to its end.
     fn search<'m>(
         &'m self,
@@ -530,6 +530,7 @@ fn check(
 }
 
 /// A value compared with the model.
+#[derive(Debug, Clone, Copy)]
 struct Datum {
     row: usize,
     quantity: Quantity,
@@ -779,20 +780,30 @@ impl<'a> Search<'a> {
 
     /// Derivatives and errors at the unknowns.
     fn linearise(&mut self) -> Result<(), FitError> {
+        self.differentiate()?;
+        // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is sufficient,
+        // because every step of the search updates them.
+        self.decompose()?;
+        if self.has_scatter() {
+            let leverages = match &self.linear {
+                Some(linear) => linear.leverages(self.data.len()),
+                None => vec![0.0; self.data.len()],
+            };
+            self.estimate_scatter(&leverages)?;
+            self.errors = self.with_errors()?;
+            self.decompose()?;
+        }
+        Ok(())
+    }
+
+    /// Derivatives at the unknowns, and errors with the scatter as estimated before.
+    fn differentiate(&mut self) -> Result<(), FitError> {
         let purpose = match self.is_finished {
             true => Purpose::Result,
             false => Purpose::Search,
         };
         self.derivatives = self.derivatives_of(self.model, &self.unknowns, purpose)?;
         self.errors = self.with_errors()?;
-        // The estimated errors depend on the leverages, and the leverages on the errors. One repetition is sufficient,
-        // because every step of the search updates them.
-        self.decompose()?;
-        if self.has_scatter() {
-            self.estimate_scatter()?;
-            self.errors = self.with_errors()?;
-            self.decompose()?;
-        }
         Ok(())
     }
 
@@ -876,14 +887,10 @@ impl<'a> Search<'a> {
             .sum()
     }
 
-    /// Estimates the errors of quantities without given errors, from the residuals.
-    fn estimate_scatter(&mut self) -> Result<(), FitError> {
+    /// Estimates the errors of quantities without given errors, from the residuals and the leverages of the values.
+    fn estimate_scatter(&mut self, leverages: &[f64]) -> Result<(), FitError> {
         let half_pitch = self.half_pitch()?;
         let residuals = self.residuals();
-        let leverages = match &self.linear {
-            Some(linear) => linear.leverages(self.data.len()),
-            None => vec![0.0; self.data.len()],
-        };
         for quantity in Quantity::ALL {
             let mut terms = Vec::new();
             let (mut freedom, mut largest) = (0.0, 0.0f64);
@@ -918,96 +925,12 @@ impl<'a> Search<'a> {
             .sum()
     }
 
-    /// Damped step. Unknowns at a bound that the step would violate remain there, and equal works of adhesion move together: this gives the best fit
-    /// within the ranges.
-    fn step(&self, damping: f64) -> Vec<f64> {
-        let residuals = self.residuals();
-        let weighted: Vec<f64> = residuals
-            .iter()
-            .zip(&self.errors)
-            .map(|(r, e)| r / e)
-            .collect();
-        let Some(linear) = &self.linear else {
-            return vec![0.0; self.unknowns.len()];
-        };
-        let mut step = linear.step(&weighted, damping);
-        let mut rows = self.weighted_derivatives();
-        let mut equal = None;
-        while let Some(end) = self.model.left_by(&self.unknowns, &step) {
-            for row in &mut rows {
-                match end {
-                    RangeEnd::Of(number) => row[number] = 0.0,
-                    RangeEnd::Equal([work, receding]) => {
-                        row[work] += std::mem::take(&mut row[receding]);
-                    }
-                }
-            }
-            if let RangeEnd::Equal(both) = end {
-                equal = Some(both);
-            }
-            let Some(linear) = Linear::new(&rows, step.len()) else {
-                break;
-            };
-            step = linear.step(&weighted, damping);
-            if let Some([work, receding]) = equal {
-                step[receding] = step[work];
-            }
-        }
-        step
-    }
-
-    fn covariance(&self) -> Vec<Vec<f64>> {
-        self.linear.as_ref().map_or(Vec::new(), Linear::covariance)
-    }
-
-    /// Shortens the step to the largest allowed change of every parameter.
-    fn bounded(&self, step: Vec<f64>) -> Vec<f64> {
-        let excess = step
-            .iter()
-            .zip(self.model.free)
+    /// How many times a step is longer than the largest allowed change of a parameter; 1 if it is not.
+    fn excess(&self, step: &[f64]) -> f64 {
+        let lengths = step.iter().zip(self.model.free);
+        lengths
             .map(|(step, parameter)| step.abs() / parameter.longest_step())
-            .fold(1.0, larger);
-        step.into_iter().map(|step| step / excess).collect()
-    }
-
-    /// Whether this is the best fit, after a step that reduced the sum of squares by `gain`.
-    fn is_at_end(&self, gain: f64) -> bool {
-        let covariance = self.covariance();
-        let step = self.step(0.0);
-        // A sum of squares that is not finite is not a minimum.
-        if !within(self.chi_square(), f64::MAX) {
-            return false;
-        }
-        let near = |(j, step): (usize, &f64)| {
-            let deviation = larger(covariance[j][j], 0.0).sqrt();
-            within(step.abs(), larger(EXACT, SMALL * deviation))
-        };
-        let at_kink = within(gain, NO_GAIN) || self.iterations > PATIENCE;
-        step.iter().enumerate().all(near)
-            || at_kink && within(self.promised(&step), LITTLE_PROMISED)
-    }
-
-    fn run(&mut self, run: &Run<'_>) -> Result<Termination, FitError> {
-        let mut damping = 1e-3;
-        while self.iterations < MOST_ITERATIONS {
-            if run.cancel.is_cancelled() {
-                return Err(SolveError::Interrupted.into());
-            }
-            self.iterations += 1;
-            let Some(gain) = self.advance(&mut damping)? else {
-                return Ok(match self.is_at_end(0.0) {
-                    true => Termination::Converged,
-                    false => Termination::Stagnated,
-                });
-            };
-            let rows_changed = self.select();
-            self.check_enough()?;
-            self.linearise()?;
-            if !rows_changed && self.is_at_end(gain) {
-                return Ok(Termination::Converged);
-            }
-        }
-        Ok(Termination::IterationLimit)
+            .fold(1.0, larger)
     }
 
     /// Whether all rows used have computed states, and enough of them are before the transition.
@@ -1034,62 +957,6 @@ impl<'a> Search<'a> {
         }
         self.linearise()?;
         Ok(changed)
-    }
-
-    /// Moves to unknowns that fit better and returns the reduction of the sum of squares; `None` if none are found. A step that leads outside
-    /// the model is shortened; if that does not help, the rows outside the model are left out.
-    fn advance(&mut self, damping: &mut f64) -> Result<Option<f64>, FitError> {
-        /// Number of times a step is shortened before rows are left out.
-        const SHORTER: i32 = 4;
-        let mut now = self.chi_square();
-        let mut outside = 0;
-        while *damping <= MOST_DAMPING {
-            let step = self.bounded(self.step(*damping));
-            // Smaller gains are uncertain by the interpolation; the steps after the search continue with solved rows.
-            if self.sampled.is_some() && within(self.promised(&step), NO_GAIN) {
-                return Ok(None);
-            }
-            let trial = self.model.moved(&self.unknowns, &step);
-            let step: Vec<f64> = trial
-                .iter()
-                .zip(&self.unknowns)
-                .map(|(a, b)| a - b)
-                .collect();
-            match self.states_at(&trial) {
-                Ok(states) if self.are_enough(&states) => {
-                    let squares = self.trial_chi_square(&states);
-                    // Near the end, interpolation errors may exceed the gain.
-                    let promised = self.promised(&step);
-                    let is_near = self.sampled.is_some() && within(promised, INTERPOLATED);
-                    let noise = if is_near { INTERPOLATED } else { 0.0 };
-                    if squares <= now + noise {
-                        // Ratio of the actual to the predicted reduction. A small ratio means that the linear
-                        // prediction fails over the length of the step, and that the next step should be shorter.
-                        let kept = (now - squares) / promised;
-                        self.states = states;
-                        self.unknowns = trial;
-                        *damping = match kept {
-                            kept if kept > 0.75 => (*damping * 0.1).max(1e-12),
-                            kept if kept > 0.25 => *damping,
-                            _ => *damping * 10.0,
-                        };
-                        return Ok(Some(now - squares));
-                    }
-                }
-                Err(error) if error.is_interruption() => return Err(error),
-                // The step was too long: it led to an invalid case or a case without contact.
-                Err(_) => {}
-                Ok(states) => {
-                    outside += 1;
-                    if outside > SHORTER && self.leave_out(&states)? {
-                        (now, outside) = (self.chi_square(), 0);
-                        *damping *= 0.1f64.powi(SHORTER);
-                    }
-                }
-            }
-            *damping *= 10.0;
-        }
-        Ok(None)
     }
 
     /// Predicted reduction of the sum of squares, from the derivatives.
@@ -1845,6 +1712,94 @@ impl<'a> Search<'a> {
 
     fn is_by_force(&self) -> bool {
         self.model.data.position() == Position::None
+    }
+}
+
+impl Descent for Search<'_> {
+    type States = Vec<State>;
+
+    fn unknowns(&self) -> &[f64] {
+        &self.unknowns
+    }
+
+    fn iterations(&self) -> usize {
+        self.iterations
+    }
+
+    fn count_iteration(&mut self) {
+        self.iterations += 1;
+    }
+
+    fn chi_square(&self) -> f64 {
+        self.chi_square()
+    }
+
+    fn weighted_residuals(&self) -> Vec<f64> {
+        let residuals = self.residuals();
+        let terms = residuals.iter().zip(&self.errors);
+        terms.map(|(residual, error)| residual / error).collect()
+    }
+
+    fn weighted_derivatives(&self) -> Vec<Vec<f64>> {
+        self.weighted_derivatives()
+    }
+
+    fn linear(&self) -> Option<&Linear> {
+        self.linear.as_ref()
+    }
+
+    fn left_by(&self, step: &[f64]) -> Option<RangeEnd> {
+        self.model.left_by(&self.unknowns, step)
+    }
+
+    fn bounded(&self, step: Vec<f64>) -> Vec<f64> {
+        let excess = self.excess(&step);
+        step.into_iter().map(|step| step / excess).collect()
+    }
+
+    fn moved(&self, step: &[f64]) -> Vec<f64> {
+        self.model.moved(&self.unknowns, step)
+    }
+
+    fn states_at(&self, unknowns: &[f64]) -> Result<Vec<State>, FitError> {
+        self.states_at(unknowns)
+    }
+
+    fn is_interpolated(&self) -> bool {
+        self.sampled.is_some()
+    }
+
+    fn are_enough(&self, states: &Vec<State>) -> bool {
+        self.are_enough(states)
+    }
+
+    fn trial_chi_square(&self, states: &Vec<State>) -> f64 {
+        self.trial_chi_square(states)
+    }
+
+    fn promised(&self, step: &[f64]) -> f64 {
+        self.promised(step)
+    }
+
+    fn accept(&mut self, unknowns: Vec<f64>, states: Vec<State>) {
+        self.unknowns = unknowns;
+        self.states = states;
+    }
+
+    fn leave_out(&mut self, states: &Vec<State>) -> Result<bool, FitError> {
+        self.leave_out(states)
+    }
+
+    fn select(&mut self) -> bool {
+        self.select()
+    }
+
+    fn check_enough(&self) -> Result<(), FitError> {
+        self.check_enough()
+    }
+
+    fn linearise(&mut self) -> Result<(), FitError> {
+        self.linearise()
     }
 }
 

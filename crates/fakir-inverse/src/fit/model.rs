@@ -361,6 +361,11 @@ impl<'a> Model<'a> {
         matches!(self.start.case, Subject::Flat(_))
     }
 
+    /// Gives a free parameter, by its number, the unknown that it has in another model.
+    pub(super) fn scale_as(&mut self, other: &Model<'_>, number: usize) {
+        self.scales[number] = other.scales[number];
+    }
+
     /// Whether it is the thickness of a half-space.
     pub(super) fn is_endless(&self, parameter: Parameter) -> bool {
         matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && self.start.case.setting(key).is_none())

@@ -432,7 +432,8 @@ impl FitSummary {
     }
 }
 
-fn estimate_json(estimate: &Estimate) -> Map<String, Value> {
+/// An estimate as a JSON object.
+pub(super) fn estimate_json(estimate: &Estimate) -> Map<String, Value> {
     let suffix = estimate.parameter.suffix();
     Map::from_iter([
         ("name".to_owned(), Value::from(estimate.parameter.name())),

@@ -18,7 +18,7 @@ use fakir::state::{ContactState, Solution, SolveError};
 use fakir_case::Case;
 use rayon::prelude::*;
 use std::cell::RefCell;
-use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// Up to this number of rows, each is solved in every step.
@@ -118,7 +118,7 @@ struct OnFloor {
 
 struct Entry {
     unknowns: Vec<f64>,
-    table: Rc<Table>,
+    table: Arc<Table>,
     /// Rows whose loads were solved.
     rows: Vec<usize>,
 }
@@ -188,7 +188,7 @@ impl Sampled {
         model: &Model<'_>,
         unknowns: &[f64],
         tolerance: Tolerance,
-    ) -> Result<Rc<Table>, FitError> {
+    ) -> Result<Arc<Table>, FitError> {
         /// Number of tables kept.
         const KEPT: usize = 4;
         let settings = model.settings(unknowns)?;
@@ -203,7 +203,7 @@ impl Sampled {
             let entries = self.entries.borrow();
             let known = entries.iter().rev().find(|entry| same(entry));
             let seeds = entries.last().map(|entry| entry.rows.clone());
-            (known.map(|entry| Rc::clone(&entry.table)), seeds)
+            (known.map(|entry| Arc::clone(&entry.table)), seeds)
         };
         let mut refining = Refining {
             model,
@@ -214,7 +214,7 @@ impl Sampled {
             by_force: model.data.position() == Position::None,
         };
         let (mut table, first) = match known {
-            Some(table) => (Rc::unwrap_or_clone(table), Vec::new()),
+            Some(table) => (Arc::unwrap_or_clone(table), Vec::new()),
             None => (
                 Table::new(refining.origin()),
                 refining.first_loads(seeds.as_deref()),
@@ -223,12 +223,12 @@ impl Sampled {
         refining.solve(&mut table, first)?;
         refining.run(&mut table)?;
         let rows = refining.rows_of(&table);
-        let table = Rc::new(table);
+        let table = Arc::new(table);
         let mut entries = self.entries.borrow_mut();
         entries.retain(|entry| !same(entry));
         entries.push(Entry {
             unknowns: of_case,
-            table: Rc::clone(&table),
+            table: Arc::clone(&table),
             rows,
         });
         if entries.len() > KEPT {

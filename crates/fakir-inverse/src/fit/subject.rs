@@ -109,6 +109,14 @@ impl Subject {
     }
 }
 
+/// Name of the method of fits with a case: that of a method for pillars, or `flat`.
+///
+/// # Errors
+/// [`CaseError`] for an invalid case.
+pub fn method_name(file: &CaseFile) -> Result<&'static str, CaseError> {
+    Subject::of(file).map(|subject| subject.method_name())
+}
+
 /// A flat surface with at least the smallest work of adhesion.
 pub(super) fn with_some_adhesion(system: &FlatSystem) -> Result<FlatSystem, InvalidQuantity> {
     let system = system.clone();

@@ -10,17 +10,17 @@ use fakir_inverse::fit::{
 };
 use rand_distr::{Distribution, Normal};
 
-const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);
+pub(crate) const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);
 const SPECTRAL: &str = "method.name=spectral";
 const LENS: Parameter = Parameter::Key(Key::LensYoungModulus);
 
 /// Parameters of the instrument of the synthetic data.
 const CONTACT_POINT: f64 = 3e-6;
-const COMPLIANCE: f64 = 2e-3;
+pub(crate) const COMPLIANCE: f64 = 2e-3;
 
 /// The paper's intermediate substrate at a surface fraction of 0.01: 13 pillars are in contact at
 /// the transition. The method is the homogenised lattice, which is fast, unless overridden.
-fn case_file(overrides: &[&str]) -> CaseFile {
+pub(crate) fn case_file(overrides: &[&str]) -> CaseFile {
     let mut file = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
     file.set("pattern.surface_fraction=0.01").unwrap();
     file.set("method.name=homogenised").unwrap();
@@ -31,7 +31,7 @@ fn case_file(overrides: &[&str]) -> CaseFile {
 }
 
 /// Displacement, force and contact radius at some indentations, without noise.
-fn loading(file: &CaseFile, indentations: &[f64]) -> [Vec<f64>; 3] {
+pub(crate) fn loading(file: &CaseFile, indentations: &[f64]) -> [Vec<f64>; 3] {
     let case = file.case().unwrap();
     let mut columns = [const { Vec::new() }; 3];
     for zeta in indentations {
@@ -50,7 +50,7 @@ fn loading(file: &CaseFile, indentations: &[f64]) -> [Vec<f64>; 3] {
     columns
 }
 
-fn indentations(count: usize) -> Vec<f64> {
+pub(crate) fn indentations(count: usize) -> Vec<f64> {
     (0..count)
         .map(|k| 2.6e-6 * (k as f64 / (count - 1) as f64) - 0.3e-6)
         .collect()
@@ -60,7 +60,7 @@ fn run_fit(file: &CaseFile, data: &Measurements, free: &[Parameter]) -> Fit {
     fit(file, data, free, &FitOptions::default(), &Run::default()).unwrap()
 }
 
-fn close(value: f64, truth: f64, tolerance: f64) -> bool {
+pub(crate) fn close(value: f64, truth: f64, tolerance: f64) -> bool {
     (value / truth - 1.0).abs() < tolerance
 }
 

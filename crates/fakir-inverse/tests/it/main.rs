@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod adhesion;
+mod curves;
 mod films;
 mod fit;
 mod flat;

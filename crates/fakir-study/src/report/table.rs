@@ -84,6 +84,15 @@ impl<T: 'static> Column<T> {
         }
     }
 
+    /// Values in a format that depends on more than the row.
+    pub fn formatted(name: &str, cell: impl Fn(&T) -> String + 'static) -> Self {
+        Self {
+            heading: name.to_owned(),
+            cell: Box::new(cell),
+            alignment: CellAlignment::Right,
+        }
+    }
+
     /// A column of words.
     pub fn text(name: &str, cell: fn(&T) -> String) -> Self {
         Self {

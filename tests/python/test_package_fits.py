@@ -1,0 +1,125 @@
+"""Fits of several curves: those of the program, to the bit, and the same as single fits."""
+
+import json
+import os
+import subprocess
+
+import matplotlib
+import numpy as np
+import pandas
+import pytest
+
+matplotlib.use("Agg")
+
+from conftest import EXAMPLES  # noqa: E402
+
+import fakir  # noqa: E402
+
+CASE = EXAMPLES / "fit" / "case.toml"
+FILES = [EXAMPLES / "fit" / f"spot-{number}.csv" for number in (1, 2, 3)]
+FREE = ["substrate.young_modulus", "contact_point"]
+COMPLIANCE = {"machine_compliance": 0.002}
+
+
+@pytest.fixture(scope="module")
+def system():
+    return fakir.System.from_file(CASE, overrides={"method.name": "punch"})
+
+
+@pytest.fixture(scope="module")
+def fits(system):
+    return fakir.fit_many(FILES, system, FREE, **COMPLIANCE)
+
+
+def program(*options):
+    run = [os.environ["FAKIR"], "fit", *FILES, "--case", CASE, "--free", ",".join(FREE), *options]
+    run += ["--machine-compliance", "0.002", "--set", "method.name=punch", "--json", "--quiet"]
+    return json.loads(subprocess.run(run, capture_output=True, check=True).stdout)
+
+
+def timeless(value):
+    if isinstance(value, dict):
+        return {name: timeless(part) for name, part in value.items() if name != "wall_time_s"}
+    return [timeless(part) for part in value] if isinstance(value, list) else value
+
+
+def test_the_fits_of_the_program(fits):
+    assert timeless(fits.to_dict()) == timeless(program())
+
+
+def test_curves_and_statistics(fits, system):
+    assert len(fits) == 3 and fits.converged and fits.describes_data and not fits.failed
+    assert [curve.name for curve in fits.curves] == [str(path) for path in FILES]
+    alone = fakir.fit(FILES[1], system, FREE, **COMPLIANCE)
+    second = fits.curves[1].fit
+    assert second["contact_point"] == alone["contact_point"]
+    assert second.understood == alone.understood
+    values = [curve.fit["substrate.young_modulus"].value for curve in fits.curves]
+    found = fits["substrate.young_modulus"]
+    assert found.curves == 3 and found.unit == "Pa" and found.outliers == []
+    assert np.isclose(found.mean, np.mean(values), rtol=1e-12)
+    assert np.isclose(found.standard_deviation, np.std(values, ddof=1), rtol=1e-9)
+    assert abs(found.mean - 1.4e6) < 4 * found.standard_error
+    table = fits.table()
+    assert isinstance(table, pandas.DataFrame)
+    assert list(table["substrate.young_modulus_Pa"]) == values
+    assert "standard deviation" in repr(fits)
+    axes = fakir.plot.fits(fits)
+    assert [axis.get_ylabel() for axis in axes] == ["substrate.young_modulus (MPa)", "contact_point (µm)"]
+
+
+def test_curves_that_cannot_be_fitted(system, tmp_path):
+    empty = tmp_path / "empty.csv"
+    empty.write_text("displacement_m,force_N\n")
+    done = []
+    with pytest.warns(fakir.FakirWarning, match="no fit of .*empty.csv"):
+        fits = fakir.fit_many(
+            [FILES[0], empty], system, FREE, **COMPLIANCE, progress=lambda *count: done.append(count)
+        )
+    assert done[-1] == (2, 2)
+    assert [curve.name for curve in fits.failed] == [str(empty)]
+    assert fits.curves[1].fit is None and not fits.converged
+    assert fits["contact_point"].curves == 1
+    assert fits["contact_point"].standard_deviation is None
+    with pytest.raises(fakir.FitError, match=r"empty\.csv"):
+        fakir.fit_many([empty], system, FREE)
+    with pytest.raises(TypeError, match="fakir.fit_many"):
+        fakir.fit([FILES[0], FILES[1]], system, FREE)
+
+
+def test_a_joint_fit(system, fits):
+    joint = fakir.fit_many(FILES, system, FREE, joint=True, **COMPLIANCE)
+    assert timeless(joint.to_dict()) == timeless(program("--joint"))
+    modulus = joint["substrate.young_modulus"]
+    low, high = modulus.interval
+    assert low < 1.4e6 < high
+    assert list(joint.parameters) == ["substrate.young_modulus"]
+    points = [curve.fit["contact_point"].value for curve in joint.curves]
+    assert np.allclose(points, [3e-6, 3.4e-6, 2.2e-6], atol=5e-8)
+    assert joint.agreement.agree and joint.agreement.test == "f"
+    assert len(joint.agreement.degrees_of_freedom) == 2
+    assert joint.separate[1]["substrate.young_modulus"].value == pytest.approx(
+        fits.curves[1].fit["substrate.young_modulus"].value, rel=1e-9
+    )
+    assert "95 % interval" in repr(joint)
+    shared = fakir.plot.fits(joint)[0].lines[-1].get_ydata()[0]
+    assert shared == pytest.approx(1e-6 * modulus.value)
+    named = dict(zip("abc", FILES))
+    both = fakir.fit_many(named, system, FREE, joint=True, shared=FREE[:1], **COMPLIANCE)
+    assert both["substrate.young_modulus"] == modulus
+    assert [curve.name for curve in both.curves] == ["a", "b", "c"]
+
+
+def test_bad_input(system):
+    with pytest.raises(TypeError, match="curves is the file"):
+        fakir.fit_many(str(FILES[0]), system, FREE)
+    with pytest.raises(ValueError, match="curves is empty"):
+        fakir.fit_many([], system, FREE)
+    with pytest.raises(ValueError, match="is given twice"):
+        fakir.fit_many([FILES[0], FILES[0]], system, FREE)
+    with pytest.raises(TypeError, match="shared needs joint=True"):
+        fakir.fit_many(FILES, system, FREE, shared=FREE[:1])
+    with pytest.raises(fakir.FitError, match="force_offset is shared, but not free"):
+        fakir.fit_many(FILES, system, FREE, joint=True, shared=["force_offset"])
+    with pytest.raises(fakir.FitError, match="cannot read"):
+        fakir.fit_many([FILES[0], "missing.csv"], system, FREE, joint=True)
