@@ -105,8 +105,20 @@ fn shards_merge_into_the_same_tables() {
     assert_eq!(bench.files("merged"), bench.files("whole"));
     assert_eq!(
         bench.files("merged"),
-        [&["journal.jsonl", "provenance.json", "study.toml"], TABLES].concat()
+        [
+            &[
+                "critical-states.png",
+                "critical-states.svg",
+                "journal.jsonl",
+                "provenance.json",
+                "study.toml",
+            ],
+            TABLES,
+        ]
+        .concat()
     );
+    let figure = |folder: &str| bench.read(&format!("{folder}/critical-states.svg"));
+    assert_eq!(figure("merged"), figure("whole"));
 }
 
 #[test]
