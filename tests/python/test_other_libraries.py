@@ -1,7 +1,6 @@
 """Files and objects of other libraries: curves, height maps and tables of pillars, as these libraries write them.
 
-Curves are those of Hertz (paraboloid on a half-space), so that a fit finds the modulus and the contact point with which they were computed.
-Height maps are compared with the arrays from which they were written. `other-libraries.txt` lists the libraries; they are imported
+Curves are those of Hertz (paraboloid on a half-space): a fit finds the modulus and the contact point with which they were computed. Height maps are compared with the arrays from which they were written. `other-libraries.txt` lists the libraries; they are imported
 in the tests, so that one that is missing is an error.
 """
 
@@ -113,12 +112,15 @@ KINDS = [
 @pytest.mark.parametrize("position", ["tip position", "height (measured)", "height (piezo)"])
 @pytest.mark.parametrize(("kind", "segments"), KINDS)
 def test_curves_of_afmformats(curve, system, position, kind, segments):
-    found = fakir.fit(afm_curve(curve, position, kind, segments), system, FREE)
+    made = afm_curve(curve, position, kind, segments)
+    found = fakir.fit(made, system, FREE)
     assert found["substrate.young_modulus"].value == pytest.approx(MODULUS, rel=1e-4)
     # The positions are 20 um minus the heights.
     assert found.contact_point + 20e-6 == pytest.approx(CONTACT, abs=1e-10)
     assert found.machine_compliance == pytest.approx(0.0 if position == "tip position" else 1 / STIFFNESS)
-    assert found.unloading.sum() == len(curve[0])
+    count = len(curve[0])
+    assert found.degrees_of_freedom == 2 * count - 2
+    assert fakir.fit(made, system, FREE, branch="unloading").degrees_of_freedom == count - 2
 
 
 def test_files_and_groups_of_afmformats(curve, system, tmp_path):
@@ -169,7 +171,7 @@ def test_spreadsheets_of_openpyxl(rows, check, tmp_path):
         [("notes", notes), ("empty", []), ("data", [NAMES, *data])],
         [("data", [[], [None, *NAMES], *([None, *row] for row in data)])],
         [("data", [NAMES, *texts])],
-        [("data", [[*NAMES, "Contact radius error [um]"], *data, [9.0, None, None], [None, None, 3.0]])],
+        [("data", [[*NAMES, "Time [s]"], *data, [9.0, None, None], [None, None, 3.0]])],
     ]):
         check(workbook(tmp_path / f"{number}.xlsx", *sheets))
 
@@ -271,7 +273,7 @@ def test_pillars(tmp_path):
         )
         pattern = fakir.System.from_toml(case).pattern
         assert np.allclose([pattern.x, pattern.y], 1e-6 * places.T, rtol=1e-12), path
-        assert np.allclose(pattern.diameters, [4e-6, 6e-6, 5e-6], rtol=1e-12), path
+        assert np.allclose(pattern.diameter, [4e-6, 6e-6, 5e-6], rtol=1e-12), path
 
 
 # Height maps
@@ -402,7 +404,7 @@ def test_files_of_surface_topography(tmp_path):
         found = surface(tmp_path / name, "")
         assert np.abs(found.heights - 1e-6 * made.heights().T).max() < 1e-6 * digits, name
         assert np.allclose(np.diff(found.x), 2e-6), name
-    from_array = surface(tmp_path / "map.npy", 'cell_size = "2 um"\nheight_unit = "um"')
+    from_array = surface(tmp_path / "map.npy", 'cell_size = "2 um"\nheight_unit = "1 um"')
     assert np.allclose(from_array.heights, 1e-6 * made.heights().T, rtol=1e-12)
     holes = topography(missing=True)
     for kind in "DI":
