@@ -76,7 +76,7 @@ pub use selection::Selection;
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
 use fakir::problem::{Load, Question};
-use fakir::state::{Branch, Cycle, Limit, Run, Solution, SolveError, Termination};
+use fakir::state::{Branch, Cycle, Limit, Run, SolveError, Termination};
 use fakir_case::{CaseFile, Key};
 use least_squares::Linear;
 use misfit::Score;
@@ -278,12 +278,11 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Whether the result is a best fit: the search converged, every contact compared is solved and resolved, and so is the fitted cycle.
+    /// Whether the result is a best fit: the search converged, and every contact compared is
+    /// solved.
     #[must_use]
     pub fn converged(&self) -> bool {
-        self.termination == Termination::Converged
-            && self.rows.iter().all(|row| row.converged)
-            && self.cycle.as_ref().is_none_or(Solution::is_answer)
+        self.termination == Termination::Converged && self.rows.iter().all(|row| row.converged)
     }
 
     /// Rows left out because they are past the transition and the method or the case ignores the floor.
