@@ -161,24 +161,4 @@ fn cycles_are_no_answers() {
     );
     bench.write("study.toml", &study);
     unresolved_row(&bench, &["--set", "adhesion.work=1e-9"]);
-    // Forces of the second of these cycles, of which the fit has the same pull-off.
-    bench.write(
-        "data.csv",
-        "branch,indentation_nm,force_nN\nloading,20,109.9\nloading,40,232\nloading,60,354\nloading,80,476\nloading,100,598\nunloading,50,293\nunloading,10,48.92\n",
-    );
-    let fit = [
-        "fit",
-        "data.csv",
-        "--case",
-        &case,
-        "--free",
-        "substrate.young_modulus",
-    ];
-    let set = [
-        "--set",
-        "pattern.offset=0.05",
-        "--set",
-        "adhesion.work=1e-6",
-    ];
-    unresolved(&bench, &fit, &set);
 }

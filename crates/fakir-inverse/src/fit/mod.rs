@@ -303,12 +303,11 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Whether the result is a best fit: the search converged, every contact compared is solved and resolved, and so is the fitted cycle.
+    /// Whether the result is a best fit: the search converged, and every contact compared is
+    /// solved.
     #[must_use]
     pub fn converged(&self) -> bool {
-        self.termination == Termination::Converged
-            && self.rows.iter().all(|row| row.converged)
-            && self.cycle.as_ref().is_none_or(FittedCycle::is_answer)
+        self.termination == Termination::Converged && self.rows.iter().all(|row| row.converged)
     }
 
     /// Rows left out because they are past the transition and the method or the case ignores the floor.

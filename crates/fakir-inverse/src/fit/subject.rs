@@ -2,7 +2,7 @@
 
 use super::error::FitError;
 use fakir::problem::{Adhesion, CyclePlan, FlatSystem, InvalidQuantity, Load};
-use fakir::state::{Cycle, FlatCycle, Limit, Run, Solution, SolveError};
+use fakir::state::{Cycle, FlatCycle, Limit, Run, SolveError};
 use fakir_case::{Case, CaseError, CaseFile, FlatCase, Key, Setting};
 use fakir_study::result::cycle_warnings;
 
@@ -155,15 +155,6 @@ impl FittedCycle {
         match self {
             Self::Pillars(cycle) => cycle.converged(),
             Self::Flat(cycle, _) => cycle.converged(),
-        }
-    }
-
-    /// Whether its numbers are resolved too.
-    #[must_use]
-    pub fn is_answer(&self) -> bool {
-        match self {
-            Self::Pillars(cycle) => cycle.is_answer(),
-            Self::Flat(cycle, _) => cycle.is_answer(),
         }
     }
 
