@@ -391,7 +391,7 @@ impl Table {
     /// The load at which load + compliance * answer has a value: for the indentation at a reading. Beyond the last state the curve is
     /// continued as a straight line.
     pub(super) fn load_at(&self, target: f64, compliance: f64) -> f64 {
-        /// Number of bisections, which give the rounding error, and of Newton steps before them.
+        /// Largest number of Newton steps and bisections; as many bisections reach the rounding error.
         const STEPS: usize = 60;
         let last = self.knots.len() - 1;
         if compliance == 0.0 || last == 0 {
