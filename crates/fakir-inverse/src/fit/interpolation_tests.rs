@@ -53,6 +53,7 @@ fn assert_same([fast, direct]: &[Fit; 2]) {
 }
 
 #[test]
+#[ignore = "slow: the spectral method, row by row"]
 fn the_example_is_fitted_as_row_by_row() {
     let file = example_case(&["floor.contact=false"]);
     let data = Measurements::from_csv("data", example("loading.csv").as_bytes(), &[]).unwrap();
@@ -114,6 +115,7 @@ fn contact_radii_that_jump_are_fitted_as_row_by_row() {
 }
 
 #[test]
+#[ignore = "slow: ten thousand rows"]
 fn ten_thousand_rows_take_few_solutions() {
     const ROWS: usize = 10_000;
     let case = |modulus: &str| {

@@ -29,6 +29,9 @@
 //!   curve from that line, averaged over the neighbouring rows and multiplied by the number of rows that share the interval, is added to the square of the error. The search starts
 //!   with the work of adhesion whose pull-off force is the smallest measured force, and with longer intervals, in which jumps that are far from their position have an effect.
 //!
+//! Beyond a number of rows, the contact is solved at few loads only and interpolated between them; [`Scatter::interpolation_error`] is the
+//! estimated error of that.
+//!
 //! # Errors of the result
 //! The covariance is the inverse of the normal matrix. The 95 % intervals follow from the normal distribution if all errors were given, otherwise from
 //! Student's distribution, whose degrees of freedom are the number of values minus that of parameters; intervals of logarithms are symmetric in the
