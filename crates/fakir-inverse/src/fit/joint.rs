@@ -380,7 +380,7 @@ impl<'m> Joint<'m> {
         if let [search] = &joint.searches[..] {
             // The separate fit is the joint fit.
             joint.iterations = search.earlier_iterations + search.iterations;
-            joint.unknowns = joint.gathered(&[search.unknowns.clone()]);
+            joint.unknowns = joint.gathered(std::slice::from_ref(&search.unknowns));
             joint.decompose()?;
             return Ok(joint);
         }
