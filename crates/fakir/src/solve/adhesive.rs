@@ -693,7 +693,7 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
             coefficients: top.coefficients.clone(),
             gap: None,
             held: Some(held),
-            sliver: None,
+            rim_contact: None,
         }
     };
     let close_degree = tops

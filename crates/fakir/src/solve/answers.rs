@@ -564,7 +564,7 @@ fn patch_state(
         coefficients: patch.coefficients.clone(),
         gap: None,
         held: None,
-        sliver: None,
+        rim_contact: None,
     };
     // The layer contributions are tabulated for the radius of the single disc.
     let of_disc = Scene {

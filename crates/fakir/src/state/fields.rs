@@ -35,7 +35,7 @@ pub(crate) struct Disc {
     /// The bonded region of the disc, with adhesion: the pressure may be tensile there.
     pub(crate) held: Option<HeldPart>,
     /// The edge of a narrow contact along the rim, for which the gap is too coarse.
-    pub(crate) sliver: Option<SliverEdge>,
+    pub(crate) rim_contact: Option<RimContactEdge>,
 }
 
 /// The bonded region of a disc.
@@ -105,8 +105,8 @@ impl Disc {
         if let Some(HeldPart::Before(front)) = &mut self.held {
             front.direction += angle;
         }
-        if let Some(sliver) = &mut self.sliver {
-            for point in &mut sliver.points {
+        if let Some(rim_contact) = &mut self.rim_contact {
+            for point in &mut rim_contact.points {
                 *point = turned(*point, angle);
             }
         }
@@ -444,7 +444,7 @@ impl Fields {
             let finder = finders
                 .entry(degree)
                 .or_insert_with(|| CoverFinder::new(degree));
-            match &disc.sliver {
+            match &disc.rim_contact {
                 Some(edge) => finder.inside(&disc.coefficients, &edge.points),
                 None => finder.find(&disc.coefficients, gap),
             }
@@ -497,7 +497,7 @@ impl Density<'_> {
 
 /// Edge of a narrow contact at the rim, in pillar radii from the centre of the pillar.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct SliverEdge {
+pub(crate) struct RimContactEdge {
     pub(crate) points: Vec<Point>,
     /// Distance of the farthest point in contact from the lens axis, and its error.
     pub(crate) reach: f64,

@@ -21,7 +21,7 @@ use crate::numerics::pivoting::{PivotSolver, Pivoting};
 use crate::numerics::roots;
 use crate::problem::Point;
 use crate::problem::column::Column;
-use crate::state::fields::SliverEdge;
+use crate::state::fields::RimContactEdge;
 use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
 
@@ -39,7 +39,7 @@ const SHALLOWEST: f64 = 1e-9;
 
 /// The region along the rim of a pillar top with a positive required displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sliver {
+pub(crate) struct RimContact {
     /// Direction of its centre from the centre of the pillar, rad.
     direction: f64,
     half_angle: f64,
@@ -55,7 +55,7 @@ pub(crate) struct Motion {
     pub(crate) by_load: Vec<f64>,
 }
 
-impl Sliver {
+impl RimContact {
     /// Changes one measure by a fraction of the half angle, or of the depth.
     fn moved(&self, measure: usize, part: f64) -> (Self, f64) {
         let mut moved = *self;
@@ -186,9 +186,9 @@ impl Rim {
 
     /// The narrow region along the rim with a positive required displacement, if that is the whole contact. The limits are slightly larger
     /// if it was narrow `before`.
-    pub(crate) fn sliver(&mut self, load: &[f64], before: bool) -> Option<Sliver> {
+    pub(crate) fn rim_contact(&mut self, load: &[f64], before: bool) -> Option<RimContact> {
         let [direction, left, right, depth] = self.ends(load, before)?;
-        Some(Sliver {
+        Some(RimContact {
             direction,
             half_angle: left.max(right),
             depth,
@@ -220,8 +220,8 @@ impl Rim {
 
 impl Rim {
     /// The narrow region of a load, and the derivatives of its measures; `None` if it has only just formed.
-    fn moving_sliver(&mut self, load: &[f64]) -> Option<(Sliver, [Vec<f64>; 3])> {
-        let sliver = self.sliver(load, true)?;
+    fn moving_rim_contact(&mut self, load: &[f64]) -> Option<(RimContact, [Vec<f64>; 3])> {
+        let rim_contact = self.rim_contact(load, true)?;
         // The wider side is the same for all steps.
         let [_, left, right, _] = self.ends(load, true)?;
         let side = if left > right { 1 } else { 2 };
@@ -240,7 +240,7 @@ impl Rim {
                 derivative[mode] = value / height;
             }
         }
-        Some((sliver, derivatives))
+        Some((rim_contact, derivatives))
     }
 }
 
@@ -307,16 +307,17 @@ impl RimSolver {
 
     /// Divides a region into cells, ring by ring. If `as_before` is set, the classification of near and distant cells is kept, so that
     /// influences change smoothly.
-    fn divide(&mut self, sliver: &Sliver, as_before: bool) {
+    fn divide(&mut self, rim_contact: &RimContact, as_before: bool) {
         let [along, across] = self.shape;
-        let step = 2.0 * sliver.half_angle / along as f64;
-        let depth = |ring: usize| sliver.depth * (ring as f64 / across as f64).powi(2);
+        let step = 2.0 * rim_contact.half_angle / along as f64;
+        let depth = |ring: usize| rim_contact.depth * (ring as f64 / across as f64).powi(2);
         self.cells.clear();
         for ring in 0..across {
             let (outer, inner) = (depth(ring), depth(ring + 1));
             let radius = 1.0 - 0.5 * (outer + inner);
             for sector in 0..along {
-                let angle = sliver.direction - sliver.half_angle + step * (sector as f64 + 0.5);
+                let angle =
+                    rim_contact.direction - rim_contact.half_angle + step * (sector as f64 + 0.5);
                 self.cells.push(Cell {
                     angle,
                     radius,
@@ -368,11 +369,11 @@ impl RimSolver {
     /// return.
     pub(crate) fn solve(
         &mut self,
-        sliver: &Sliver,
+        rim_contact: &RimContact,
         load: &[f64],
         active: &mut Vec<bool>,
     ) -> Pivoting {
-        self.divide(sliver, false);
+        self.divide(rim_contact, false);
         self.prepare(load);
         if active.len() != self.cells.len() {
             *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
@@ -395,12 +396,12 @@ impl RimSolver {
         load: &[f64],
         active: &[bool],
     ) -> Option<Vec<Motion>> {
-        let (sliver, by_load) = rim.moving_sliver(load)?;
-        self.divide(&sliver, false);
+        let (rim_contact, by_load) = rim.moving_rim_contact(load)?;
+        self.divide(&rim_contact, false);
         let of_measure = |(measure, by_load): (usize, Vec<f64>)| {
-            let (_, size) = sliver.moved(measure, 0.0);
+            let (_, size) = rim_contact.moved(measure, 0.0);
             let change = derivative(|part| {
-                self.divide(&sliver.moved(measure, part).0, true);
+                self.divide(&rim_contact.moved(measure, part).0, true);
                 let mut coefficients = vec![0.0; self.lead];
                 self.respond_held(load, active, &mut coefficients);
                 Ok::<_, Infallible>(coefficients)
@@ -447,9 +448,9 @@ impl RimSolver {
     }
 
     /// The edge of the contact, and its largest distance from an axis given relative to the centre of the pillar.
-    pub(crate) fn edge(&self, [x, y]: Point) -> SliverEdge {
+    pub(crate) fn edge(&self, [x, y]: Point) -> RimContactEdge {
         let [along, _] = self.shape;
-        let mut edge = SliverEdge {
+        let mut edge = RimContactEdge {
             points: Vec::new(),
             reach: 0.0,
             error: 0.0,
@@ -643,7 +644,7 @@ mod tests {
     }
 
     #[test]
-    fn slivers_converge_and_join_the_nodes() {
+    fn narrow_contacts_at_a_rim_converge_and_join_the_nodes() {
         // The depth of the lens at the rim determines the size of the region; the largest one is also resolved by nodes, within their
         // accuracy.
         for depth in [1e-10, 1e-7, 1e-5, 1e-4] {

@@ -321,7 +321,7 @@ impl Tops {
     }
 
     /// Pillars with a narrow contact at their rim.
-    pub(crate) fn slivers(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn rim_contacts(&self) -> impl Iterator<Item = usize> {
         let on_cells = |partial: &&Partial| partial.active.len() != self.top.count();
         self.partial
             .iter()
@@ -331,7 +331,7 @@ impl Tops {
 
     /// Change of the moments of a pillar with a narrow contact at the rim as that contact moves with its load; `None` if it has only just
     /// formed.
-    pub(crate) fn sliver_motions(
+    pub(crate) fn rim_contact_motions(
         &self,
         pillar: usize,
         load: &[f64],

@@ -7,7 +7,7 @@
 //!
 //! A narrow contact along the rim is not resolved by the nodes; it is solved on [cells](super::rim) instead.
 
-use super::rim::{Motion, Rim, RimSolver, Sliver};
+use super::rim::{Motion, Rim, RimContact, RimSolver};
 use crate::halfspace::disc::basis::{
     BasisEvaluator, column_factors, compliances, degree_with, mode_count,
 };
@@ -276,14 +276,19 @@ impl LocalSolver {
     }
 
     /// The narrow region of contact of a load, if that is the whole contact.
-    fn sliver(&mut self, top: &PillarTop, load: &[f64], active: &[bool]) -> Option<Sliver> {
+    fn rim_contact(
+        &mut self,
+        top: &PillarTop,
+        load: &[f64],
+        active: &[bool],
+    ) -> Option<RimContact> {
         if top.resolution.rings == 0 {
             return None;
         }
         let rim = self
             .rim
             .get_or_insert_with(|| Rim::new(degree_with(load.len())));
-        rim.sliver(load, !active.is_empty() && active.len() != top.count)
+        rim.rim_contact(load, !active.is_empty() && active.len() != top.count)
     }
 
     /// Computes the pressure under `load` (leading modes suffice; the others count as zero).
@@ -296,7 +301,7 @@ impl LocalSolver {
         load: &[f64],
         active: &mut Vec<bool>,
     ) -> Pivoting {
-        if let Some(sliver) = self.sliver(top, load, active) {
+        if let Some(rim_contact) = self.rim_contact(top, load, active) {
             self.on_cells = true;
             if self.column != Some(top.column) {
                 (self.cells, self.column) = (None, Some(top.column));
@@ -304,7 +309,7 @@ impl LocalSolver {
             let cells = self.cells.get_or_insert_with(|| {
                 Box::new(RimSolver::new(top.resolution, top.lead, top.column))
             });
-            return cells.solve(&sliver, load, active);
+            return cells.solve(&rim_contact, load, active);
         }
         self.on_cells = false;
         top.pressures(load, &mut self.pivot.constant);
