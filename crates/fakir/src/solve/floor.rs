@@ -445,8 +445,8 @@ impl LoadedDiscs<'_> {
     #[inline(always)]
     fn values<const M: usize>(&self, places: Range<usize>, position: Point) -> [Lanes; 2] {
         let mut sums = [Lanes::default(); 2];
-        let mut room = [Lanes::default(); M];
-        let of_modes = &mut room[..self.discs.modes];
+        let mut workspace = [Lanes::default(); M];
+        let of_modes = &mut workspace[..self.discs.modes];
         let differ = self.discs.differ;
         for place in places {
             let radius = self.discs.radius_at(place);

@@ -735,9 +735,9 @@ impl Rule {
 
     /// Weights of a pillar from its radius and its centre, relative to the first of its charges, in grid steps: as integers, and the unit
     /// of every mode.
-    fn weights(&self, centre: Point, radius: f64, room: &mut Weights) -> (Vec<i32>, Vec<f64>) {
+    fn weights(&self, centre: Point, radius: f64, workspace: &mut Weights) -> (Vec<i32>, Vec<f64>) {
         let modes = self.far_modes;
-        let weights = &mut room[..modes * STENCIL * STENCIL];
+        let weights = &mut workspace[..modes * STENCIL * STENCIL];
         widest(
             #[inline(always)]
             || match modes {

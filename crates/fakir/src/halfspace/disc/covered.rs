@@ -294,9 +294,13 @@ impl CoverFinder {
         part.integrate(&self.rule, |[x, y], _| {
             least = least.min(a1 * (x - centre[0]) + a2 * (y - centre[1]));
         });
-        let room = (1.0 - LEAST_AMPLITUDE) * even[0];
-        let share = if -least > room { room / -least } else { 1.0 };
-        let (a1, a2) = (share * a1, share * a2);
+        let margin = (1.0 - LEAST_AMPLITUDE) * even[0];
+        let scale = if -least > margin {
+            margin / -least
+        } else {
+            1.0
+        };
+        let (a1, a2) = (scale * a1, scale * a2);
         Some([even[0] - a1 * centre[0] - a2 * centre[1], a1, a2])
     }
 }

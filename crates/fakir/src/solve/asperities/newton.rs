@@ -122,7 +122,7 @@ impl Equations<'_> {
             hold: Hold::Free,
         };
         self.hold_at_rim(&mut disc);
-        let mut load = self.rule.room();
+        let mut load = self.rule.workspace();
         let geometry = (disc.centre, disc.radius);
         self.rule.fill(self.layout, asperity, geometry, &mut load);
         load.value[0] += UNIT_FORCE * (pressed - self.layout.overlap(asperity, place).value);
@@ -417,7 +417,7 @@ impl Equations<'_> {
             }
         }
         self.pair.prepare(reach.min(0.98));
-        let mut block = self.pair.room();
+        let mut block = self.pair.workspace();
         let mut fresh = Vec::new();
         for asperity in waiting {
             let feeling = self.feel(contacts, asperity, feeler, &mut block);
@@ -507,7 +507,7 @@ impl Equations<'_> {
         }
         let feeler = FEELER * contacts.largest_radius();
         self.pair.prepare(0.98);
-        let mut block = self.pair.room();
+        let mut block = self.pair.workspace();
         let mut beside = contacts.clone();
         outside.into_iter().find(|&asperity| {
             let apex = self.layout.asperities[asperity].apex;

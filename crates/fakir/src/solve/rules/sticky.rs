@@ -20,7 +20,7 @@ pub(crate) struct StickyTops {
     coarse: Coarse,
     /// Work space of the preconditioner.
     means: Vec<f64>,
-    room: Vec<f32>,
+    workspace: Vec<f32>,
 }
 
 impl StickyTops {
@@ -32,7 +32,7 @@ impl StickyTops {
             domains: vec![Domain::OUT; sites.len()],
             coarse: Coarse::new(sites),
             means: Vec::new(),
-            room: Vec::new(),
+            workspace: Vec::new(),
         }
     }
 
@@ -148,7 +148,7 @@ impl Rule for StickyTops {
             modes,
             coarse,
             means,
-            room,
+            workspace,
         } = self;
         let root = |top: &usize| fronts.mean_compliance(domains[*top]).sqrt();
         means.clear();
@@ -156,7 +156,7 @@ impl Rule for StickyTops {
             root if root > 0.0 => direction[top * *modes] / root,
             _ => 0.0,
         }));
-        coarse.correct(means, room);
+        coarse.correct(means, workspace);
         for (top, mean) in coarse.tops.iter().zip(means) {
             let root = root(top);
             if root > 0.0 {
