@@ -3,7 +3,7 @@
 import { drawChart, range } from "./charts.js";
 import { digitsFor, engineeringText } from "./numbers.js";
 import { byId } from "./screen.js";
-import { floorBears, isCritical, isOlder, stationAt, sticks } from "./store.js";
+import { floorCarriesLoad, isCritical, isOlder, stationAt, sticks } from "./store.js";
 
 /**
  * @import { Axes, Contents, Lettering, Place, Series } from "./charts.js"
@@ -164,7 +164,7 @@ function phaseContents(state) {
  * @returns {string}
  */
 function pastStyle(values) {
-  return floorBears(values) ? "floor-path" : "fiction-path";
+  return floorCarriesLoad(values) ? "floor-path" : "fiction-path";
 }
 
 /** @type {Axes} */

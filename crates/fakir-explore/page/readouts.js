@@ -5,7 +5,7 @@ import { byId } from "./screen.js";
 import { stationShown } from "./diagrams.js";
 import { floorAt, holesWords } from "./scene.js";
 import {
-  floorBears,
+  floorCarriesLoad,
   floorSticks,
   isBeyond,
   isBusy,
@@ -304,11 +304,11 @@ export function drawLoad(state) {
   const words = loadWords(load);
   const beyond = isBeyond(load);
   byId("load-words").textContent = words;
-  const bears = floorBears(state.chosen.case);
-  byId("load-words").classList.toggle("beyond", beyond && !bears);
-  byId("beyond-note").hidden = !beyond || bears;
+  const carries = floorCarriesLoad(state.chosen.case);
+  byId("load-words").classList.toggle("beyond", beyond && !carries);
+  byId("beyond-note").hidden = !beyond || carries;
   for (const part of [byId("load").parentElement, byId("loading-legend")]) {
-    part?.classList.toggle("through-floor", !bears);
+    part?.classList.toggle("through-floor", !carries);
   }
   setSlider(0.002, state.start.farthest_load, 1, load, words);
   if (state.solved === null) return;

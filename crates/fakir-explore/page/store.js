@@ -573,7 +573,7 @@ export function isCritical(fraction) {
  * @param {Values} values
  * @returns {boolean}
  */
-export function floorBears(values) {
+export function floorCarriesLoad(values) {
   /** @type {(key: string, word: string) => boolean} */
   const isOf = (key, word) => (values[key] ?? word) === word;
   return isOf(FLOOR, "true") && isOf("method.name", "spectral");

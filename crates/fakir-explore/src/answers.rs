@@ -114,11 +114,11 @@ pub(crate) fn solve(
 
 /// Whether the floor is in contact under a load.
 fn meets_floor(case: &Case, load: LoadPoint) -> bool {
-    bears(case) && load.fraction > 1.0
+    floor_carries_load(case) && load.fraction > 1.0
 }
 
 /// Whether the floor carries load past the transition and its force is computed.
-fn bears(case: &Case) -> bool {
+fn floor_carries_load(case: &Case) -> bool {
     let wanted = case.system.floor_model() == FloorModel::Contact;
     matches!(case.method, Method::Spectral(_)) && wanted
 }
@@ -661,13 +661,13 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
         }
     };
     // The same method as for displayed states: only the spectral method supports the floor.
-    let system = &match bears(&case) {
+    let system = &match floor_carries_load(&case) {
         true => system.clone(),
         false => system.with_floor(FloorModel::Ignored),
     };
     let pillars = expected_pillars(system);
     for fraction in PATH_FRACTIONS {
-        if bears(&case) && fraction > 1.0 && fraction * pillars > FLOOR_PILLARS {
+        if floor_carries_load(&case) && fraction > 1.0 && fraction * pillars > FLOOR_PILLARS {
             continue;
         }
         worker.give_way()?;

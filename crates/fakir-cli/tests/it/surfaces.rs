@@ -256,9 +256,9 @@ fn a_surface_is_loaded_step_by_step() {
     for (index, state) in states.iter().enumerate() {
         assert_eq!(state["beyond_transition"], index > place);
         assert_eq!(number(state, "/floor_force_N") > 0.0, index > place);
-        let bears = number(state, "/tops_force_N") + number(state, "/floor_force_N");
+        let carried = number(state, "/tops_force_N") + number(state, "/floor_force_N");
         let force = number(state, "/force_N");
-        assert!((bears - force).abs() <= 1e-12 * force);
+        assert!((carried - force).abs() <= 1e-12 * force);
     }
     let load = ["--json", "--indentation", "1um"];
     let pressed = json(&fakir("press", &case, &load));

@@ -401,13 +401,13 @@ impl<'a> Loading<'a> {
 
     /// Relative errors of a force (N) due to partially bonded tops: due to the number of front levels, and due to the front shapes.
     fn errors_of_parts(&self, pillars: &[PillarState], force: f64) -> [f64; 2] {
-        let borne = partly_borne(pillars);
-        let left_open = if borne > 0.0 {
+        let partial_load = load_of_partial_tops(pillars);
+        let left_open = if partial_load > 0.0 {
             LEFT_OPEN * self.path.left_open * self.path.scene.force()
         } else {
             0.0
         };
-        [left_open, PARTIAL_ERROR * borne].map(|error| relative(error, force))
+        [left_open, PARTIAL_ERROR * partial_load].map(|error| relative(error, force))
     }
 
     fn warnings(&self, contact_ratio: f64) -> Vec<Warning> {
@@ -826,7 +826,7 @@ fn branch(course: Course) -> Branch {
 }
 
 /// Sum of the absolute forces on partially bonded tops, N.
-fn partly_borne(pillars: &[PillarState]) -> f64 {
+fn load_of_partial_tops(pillars: &[PillarState]) -> f64 {
     let partial = pillars.iter().filter(|p| p.status == PillarStatus::Partial);
     partial.map(|pillar| pillar.force.abs()).sum()
 }

@@ -68,7 +68,7 @@ pub(crate) fn press(
             Load::Force(force) if force <= 0.0 => {
                 return Ok(without_contact(system, &scene, method, scene.height));
             }
-            _ if scene.floor_bears() => {
+            _ if scene.floor_carries_load() => {
                 return mixed::floor_first(system, &scene, target, accuracy, run);
             }
             _ => {}
@@ -179,11 +179,11 @@ fn solve(
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let borne = system.floor_model() == FloorModel::Contact && target != Load::FloorContact;
-    let bears = borne && scene.floor_bears();
+    let floor_counts = system.floor_model() == FloorModel::Contact && target != Load::FloorContact;
+    let floor_carries = floor_counts && scene.floor_carries_load();
     let warned = |mut state: ContactState| {
         let depth = -state.smallest_floor_gap;
-        if borne && !bears && depth > 0.0 {
+        if floor_counts && !floor_carries && depth > 0.0 {
             state.warnings.push(Warning::FloorBeside { depth });
         }
         state
@@ -192,7 +192,7 @@ fn solve(
         && let Some((pillar, patch)) = find_patch(scene, target)
     {
         let state = patch_state(system, scene, method, pillar, &patch);
-        if !(bears && state.smallest_floor_gap < 0.0) {
+        if !(floor_carries && state.smallest_floor_gap < 0.0) {
             return Ok(warned(state));
         }
     }
@@ -203,7 +203,7 @@ fn solve(
     };
     match method {
         PillarMethod::Spectral(accuracy) => {
-            if bears
+            if floor_carries
                 && accuracy == Accuracy::Accurate
                 && let Some(tops) = mixed::far_past_transition(scene, target, guess, run)?
             {
@@ -244,7 +244,7 @@ fn solve(
             let gap = lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
             });
-            if bears && gap < 0.0 {
+            if floor_carries && gap < 0.0 {
                 return mixed::past_transition(system, scene, target, accuracy, solution, run);
             }
             let error = refined(&mut solution, target, run)?;

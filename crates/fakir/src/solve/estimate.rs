@@ -565,8 +565,8 @@ impl Neighbours {
                     let offset = [0, 1].map(|k| at[k] - from[k]);
                     let other = sites.body(source).radius;
                     let edge = offset[0].hypot(offset[1]) - other;
-                    let bears = newton.tops.status[source] != PillarStatus::Untouched;
-                    if source == pillar || edge > reach || !bears {
+                    let in_contact = newton.tops.status[source] != PillarStatus::Untouched;
+                    if source == pillar || edge > reach || !in_contact {
                         continue;
                     }
                     let gap = (edge - radius) / radius.min(other);

@@ -163,7 +163,7 @@ impl<'a> Path<'a> {
         };
         let scale = floor.cells.unit_cell().recip();
         let pressures = self.contact.floor_coefficients().iter().map(|c| scale * c);
-        let bonded = floor.cells.bears();
+        let bonded = floor.cells.loaded();
         if which != FloorMove::TakeBack {
             floor
                 .fronts
@@ -230,7 +230,7 @@ impl<'a> Path<'a> {
         let grid = &floor.cells.grid;
         let columns = grid.cells.grid().columns();
         let mut bonded = vec![false; grid.cells.grid().cell_count()];
-        for (index, own) in grid.cells.indices().zip(floor.cells.bears()) {
+        for (index, own) in grid.cells.indices().zip(floor.cells.loaded()) {
             bonded[index] = *own;
         }
         let centres = self.sites.centres().iter();
@@ -249,9 +249,9 @@ impl Path<'_> {
     pub(super) fn stuck_load(&self) -> Option<FloorLoad> {
         let cells = &self.floor.as_ref()?.cells;
         let scale = cells.unit_cell().recip();
-        let pressures = cells.bears().iter().zip(self.contact.floor_coefficients());
+        let pressures = cells.loaded().iter().zip(self.contact.floor_coefficients());
         let pressures = pressures.filter_map(|(bonded, c)| bonded.then_some(scale * c));
-        Some(FloorLoad::new(cells.bearing(), pressures.collect()))
+        Some(FloorLoad::new(cells.loaded_cells(), pressures.collect()))
     }
 
     /// The division of the floor for a detached ring of this width and a first patch of this radius, as fine as computing time permits; the
@@ -369,7 +369,7 @@ mod tests {
                 .iter()
                 .zip(loads)
                 .zip(pressures)
-                .zip(floor.cells.bears())
+                .zip(floor.cells.loaded())
             {
                 // Ratio to the exact values, without the effect of the curvature of the front, also on the smoothed set.
                 let distance = distance + 0.72 * side / effective;
@@ -434,10 +434,10 @@ mod tests {
                 let scale = floor.cells.unit_cell().recip();
                 let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
                 let loads = path.contact.floor_load();
-                floor.fronts.measure(floor.cells.bears(), loads, pressures);
+                floor.fronts.measure(floor.cells.loaded(), loads, pressures);
                 // Both at delta - a^2/R = -1: K = sqrt(2 pi) lim p sqrt(x) = 1/sqrt(pi a).
                 let exact = 1.0 / (PI * a).sqrt();
-                for (_, k) in floor.fronts.intensities(floor.cells.bears()) {
+                for (_, k) in floor.fronts.intensities(floor.cells.loaded()) {
                     let ratio = k / exact;
                     sum[0] += 1.0;
                     sum[1] += ratio;
@@ -578,17 +578,17 @@ mod tests {
                 let scale = floor.cells.unit_cell().recip();
                 let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
                 let loads = path.contact.floor_load();
-                floor.fronts.measure(floor.cells.bears(), loads, pressures);
+                floor.fronts.measure(floor.cells.loaded(), loads, pressures);
                 let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
                 // The radius of the ring from its area, including cells that are cut by the top.
-                let bonded = floor.cells.bears().iter().zip(&centres);
+                let bonded = floor.cells.loaded().iter().zip(&centres);
                 let inside = bonded.filter(|(b, _)| **b).count() as f64;
                 let near = |[x, y]: &Point| x.hypot(*y) < 15.0;
                 let grid = floor.cells.grid.cells.grid();
                 let all = grid.centres().filter(near).count() as f64;
                 let b = ((all - inside) * division.cell_area() / PI).sqrt();
                 let exact = AnnulusCoefficients::new(b).unwrap();
-                let found = floor.fronts.intensities(floor.cells.bears());
+                let found = floor.fronts.intensities(floor.cells.loaded());
                 let on_ring: Vec<f64> = found
                     .iter()
                     .filter(|(cell, _)| centres[*cell][0].hypot(centres[*cell][1]) < 10.0)

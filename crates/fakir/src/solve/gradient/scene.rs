@@ -413,10 +413,10 @@ fn add_floor(
         let centre = newton.tops.sites.centres()[place];
         let radius = newton.tops.sites.body(place).radius;
         let moments = &newton.contact.coefficients()[place * modes..(place + 1) * modes];
-        let bears = |_: usize, mode: usize| moments[mode] / (radius * radius);
+        let load_of = |_: usize, mode: usize| moments[mode] / (radius * radius);
         let disc = LoadedDiscs {
             exterior: &newton.exterior,
-            discs: Discs::new([1, modes], |_| centre, |_| radius, [Some(&bears), None]),
+            discs: Discs::new([1, modes], |_| centre, |_| radius, [Some(&load_of), None]),
             run: newton.run,
         };
         let [field, _] = disc.displacement(point);
