@@ -160,18 +160,18 @@ impl Feature {
     /// The features of a system.
     #[must_use]
     pub fn of(system: &System) -> Vec<Self> {
-        let sticks = !system.adhesion().is_none();
+        let is_adhesive = !system.adhesion().is_none();
         let (lens, floor) = (system.lens(), system.floor_model());
         let has = |feature: &Self| match feature {
             Self::Lens(form) => lens.form() == *form,
             Self::TiltedPlate => lens.is_tilted(),
             Self::OtherArrangement => system.hexagonal_lattice().is_none(),
             Self::SeveralDiameters => !system.has_common_diameter(),
-            Self::SeveralColumns => sticks && !Scene::new(system).field.has_common_columns(),
+            Self::SeveralColumns => is_adhesive && !Scene::new(system).field.has_common_columns(),
             Self::Layer => system.has_layers(),
             Self::ElasticPillars => system.pillar().compliance == PillarCompliance::Elastic,
             Self::IgnoredFloor => floor == FloorModel::Ignored,
-            Self::AdhesiveTops => sticks,
+            Self::AdhesiveTops => is_adhesive,
             Self::AdhesiveFloor => system.adhesion().floor && floor != FloorModel::Ignored,
         };
         Self::ALL.into_iter().filter(has).collect()
@@ -259,8 +259,8 @@ const WITHOUT_AXIS: &[Feature] = &[
     Feature::Lens(LensForm::Cylinder),
     Feature::Lens(LensForm::Plate),
 ];
-const STICKS: &[Feature] = &[Feature::AdhesiveTops];
-const FLOOR_STICKS: &[Feature] = &[Feature::AdhesiveFloor];
+const ADHESIVE_TOPS: &[Feature] = &[Feature::AdhesiveTops];
+const ADHESIVE_FLOOR: &[Feature] = &[Feature::AdhesiveFloor];
 const LAYER: &[Feature] = &[Feature::Layer];
 const OTHER_ARRANGEMENT: &[Feature] = &[Feature::OtherArrangement];
 const SEVERAL_DIAMETERS: &[Feature] = &[Feature::SeveralDiameters];
@@ -293,28 +293,28 @@ static RULES: &[Rule] = &[
     rule(
         &[Question::Verify, Question::VerifyFloor],
         ON_PILLARS,
-        &[STICKS],
+        &[ADHESIVE_TOPS],
         "there is no second method for adhesion: only the spectral method supports it",
         "with a work of adhesion of 0 the contact without adhesion is verified; the loop area of a cycle can be compared with the energy that its events dissipate",
     ),
     rule(
         &[Question::Gradient],
         ON_PILLARS,
-        &[STICKS],
+        &[ADHESIVE_TOPS],
         "with adhesion the contact depends on the loading path, and derivatives are not supported",
         "leave out the works of adhesion",
     ),
     rule(
         &[Question::FloorShare],
         ON_PILLARS,
-        &[STICKS],
+        &[ADHESIVE_TOPS],
         "with adhesion the contact depends on the loading path",
         "use `cycle`",
     ),
     rule(
         ANY,
         WITHOUT_ADHESION,
-        &[STICKS],
+        &[ADHESIVE_TOPS],
         "only the spectral method supports adhesion",
         "use the spectral method, or leave out the works of adhesion",
     ),
@@ -353,7 +353,7 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         SPECTRAL,
-        &[STICKS, OTHER_LENS],
+        &[ADHESIVE_TOPS, OTHER_LENS],
         "adhesion is supported only for spherical lenses",
         "use a sphere, or leave out the works of adhesion",
     ),
@@ -406,7 +406,7 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ON_PILLARS,
-        &[STICKS, LAYER],
+        &[ADHESIVE_TOPS, LAYER],
         "adhesive tops are not supported if the lens or the substrate is a layer",
         "leave out the thicknesses or the works of adhesion",
     ),
@@ -427,28 +427,28 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         SPECTRAL,
-        &[STICKS, SEVERAL_DIAMETERS],
+        &[ADHESIVE_TOPS, SEVERAL_DIAMETERS],
         "adhesion is supported only on tops of one diameter, and here diameters differ",
         "give all pillars the common diameter",
     ),
     rule(
         ANY,
         SPECTRAL,
-        &[STICKS, &[Feature::SeveralColumns]],
+        &[ADHESIVE_TOPS, &[Feature::SeveralColumns]],
         "adhesion is supported only on columns of equal compliance, and here heights differ",
         "give all pillars the same height, or use rigid pillars",
     ),
     rule(
         ANY,
         SPECTRAL,
-        &[FLOOR_STICKS, OTHER_ARRANGEMENT],
+        &[ADHESIVE_FLOOR, OTHER_ARRANGEMENT],
         "an adhesive floor is supported only between pillars on an infinite hexagonal lattice without rotation",
         "use the hexagonal lattice without rotation, columns and scatter, or adhesion of the tops only",
     ),
     rule(
         ANY,
         SPECTRAL,
-        &[FLOOR_STICKS, ELASTIC],
+        &[ADHESIVE_FLOOR, ELASTIC],
         "an adhesive floor is supported only between pillars that are columns or rigid",
         "use columns, or adhesion of the tops only",
     ),

@@ -1,13 +1,13 @@
 //! Results with adhesive pillar tops, assembled from the [path](super::path) of loading and unloading.
 
 use super::assembled::floor_gap;
+use super::bonded_floor_errors::{Figures, PLAIN, VARIATIONS};
 use super::estimate::unknowns_only;
 use super::floor::FloorPoint;
 use super::mixed::patches;
-use super::path::{End, Held, HeldTop, LoadStep, Path, Stop, TopEvent};
+use super::path::{AttachedTop, End, FixedQuantity, LoadStep, Path, Stop, TopEvent};
 use super::rules::fronts::{Course, Fronts, Works};
 use super::spectral::degrees;
-use super::stuck_errors::{Figures, PLAIN, VARIATIONS};
 use super::touched::nearest_first;
 use crate::halfspace::disc::basis::{BasisEvaluator, TILT_MODE, UNIT_FORCE, degree_with};
 use crate::numerics::vector::dot;
@@ -17,7 +17,7 @@ use crate::problem::{
     UnloadingPoint,
 };
 use crate::state::contact::contact_warnings;
-use crate::state::fields::{Disc, HeldPart};
+use crate::state::fields::{BondedRegion, Disc};
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
@@ -111,12 +111,12 @@ pub(crate) fn cycle(
     follower: &dyn Fn(&Passage<'_>),
 ) -> Result<Cycle, SolveError> {
     let scene = Scene::new(system);
-    let told = |path: &Path<'_>| {
+    let follow = |path: &Path<'_>| {
         if let Some(station) = path.stations.last() {
             follower(&Passage {
                 place: path.stations.len() - 1,
                 station: in_si(path.scene, station),
-                held: &|| held_now(path),
+                held: &|| current_contact(path),
             });
         }
     };
@@ -135,7 +135,7 @@ pub(crate) fn cycle(
         jumps: true,
         retract: plan.retract,
     };
-    let loaded = route.followed(system, &scene, accuracy, run, &told)?;
+    let loaded = route.followed(system, &scene, accuracy, run, &follow)?;
     Ok(loaded.cycle(plan))
 }
 
@@ -159,12 +159,12 @@ impl Route {
         scene: &'a Scene,
         accuracy: Accuracy,
         run: &'a Run<'a>,
-        told: &'a dyn Fn(&Path<'a>),
+        follow: &'a dyn Fn(&Path<'a>),
     ) -> Result<Loaded<'a>, SolveError> {
-        let varied = |variation, told| {
+        let varied = |variation, follow| {
             let mut loading = Loading::new(system, scene, accuracy, self.drive, run)?;
             loading.path.variation = variation;
-            loading.path.followed_by(told);
+            loading.path.followed_by(follow);
             let mut loaded = loading.until(self.end, self.jumps)?;
             let path = &mut loaded.loading.path;
             if self.retract
@@ -176,7 +176,7 @@ impl Route {
             }
             Ok::<_, SolveError>(loaded)
         };
-        let mut loaded = varied(PLAIN, told)?;
+        let mut loaded = varied(PLAIN, follow)?;
         if let Some(floor) = loaded.loading.floor {
             if !floor.is_coarse() && loaded.turn.converged() {
                 let others = VARIATIONS.map(|variation| Ok(varied(variation, &|_| {})?.figures()));
@@ -191,7 +191,7 @@ impl Route {
 }
 
 /// Whether the lens adheres to the floor after it reaches the floor.
-fn floor_sticks(system: &System) -> bool {
+fn has_adhesive_floor(system: &System) -> bool {
     system.adhesion().floor && system.floor_model() != FloorModel::Ignored
 }
 
@@ -232,17 +232,17 @@ impl<'a> Loading<'a> {
         };
         let degree = degrees(accuracy, scene).coupling;
         let fronts = Fronts::new(degree, scene.field.column(), works, true);
-        let held = match drive {
-            LoadingMode::Displacement => Held::Indentation,
-            LoadingMode::Force => Held::Force,
+        let fixed = match drive {
+            LoadingMode::Displacement => FixedQuantity::Indentation,
+            LoadingMode::Force => FixedQuantity::Force,
             LoadingMode::Machine(stiffness) => {
-                Held::Crosshead(stiffness * scene.length / scene.force())
+                FixedQuantity::Crosshead(stiffness * scene.length / scene.force())
             }
         };
         Ok(Self {
             system,
             accuracy,
-            path: Path::new(scene, run, fronts, held)?,
+            path: Path::new(scene, run, fronts, fixed)?,
             floor: None,
         })
     }
@@ -264,13 +264,13 @@ impl<'a> Loading<'a> {
                         ..self.state(Termination::Converged)
                     };
                     critical = Some(CriticalState::new(contact.clone()));
-                    if floor_sticks(self.system) && (jumps || end != End::Floor) {
+                    if has_adhesive_floor(self.system) && (jumps || end != End::Floor) {
                         if let Some(listener) = self.path.run.interim
                             && self.path.variation == PLAIN
                         {
                             listener(&contact);
                         }
-                        self.stick(lowest)?;
+                        self.attach_floor(lowest)?;
                         if end != End::Floor {
                             continue;
                         }
@@ -311,14 +311,14 @@ impl<'a> Loading<'a> {
     }
 
     /// Starts adhesion on the floor, from its lowest point.
-    fn stick(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
+    fn attach_floor(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
         let (scene, works) = (self.path.scene, self.path.tops.fronts.works());
         let pillar = StuckPillar::of(self.system);
         let ring = pillar.free_ring(self.system.adhesion().receding());
         let ring = (ring.ok().flatten()).map_or(scene.field.spacing(), |ring| ring / scene.length);
         let curvature = self.path.gap_radius(&lowest);
         let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
-        let division = self.path.stuck_division(self.accuracy, ring, patch);
+        let division = self.path.bonded_division(self.accuracy, ring, patch);
         let cell = division.cell_area().sqrt();
         self.floor = Some(FloorResolution {
             cell: cell * scene.length,
@@ -328,7 +328,7 @@ impl<'a> Loading<'a> {
         });
         let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
         let window = radius + FIRST_WINDOW * scene.field.spacing();
-        self.path.stick(lowest, division, window)
+        self.path.attach_floor(lowest, division, window)
     }
 
     /// Returns the current contact.
@@ -339,7 +339,7 @@ impl<'a> Loading<'a> {
             pillars,
             fields,
             floor,
-        } = held_now(path);
+        } = current_contact(path);
         let lowest = if floor.is_some() {
             None
         } else {
@@ -515,7 +515,7 @@ impl Loaded<'_> {
             let indentation = path.stations[pull.station].indentation;
             let HeldContact {
                 pillars, fields, ..
-            } = held(path, indentation, &pull.tops);
+            } = contact_of(path, indentation, &pull.tops);
             PullOff {
                 force: stations[pull.station].force,
                 indentation: stations[pull.station].indentation,
@@ -650,7 +650,7 @@ const LEANING_MARGIN: f64 = 1.5;
 
 /// Relative increase of the total pull-off force that tilting of the tops would cause. Tilting relieves a fraction of the uneven pressure
 /// that detaches a rim, so that a top would carry `1/(1 - relieved)` times its force.
-fn leaning_error(tops: &[HeldTop], rocking: f64) -> f64 {
+fn leaning_error(tops: &[AttachedTop], rocking: f64) -> f64 {
     let [mut more, mut all] = [0.0; 2];
     for top in tops {
         let [mean, x, y] = [0, 1, 2].map(|mode| top.coefficients[mode]);
@@ -677,14 +677,14 @@ fn events_before(floor: Option<usize>, station: &LoadStep) -> usize {
 }
 
 /// The contact in which the tops carry these loads at an indentation, in solver units.
-fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
+fn contact_of(path: &Path<'_>, indentation: f64, tops: &[AttachedTop]) -> HeldContact {
     let fronts = &path.tops.fronts;
     let degree = fronts.degree();
     let scene = path.scene;
-    let disc = |top: &HeldTop| {
-        let (centre, held) = match top.disc {
-            Some(_) => ([0.0; 2], HeldPart::All),
-            None => (top.centre, fronts.held_part(top.domain)),
+    let disc = |top: &AttachedTop| {
+        let (centre, bonded) = match top.disc {
+            Some(_) => ([0.0; 2], BondedRegion::All),
+            None => (top.centre, fronts.bonded_region(top.domain)),
         };
         Disc {
             index: top.index,
@@ -692,7 +692,7 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
             radius: top.disc.unwrap_or(1.0),
             coefficients: top.coefficients.clone(),
             gap: None,
-            held: Some(held),
+            bonded: Some(bonded),
             rim_contact: None,
         }
     };
@@ -716,9 +716,9 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
 }
 
 /// The current contact, including the floor.
-fn held_now(path: &Path<'_>) -> HeldContact {
-    let tops = held(path, path.indentation(), &path.held_tops());
-    let Some(load) = path.stuck_load() else {
+fn current_contact(path: &Path<'_>) -> HeldContact {
+    let tops = contact_of(path, path.indentation(), &path.attached_tops());
+    let Some(load) = path.bonded_load() else {
         return tops;
     };
     let fields = (*tops.fields).clone();
@@ -734,7 +734,7 @@ fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
     let scene = path.scene;
     let floor = path.floor.as_ref()?;
     let patches = patches(Some(&floor.cells));
-    let (cells, pressure) = path.stuck_load()?.in_metres(scene.length, scene.pressure);
+    let (cells, pressure) = path.bonded_load()?.in_metres(scene.length, scene.pressure);
     let force = path.contact.floor_force();
     Some(FloorContact {
         force: force * scene.force(),
@@ -753,19 +753,19 @@ fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
 }
 
 /// Pillars in contact with the force on each, sorted by distance from the lens axis.
-fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
+fn pillars(path: &Path<'_>, tops: &[AttachedTop]) -> Vec<PillarState> {
     let scene = path.scene;
     let fronts = &path.tops.fronts;
-    let pillar = |top: &HeldTop| {
+    let pillar = |top: &AttachedTop| {
         let coefficients = &top.coefficients;
         // Centre of the top relative to the centre of the loaded disc.
         let middle = top
             .disc
             .map_or([0.0; 2], |radius| top.centre.map(|x| x / radius));
         let place = middle[0].hypot(middle[1]);
-        let centre_is_held = match top.disc {
+        let centre_is_bonded = match top.disc {
             Some(_) => place < 1.0,
-            None => fronts.holds_centre(top.domain),
+            None => fronts.bonds_centre(top.domain),
         };
         let centre_density = || {
             let mut values = vec![0.0; coefficients.len()];
@@ -785,7 +785,7 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
                 PillarStatus::Partial
             },
             force: UNIT_FORCE * coefficients[0] * radius * radius * scene.force(),
-            centre_pressure: if centre_is_held {
+            centre_pressure: if centre_is_bonded {
                 centre_density() * scene.pressure
             } else {
                 0.0
@@ -892,7 +892,7 @@ mod tests {
                     ..scene.field.column()
                 };
                 let fronts = Fronts::new(2, column, works, true);
-                let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
+                let mut path = Path::new(&scene, &run, fronts, FixedQuantity::Indentation).unwrap();
                 let depth = End::Indentation(1e-6 / scene.length);
                 path.go(Course::Loading, depth, false).unwrap();
                 path.go(Course::Unloading, End::Separation, false).unwrap();

@@ -563,7 +563,7 @@ fn patch_state(
         radius: patch.radius,
         coefficients: patch.coefficients.clone(),
         gap: None,
-        held: None,
+        bonded: None,
         rim_contact: None,
     };
     // The layer contributions are tabulated for the radius of the single disc.

@@ -142,7 +142,7 @@ impl<'a> Bench<'a> {
     }
 
     /// The contact of a radius at an indentation.
-    fn held(&self, radius: f64, indentation: f64) -> Settled {
+    fn with_radius(&self, radius: f64, indentation: f64) -> Settled {
         let disc = self.disc(radius);
         let [one, bent] = self.solutions(&disc, radius);
         self.settled(&disc, [&one, &bent], radius, indentation)
@@ -326,12 +326,12 @@ impl<'a> Bench<'a> {
             if target <= 0.0 && work <= 0.0 {
                 return Ok(None);
             }
-            let unit = self.held(*radius, 1.0);
+            let unit = self.with_radius(*radius, 1.0);
             let indentation = match driver {
                 Driver::Force => target / unit.force,
                 Driver::Indentation | Driver::Machine(_) => target,
             };
-            return Ok(Some(self.held(*radius, indentation)));
+            return Ok(Some(self.with_radius(*radius, indentation)));
         }
         if target <= 0.0 && work <= 0.0 {
             return Ok(None);
@@ -539,7 +539,7 @@ impl<'a, 'b> Path<'a, 'b> {
         let jump = match punch {
             Some(radius) => {
                 bench.check_punch(radius)?;
-                bench.held(radius, 0.0)
+                bench.with_radius(radius, 0.0)
             }
             None => {
                 let from = bench.detachment(driver, work)?;
@@ -557,8 +557,10 @@ impl<'a, 'b> Path<'a, 'b> {
         };
         let turn = match punch {
             Some(radius) => match by {
-                Driver::Force => bench.held(radius, target / bench.held(radius, 1.0).force),
-                _ => bench.held(radius, target),
+                Driver::Force => {
+                    bench.with_radius(radius, target / bench.with_radius(radius, 1.0).force)
+                }
+                _ => bench.with_radius(radius, target),
             },
             None if by.of(&jump) >= target => jump,
             None => bench.meet(by, target, work, jump.radius)?.unwrap_or(jump),
@@ -587,7 +589,8 @@ impl<'a, 'b> Path<'a, 'b> {
                     .at(from.radius + part * (to.radius - from.radius), work)
             } else {
                 let way = to.indentation - from.indentation;
-                self.bench.held(from.radius, from.indentation + part * way)
+                self.bench
+                    .with_radius(from.radius, from.indentation + part * way)
             };
             self.steps.push(FlatLoadStep {
                 branch,

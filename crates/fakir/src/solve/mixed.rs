@@ -232,17 +232,17 @@ fn finish(
         levels,
     } = mixed;
     let termination = solution.outcome.termination;
-    let held = Load::Indentation(solution.outcome.indentation);
+    let fixed = Load::Indentation(solution.outcome.indentation);
     let prescribed = match target {
         Target::Prescribed(control) => control,
         // Equivalent to a prescribed indentation.
-        Target::FloorShare { .. } => held,
+        Target::FloorShare { .. } => fixed,
     };
     let mut of_floor = FloorErrors::UNKNOWN;
     let mut error = unknowns_only(prescribed, termination, [1.0; 2]);
     if termination == Termination::Converged {
         // At a prescribed indentation the error is entirely in the force.
-        let of_pillars = refined(&mut solution, held, run)?.force;
+        let of_pillars = refined(&mut solution, fixed, run)?.force;
         if let Some((errors, floor)) = estimates(&solution, &levels, transition, of_pillars) {
             of_floor = floor;
             match target {

@@ -76,7 +76,7 @@ pub(super) fn touched_pillars(newton: &Newton<'_>) -> Vec<TouchedPillar> {
             radius,
             coefficients,
             gap,
-            held: None,
+            bonded: None,
             rim_contact,
         };
         let raised = newton.tops.sites.body(pillar).raised;

@@ -454,17 +454,17 @@ impl Cycle {
     #[must_use]
     pub fn holding(&self, station: usize) -> Vec<HeldPillar> {
         let happened = self.stations.get(station).map_or(0, |at| at.events);
-        let mut held: Vec<HeldPillar> = Vec::new();
+        let mut attached: Vec<HeldPillar> = Vec::new();
         let mut place = std::collections::HashMap::new();
         for pillar in self.events[..happened].iter().filter_map(|e| e.pillar) {
             let at = *place.entry(pillar.index).or_insert_with(|| {
-                held.push(pillar);
-                held.len() - 1
+                attached.push(pillar);
+                attached.len() - 1
             });
-            held[at] = pillar;
+            attached[at] = pillar;
         }
-        held.retain(|pillar| pillar.covered > 0.0);
-        held
+        attached.retain(|pillar| pillar.covered > 0.0);
+        attached
     }
 
     /// The detachments of pillars, in order.

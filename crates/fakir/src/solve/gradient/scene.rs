@@ -291,7 +291,7 @@ fn by_load_and_operator(
                 .iter()
                 .map(|adjoint| &adjoint.load[own.clone()])
                 .collect();
-            let (moments, responses) = tops.held_responses(place, &load, &changes, solver);
+            let (moments, responses) = tops.fixed_responses(place, &load, &changes, solver);
             (load, moments, responses)
         } else {
             let mut load = vec![0.0; modes];
@@ -316,8 +316,8 @@ fn by_load_and_operator(
             -body.radius * (u * on_disc[0] + v * on_disc[1])
         });
         let of_adjoint = |(number, adjoint): (usize, &Adjoint)| {
-            let held: &Vec<f64> = &responses[number];
-            let mut response = held.clone();
+            let fixed: &Vec<f64> = &responses[number];
+            let mut response = fixed.clone();
             if let Some((_, motions)) = rim_contacts.iter().find(|(of, _)| *of == place) {
                 add_motions(motions, &adjoint.load[own.clone()], &mut response);
             }
@@ -343,8 +343,8 @@ fn by_load_and_operator(
                 raised: UNIT_FORCE * response[0],
                 // The column deforms under a narrow contact without moving it.
                 column: Column {
-                    shortening: -PI / body.radius * held[0] * moments[0],
-                    rocking: -TILT_COMPLIANCE / body.radius * work(&held[1..3], &moments[1..3]),
+                    shortening: -PI / body.radius * fixed[0] * moments[0],
+                    rocking: -TILT_COMPLIANCE / body.radius * work(&fixed[1..3], &moments[1..3]),
                 },
                 radius,
                 all_radii: own_radius + all_radii,

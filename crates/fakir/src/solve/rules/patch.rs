@@ -163,14 +163,14 @@ impl PatchSolver {
         self.at_depth(radius, &answers, (edge * radius - of_shape) / of_unit)
     }
 
-    /// The contact of a given radius at which `alpha` times its indentation plus `beta` times its force equals `held`, for any edge
+    /// The contact of a given radius at which `alpha` times its indentation plus `beta` times its force equals `fixed`, for any edge
     /// coefficient.
-    pub(crate) fn with_held(
+    pub(crate) fn with_fixed(
         &self,
         radius: f64,
         sag: impl Fn(f64) -> f64,
         [alpha, beta]: [f64; 2],
-        held: f64,
+        fixed: f64,
     ) -> Patch {
         let answers = self.answers(radius, sag);
         let measure = |depth: f64| {
@@ -179,7 +179,7 @@ impl PatchSolver {
         };
         // Linear in the depth.
         let start = measure(0.0);
-        self.at_depth(radius, &answers, (held - start) / (measure(1.0) - start))
+        self.at_depth(radius, &answers, (fixed - start) / (measure(1.0) - start))
     }
 
     /// Responses, times the radius, to the lens shape and to a unit depth: the influence matrix times these is `shape` and `b1`.

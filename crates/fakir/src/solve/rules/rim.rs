@@ -382,7 +382,12 @@ impl RimSolver {
     }
 
     /// Coefficients at another load for the cells of the last solution, with those in contact held fixed.
-    pub(crate) fn respond_held(&mut self, load: &[f64], active: &[bool], coefficients: &mut [f64]) {
+    pub(crate) fn respond_fixed(
+        &mut self,
+        load: &[f64],
+        active: &[bool],
+        coefficients: &mut [f64],
+    ) {
         self.prepare(load);
         self.pivot.solve_active(&self.influence, active);
         self.coefficients(coefficients);
@@ -403,7 +408,7 @@ impl RimSolver {
             let change = derivative(|part| {
                 self.divide(&rim_contact.moved(measure, part).0, true);
                 let mut coefficients = vec![0.0; self.lead];
-                self.respond_held(load, active, &mut coefficients);
+                self.respond_fixed(load, active, &mut coefficients);
                 Ok::<_, Infallible>(coefficients)
             });
             let change = change.unwrap_or_else(|never| match never {});

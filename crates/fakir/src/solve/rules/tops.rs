@@ -281,11 +281,11 @@ impl Tops {
         load: &[f64],
         solver: &mut LocalSolver,
     ) -> Vec<f64> {
-        self.held_responses(pillar, load, &[], solver).0
+        self.fixed_responses(pillar, load, &[], solver).0
     }
 
     /// The same, and the changes of all moments due to changes of the leading load with the state of the pillar held fixed.
-    pub(crate) fn held_responses(
+    pub(crate) fn fixed_responses(
         &self,
         pillar: usize,
         load: &[f64],
@@ -299,7 +299,7 @@ impl Tops {
         scale(&mut coefficients, radius);
         let mut respond = |change: &&[f64]| {
             let mut response = vec![0.0; top.count()];
-            solver.respond_held(&top, change, &active, &mut response);
+            solver.respond_fixed(&top, change, &active, &mut response);
             scale(&mut response, radius);
             response
         };

@@ -347,7 +347,7 @@ impl LocalSolver {
     }
 
     /// Coefficients at another load, of any sign, with the nodes or cells of the last solution held fixed.
-    pub(crate) fn respond_held(
+    pub(crate) fn respond_fixed(
         &mut self,
         top: &PillarTop,
         load: &[f64],
@@ -357,7 +357,7 @@ impl LocalSolver {
         if self.on_cells
             && let Some(cells) = &mut self.cells
         {
-            return cells.respond_held(load, active, coefficients);
+            return cells.respond_fixed(load, active, coefficients);
         }
         top.pressures(load, &mut self.pivot.constant);
         self.pivot.solve_active(&top.response, active);

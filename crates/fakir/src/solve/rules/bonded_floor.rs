@@ -9,7 +9,7 @@ use crate::halfspace::floor::coupling::FloorKernels;
 pub(crate) const TAKE_BACKS: usize = 12;
 
 /// The adhesive floor in contact.
-pub(crate) struct StuckFloor<'a> {
+pub(crate) struct BondedFloor<'a> {
     pub(crate) cells: FloorCells<'a>,
     pub(crate) fronts: FloorFronts,
     /// Pillars up to this distance from the lens axis are coupled with it.
@@ -29,7 +29,7 @@ pub(crate) struct FloorStation {
     pub(crate) holes: usize,
 }
 
-impl StuckFloor<'_> {
+impl BondedFloor<'_> {
     /// Number of cells in contact.
     pub(crate) fn bonded(&self) -> usize {
         self.cells.loaded().iter().filter(|bonded| **bonded).count()

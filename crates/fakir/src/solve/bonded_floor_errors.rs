@@ -21,7 +21,7 @@ pub(super) const PLAIN: Variation = Variation {
 };
 
 /// The stress intensity factor at fronts is accurate to 3.5 % in the worst direction (round contacts and rings in the tests of
-/// [`stuck`](super::stuck)), so that the work is accurate to 7 %. Close to a barrier between rings of holes this determines on which side
+/// [`bonded_floor`](super::bonded_floor)), so that the work is accurate to 7 %. Close to a barrier between rings of holes this determines on which side
 /// of the barrier the lens ends.
 pub(super) const VARIATIONS: [Variation; 2] = [
     Variation {

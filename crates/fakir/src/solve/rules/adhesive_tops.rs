@@ -12,7 +12,7 @@ use crate::solve::linearized::Rule;
 const PILLARS: usize = 400;
 
 /// The tops and the bonded region of each.
-pub(crate) struct StickyTops {
+pub(crate) struct AdhesiveTops {
     pub(crate) fronts: Fronts,
     pub(crate) domains: Vec<Domain>,
     /// Number of modes per pillar.
@@ -23,7 +23,7 @@ pub(crate) struct StickyTops {
     workspace: Vec<f32>,
 }
 
-impl StickyTops {
+impl AdhesiveTops {
     /// All tops of the sites out of contact.
     pub(crate) fn new(fronts: Fronts, sites: &Sites) -> Self {
         Self {
@@ -121,7 +121,7 @@ impl StickyTops {
     }
 }
 
-impl Rule for StickyTops {
+impl Rule for AdhesiveTops {
     fn respond(&self, load: &[f64], result: &mut [f64], workers: Workers<'_>) {
         let one = |(): &mut (), pillar: usize, result: &mut [f64]| {
             let load = &load[pillar * self.modes..(pillar + 1) * self.modes];
