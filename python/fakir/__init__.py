@@ -38,7 +38,7 @@ from ._bodies import (
     Substrate,
 )
 from ._comparison import Comparison
-from ._cycle import Adhesion, Cycle, PullOff, StuckFloor
+from ._cycle import Adhesion, AdhesiveFloor, Cycle, PullOff
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
@@ -69,6 +69,7 @@ from .errors import (
 
 __all__ = [
     "Adhesion",
+    "AdhesiveFloor",
     "Answer",
     "Approach",
     "AsperityArray",
@@ -123,7 +124,6 @@ __all__ = [
     "RectangularPattern",
     "SolveError",
     "Spread",
-    "StuckFloor",
     "SquarePattern",
     "StudyError",
     "Substrate",
@@ -153,6 +153,7 @@ _FORMER_NAMES = {
     "RectangularTexture": "RectangularPattern",  # former name
     "SquareTexture": "SquarePattern",  # former name
     "RoundedContact": "AsperityContact",  # former name
+    "StuckFloor": "AdhesiveFloor",  # former name
     "RoundedTops": "AsperityArray",  # former name
 }
 

@@ -20,6 +20,7 @@ from ._system import System
 
 __all__ = [
     "AdhesionTheory",
+    "AdhesiveSphere",
     "AnnulusCoefficients",
     "CollapseThreshold",
     "CollapsedCycle",
@@ -31,7 +32,6 @@ __all__ = [
     "LatticeSums",
     "Phase",
     "PullOffEstimate",
-    "StickySphere",
     "TransitionEstimate",
     "adhesion",
     "annulus_coefficients",
@@ -217,7 +217,7 @@ class CollapsedCycle(NamedTuple):
     """First indentation of the unloading at which the floor no longer adheres, m; None if it still does."""
 
 
-class StickySphere(NamedTuple):
+class AdhesiveSphere(NamedTuple):
     """A circular contact of an adhesive sphere."""
 
     radius: float
@@ -455,7 +455,7 @@ def patch(
     radius: Quantity,
     indentation: Quantity = 0.0,
     work: Quantity | None = None,
-) -> StickySphere | None:
+) -> AdhesiveSphere | None:
     """The adhering patch of the floor after jump-in, small compared to the hole.
 
     Parameters
@@ -468,8 +468,8 @@ def patch(
         Work of adhesion, by default that of the system on detachment.
     """
     lengths = si(radius, "length", "radius"), si(indentation, "length", "indentation")
-    found = _fakir.sticky_sphere(system._case, _work(system, work), *lengths)
-    return None if found is None else StickySphere(*found)
+    found = _fakir.adhesive_sphere(system._case, _work(system, work), *lengths)
+    return None if found is None else AdhesiveSphere(*found)
 
 
 def collapsed_cycle(system: System, loading: object, unloading: object = ()) -> CollapsedCycle:

@@ -182,11 +182,13 @@ def test_older_names_of_the_scatter_of_heights_are_told():
     assert older == system().replace({"pattern.height_standard_deviation": 0.03})
 
 
-def test_former_names_of_classes_and_arguments_are_told(tmp_path):
+def test_former_names_of_classes_and_arguments_cause_warnings(tmp_path):
     with pytest.warns(FutureWarning, match="fakir.SquareTexture is now called fakir.SquarePattern"):  # former name
         assert fakir.SquareTexture is fakir.SquarePattern  # former name
     with pytest.warns(FutureWarning, match="fakir.RoundedTops is now called fakir.AsperityArray"):  # former name
         assert fakir.RoundedTops is fakir.AsperityArray  # former name
+    with pytest.warns(FutureWarning, match="fakir.StuckFloor is now called fakir.AdhesiveFloor"):  # former name
+        assert fakir.StuckFloor is fakir.AdhesiveFloor  # former name
     with pytest.raises(AttributeError, match="has no attribute 'HexagonalTextures'"):
         fakir.HexagonalTextures  # noqa: B018
     pattern = fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", vacancy_fraction="10 %")

@@ -6,7 +6,7 @@ import { stationShown } from "./diagrams.js";
 import { floorAt, holesWords } from "./scene.js";
 import {
   floorCarriesLoad,
-  floorSticks,
+  hasAdhesiveFloor,
   isBeyond,
   isBusy,
   isCalledOff,
@@ -288,7 +288,7 @@ function cellsWords({ cells, across_ring, many, coarse }) {
  */
 export function drawLoad(state) {
   const sticky = sticks(state.chosen.case);
-  const stuck = floorSticks(state.chosen.case);
+  const stuck = hasAdhesiveFloor(state.chosen.case);
   byId("to-pull-off").hidden = !sticky;
   byId("to-jump").hidden = !stuck;
   byId("cycle-numbers").hidden = !sticky || state.cycle === null || state.cycle.is.solved === null;
@@ -511,7 +511,7 @@ export function drawCycleNumbers(state) {
   const floor = summary.floor ?? null;
   byId("stuck-floor").hidden = floor === null;
   byId("stuck-floor").classList.toggle("strained", floor?.coarse ?? false);
-  if (floor !== null) write(byId("stuck-floor"), stuckFloorWords(floor));
+  if (floor !== null) write(byId("stuck-floor"), adhesiveFloorWords(floor));
 }
 
 /**
@@ -519,7 +519,7 @@ export function drawCycleNumbers(state) {
  * @param {StuckFloor} floor
  * @returns {string}
  */
-function stuckFloorWords(floor) {
+function adhesiveFloorWords(floor) {
   const { jump, last, force_before_jump_N: before, relative_error_estimate: errors } = floor;
   const { indentation_after_loss_m: after, force_after_loss_N: lighter } = floor;
   /** @type {string[]} */

@@ -469,7 +469,7 @@ export function sticks(values) {
  * @param {Values} values
  * @returns {boolean}
  */
-export function floorSticks(values) {
+export function hasAdhesiveFloor(values) {
   return sticks(values) && String(values[STUCK] ?? "false") === "true";
 }
 

@@ -2,7 +2,7 @@
 
 use fakir::problem::{FloorModel, Point, System};
 use fakir::state::{FloorContact, FloorResolution};
-use fakir::theory::stuck_floor::StuckPillar;
+use fakir::theory::stuck_floor::BondedFloorPillar;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -105,7 +105,7 @@ impl ExpectedCells {
         if !adhesion.floor || system.floor_model() == FloorModel::Ignored {
             return None;
         }
-        let pillar = StuckPillar::of(system);
+        let pillar = BondedFloorPillar::of(system);
         let ring = pillar.free_ring(adhesion.receding());
         let ring = ring.ok().flatten().unwrap_or(system.pitch());
         let area = PI * contact_radius * contact_radius;

@@ -25,7 +25,7 @@ pub enum Topic {
     /// The range of the attraction of adhesive tops.
     AttractionRange,
     /// The closed forms of an adhesive floor.
-    StuckFloor,
+    AdhesiveFloor,
     /// The closed forms of the paper, with their lattice sums.
     ClosedForms,
     /// Fits of measured curves.
@@ -61,7 +61,7 @@ impl Topic {
         [Self::Method(case.method)]
             .into_iter()
             .chain(sticks.then_some(Self::Adhesion))
-            .chain(case.system.adhesion().floor.then_some(Self::StuckFloor))
+            .chain(case.system.adhesion().floor.then_some(Self::AdhesiveFloor))
             .chain(case.system.has_layers().then_some(Self::Layers))
             .chain(range.map(|_| Self::AttractionRange))
             .collect()
@@ -103,7 +103,7 @@ impl Topic {
             random: surface.is_random,
         });
         let adhesion = study.has_adhesion().then_some(Self::Adhesion);
-        let floor = (study.asked() == Asked::Collapse).then_some(Self::StuckFloor);
+        let floor = (study.asked() == Asked::Collapse).then_some(Self::AdhesiveFloor);
         let layers = study.has_layers().then_some(Self::Layers);
         let of_kind = match study.surface_kind() {
             SurfaceKind::Asperities => Some(Self::Asperities),
@@ -296,7 +296,7 @@ impl Topic {
             Self::Method(_) => Vec::new(), // a new method must name its sources here
             Self::Adhesion => vec!["adhesion"],
             Self::AttractionRange => vec!["attraction_range"],
-            Self::StuckFloor => vec!["stuck_floor"],
+            Self::AdhesiveFloor => vec!["stuck_floor"],
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
             Self::Layers => vec!["layers"],
@@ -398,7 +398,7 @@ mod tests {
             .chain([
                 Topic::Adhesion,
                 Topic::AttractionRange,
-                Topic::StuckFloor,
+                Topic::AdhesiveFloor,
                 Topic::ClosedForms,
                 Topic::Layers,
                 Topic::Flat,

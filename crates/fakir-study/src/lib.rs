@@ -69,7 +69,7 @@ mod table_parquet;
 pub mod workshop;
 
 pub use collapsed::{
-    Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
+    Collapsed, FloorJump, FloorLoss, FloorOutcome, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
     Validity, collapse, collapse_path,
 };
 pub use error::StudyError;
@@ -80,6 +80,10 @@ pub use plan::{InvalidShard, Shard};
 pub use row::{Row, RowAnswer};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
+
+/// Former name of [`FloorOutcome`].
+#[deprecated(note = "renamed to `FloorOutcome`")]
+pub type Fate = FloorOutcome;
 
 /// The version of fakir, written into every result.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

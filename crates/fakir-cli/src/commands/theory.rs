@@ -12,8 +12,8 @@ use fakir_study::report::Report;
 use fakir_study::report::state::{QuantityList, pillar_pattern_line};
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::{
-    ANNULI_ALONE, AdhesionObject, CoefficientRow, Constants, CurveRow, FormulaRow, PullOffRow,
-    StuckFloorObject, SumRow, TheorySummary, csv, json,
+    ANNULI_ALONE, AdhesionObject, AdhesiveFloorObject, CoefficientRow, Constants, CurveRow,
+    FormulaRow, PullOffRow, SumRow, TheorySummary, csv, json,
 };
 
 pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
@@ -23,7 +23,7 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
     let mut topics = vec![Topic::ClosedForms, Topic::Method(Method::Homogenised)];
     topics.extend(adhesion.map(|_| Topic::Adhesion));
     let floor = adhesion.and_then(|it| it.stuck_floor);
-    topics.extend(floor.map(|_| Topic::StuckFloor));
+    topics.extend(floor.map(|_| Topic::AdhesiveFloor));
     topics.extend(range.map(|_| Topic::AttractionRange));
     let pull_off = adhesion.map(|it| csv("pull_off.csv", &it.pull_off));
     Ok(Report {
@@ -32,7 +32,7 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
             format!("Closed forms\n{}\n", pillar_pattern_line(system)),
             constants_text(&summary.constants, summary.no_homogenised.as_ref()),
             adhesion.map_or(String::new(), adhesion_text),
-            floor.map_or(String::new(), |floor| stuck_floor_text(&floor)),
+            floor.map_or(String::new(), |floor| adhesive_floor_text(&floor)),
             critical_text(
                 &summary.critical_states,
                 &summary.constants,
@@ -174,7 +174,7 @@ fn adhesion_text(adhesion: &AdhesionObject) -> String {
 }
 
 /// What a floor would do that sticks as well.
-fn stuck_floor_text(floor: &StuckFloorObject) -> String {
+fn adhesive_floor_text(floor: &AdhesiveFloorObject) -> String {
     let none = || "-".to_owned();
     let mut list = QuantityList::default();
     match floor.annulus_radius_m {

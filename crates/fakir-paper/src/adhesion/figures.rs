@@ -13,7 +13,7 @@ use fakir_figure::{
     Axis, Dash, LineChart, Marker, PhaseDiagram, Series, Style, Tint, lines, phase_diagram,
     phase_point,
 };
-use fakir_study::{Fate, Validity, collapse_path};
+use fakir_study::{FloorOutcome, Validity, collapse_path};
 
 /// Rounds a number of an axis to remove rounding errors.
 fn rounded(value: f64) -> f64 {
@@ -198,17 +198,18 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         line: None,
         marker: Some(marker),
     };
-    let is = |fate: Fate| move |case: &FloorCase| case.fate().unwrap_or(case.found.fate) == fate;
+    let is =
+        |fate: FloorOutcome| move |case: &FloorCase| case.fate().unwrap_or(case.found.fate) == fate;
     let told = [
         (
             "held through zero load",
-            Fate::HeldThroughZero,
+            FloorOutcome::HeldThroughZero,
             Tint::Vermillion,
             Marker::Disc,
         ),
         (
             "lost under load",
-            Fate::LostUnderLoad,
+            FloorOutcome::LostUnderLoad,
             Tint::Blue,
             Marker::Square,
         ),
@@ -222,17 +223,17 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
     }
     series.push(Series::new(
         "held, beyond the model",
-        points(&|case| !good(case) && is(Fate::HeldThroughZero)(case)),
+        points(&|case| !good(case) && is(FloorOutcome::HeldThroughZero)(case)),
         mark(Tint::Orange, Marker::Ring),
     ));
     series.push(Series::new(
         "lost, beyond the model",
-        points(&|case| !good(case) && is(Fate::LostUnderLoad)(case)),
+        points(&|case| !good(case) && is(FloorOutcome::LostUnderLoad)(case)),
         mark(Tint::Sky, Marker::Ring),
     ));
     series.push(Series::new(
         "tops only, or not told",
-        points(&|case| is(Fate::NoPatch)(case) || is(Fate::Unknown)(case)),
+        points(&|case| is(FloorOutcome::NoPatch)(case) || is(FloorOutcome::Unknown)(case)),
         mark(Tint::Grey, Marker::Cross),
     ));
     series.retain(|series| !series.points.is_empty());

@@ -5,7 +5,7 @@ use super::study::{Cases, FloorCase, Scope, same};
 use crate::claims::{percent, short};
 use crate::grid::Substrate;
 use fakir::solve::collapsed_floor::{MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE};
-use fakir_study::{Fate, MODEL_ERROR_OF_LOSS, Validity};
+use fakir_study::{FloorOutcome, MODEL_ERROR_OF_LOSS, Validity};
 use std::fmt::Write;
 
 /// The work of adhesion of the paper's rubber, J/m^2.
@@ -282,14 +282,14 @@ fn jump(cases: &Cases) -> Option<Finding> {
 /// Range of works of adhesion, in units of the work of collapse, beyond which the floor remains
 /// attached at zero load.
 fn border(cases: &Cases) -> Option<Finding> {
-    let ratio = |fate: Fate| {
+    let ratio = |fate: FloorOutcome| {
         let on = [Substrate::Rigid, Substrate::Intermediate].into_iter();
         on.flat_map(|substrate| cases.on_pillar(substrate))
             .filter(move |case| case.fate() == Some(fate))
             .map(|case| case.found.work_over_collapse_work)
     };
-    let (_, last) = range(ratio(Fate::LostUnderLoad))?;
-    let (first, _) = range(ratio(Fate::HeldThroughZero))?;
+    let (_, last) = range(ratio(FloorOutcome::LostUnderLoad))?;
+    let (first, _) = range(ratio(FloorOutcome::HeldThroughZero))?;
     Some(Finding {
         name: "border",
         title: "When the floor holds without load",

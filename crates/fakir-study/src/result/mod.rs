@@ -13,7 +13,7 @@ mod sweep;
 mod theory;
 mod verify;
 
-pub use adhesion::{ANNULI_ALONE, AdhesionObject, PullOffRow, StuckFloorObject};
+pub use adhesion::{ANNULI_ALONE, AdhesionObject, AdhesiveFloorObject, PullOffRow};
 pub use approach::{ApproachSummary, approach_table};
 pub use asperities::{asperity_pillars, asperity_warnings, left_out_words};
 pub use compare::{CompareSummary, MethodRow};

@@ -20,12 +20,12 @@ use crate::state::contact::contact_warnings;
 use crate::state::fields::{BondedRegion, Disc};
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
-    Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
-    CycleEventKind, CycleLoadStep, ErrorEstimate, Fields, FloorContact, FloorErrors,
+    AdhesiveFloorErrors, Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors,
+    CycleEvent, CycleEventKind, CycleLoadStep, ErrorEstimate, Fields, FloorContact, FloorErrors,
     FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
-    PullOff, Run, SolveError, StuckFloorErrors, Termination, Warning,
+    PullOff, Run, SolveError, Termination, Warning,
 };
-use crate::theory::stuck_floor::StuckPillar;
+use crate::theory::stuck_floor::BondedFloorPillar;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -313,7 +313,7 @@ impl<'a> Loading<'a> {
     /// Starts adhesion on the floor, from its lowest point.
     fn attach_floor(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
         let (scene, works) = (self.path.scene, self.path.tops.fronts.works());
-        let pillar = StuckPillar::of(self.system);
+        let pillar = BondedFloorPillar::of(self.system);
         let ring = pillar.free_ring(self.system.adhesion().receding());
         let ring = (ring.ok().flatten()).map_or(scene.field.spacing(), |ring| ring / scene.length);
         let curvature = self.path.gap_radius(&lowest);
@@ -324,7 +324,7 @@ impl<'a> Loading<'a> {
             cell: cell * scene.length,
             cells_across_ring: ring / cell,
             cells_along_patch: patch / cell,
-            errors: StuckFloorErrors::UNKNOWN,
+            errors: AdhesiveFloorErrors::UNKNOWN,
         });
         let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
         let window = radius + FIRST_WINDOW * scene.field.spacing();
@@ -595,7 +595,7 @@ impl Loading<'_> {
     fn errors(&self, critical: Option<&CriticalState>, pull_off: Option<&PullOff>) -> CycleErrors {
         let [degree, rim] = self.degree_errors();
         let of_floor =
-            |error: fn(&StuckFloorErrors) -> f64| self.floor.map_or(0.0, |it| error(&it.errors));
+            |error: fn(&AdhesiveFloorErrors) -> f64| self.floor.map_or(0.0, |it| error(&it.errors));
         let of_critical = critical.map_or([0.0; 2], |critical| {
             self.errors_of_parts(&critical.contact.pillars, critical.contact.force)
         });

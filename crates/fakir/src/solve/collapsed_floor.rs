@@ -26,7 +26,7 @@ use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
 use crate::problem::quantity::Requirement;
 use crate::problem::{Point, Quantity, System, Unsupported};
 use crate::state::{Run, SolveError};
-use crate::theory::stuck_floor::{AnnulusCoefficients, FreeAnnulus, StuckPillar};
+use crate::theory::stuck_floor::{AnnulusCoefficients, BondedFloorPillar, FreeAnnulus};
 use std::f64::consts::PI;
 
 /// Standard deviation of the average over front radii on loading, in pitches: large enough that shells of pillars do not pin the front.
@@ -76,7 +76,7 @@ pub struct CollapsedFloor {
     /// Unit of length (pillar radius, m). The fields below are in units of the pillar radius and the reduced modulus.
     length: f64,
     modulus: f64,
-    pillar: StuckPillar,
+    pillar: BondedFloorPillar,
     step: f64,
     lens_radius: f64,
     work: f64,
@@ -321,7 +321,7 @@ impl CollapsedFloor {
         let (length, modulus) = (0.5 * system.pillar().diameter, system.reduced_modulus());
         let column = system.column_compliance() * modulus * length;
         let step = system.pillar().height / length;
-        let pillar = StuckPillar::new(1.0, 1.0, step, column)?;
+        let pillar = BondedFloorPillar::new(1.0, 1.0, step, column)?;
         let work = work / (modulus * length);
         let symmetry = lattice.symmetry();
         let pitch = lattice.pitch / length;
@@ -852,7 +852,7 @@ impl Row<'_> {
 }
 
 /// Pressures at which the edge of an annulus is in stable equilibrium, as a function of its radius.
-fn edges(pillar: &StuckPillar, work: f64) -> Vec<[f64; 2]> {
+fn edges(pillar: &BondedFloorPillar, work: f64) -> Vec<[f64; 2]> {
     const COUNT: usize = 200;
     let critical = (2.0 * work).sqrt();
     let (first, last) = (0.02f64.ln(), 60f64.ln());

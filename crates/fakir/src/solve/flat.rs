@@ -504,10 +504,10 @@ impl FlatSystem {
     /// stays at first, then the contact shrinks until no contact is stable under what is held.
     ///
     /// # Errors
-    /// As [`press`](Self::press); [`SolveError::NothingSticks`] without adhesion, and [`SolveError::NoFloor`] for a part of the critical indentation.
+    /// As [`press`](Self::press); [`SolveError::NoAdhesion`] without adhesion, and [`SolveError::NoFloor`] for a part of the critical indentation.
     pub fn cycle(&self, plan: &CyclePlan, run: &Run<'_>) -> Result<FlatCycle, SolveError> {
         if self.adhesion().is_none() {
-            return Err(SolveError::NothingSticks);
+            return Err(SolveError::NoAdhesion);
         }
         let plan = plan.checked(self.length(), self.reduced_modulus())?;
         run.check_cancelled()?;

@@ -76,7 +76,7 @@ pub struct FloorResolution {
     /// Number of cells along the radius of the first patch, from its energy.
     pub cells_along_patch: f64,
     /// Errors of the results due to the cell size and the model of fronts.
-    pub errors: StuckFloorErrors,
+    pub errors: AdhesiveFloorErrors,
 }
 
 /// Estimated relative errors of results for an adhesive floor: the largest differences from two additional cycles on cells 1.5 times as
@@ -84,7 +84,7 @@ pub struct FloorResolution {
 /// adhesion at which fronts move; close to a barrier between rings of holes it determines whether one ring more is in contact. The error is
 /// 1 (unknown) for results that are not found in both cycles, and for all results on [coarse](FloorResolution::is_coarse) cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StuckFloorErrors {
+pub struct AdhesiveFloorErrors {
     /// Error of the force at the end of loading.
     pub turn_force: f64,
     /// Error of the fraction of this force carried by the floor.
@@ -103,7 +103,7 @@ pub struct StuckFloorErrors {
     pub loop_area: f64,
 }
 
-impl StuckFloorErrors {
+impl AdhesiveFloorErrors {
     /// Only orders of magnitude are known.
     pub(crate) const UNKNOWN: Self = Self {
         turn_force: 1.0,
@@ -421,9 +421,9 @@ impl Cycle {
     }
 
     /// Errors of the results for an adhesive floor that are known.
-    fn known_floor_errors(&self) -> Option<StuckFloorErrors> {
+    fn known_floor_errors(&self) -> Option<AdhesiveFloorErrors> {
         let errors = self.floor?.errors;
-        (errors != StuckFloorErrors::UNKNOWN).then_some(errors)
+        (errors != AdhesiveFloorErrors::UNKNOWN).then_some(errors)
     }
 
     /// The remedy for a result that is not resolved.

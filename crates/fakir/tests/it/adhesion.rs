@@ -171,7 +171,7 @@ fn no_adhesion_is_the_contact_as_it_was() {
         assert_eq!(a.indentation.to_bits(), b.indentation.to_bits());
     }
     let refused = fakir::cycle(&none, CyclePlan::default(), Method::default(), &run);
-    assert_eq!(refused.unwrap_err(), SolveError::NothingSticks);
+    assert_eq!(refused.unwrap_err(), SolveError::NoAdhesion);
 }
 
 #[test]

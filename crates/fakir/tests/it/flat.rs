@@ -6,7 +6,7 @@ use fakir::problem::{
 };
 use fakir::state::{Branch, FlatContact, Run, SolveError};
 use fakir::theory::adhesion::{
-    kendall_pull_off, sphere_pull_off_by_displacement, sphere_pull_off_by_force, sticky_sphere,
+    adhesive_sphere, kendall_pull_off, sphere_pull_off_by_displacement, sphere_pull_off_by_force,
 };
 use fakir::theory::layer::Layers;
 use std::f64::consts::PI;
@@ -140,13 +140,13 @@ fn a_table_of_heights_is_its_lens() {
     );
 }
 
-/// Johnson, Kendall and Roberts (1971): [`sticky_sphere`] has their closed form.
+/// Johnson, Kendall and Roberts (1971): [`adhesive_sphere`] has their closed form.
 #[test]
 fn adhesive_contacts_are_jkr() {
     let system = sticky(paraboloid());
     let modulus = system.reduced_modulus();
     for radius in [60e-6, 100e-6, 300e-6] {
-        let jkr = sticky_sphere(modulus, RADIUS, WORK, radius);
+        let jkr = adhesive_sphere(modulus, RADIUS, WORK, radius);
         if jkr.indentation > 0.0 {
             let contact = pressed(&system, Load::Indentation(jkr.indentation));
             close(contact.contact_radius, radius, 1e-10);
@@ -158,7 +158,7 @@ fn adhesive_contacts_are_jkr() {
             close(contact.indentation, jkr.indentation, 1e-9);
             // The stiffness is the slope of the curve.
             let [low, high] =
-                [0.9999, 1.0001].map(|part| sticky_sphere(modulus, RADIUS, WORK, part * radius));
+                [0.9999, 1.0001].map(|part| adhesive_sphere(modulus, RADIUS, WORK, part * radius));
             let slope = (high.force - low.force) / (high.indentation - low.indentation);
             close(contact.stiffness, slope, 1e-6);
         }
@@ -203,7 +203,7 @@ fn a_cycle_ends_as_jkr_has_it() {
     let steps = 20_000;
     let curve: Vec<_> = (0..=steps)
         .map(|k| {
-            sticky_sphere(
+            adhesive_sphere(
                 modulus,
                 RADIUS,
                 WORK,
@@ -280,7 +280,7 @@ fn the_rim_stays_until_the_receding_work_is_reached() {
     close(pull.contact_radius, early.jump.contact_radius, 1e-12);
     assert!(pull.force > -1.5 * PI * 4.0 * WORK * RADIUS);
     let none = paraboloid().cycle(&plan(1e-6, LoadingMode::Displacement), &Run::default());
-    assert!(matches!(none, Err(SolveError::NothingSticks)));
+    assert!(matches!(none, Err(SolveError::NoAdhesion)));
 }
 
 /// F = 2 E* a zeta, and K. Kendall, J. Phys. D 4, 1186 (1971): -sqrt(8 pi w E* a^3).

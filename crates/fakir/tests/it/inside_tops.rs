@@ -10,7 +10,7 @@ use fakir::problem::{
 };
 use fakir::state::{ContactState, Cycle, PillarStatus, Run, Solution, Termination};
 use fakir::theory::adhesion::{
-    StickySphere, sphere_pull_off_by_force, sticky_sphere, sticky_sphere_at_indentation,
+    AdhesiveSphere, adhesive_sphere, adhesive_sphere_at_indentation, sphere_pull_off_by_force,
 };
 use fakir::theory::layer::Layers;
 
@@ -64,13 +64,13 @@ fn cycle(system: &System, depth: f64, drive: LoadingMode) -> Cycle {
 
 /// The contact at an indentation during loading: JKR inside the top, and pinned at the rim beyond. The lens is approximated by a
 /// paraboloid.
-fn exact(modulus: f64, work: f64, radius: f64, indentation: f64) -> StickySphere {
-    let rim = sticky_sphere(modulus, LENS, work, radius);
+fn exact(modulus: f64, work: f64, radius: f64, indentation: f64) -> AdhesiveSphere {
+    let rim = adhesive_sphere(modulus, LENS, work, radius);
     if indentation <= rim.indentation {
-        let inside = sticky_sphere_at_indentation(modulus, LENS, work, indentation).unwrap();
+        let inside = adhesive_sphere_at_indentation(modulus, LENS, work, indentation).unwrap();
         return inside.unwrap();
     }
-    StickySphere {
+    AdhesiveSphere {
         force: rim.force + 2.0 * radius * modulus * (indentation - rim.indentation),
         ..rim
     }
@@ -119,7 +119,7 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
         let modulus = system.reduced_modulus();
         let natural = sphere_pull_off_by_force(modulus, LENS, work);
         let radius = (0.5 * diameter).min(natural.radius);
-        let expected = sticky_sphere(modulus, LENS, work, radius).force;
+        let expected = adhesive_sphere(modulus, LENS, work, radius).force;
         for drive in [
             LoadingMode::Displacement,
             LoadingMode::Force,
@@ -137,7 +137,7 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
         assert!(certificate < 1e-2, "{diameter:e}: {certificate:e}");
         // The last contact is that from which a sphere detaches at this indentation, unless the rim detaches earlier.
         let last = (0.5 * diameter).min(natural.radius / 9f64.cbrt());
-        let expected = sticky_sphere(modulus, LENS, work, last).indentation;
+        let expected = adhesive_sphere(modulus, LENS, work, last).indentation;
         let separation = cycle.separation.unwrap();
         assert!((separation / expected - 1.0).abs() < 1e-3, "{diameter:e}");
     }
@@ -149,7 +149,7 @@ fn the_diameter_may_pass_the_contact() {
     let work = 10e-3;
     let modulus = sticky(1e-6, work, [0.0; 2]).reduced_modulus();
     let depth = 0.2e-6;
-    let contact = sticky_sphere_at_indentation(modulus, LENS, work, depth)
+    let contact = adhesive_sphere_at_indentation(modulus, LENS, work, depth)
         .unwrap()
         .unwrap();
     let force = |part: f64| {
@@ -205,7 +205,7 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
         .unwrap();
     let modulus = system.reduced_modulus();
     let cycle = cycle(&system, depth, LoadingMode::Displacement);
-    let turn = sticky_sphere_at_indentation(modulus, LENS, advancing, depth)
+    let turn = adhesive_sphere_at_indentation(modulus, LENS, advancing, depth)
         .unwrap()
         .unwrap();
     let off = (cycle.turn.force / turn.force - 1.0).abs();
@@ -213,7 +213,7 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
     // Pinned at the largest radius, if this is smaller than that of the free pull-off, until it detaches.
     let natural = sphere_pull_off_by_force(modulus, LENS, receding);
     let radius = turn.radius.min(natural.radius);
-    let expected = sticky_sphere(modulus, LENS, receding, radius).force;
+    let expected = adhesive_sphere(modulus, LENS, receding, radius).force;
     let pull = cycle.pull_off.as_ref().unwrap().force;
     assert!((pull / expected - 1.0).abs() < 1e-3, "{pull} {expected}");
     assert!(cycle.certificate().unwrap() < 1e-2);
@@ -276,7 +276,7 @@ fn a_sticking_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
         for part in [0.1, 0.2, 0.4, 0.6, 0.8, 0.9] {
             let system = beside(part, work);
             let modulus = system.reduced_modulus();
-            let at_rim = sticky_sphere(modulus, LENS, work, (1.0 - part) * TOP);
+            let at_rim = adhesive_sphere(modulus, LENS, work, (1.0 - part) * TOP);
             if at_rim.indentation <= 0.0 {
                 continue;
             }
