@@ -248,7 +248,7 @@ class _Shipping:
         self.seconds_per_case: float | None = None
         self.largest = 0
         self.breaks = 0
-        self.told = 0.0
+        self.reported = 0.0
 
     def run(self) -> None:
         """Sends everything, and waits for the results."""
@@ -257,8 +257,8 @@ class _Shipping:
                 self.ship()
                 done, _ = wait(self.pending, timeout=0.1, return_when=FIRST_COMPLETED)
                 self.collect(done)
-                self.tell()
-            self.tell(last=True)
+                self.report()
+            self.report(last=True)
         finally:
             for future in self.pending:
                 future.cancel()
@@ -379,11 +379,11 @@ class _Shipping:
             "would have been kept"
         )
 
-    def tell(self, last: bool = False) -> None:
+    def report(self, last: bool = False) -> None:
         """Reports the progress, at most 20 times a second."""
         now = time.monotonic()
-        if self.progress is not None and (last or now - self.told > 0.05):
-            self.told = now
+        if self.progress is not None and (last or now - self.reported > 0.05):
+            self.reported = now
             ledger = self.ledger
             self.progress(ledger.done, ledger.found, ledger.failed, self.cases)
 

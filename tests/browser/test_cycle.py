@@ -252,8 +252,8 @@ def test_links_files_and_the_command_carry_adhesion(explore, tmp_path):
     done = subprocess.run(
         command + " --json", shell=True, cwd=tmp_path, check=True, capture_output=True, text=True
     )
-    told = json.loads("{" + done.stdout.split("{", 1)[1])
-    assert quantity(page.text("pull-off-force")) == pytest.approx(told["pull_off_force_N"], rel=0.05)
+    printed = json.loads("{" + done.stdout.split("{", 1)[1])
+    assert quantity(page.text("pull-off-force")) == pytest.approx(printed["pull_off_force_N"], rel=0.05)
 
 
 def test_works_that_cannot_be_are_refused_at_their_field(explore):

@@ -51,14 +51,14 @@ def test_the_jump_and_the_loss_of_the_floor_are_told(explore, expected):
     floor = expected["floor"]
     jump, last = floor["jump"], floor["last"]
     words = page.text("stuck-floor")
-    told = re.match(
+    printed = re.match(
         r"Jump onto the floor at ζ = (.*?): (\d+) holes? filled, ([\d ]+) µm2 in contact \(error (.*?)\), "
         r"force from (.*?) to (.*?) \(error (.*?)\)\. "
         r"Floor detaches between ζ = (.*?) and (.*?) \(error (.*?)\), force from (.*?) to (.*?)\.$",
         words,
     )
-    assert told, words
-    at, holes, area, area_error, before, after, force_error, lost, gone, lost_error, held, free = told.groups()
+    assert printed, words
+    at, holes, area, area_error, before, after, force_error, lost, gone, lost_error, held, free = printed.groups()
     assert quantity(at) == pytest.approx(jump["indentation_m"], rel=0.01)
     assert int(holes) == jump["filled_holes"] == 6
     assert float(area.replace(" ", "")) == pytest.approx(1e12 * jump["floor_contact_area_m2"], rel=0.01)

@@ -235,13 +235,13 @@ def test_spread_draws_what_the_command_line_draws(tmp_path):
 
     case = tmp_path / "case.toml"
     case.write_text(system().replace({"pattern.surface_fraction": "0.05 %"}).to_toml())
-    told = subprocess.run(
+    printed = subprocess.run(
         [os.environ["FAKIR"], "design", case, "--tolerance", "pattern.pillar.height=3%", "--json", "--quiet"],
         stdout=subprocess.PIPE,
         check=True,
     )
     drawn = fakir.spread(fakir.System.from_file(case), {"pattern.pillar.height": "3%"})
-    assert drawn.to_dict()["spread"] == json.loads(told.stdout)["spread"]
+    assert drawn.to_dict()["spread"] == json.loads(printed.stdout)["spread"]
 
 
 def test_bodies_of_a_height_map_can_have_a_thickness() -> None:

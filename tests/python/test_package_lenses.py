@@ -39,10 +39,10 @@ def test_the_program_says_the_same():
     case = str(EXAMPLES / "cylinder.toml")
     run = [os.environ["FAKIR"], "press", case, "--indentation", "1um", "--json", "--quiet"]
     done = subprocess.run(run, capture_output=True, text=True)
-    told = json.loads(done.stdout)
+    printed = json.loads(done.stdout)
     state = fakir.System.from_file(case).press(indentation="1 um")
-    assert told["lens_shape"] == "cylinder"
-    assert told["force_N"] == state.force
+    assert printed["lens_shape"] == "cylinder"
+    assert printed["force_N"] == state.force
 
 
 def test_what_cannot_be_is_refused():

@@ -59,19 +59,19 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let clock = Clock(Instant::now());
 
     let crates = pack_crates(cargo, &target, &folder)?;
-    clock.tell("crates packaged");
+    clock.print("crates packaged");
     let root = install_command(cargo, &target, &folder, &crates)?;
-    clock.tell("the command built from the crates and installed");
+    clock.print("the command built from the crates and installed");
     let program = root.join(format!("bin/fakir{}", std::env::consts::EXE_SUFFIX));
     try_command(&program, &tried)?;
     try_explorer(&program, &tried)?;
-    clock.tell("the command and the explorer tried");
+    clock.print("the command and the explorer tried");
 
     let environment = python::environment(python::TESTS)?;
     let wheel = pack_python(&environment, &target, &folder)?;
-    clock.tell("the wheel built from the source distribution");
+    clock.print("the wheel built from the source distribution");
     try_wheel(&wheel, &folder, &tried)?;
-    clock.tell("the wheel tried");
+    clock.print("the wheel tried");
     Ok(())
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
 struct Clock(Instant);
 
 impl Clock {
-    fn tell(&self, what: &str) {
+    fn print(&self, what: &str) {
         println!("-- {what} ({:.0} s)", self.0.elapsed().as_secs_f64());
     }
 }
@@ -212,12 +212,12 @@ fn try_explorer(program: &Path, folder: &Path) -> Result<(), String> {
         .stderr(Stdio::piped());
     let mut running = Running(explorer.spawn().map_err(|error| at(program, &error))?);
     let mut first = String::new();
-    let told = running
+    let output = running
         .0
         .stderr
         .take()
         .ok_or("the explorer tells nothing")?;
-    BufReader::new(told)
+    BufReader::new(output)
         .read_line(&mut first)
         .map_err(|error| format!("the explorer tells nothing: {error}"))?;
     let address = first.trim().rsplit_once("http://").map(|(_, rest)| rest);

@@ -41,7 +41,7 @@ pub(crate) struct Columns<const N: usize> {
     /// Number of required columns, from the first.
     pub(crate) required: usize,
     /// Description in messages: `"a table of pillars has ..."`.
-    pub(crate) told: &'static str,
+    pub(crate) accepted: &'static str,
 }
 
 /// A table that has been read.
@@ -343,7 +343,7 @@ impl<const N: usize> Columns<N> {
         let Self {
             names,
             required,
-            told,
+            accepted,
         } = self;
         // In tables of ImageJ, width and height are those of a box around each particle.
         let has_box = headings.iter().any(|heading| heading == "BX");
@@ -362,7 +362,7 @@ impl<const N: usize> Columns<N> {
                 if IGNORED.contains(&plain) || has_box && ["width", "height"].contains(&plain) {
                     continue;
                 }
-                return Err(format!("there is no column \"{heading}\": {told}"));
+                return Err(format!("there is no column \"{heading}\": {accepted}"));
             };
             let of_same =
                 |other: &&Meaning| other.column == meaning.column && other.form == Form::Length;
@@ -405,7 +405,7 @@ impl<const N: usize> Columns<N> {
         }
         for (column, place) in names.iter().zip(&places).take(*required) {
             if place.is_none() {
-                return Err(format!("the column {column} is missing: {told}"));
+                return Err(format!("the column {column} is missing: {accepted}"));
             }
         }
         Ok(places)

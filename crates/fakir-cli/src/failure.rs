@@ -148,24 +148,24 @@ impl Failure {
         match self {
             Self::OutputClosed => {}
             // The default report of miette, with the line of the file, in colour if the terminal supports it.
-            Self::Case(error) => tell(&format!("{:?}", miette::Report::new(error.clone()))),
-            Self::Study(error @ StudyError::Interrupted { .. }) => tell(&error.to_string()),
+            Self::Case(error) => report_line(&format!("{:?}", miette::Report::new(error.clone()))),
+            Self::Study(error @ StudyError::Interrupted { .. }) => report_line(&error.to_string()),
             interrupted if interrupted.is_interruption() => {
-                tell("interrupted: no result");
+                report_line("interrupted: no result");
             }
             Self::Design(DesignError::Case(error))
             | Self::Spread(SpreadError::Case(error))
             | Self::Fit(FitError::Case(error)) => {
-                tell(&format!("{:?}", miette::Report::new(error.clone())));
+                report_line(&format!("{:?}", miette::Report::new(error.clone())));
             }
             Self::Study(StudyError::Case(error)) => {
-                tell(&format!("{:?}", miette::Report::new(error.clone())));
+                report_line(&format!("{:?}", miette::Report::new(error.clone())));
             }
             Self::Solve(SolveError::InvalidQuantity(invalid))
             | Self::Design(DesignError::Solve(SolveError::InvalidQuantity(invalid))) => {
-                tell(&format!("error: {}", load_words(invalid)));
+                report_line(&format!("error: {}", load_words(invalid)));
             }
-            other => tell(&format!("error: {other}")),
+            other => report_line(&format!("error: {other}")),
         }
     }
 
@@ -237,6 +237,6 @@ pub(crate) const NO_ANSWER: Status = 3;
 pub(crate) const INTERRUPTED: Status = 130;
 
 /// Prints a line on standard error; errors of writing are ignored.
-pub(crate) fn tell(line: &str) {
+pub(crate) fn report_line(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
 }

@@ -32,10 +32,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let deprecations = arguments::deprecated_keys(&arguments);
     let arguments = Arguments::parse_from(arguments);
     if is_older_name {
-        failure::tell("note: fakir approach --retract is now named fakir cycle");
+        failure::report_line("note: fakir approach --retract is now named fakir cycle");
     }
     for words in deprecations {
-        failure::tell(&format!("warning: {words}"));
+        failure::report_line(&format!("warning: {words}"));
     }
     match run(&arguments.command) {
         Ok(status) => status,
@@ -138,7 +138,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     drop(session);
     // Printed even with --quiet: without it the numbers would be misleading.
     if let Some(misfit) = &fitted.misfit {
-        failure::tell(&format!("warning: {misfit}"));
+        failure::report_line(&format!("warning: {misfit}"));
     }
     deliver(command, &case, file.warnings(), || Ok(fitted.report))
 }
@@ -205,7 +205,7 @@ fn deliver(
     // The reason for a missing result is printed even with --quiet.
     if !options.quiet || !report.converged {
         for warning in &report.warnings {
-            failure::tell(&format!("warning: {warning}"));
+            failure::report_line(&format!("warning: {warning}"));
         }
     }
     standard::print(if options.json {
@@ -215,7 +215,7 @@ fn deliver(
     })?;
     if command.is_strict() && !report.strained.is_empty() {
         let strained = report.strained.join("; ");
-        failure::tell(&format!("error: the model is strained: {strained}"));
+        failure::report_line(&format!("error: the model is strained: {strained}"));
         return Ok(report.status().max(failure::STRAINED));
     }
     Ok(report.status())

@@ -171,10 +171,10 @@ function drawLimits(limits) {
   const [nearest] = [...known].sort((one, other) => other.part - one.part);
   line.classList.toggle("strained", strained.length > 0);
   line.hidden = nearest === undefined;
-  const told = strained.map((limit) => limit.words).join("; ");
+  const words = strained.map((limit) => limit.words).join("; ");
   line.textContent =
     strained.length > 0
-      ? `model strained: ${told}`
+      ? `model strained: ${words}`
       : `within the limits of the model; closest: ${nearest?.words ?? ""}`;
 }
 

@@ -287,7 +287,7 @@ export class Store {
    * @param {Notice} about
    * @param {string | null} words
    */
-  tell(about, words) {
+  notify(about, words) {
     const notices = { ...this.#state.notices };
     if (words === null) delete notices[about];
     else notices[about] = words;

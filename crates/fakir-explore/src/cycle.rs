@@ -283,10 +283,10 @@ impl Keeper {
 pub(crate) struct Page<'a> {
     case: &'a Case,
     worker: &'a Worker,
-    told: Mutex<Told>,
+    reported: Mutex<Reported>,
 }
 
-struct Told {
+struct Reported {
     start: Instant,
     /// Cumulative fractions of the total time.
     parts: [f64; 4],
@@ -316,7 +316,7 @@ const HALF_JUMP: f64 = 100.0;
 /// Approximate time of the error estimate relative to the time of everything before.
 const ERRORS_TIME: f64 = 0.8;
 
-impl Told {
+impl Reported {
     /// Approximate progress.
     fn share(&self) -> f64 {
         let [loaded, jumped, unloaded, all] = self.parts;
@@ -346,7 +346,7 @@ impl<'a> Page<'a> {
         Self {
             case,
             worker,
-            told: Mutex::new(Told {
+            reported: Mutex::new(Reported {
                 start: now,
                 parts: WITHOUT_FLOOR,
                 ends: [0.0, 1.0],
@@ -362,15 +362,15 @@ impl<'a> Page<'a> {
 
     /// Start of the path, whose length without adhesion is known.
     fn begin(&self, system: &System, without: &ContactState) {
-        let mut told = unpoisoned(&self.told);
+        let mut reported = unpoisoned(&self.reported);
         let expected = ExpectedCells::new(system, without.contact_radius);
-        told.start = Instant::now();
-        told.parts = match &expected {
+        reported.start = Instant::now();
+        reported.parts = match &expected {
             None => WITHOUT_FLOOR,
             Some(cells) if cells.coarse => ON_COARSE_CELLS,
             Some(_) => ON_FINE_CELLS,
         };
-        told.ends = [
+        reported.ends = [
             system.first_touch().min(system.pillar().height),
             without.indentation,
         ];
@@ -380,42 +380,44 @@ impl<'a> Page<'a> {
     }
 
     fn pass(&self, station: &CycleLoadStep) {
-        let mut told = unpoisoned(&self.told);
-        told.at = Some(*station);
-        told.curve.push(CurveStation {
+        let mut reported = unpoisoned(&self.reported);
+        reported.at = Some(*station);
+        reported.curve.push(CurveStation {
             loading: station.branch == Branch::Loading,
             indentation_m: station.indentation,
             force_N: station.force,
         });
-        self.tell(&mut told, CURVE_INTERVAL);
+        self.report(&mut reported, CURVE_INTERVAL);
     }
 
     /// Sends the curve so far, if enough time has passed since the last transmission.
-    fn tell(&self, told: &mut Told, interval: Duration) {
-        if let Some(at) = told.at {
+    fn report(&self, reported: &mut Reported, interval: Duration) {
+        if let Some(at) = reported.at {
             self.worker.is_at(Way {
                 loading: at.branch == Branch::Loading,
                 indentation_m: at.indentation,
-                share: told.share(),
+                share: reported.share(),
             });
         }
-        if told.sent.elapsed() >= interval && !told.curve.is_empty() {
-            told.sent = Instant::now();
+        if reported.sent.elapsed() >= interval && !reported.curve.is_empty() {
+            reported.sent = Instant::now();
             self.worker.send(&CurveLine {
-                curve: std::mem::take(&mut told.curve),
+                curve: std::mem::take(&mut reported.curve),
             });
         }
     }
 
     fn progress(&self, progress: Progress) {
-        let mut told = unpoisoned(&self.told);
+        let mut reported = unpoisoned(&self.reported);
         match progress.stage {
-            Stage::FloorFronts => told.rounds = progress.step as f64,
-            Stage::ErrorEstimate if told.closed.is_none() => told.closed = Some(Instant::now()),
+            Stage::FloorFronts => reported.rounds = progress.step as f64,
+            Stage::ErrorEstimate if reported.closed.is_none() => {
+                reported.closed = Some(Instant::now())
+            }
             _ => {}
         }
-        self.tell(&mut told, CURVE_INTERVAL);
-        drop(told);
+        self.report(&mut reported, CURVE_INTERVAL);
+        drop(reported);
         if let Some(listener) = self.worker.run().progress {
             listener(progress);
         }
@@ -424,11 +426,11 @@ impl<'a> Page<'a> {
     /// The jump onto the floor follows. It takes longer than everything before; therefore the results so far are
     /// shown.
     fn reach_critical(&self, contact: &ContactState) {
-        let mut told = unpoisoned(&self.told);
-        self.tell(&mut told, Duration::ZERO);
-        told.critical = true;
-        let wall_time = told.start.elapsed().as_secs_f64();
-        drop(told);
+        let mut reported = unpoisoned(&self.reported);
+        self.report(&mut reported, Duration::ZERO);
+        reported.critical = true;
+        let wall_time = reported.start.elapsed().as_secs_f64();
+        drop(reported);
         let critical = CriticalState::new(contact.clone());
         self.tell_critical(&critical, wall_time);
         self.tell_texts();
@@ -549,8 +551,8 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
     );
     let page = Page::new(&case, worker);
     let (solved, without) = SolvedCycle::of_page(&case, worker, Some(&page))?;
-    let is_told = unpoisoned(&page.told).critical;
-    if let Some(critical) = solved.cycle.critical.as_ref().filter(|_| !is_told) {
+    let is_reported = unpoisoned(&page.reported).critical;
+    if let Some(critical) = solved.cycle.critical.as_ref().filter(|_| !is_reported) {
         page.tell_critical(critical, solved.wall_time);
     }
     let system = &case.system;

@@ -152,14 +152,14 @@ mod tests {
         let floor = state.floor.as_ref().unwrap();
         let drawn = FloorCells::new(floor);
         let [width, height] = drawn.cell_m;
-        let told = drawn.segments.chunks_exact(3).flat_map(|one| {
+        let cells = drawn.segments.chunks_exact(3).flat_map(|one| {
             let (row, first) = (one[0], one[1]);
             (first..first + one[2]).map(move |column| (row, column))
         });
-        let told: Vec<(usize, usize)> = told.collect();
-        assert_eq!(told.len(), floor.pressure.len());
-        assert_eq!(told.len(), drawn.shades.len());
-        for ((row, column), [x, y]) in told.into_iter().zip(floor.cells.centres()) {
+        let cells: Vec<(usize, usize)> = cells.collect();
+        assert_eq!(cells.len(), floor.pressure.len());
+        assert_eq!(cells.len(), drawn.shades.len());
+        for ((row, column), [x, y]) in cells.into_iter().zip(floor.cells.centres()) {
             assert!(row < drawn.rows && column < drawn.columns);
             let at = [
                 drawn.corner_m[0] + (column as f64 + 0.5) * width,

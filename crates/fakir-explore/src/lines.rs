@@ -244,10 +244,10 @@ mod tests {
         let mut sticks = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
         sticks.set("adhesion.work=50mJ/m2").unwrap();
         sticks.set("adhesion.floor=true").unwrap();
-        let told = python(&sticks.case().unwrap(), Question::Cycle);
+        let message = python(&sticks.case().unwrap(), Question::Cycle);
         assert!(
-            told.contains("adhesion=fakir.Adhesion(work=\"50 mJ/m2\", floor=True),"),
-            "{told}"
+            message.contains("adhesion=fakir.Adhesion(work=\"50 mJ/m2\", floor=True),"),
+            "{message}"
         );
         let command = command(&case, Question::Cycle);
         assert!(command.contains("fakir cycle case.toml \\\n"), "{command}");

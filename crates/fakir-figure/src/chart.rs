@@ -254,13 +254,13 @@ impl Grid {
         contents: &mut [Vec<Item>],
         items: &mut Vec<Item>,
     ) -> Legend {
-        let (mut told, mut left) = (Legend::default(), Legend::default());
+        let (mut shown, mut left) = (Legend::default(), Legend::default());
         for k in 0..self.charts.len() {
-            let own = Legend::of(&self.charts[k].series).without(&told);
+            let own = Legend::of(&self.charts[k].series).without(&shown);
             if own.is_empty() {
                 continue;
             }
-            told.extend(&own);
+            shown.extend(&own);
             let others = (0..self.charts.len()).filter(|other| *other != k);
             let drawn = [k].into_iter().chain(others).find_map(|at| {
                 let frame = frames.get(at)?;

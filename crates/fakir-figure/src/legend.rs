@@ -40,8 +40,8 @@ impl Legend {
     }
 
     /// Removes the entries that another legend contains.
-    pub(crate) fn without(mut self, told: &Self) -> Self {
-        self.entries.retain(|entry| !told.entries.contains(entry));
+    pub(crate) fn without(mut self, shown: &Self) -> Self {
+        self.entries.retain(|entry| !shown.entries.contains(entry));
         self
     }
 

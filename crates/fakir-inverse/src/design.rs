@@ -1351,27 +1351,36 @@ mod tests {
         };
         let file = paper(0.03);
         for share in [0.0, 1.0, -0.1, 20.0, f64::NAN] {
-            let told = refused(&file, share, Load::Force(1e-3));
-            assert!(told.contains("greater than 0 and less than 1"), "{told}");
+            let message = refused(&file, share, Load::Force(1e-3));
+            assert!(
+                message.contains("greater than 0 and less than 1"),
+                "{message}"
+            );
         }
         let infinite = Load::Indentation(f64::INFINITY);
         for load in [Load::FloorContact, Load::Force(0.0), infinite] {
-            let told = refused(&file, 0.2, load);
-            assert!(told.contains("give a force or an indentation"), "{told}");
+            let message = refused(&file, 0.2, load);
+            assert!(
+                message.contains("give a force or an indentation"),
+                "{message}"
+            );
         }
         let mut other = file.case().unwrap();
         other.method = Method::Homogenised;
         let other = CaseFile::parse("homogenised", &other.to_toml()).unwrap();
-        let told = refused(&other, 0.2, Load::Force(1e-3));
-        assert!(told.contains("this method ignores the floor"), "{told}");
+        let message = refused(&other, 0.2, Load::Force(1e-3));
+        assert!(
+            message.contains("this method ignores the floor"),
+            "{message}"
+        );
         let mut ignored = file.case().unwrap();
         ignored.system = ignored
             .system
             .with_floor(fakir::problem::FloorModel::Ignored);
         let ignored = ignored.to_toml();
         let ignored = CaseFile::parse("ignored", &ignored).unwrap();
-        let told = refused(&ignored, 0.2, Load::Force(1e-3));
-        assert!(told.contains("the floor is ignored"), "{told}");
+        let message = refused(&ignored, 0.2, Load::Force(1e-3));
+        assert!(message.contains("the floor is ignored"), "{message}");
     }
 
     /// The cycle of the case file of the result has the target pull-off force to within its numerical error.
@@ -1418,10 +1427,10 @@ mod tests {
         let nearest = wanted.of(&nearest.reached);
         assert!(0.0 < least && least < greatest && nearest <= greatest && greatest < 1.0);
         assert!(nearest > 0.99 * greatest, "{nearest:e} of {greatest:e}");
-        let told = answer.statement();
+        let message = answer.statement();
         assert!(
-            told.contains("it is from ") && told.contains("the nearest is"),
-            "{told}"
+            message.contains("it is from ") && message.contains("the nearest is"),
+            "{message}"
         );
     }
 
@@ -1439,10 +1448,10 @@ mod tests {
             assert!(state.floor.is_none() && state.smallest_floor_gap < 0.0);
             assert!(wanted.excess(&Reached::Pressed(state)) <= -1.0);
             for free in [Key::PillarHeight, Key::Pitch] {
-                let told = design(&file, free, wanted, &Run::default()).unwrap_err();
+                let message = design(&file, free, wanted, &Run::default()).unwrap_err();
                 assert!(
-                    told.to_string().contains("the floor carries no load"),
-                    "{told}"
+                    message.to_string().contains("the floor carries no load"),
+                    "{message}"
                 );
             }
         }

@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_with_its_line() {
         let wrong = |text: &str| read(text).unwrap_err();
-        for (text, told) in [
+        for (text, message) in [
             (
                 "force,area\n1,1\n",
                 "curve.csv:1: there is no column \"force\"",
@@ -249,7 +249,7 @@ mod tests {
             ),
             ("force_mN,area_um2\n1,1,3\n", "curve.csv:2"),
         ] {
-            assert!(wrong(text).contains(told), "{}", wrong(text));
+            assert!(wrong(text).contains(message), "{}", wrong(text));
         }
     }
 }

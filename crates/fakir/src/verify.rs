@@ -433,9 +433,13 @@ mod tests {
                     place => failed.elements[place - 1].termination = termination,
                 }
                 let doubt = failed.verdict().doubt().unwrap();
-                let told = doubt.to_string();
-                assert!(told.contains(termination.description()), "{told}");
-                assert_eq!(told.contains("cells across a pillar"), place > 0, "{told}");
+                let message = doubt.to_string();
+                assert!(message.contains(termination.description()), "{message}");
+                assert_eq!(
+                    message.contains("cells across a pillar"),
+                    place > 0,
+                    "{message}"
+                );
                 assert!(!failed.agrees());
             }
         }

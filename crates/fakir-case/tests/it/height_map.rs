@@ -539,8 +539,8 @@ fn missing_points_are_counted_or_filled() {
     // The heights are a plane, which the interpolation continues.
     let rows = "0 1 2 3\n10 BAD BAD 13\n20 21 22 23";
     let error = read_text(sdf(rows), &nothing).unwrap_err().to_string();
-    let told = "2 of 12 heights are missing, the first in column 1, row 1 (counted from 0)";
-    assert!(error.contains(told), "{error}");
+    let message = "2 of 12 heights are missing, the first in column 1, row 1 (counted from 0)";
+    assert!(error.contains(message), "{error}");
     let map = read_text(sdf(rows), &filled).unwrap();
     let height = map.heights()[5];
     assert!((height - 11e-9).abs() < 1e-17, "{height}");

@@ -90,8 +90,8 @@ fn assert_refused(lens: &str, key: &str, problem: &str, accepted: &str) {
     let error = refused(lens);
     assert_eq!(error.key_path(), Some(key), "{}", error.one_line());
     assert!(error.problem().contains(problem), "{}", error.one_line());
-    let told = error.what_is_accepted().unwrap_or("");
-    assert!(told.contains(accepted), "{told}");
+    let message = error.what_is_accepted().unwrap_or("");
+    assert!(message.contains(accepted), "{message}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::arguments::{Publication, Reproduce};
 use crate::commands::sweep::{Bar, warn};
-use crate::failure::{Failure, Status, tell};
+use crate::failure::{Failure, Status, report_line};
 use crate::numbers::seconds;
 use crate::session::{stop_on_interrupt, threads};
 use crate::standard;
@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
     }
     let (text, failed) = match result {
         Err(Failure::Study(error @ StudyError::Interrupted { .. })) => {
-            tell(&format!("{error}: --resume goes on"));
+            report_line(&format!("{error}: --resume goes on"));
             return Ok(crate::failure::INTERRUPTED);
         }
         other => other?,

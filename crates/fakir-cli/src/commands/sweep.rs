@@ -1,7 +1,7 @@
 //! `fakir sweep` and `fakir merge`: the cases of a study, and the tables of their answers.
 
 use crate::arguments::{Merge, Sweep};
-use crate::failure::{Failure, Status, tell};
+use crate::failure::{Failure, Status, report_line};
 use crate::numbers::seconds;
 use crate::session::{PATIENCE, stop_on_interrupt, threads};
 use crate::standard;
@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
                 Some(_) => "--resume goes on",
                 None => "nothing is kept without --output",
             };
-            tell(&format!(
+            report_line(&format!(
                 "interrupted after {done} of {cases} cases: {advice}"
             ));
             return Ok(crate::failure::INTERRUPTED);
@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
             standard::print(&Table::new(&summary.study, &summary.rows).to_csv())?;
             if !arguments.quiet {
                 for line in reasons(&summary) {
-                    tell(&format!("warning: {line}"));
+                    report_line(&format!("warning: {line}"));
                 }
             }
         }
@@ -104,7 +104,7 @@ fn object(summary: &Summary, folder: Option<&Path>, wall_time: Option<f64>) -> S
 /// Names what of a study has no effect.
 fn warn_of_study(study: &Study) {
     for warning in study.warnings() {
-        tell(&format!("warning: {warning}"));
+        report_line(&format!("warning: {warning}"));
     }
 }
 
@@ -116,7 +116,7 @@ pub(crate) fn warn(damaged: &[DamagedLine], complete: bool) {
         "its case is computed again"
     };
     for line in damaged {
-        tell(&format!("warning: {line}; {cases}"));
+        report_line(&format!("warning: {line}; {cases}"));
     }
 }
 

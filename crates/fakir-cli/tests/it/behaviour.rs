@@ -182,7 +182,7 @@ fn fields_count_against_the_memory_limit() {
 fn more_threads_than_processors_are_warned_of() {
     let bench = Bench::new();
     let processors = std::thread::available_parallelism().unwrap();
-    let told =
+    let message =
         format!("warning: 9999 threads exceed the number of processors: {processors} are used\n");
     bench.write(
         "study.toml",
@@ -198,7 +198,7 @@ fn more_threads_than_processors_are_warned_of() {
         let outcome = bench.run(&[arguments, &["--threads", "9999"]].concat());
         assert_eq!(
             (outcome.status, &outcome.stderr),
-            (Some(0), &told),
+            (Some(0), &message),
             "{arguments:?}"
         );
     }
@@ -266,13 +266,13 @@ fn verify_can_say_that_it_cannot_tell() {
     bench.write("case.toml", include_str!("coarse_mesh.toml"));
     let outcome = bench.run(&["verify", "case.toml"]);
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
-    let told = &outcome.stdout;
-    assert!(told.contains("IT CANNOT BE TOLD"), "{told}");
+    let message = &outcome.stdout;
+    assert!(message.contains("IT CANNOT BE TOLD"), "{message}");
     assert!(
-        told.contains("no digit is significant: the error estimates allow"),
-        "{told}"
+        message.contains("no digit is significant: the error estimates allow"),
+        "{message}"
     );
-    assert!(!told.contains("DISAGREE"), "{told}");
+    assert!(!message.contains("DISAGREE"), "{message}");
     let outcome = bench.run(&["verify", "case.toml", "--json"]);
     let answer: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
     assert_eq!(answer["agree"], false);
@@ -416,9 +416,9 @@ fn results_are_replaced_whole_or_not_at_all() {
     ] {
         let outcome = save(command, more);
         assert_eq!(outcome.status, Some(2), "{command}: {}", outcome.stderr);
-        let told = "the folder results is not empty: choose another, or --overwrite";
+        let message = "the folder results is not empty: choose another, or --overwrite";
         assert!(
-            outcome.stderr.contains(told),
+            outcome.stderr.contains(message),
             "{command}: {}",
             outcome.stderr
         );
@@ -578,12 +578,12 @@ fn the_explorer_says_what_keeps_it_from_starting() {
     let port = busy.local_addr().unwrap().port().to_string();
     let outcome = bench.run(&["explore", "--no-browser", "--port", &port]);
     assert_eq!(outcome.status, Some(2));
-    let told = outcome.stderr;
+    let message = outcome.stderr;
     assert!(
-        told.starts_with(&format!("error: port {port} is in use: port ")),
-        "{told}"
+        message.starts_with(&format!("error: port {port} is in use: port ")),
+        "{message}"
     );
-    assert!(told.contains(" is free, give --port "), "{told}");
+    assert!(message.contains(" is free, give --port "), "{message}");
     let outcome = bench.run(&["explore", "--no-browser", "--set", "lens.raduis=1m"]);
     assert_eq!(outcome.status, Some(2));
     assert!(
@@ -719,15 +719,18 @@ fn keys_without_effect_are_named() {
         let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
         (outcome.stderr, json)
     };
-    let (told, json) = ask(&set);
-    assert!(told.starts_with(&format!("warning: {warning}")), "{told}");
+    let (message, json) = ask(&set);
+    assert!(
+        message.starts_with(&format!("warning: {warning}")),
+        "{message}"
+    );
     let listed = json["case_warnings"][0].as_str().unwrap();
     assert!(listed.starts_with(warning), "{listed}");
-    let (told, quiet) = ask(&[&set[..], &["--quiet"]].concat());
-    assert_eq!(told, "");
+    let (message, quiet) = ask(&[&set[..], &["--quiet"]].concat());
+    assert_eq!(message, "");
     assert_eq!(quiet["case_warnings"], json["case_warnings"]);
-    let (told, without) = ask(&[]);
-    assert!(told.is_empty() && without["case_warnings"].is_null());
+    let (message, without) = ask(&[]);
+    assert!(message.is_empty() && without["case_warnings"].is_null());
     assert_eq!(without["force_N"], json["force_N"]);
 }
 
@@ -750,10 +753,10 @@ fn deprecated_names_of_keys_are_accepted() {
         let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
         (outcome.stderr, json["force_N"].clone())
     };
-    let (told, force) = ask("height_spread");
+    let (message, force) = ask("height_spread");
     let warning =
         "warning: pattern.height_spread is deprecated: use pattern.height_standard_deviation\n";
-    assert_eq!(told, warning);
+    assert_eq!(message, warning);
     assert_eq!(ask("height_standard_deviation"), (String::new(), force));
 }
 

@@ -47,9 +47,9 @@ fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
     assert_eq!(relative, absolute);
     let help = bench.result(&["design", "--help"]);
     let all = drawn("pattern.pillar.height=3%", &[]);
-    let told = format!("; {} if there are any", all["samples"]);
+    let message = format!("; {} if there are any", all["samples"]);
     let help: Vec<_> = help.split_whitespace().collect();
-    assert!(help.join(" ").contains(&told), "{told}");
+    assert!(help.join(" ").contains(&message), "{message}");
 }
 
 /// A key may be given without its tables if its last name is unique.
@@ -61,7 +61,7 @@ fn last_names_are_enough_where_one_key_has_them() {
         free_key("surface_fraction"),
         free_key("pattern.surface_fraction")
     );
-    assert!(free_key("young_modulus").is_err_and(|told| told.contains("lens.young_modulus")));
+    assert!(free_key("young_modulus").is_err_and(|message| message.contains("lens.young_modulus")));
     assert_eq!(Parameter::named("pitch"), Parameter::named("pattern.pitch"));
     assert!(Parameter::named("pitch").is_some() && Parameter::named("young_modulus").is_none());
     let bench = Bench::new();
@@ -209,7 +209,7 @@ fn what_makes_no_sense_is_status_2() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let share = ["design", &case, "--free", "pitch"];
-    for (arguments, told) in [
+    for (arguments, message) in [
         (&["design", &case][..], "nothing to do"),
         (&["design", &case, "--free", "pitch"], "required"),
         (&["design", &case, "--critical-force", "1mN"], "required"),
@@ -310,7 +310,7 @@ fn what_makes_no_sense_is_status_2() {
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.status, Some(2), "{arguments:?}");
-        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }
 

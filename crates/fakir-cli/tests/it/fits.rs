@@ -79,8 +79,8 @@ fn skipped_rows_are_stated() {
     arguments.extend(["--cycle", "2"]);
     let outcome = bench.run(&arguments);
     assert_eq!(outcome.status, Some(2));
-    let told = "data.csv: there is no cycle 2: the data have 1, numbered from 1";
-    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    let message = "data.csv: there is no cycle 2: the data have 1, numbered from 1";
+    assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
 }
 
 #[test]
@@ -144,8 +144,8 @@ fn limits_of_the_model_are_those_of_press() {
     let expected = pressed("6um");
     let limits = |value: &Value| -> Vec<(String, bool)> {
         let limits = value["limits"].as_array().unwrap().iter();
-        let told = |limit: &Value| (limit["name"].to_string(), limit["strained"] == true);
-        limits.map(told).collect()
+        let verdict = |limit: &Value| (limit["name"].to_string(), limit["strained"] == true);
+        limits.map(verdict).collect()
     };
     assert_eq!(limits(&result), limits(&expected));
     let strained = limits(&result).into_iter().any(|(_, strained)| strained);

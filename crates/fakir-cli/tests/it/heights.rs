@@ -142,7 +142,7 @@ fn the_scatter_by_errors_of_heights() {
     let more = ["--height-error", "20nm", "--output", "found"];
     let answer = bench.json(&[&DESIGN[..], &more].concat());
     let row = &answer["design"]["curve"][2];
-    let told = row["scatter"].as_f64().unwrap_or(0.0);
+    let scatter = row["scatter"].as_f64().unwrap_or(0.0);
     let wanted = row["wanted_area_m2"].as_f64().unwrap_or(0.0);
     let force = format!("{:e}", row["force_N"].as_f64().unwrap_or(0.0));
     let pillars = bench.read("found/pillars.csv");
@@ -169,8 +169,8 @@ fn the_scatter_by_errors_of_heights() {
         squares += (area.unwrap_or(0.0) / wanted - 1.0).powi(2);
     }
     assert!(
-        (squares.sqrt() / told - 1.0).abs() < 0.01,
-        "{told:e} {:e}",
+        (squares.sqrt() / scatter - 1.0).abs() < 0.01,
+        "{scatter:e} {:e}",
         squares.sqrt()
     );
     let text = bench.result(&[&DESIGN[..], &["--height-error", "20nm"]].concat());
@@ -249,8 +249,8 @@ fn a_stated_error_above_a_half_is_no_answer() {
     );
     let outcome = bench.run(&[&DESIGN[..], &set[..]].concat());
     assert_eq!(outcome.status, Some(1), "{}", outcome.stdout);
-    let told = "warning: contact at an indentation of 3 um: the contact area is not resolved";
-    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    let message = "warning: contact at an indentation of 3 um: the contact area is not resolved";
+    assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
 }
 
 #[test]
@@ -261,7 +261,7 @@ fn what_makes_no_sense_is_status_2() {
     bench.write("word.csv", "force_mN,area_um2\n30,wide\n");
     let design = ["design", "case.toml"];
     let set = ["--set", "pattern.pillar.height=10um"];
-    for (arguments, told) in [
+    for (arguments, message) in [
         (
             &["--free", "heights", "--target", "falls.csv"][..],
             "falls.csv:3: the wanted area does not rise",
@@ -322,7 +322,7 @@ fn what_makes_no_sense_is_status_2() {
             .split_whitespace()
             .collect::<Vec<_>>()
             .join(" ");
-        assert!(flowing.contains(told), "{}", outcome.stderr);
+        assert!(flowing.contains(message), "{}", outcome.stderr);
     }
 }
 
@@ -520,7 +520,7 @@ fn every_other_command_refuses_rounded_tops() {
     }
     let sweep = bench.run(&["sweep", "study.toml"]);
     assert_ne!(sweep.status, Some(0), "{} {}", sweep.stdout, sweep.stderr);
-    for (option, told) in [
+    for (option, message) in [
         (
             &["--gradient"][..],
             "derivatives are supported only for flat pillar tops",
@@ -537,6 +537,6 @@ fn every_other_command_refuses_rounded_tops() {
         let press = ["press", "case.toml", "--force", "1mN"];
         let outcome = bench.run(&[&press[..], option].concat());
         assert_eq!(outcome.status, Some(2), "{option:?}");
-        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }

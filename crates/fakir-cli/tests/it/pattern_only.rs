@@ -50,17 +50,17 @@ fn commands_without_an_answer_for_a_surface_say_what_to_use() {
             .args(arguments)
             .output()
             .expect("the binary runs");
-        let told = String::from_utf8_lossy(&output.stderr);
+        let message = String::from_utf8_lossy(&output.stderr);
         // The report is broken into lines.
-        let told: Vec<&str> = told
+        let message: Vec<&str> = message
             .split_whitespace()
             .filter(|word| *word != "│")
             .collect();
-        let told = told.join(" ");
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        let message = message.join(" ");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(output.stdout.is_empty(), "{arguments:?}");
         for wanted in ["square-pillars.toml:16", reason, instead] {
-            assert!(told.contains(wanted), "{arguments:?}: {told}");
+            assert!(message.contains(wanted), "{arguments:?}: {message}");
         }
     }
 }

@@ -652,13 +652,13 @@ fn keys_of_gradients_are_the_contract() {
 fn gradients_that_are_not_known_are_refused() {
     let bench = Bench::new();
     let case = intermediate();
-    for (arguments, told) in [
+    for (arguments, message) in [
         (&["--set", "method.name=punch"][..], "spectral"),
         (&["--set", "adhesion.work=50mJ/m2"], "adhesion"),
     ] {
         let arguments = [&["transition", &case, "--gradient"], arguments].concat();
         let outcome = bench.run(&arguments);
         assert_ne!(outcome.status, Some(0));
-        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }

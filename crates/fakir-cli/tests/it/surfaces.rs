@@ -91,8 +91,11 @@ fn narrow_grids_grow_and_narrow_maps_are_refused() {
     let force = number(&json(&enough), "/force_N");
     for width in ["20um", "80um"] {
         let narrow = on("press", width, &["--json", "--indentation", "2um"]);
-        let told = text(&narrow.stderr);
-        assert!(told.contains("solved with surface.grid.width = "), "{told}");
+        let message = text(&narrow.stderr);
+        assert!(
+            message.contains("solved with surface.grid.width = "),
+            "{message}"
+        );
         let narrow = json(&narrow);
         // On another grid the cells are shifted slightly.
         let error = number(&narrow, "/relative_error_estimate/force");
@@ -117,9 +120,12 @@ fn narrow_grids_grow_and_narrow_maps_are_refused() {
     std::fs::write(&path, format!("{lens}{surface}\n")).expect("a case for the test");
     let refused = fakir("press", &path, &["--indentation", "2um"]);
     assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stdout));
-    let told = text(&refused.stderr);
-    assert!(told.contains("ends within reach of the lens"), "{told}");
-    assert!(told.contains("are sufficient"), "{told}");
+    let message = text(&refused.stderr);
+    assert!(
+        message.contains("ends within reach of the lens"),
+        "{message}"
+    );
+    assert!(message.contains("are sufficient"), "{message}");
 }
 
 #[test]
@@ -455,10 +461,10 @@ fn a_study_of_surfaces_is_swept() {
         text(&output.stdout)
     };
     let out = out.to_str().expect("a path in Unicode");
-    let told = sweep(&["--output", out]);
+    let message = sweep(&["--output", out]);
     assert!(
-        told.starts_with("18 cases: contacts under a load"),
-        "{told}"
+        message.starts_with("18 cases: contacts under a load"),
+        "{message}"
     );
     let table = std::fs::read_to_string(Path::new(out).join("table.csv")).expect("a table");
     assert_eq!(table, sweep(&["--threads", "1"]));
@@ -522,11 +528,11 @@ fn a_study_points_at_the_axis_that_is_wrong() {
         .arg(&study)
         .output()
         .expect("the binary runs");
-    let told = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{told}");
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(output.stdout.is_empty());
     for words in ["study.toml:4:", "neighbouring pillars overlap", "in case 1"] {
-        assert!(told.contains(words), "{told}");
+        assert!(message.contains(words), "{message}");
     }
 }
 
@@ -577,12 +583,12 @@ fn adhesion_is_refused() {
     ] {
         let key = "adhesion.work=1J/m2";
         let output = fakir(command, &case, &[arguments, &["--set", key]].concat());
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{command} {key}: {told}");
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command} {key}: {message}");
         assert!(output.stdout.is_empty());
         assert!(
-            told.contains("adhesion") && told.contains("leave"),
-            "{told}"
+            message.contains("adhesion") && message.contains("leave"),
+            "{message}"
         );
     }
 }
@@ -611,13 +617,16 @@ fn a_stated_error_above_a_half_is_no_answer() {
         &output,
     ];
     let pressed = fakir("press", &case, &[&UNRESOLVED[..], &load].concat());
-    let told = text(&pressed.stderr);
-    assert_eq!(pressed.status.code(), Some(1), "{told}");
+    let message = text(&pressed.stderr);
+    assert_eq!(pressed.status.code(), Some(1), "{message}");
     assert!(
-        told.contains("warning: the force is not resolved"),
-        "{told}"
+        message.contains("warning: the force is not resolved"),
+        "{message}"
     );
-    assert!(told.contains("exceeds 0.5; use smaller cells"), "{told}");
+    assert!(
+        message.contains("exceeds 0.5; use smaller cells"),
+        "{message}"
+    );
     let result: Value = serde_json::from_slice(&pressed.stdout).unwrap();
     assert!(number(&result, "/relative_error_estimate/force") > 0.5);
     assert_eq!(
@@ -630,10 +639,10 @@ fn a_stated_error_above_a_half_is_no_answer() {
     let path = ["--step", "30nm", "--to", "60nm", "--json"];
     let loading = fakir("approach", &case, &[&UNRESOLVED[..], &path].concat());
     assert_eq!(loading.status.code(), Some(1));
-    let told = text(&loading.stderr);
+    let message = text(&loading.stderr);
     assert!(
-        told.contains("at an indentation of 60.0000 nm: the force is not"),
-        "{told}"
+        message.contains("at an indentation of 60.0000 nm: the force is not"),
+        "{message}"
     );
     let result: Value = serde_json::from_slice(&loading.stdout).unwrap();
     let answers = |row: usize| result["states"][row]["converged"].clone();

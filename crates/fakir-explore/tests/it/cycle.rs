@@ -28,8 +28,8 @@ fn cycle(surface_fraction: f64, work: &str) -> Cycle {
 
 fn stations(answer: &Answer) -> Vec<Value> {
     let lines = answer.lines();
-    let told = lines.iter().filter_map(|line| line.get("station"));
-    told.cloned().collect()
+    let sent = lines.iter().filter_map(|line| line.get("station"));
+    sent.cloned().collect()
 }
 
 fn load(station: &Value) -> f64 {
@@ -63,14 +63,14 @@ fn the_cycle_is_that_of_the_library() {
     assert!(command.contains("fakir cycle case.toml"));
     assert!(answer.line("transition").as_array().unwrap().len() > 100);
 
-    let told = stations(&answer);
-    assert_eq!(shown["states"], json!(told.len()));
-    assert!(told.len() > 80, "{}", told.len());
+    let sent = stations(&answer);
+    assert_eq!(shown["states"], json!(sent.len()));
+    assert!(sent.len() > 80, "{}", sent.len());
     // The first is the critical state, which is displayed unless another load is requested.
-    assert_eq!(load(&told[0]).to_bits(), 1f64.to_bits());
-    assert_eq!(told[0]["floor_contacts_m"].as_array().unwrap().len(), 6);
+    assert_eq!(load(&sent[0]).to_bits(), 1f64.to_bits());
+    assert_eq!(sent[0]["floor_contacts_m"].as_array().unwrap().len(), 6);
     let (mut pulls, mut parts, mut at_pull_off) = (0, 0, 0);
-    for station in &told {
+    for station in &sent {
         let place = station["place"].as_u64().unwrap() as usize;
         let expected_station = &expected.stations[place];
         let forces: Vec<f64> = serde_json::from_value(station["pillar_forces_N"].clone()).unwrap();
@@ -100,10 +100,10 @@ fn the_cycle_is_that_of_the_library() {
     }
     assert!(pulls > 0 && parts > 0);
     assert_eq!(at_pull_off, 1);
-    let ends = |f: fn(f64, f64) -> f64| told.iter().map(load).reduce(f).unwrap();
+    let ends = |f: fn(f64, f64) -> f64| sent.iter().map(load).reduce(f).unwrap();
     assert!(ends(f64::min).abs() < f64::EPSILON);
     assert!((ends(f64::max) - 2.0).abs() < f64::EPSILON);
-    let last = told
+    let last = sent
         .iter()
         .max_by(|a, b| load(a).total_cmp(&load(b)))
         .unwrap();
@@ -115,11 +115,11 @@ fn the_state_asked_for_comes_first() {
     let server = Running::start();
     let mut asked = question(server.next(), &sticky(0.01, "50 mJ/m2"));
     asked["load"] = json!({ "fraction": 2.0 });
-    let told = stations(&server.ask("/api/cycle", &asked));
-    assert!((load(&told[0]) - 2.0).abs() < f64::EPSILON);
+    let sent = stations(&server.ask("/api/cycle", &asked));
+    assert!((load(&sent[0]) - 2.0).abs() < f64::EPSILON);
     let away = |station: &Value| (load(station) - 2.0).abs();
     assert!(
-        told.windows(2)
+        sent.windows(2)
             .all(|pair| away(&pair[0]) <= away(&pair[1]) + 1e-12)
     );
 }
@@ -151,38 +151,38 @@ fn works_that_cannot_be_are_refused_at_their_key() {
             values[*key] = value.clone();
         }
         let answer = server.ask(path, &question(server.next(), &values));
-        let told: Value = serde_json::from_str(&answer.body).unwrap();
-        assert_eq!(answer.status, 422, "{told}");
-        told
+        let message: Value = serde_json::from_str(&answer.body).unwrap();
+        assert_eq!(answer.status, 422, "{message}");
+        message
     };
-    let told = refused("/api/cycle", &[("adhesion.work", json!("-1 mJ/m2"))]);
-    assert_eq!(told["key"], "adhesion.work");
+    let message = refused("/api/cycle", &[("adhesion.work", json!("-1 mJ/m2"))]);
+    assert_eq!(message["key"], "adhesion.work");
     assert!(
-        told["message"]
+        message["message"]
             .as_str()
             .unwrap()
             .contains("cannot be -1 mJ/m2"),
-        "{told}"
+        "{message}"
     );
-    let told = refused(
+    let message = refused(
         "/api/cycle",
         &[("adhesion.work_receding", json!("10 mJ/m2"))],
     );
-    assert_eq!(told["key"], "adhesion.work_receding");
+    assert_eq!(message["key"], "adhesion.work_receding");
     assert!(
-        told["accepted"]
+        message["accepted"]
             .as_str()
             .unwrap()
             .contains("breaking contact takes at least the energy gained"),
-        "{told}"
+        "{message}"
     );
-    let told = refused("/api/cycle", &[("method.name", json!("punch"))]);
+    let message = refused("/api/cycle", &[("method.name", json!("punch"))]);
     assert!(
-        told["message"]
+        message["message"]
             .as_str()
             .unwrap()
             .contains("the method \"punch\": only the spectral method supports adhesion"),
-        "{told}"
+        "{message}"
     );
     let mut none = question(server.next(), &case(0.01));
     none["load"] = json!({ "fraction": 1.0 });

@@ -317,7 +317,7 @@ fn an_offset_of_the_force_is_found() {
 
 #[test]
 fn what_the_data_of_adhesion_lack_is_told() {
-    let told = |columns: &[(Column, Vec<f64>)], work: &str, free: &[Parameter]| {
+    let refusal = |columns: &[(Column, Vec<f64>)], work: &str, free: &[Parameter]| {
         let data = Measurements::new(columns).unwrap();
         let file = case_file(&["pattern.surface_fraction=0.01", work]);
         fit(&file, &data, free, &FitOptions::default(), &Run::default())
@@ -330,7 +330,7 @@ fn what_the_data_of_adhesion_lack_is_told() {
         (Column::Indentation, up.clone()),
         (Column::Force, vec![1e-6, 2e-6, 4e-6, 8e-6]),
     ];
-    let message = told(&loading, work, &[WORK]);
+    let message = refusal(&loading, work, &[WORK]);
     assert!(
         message.contains("adhesion.work takes rows of the unloading"),
         "{message}"
@@ -339,7 +339,7 @@ fn what_the_data_of_adhesion_lack_is_told() {
         (Column::Indentation, vec![0.5e-6, 2e-6, 1e-6, 0.5e-6]),
         (Column::Force, vec![1e-6, 8e-6, 3e-6, 1e-6]),
     ];
-    let message = told(&down, work, &[WORK]);
+    let message = refusal(&down, work, &[WORK]);
     assert!(
         message.contains("give adhesion.work in the case"),
         "{message}"
@@ -348,14 +348,14 @@ fn what_the_data_of_adhesion_lack_is_told() {
         (Column::Indentation, up.clone()),
         (Column::ContactRadius, up.clone()),
     ];
-    let message = told(&radii, work, &[Parameter::ForceOffset]);
+    let message = refusal(&radii, work, &[Parameter::ForceOffset]);
     assert!(
         message.contains("force_offset takes a column force_N"),
         "{message}"
     );
     let mut partly = loading.to_vec();
     partly.push((Column::Branch, vec![0.0, 0.0, f64::NAN, 1.0]));
-    let message = told(&partly, work, &[WORK]);
+    let message = refusal(&partly, work, &[WORK]);
     assert!(message.contains("branch: no branch here"), "{message}");
     let odd = "branch,indentation_m,force_N\nup,1e-6,1e-6\n";
     let message = Measurements::from_csv("data.csv", odd.as_bytes(), &[])

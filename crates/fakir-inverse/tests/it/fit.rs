@@ -206,8 +206,8 @@ fn rows_outside_of_the_model_are_named_and_left_out() {
     let lines: Vec<u64> = fitted.not_modelled.iter().map(|(line, _)| *line).collect();
     assert_eq!(lines, [10]);
     let warnings = fitted.warnings().join("\n");
-    let told = "1 row (line 10) is outside of the model and left out: the contact would reach";
-    assert!(warnings.contains(told), "{warnings}");
+    let message = "1 row (line 10) is outside of the model and left out: the contact would reach";
+    assert!(warnings.contains(message), "{warnings}");
 }
 
 #[test]

@@ -124,8 +124,8 @@ fn curves_that_cannot_be_are_refused() {
         [at(1.0, 1.0), at(1.0, 2.0)],
         [at(1.0, 1.0), at(2.0, f64::NAN)],
     ] {
-        let told = refused(&wanted).to_string();
-        assert!(told.contains("point 1 (counted from 0)"), "{told}");
+        let message = refused(&wanted).to_string();
+        assert!(message.contains("point 1 (counted from 0)"), "{message}");
     }
 }
 

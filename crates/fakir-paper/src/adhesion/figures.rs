@@ -200,7 +200,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
     };
     let is =
         |fate: FloorOutcome| move |case: &FloorCase| case.fate().unwrap_or(case.found.fate) == fate;
-    let told = [
+    let classes = [
         (
             "held through zero load",
             FloorOutcome::HeldThroughZero,
@@ -214,7 +214,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
             Marker::Square,
         ),
     ];
-    for (label, fate, tint, marker) in told {
+    for (label, fate, tint, marker) in classes {
         series.push(Series::new(
             label,
             points(&|case| good(case) && is(fate)(case)),

@@ -115,8 +115,8 @@ pub fn reproduce_adhesion(
     let (mut count, mut failed) = (0, 0);
     let mut sweep = |part: Part, known: &Cases| -> Result<(Study, Vec<Row>), PaperError> {
         let study = scope.study(part, known)?;
-        let tell = |progress| on_progress(Progress::Sweep(part, progress));
-        let summary = swept(&study, &folder.join(part.folder()), existing, run, &tell)?;
+        let report = |progress| on_progress(Progress::Sweep(part, progress));
+        let summary = swept(&study, &folder.join(part.folder()), existing, run, &report)?;
         damaged.extend(summary.damaged);
         count += summary.rows.len();
         let failures = summary.rows.iter().filter(|row| row.problem.is_some());

@@ -183,17 +183,17 @@ fn the_report_says_what_the_tables_say() {
 
     // Systems that were not in the study.
     let fresh = fresh(20, 20);
-    let (mut told, mut right) = (0, 0);
+    let (mut cases, mut right) = (0, 0);
     for (law, held) in &made.laws {
         let found = HeldOut::new(law, &fresh).unwrap();
         println!("{}: {found:?}, band {}", law.reduced.name(), law.band);
         let said = law.band.max(held.unwrap().largest);
         let within = |case: &&FloorCase| law.distance(case).is_some_and(|d| d <= said);
-        told += found.points;
+        cases += found.points;
         right += fresh.iter().filter(within).count();
     }
-    println!("{right} of {told} within what the report says");
-    assert!(20 * right >= 19 * told, "{right} of {told}");
+    println!("{right} of {cases} within what the report says");
+    assert!(20 * right >= 19 * cases, "{right} of {cases}");
     for finding in &made.findings {
         println!("{}: {}", finding.title, finding.text);
     }

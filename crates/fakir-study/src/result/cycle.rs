@@ -316,10 +316,10 @@ mod tests {
         let (unknown, table) = with(0.8);
         assert!(unknown["floor"]["jump"]["floor_contact_area_m2"].is_null());
         assert_eq!((table, &unknown["converged"]), (None, &true.into()));
-        let told = words(&unknown);
+        let message = words(&unknown);
         assert!(
-            told.contains("contact area on the floor after the jump onto it is not resolved"),
-            "{told}"
+            message.contains("contact area on the floor after the jump onto it is not resolved"),
+            "{message}"
         );
     }
 }

@@ -235,11 +235,11 @@ fn solve(
             }
             let mut solution = solve_spectral(scene, target, punch, degrees, run)?;
             let lowest = lowest_point(target, &mut solution);
-            let mut told = None;
+            let mut reported = None;
             if let Some(listener) = listener {
                 let state = assembled(&solution, lowest, UNKNOWN)?;
                 listener(&state);
-                told = Some(state);
+                reported = Some(state);
             }
             let gap = lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
@@ -259,7 +259,7 @@ fn solve(
                     ..state
                 });
             }
-            match told {
+            match reported {
                 Some(state) => Ok(ContactState { error, ..state }),
                 None => {
                     // Releases the memory of the coupling: the states of many pillars need it.

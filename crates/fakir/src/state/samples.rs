@@ -659,9 +659,9 @@ mod tests {
             ..Run::default()
         };
         let refused = fields.sample(&vec![[0.0; 2]; 40_001], &little);
-        let told = refused.unwrap_err().to_string();
+        let message = refused.unwrap_err().to_string();
         assert_eq!(
-            told,
+            message,
             "fields at 40001 points take 3.2 MB of memory; the limit is 3.2 MB: raise the limit, or \
              ask for at most 40000 points, such as 200 by 200"
         );

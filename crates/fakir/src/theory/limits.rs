@@ -113,7 +113,7 @@ impl ContactState {
         if system.pillar().compliance == PillarCompliance::Elastic {
             let leans = system.leans() && matches!(self.method, Method::Spectral(_));
             let error = ELASTIC_ERRORS[usize::from(!leans)];
-            return Some(Limit::told("elastic_pillar_error", error));
+            return Some(Limit::without_threshold("elastic_pillar_error", error));
         }
         let law = system.column_law();
         let elastic = law.as_elastic()?.of_common().shortening;
@@ -156,7 +156,7 @@ impl ContactState {
         let radius = 0.5 * system.pillar().diameter;
         let share = SMALL * self.force / self.pillars.len() as f64;
         let work = share * share / (8.0 * PI * system.reduced_modulus() * radius.powi(3));
-        Some(Limit::told(
+        Some(Limit::without_threshold(
             "work_of_adhesion_of_one_percent_J_per_m2",
             work,
         ))
@@ -174,7 +174,7 @@ fn of_layers(
     let mut limits = Vec::new();
     if let (Some(film), Some(radius)) = (film, contact_radius) {
         let name = "contact_radius_over_substrate_thickness";
-        limits.push(Limit::told(name, radius / film.thickness));
+        limits.push(Limit::without_threshold(name, radius / film.thickness));
     }
     if let Some(lens) = lens {
         if let Some(radius) = contact_radius {
@@ -331,7 +331,7 @@ impl HalfSpaces<'_> {
             let parts = names.into_iter().zip([0.01, 0.1]);
             parts.map(move |(name, part)| {
                 let change = part * self.indentation;
-                Limit::told(name, thickness([thin.indentation, bend], change))
+                Limit::without_threshold(name, thickness([thin.indentation, bend], change))
             })
         };
         let half_spaces = names.into_iter().enumerate();
@@ -403,7 +403,7 @@ impl FlatContact {
             if let (Some(radius), true) = (radius, system.adhesion().is_none()) {
                 let work = SMALL * self.force / (1.5 * PI * radius);
                 let name = "work_of_adhesion_of_one_percent_J_per_m2";
-                limits.push(Limit::told(name, work));
+                limits.push(Limit::without_threshold(name, work));
             }
         }
         limits.retain(|limit| limit.value.is_finite());

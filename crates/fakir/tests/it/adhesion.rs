@@ -490,18 +490,22 @@ fn limits_of_the_model_are_told() {
 #[test]
 fn cycles_tell_how_far_they_are_and_stop_when_told() {
     let system = sticky(0.03, 0.0, 0.05);
-    let told = Mutex::new(Vec::new());
-    let listener = |progress: Progress| told.lock().unwrap().push(progress);
+    let reports = Mutex::new(Vec::new());
+    let listener = |progress: Progress| reports.lock().unwrap().push(progress);
     let run = Run {
         progress: Some(&listener),
         ..Run::default()
     };
     let cycle = fakir::cycle(&system, CyclePlan::default(), Method::default(), &run).unwrap();
     assert_eq!(cycle.termination, Termination::Converged);
-    let told = told.into_inner().unwrap();
-    assert!(told.iter().all(|progress| progress.stage == Stage::Cycle));
-    assert_eq!(told.last().unwrap().touched, 0);
-    assert!(told.iter().map(|progress| progress.touched).max() >= Some(55));
+    let reports = reports.into_inner().unwrap();
+    assert!(
+        reports
+            .iter()
+            .all(|progress| progress.stage == Stage::Cycle)
+    );
+    assert_eq!(reports.last().unwrap().touched, 0);
+    assert!(reports.iter().map(|progress| progress.touched).max() >= Some(55));
     let cancel = CancelToken::default();
     let stopper = |progress: Progress| {
         if progress.step > 30 {
@@ -584,22 +588,23 @@ fn pressures_pull_where_tops_are_held() {
 #[test]
 fn a_cycle_can_be_followed_station_by_station() {
     let system = sticky(0.03, 0.3, 0.01);
-    let told = Mutex::new(Vec::new());
+    let passed = Mutex::new(Vec::new());
     let follower = |passage: &fakir::state::Passage<'_>| {
         let every_fifth = passage.place.is_multiple_of(5);
         let held = every_fifth.then(|| passage.held());
-        told.lock()
+        passed
+            .lock()
             .unwrap()
             .push((passage.place, passage.station, held));
     };
     let plan = CyclePlan::default();
     let followed =
         fakir::follow_cycle(&system, plan, Method::default(), &Run::default(), &follower).unwrap();
-    let told = told.into_inner().unwrap();
+    let passed = passed.into_inner().unwrap();
     // The first load step is before the first contact.
-    assert_eq!(told.len() + 1, followed.stations.len());
+    assert_eq!(passed.len() + 1, followed.stations.len());
     let mut partly = 0;
-    for (place, station, held) in &told {
+    for (place, station, held) in &passed {
         let expected = &followed.stations[*place];
         assert_eq!(station.force.to_bits(), expected.force.to_bits());
         assert_eq!(
@@ -860,8 +865,8 @@ fn tops_that_differ_do_not_stick_yet() {
         diameter,
     };
     let list = PillarList::new(vec![pillar(0.0, 6e-6), pillar(20e-6, 8e-6)]).unwrap();
-    let told = refused(&sticky_on(list, PillarCompliance::Column, 0.05));
-    assert!(told.contains("diameters"), "{told}");
+    let message = refused(&sticky_on(list, PillarCompliance::Column, 0.05));
+    assert!(message.contains("diameters"), "{message}");
     let scattered = PlaneLattice {
         disorder: Disorder {
             heights: Scatter::normal(0.05, 0),
@@ -869,6 +874,6 @@ fn tops_that_differ_do_not_stick_yet() {
         },
         ..PlaneLattice::new(LatticeForm::Square { pitch: 30e-6 })
     };
-    let told = refused(&sticky_on(scattered, PillarCompliance::Column, 0.05));
-    assert!(told.contains("columns"), "{told}");
+    let message = refused(&sticky_on(scattered, PillarCompliance::Column, 0.05));
+    assert!(message.contains("columns"), "{message}");
 }

@@ -160,9 +160,9 @@ fn random_arrangements_agree_with_the_spectral_method() {
 #[test]
 #[ignore = "slow: 95 arrangements more"]
 fn many_random_arrangements_agree_with_the_spectral_method() {
-    let told = agreeing(100);
+    let agreed = agreeing(100);
     // For light contacts on one inclined top, the estimates may exceed all digits.
-    assert!(told >= 98, "{told}");
+    assert!(agreed >= 98, "{agreed}");
 }
 
 /// The number of arrangements for which the methods agree; none may disagree: square, oblique, with scattered heights, missing pillars, of
@@ -170,7 +170,7 @@ fn many_random_arrangements_agree_with_the_spectral_method() {
 fn agreeing(count: u64) -> usize {
     let opinions: Vec<_> = (0..count).into_par_iter().map(opinion).collect();
     let mut largest = 0.0_f64;
-    let mut told = 0;
+    let mut agreed = 0;
     for (number, (name, control, verification)) in opinions.iter().enumerate() {
         let pairs = [verification.force, verification.indentation];
         let ratio = pairs
@@ -193,11 +193,13 @@ fn agreeing(count: u64) -> usize {
         );
         let verdict = verification.verdict();
         assert_ne!(verdict, Verdict::Disagree, "{number}: {verification:?}");
-        told += usize::from(verdict == Verdict::Agree);
+        agreed += usize::from(verdict == Verdict::Agree);
         largest = largest.max(ratio);
     }
-    println!("{told} of {count} agree; the largest difference over the estimates is {largest:.2}");
-    told
+    println!(
+        "{agreed} of {count} agree; the largest difference over the estimates is {largest:.2}"
+    );
+    agreed
 }
 
 #[test]
