@@ -685,7 +685,7 @@ fn rounded_tops() {
 
 #[test]
 fn cycles() {
-    let sticky = system(2e6, 0.01, 0.0)
+    let adhesive = system(2e6, 0.01, 0.0)
         .with_adhesion(Adhesion::new(50e-3))
         .unwrap();
     let dense = system(2e6, 0.03, 0.3)
@@ -704,10 +704,10 @@ fn cycles() {
         ..plan
     };
     for (system, plan) in [
-        (&sticky, plan),
+        (&adhesive, plan),
         (&dense, plan),
-        (&sticky, by_force),
-        (&sticky, early),
+        (&adhesive, by_force),
+        (&adhesive, early),
     ] {
         let cycle = cycle(system, plan);
         check(&[cycle_curve(&cycle).unwrap(), release_map(&cycle).unwrap()]);
@@ -716,7 +716,7 @@ fn cycles() {
         retract: false,
         ..plan
     };
-    let loading = cycle(&sticky, loading);
+    let loading = cycle(&adhesive, loading);
     check(&[cycle_curve(&loading).unwrap()]);
     let none = release_map(&loading).unwrap_err();
     assert!(matches!(none, FigureError::NoPillars { .. }));

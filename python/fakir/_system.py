@@ -132,9 +132,9 @@ class System(Shown):
             *of_layers[1][0],
         ]
         if adhesion is not None:
-            sticks = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
-            numbers.append(("adhesion.work", sticks.work))
-            numbers.append(("adhesion.work_receding", sticks.work_receding))
+            adhesive = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
+            numbers.append(("adhesion.work", adhesive.work))
+            numbers.append(("adhesion.work_receding", adhesive.work_receding))
         words = [
             *words_of_shape,
             *of_layers[0][1],

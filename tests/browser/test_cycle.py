@@ -26,7 +26,7 @@ RED = """() => {
 PICTURE = "() => document.getElementById('map').toDataURL()"
 
 
-def sticky(surface_fraction, work, *more):
+def adhesive(surface_fraction, work, *more):
     return "#" + "&".join([*paper(surface_fraction), f"adhesion.work={work}", *more])
 
 
@@ -61,7 +61,7 @@ def expected(tmp_path):
 
 
 def test_the_slider_goes_down_and_up_the_computed_path(explore, expected):
-    page = explore(sticky(0.03, 0.01))
+    page = explore(adhesive(0.03, 0.01))
     assert page.text("load-words") == "critical state"
     assert asked(page, "/api/cycle") == 1
     assert asked(page, "/api/contact") == 0
@@ -94,7 +94,7 @@ def test_the_slider_goes_down_and_up_the_computed_path(explore, expected):
 
 
 def test_a_step_of_the_slider_is_shown_in_the_next_frame(explore):
-    page = explore(sticky(0.05, 0.05))
+    page = explore(adhesive(0.05, 0.05))
     late = page.page.evaluate(
         """async () => {
             const slider = document.getElementById("load");
@@ -121,7 +121,7 @@ def test_a_step_of_the_slider_is_shown_in_the_next_frame(explore):
 
 
 def test_the_chart_has_both_branches_and_what_happens_on_them(explore, expected):
-    page = explore(sticky(0.03, 0.01))
+    page = explore(adhesive(0.03, 0.01))
     locate = page.page.locator
     assert locate("#loading path.path").count() == 2
     assert locate("#loading path.unloading").count() == 1
@@ -145,10 +145,10 @@ def test_the_chart_has_both_branches_and_what_happens_on_them(explore, expected)
 
 @pytest.mark.smoke
 def test_the_numbers_are_those_of_the_command_line(explore, expected):
-    page = explore(sticky(0.03, 0.01))
+    page = explore(adhesive(0.03, 0.01))
     numbers = {
         "pull-off-force": expected["pull_off_force_N"],
-        "sticky-critical": expected["critical_force_N"],
+        "adhesive-critical": expected["critical_force_N"],
         "last-release": expected["last_release_indentation_m"],
         "separation-work": expected["work_of_separation_J"],
         "loop-area": expected["hysteresis_J"],
@@ -176,7 +176,7 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
 
 
 def test_pulled_and_partial_pillars_are_on_the_map(explore):
-    page = explore(sticky(0.03, 0.003, "pattern.offset=0.3"))
+    page = explore(adhesive(0.03, 0.003, "pattern.offset=0.3"))
     assert page.page.is_visible("#pull-key")
     assert page.text("pull-most").startswith("−")
     page.page.focus("#load")
@@ -210,7 +210,7 @@ def test_pulled_and_partial_pillars_are_on_the_map(explore):
 
 
 def test_the_section_follows(explore):
-    page = explore(sticky(0.03, 0.05))
+    page = explore(adhesive(0.03, 0.05))
     outlines = []
     for load in ("#to-critical", "#to-pull-off"):
         page.page.click(load)
@@ -230,7 +230,7 @@ def test_a_case_file_with_adhesion_is_where_the_page_begins(explore, tmp_path):
 
 
 def test_links_files_and_the_command_carry_adhesion(explore, tmp_path):
-    page = explore(sticky(0.02, 0.05, "adhesion.work_receding=0.08", "load=1.5"))
+    page = explore(adhesive(0.02, 0.05, "adhesion.work_receding=0.08", "load=1.5"))
     assert page.text("load-words").startswith("unloading, ")
     assert page.page.input_value("#adhesion-work_receding") == "80 mJ/m²"
     page.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
@@ -257,7 +257,7 @@ def test_links_files_and_the_command_carry_adhesion(explore, tmp_path):
 
 
 def test_works_that_cannot_be_are_refused_at_their_field(explore):
-    page = explore(sticky(0.01, 0.05))
+    page = explore(adhesive(0.01, 0.05))
     shown = page.text("pull-off-force")
     page.enter("adhesion.work", "-20 mJ/m2")
     assert page.text("adhesion-work-note").startswith("cannot be -20 mJ/m2: it must be 0, or")
@@ -279,11 +279,11 @@ def test_works_that_cannot_be_are_refused_at_their_field(explore):
 def test_without_adhesion_the_page_is_as_before(explore):
     """At a work of zero, from the start or on the way back from another one."""
     plain = explore("#" + "&".join(paper(0.02)))
-    back = explore(sticky(0.02, 0.05, "load=1.7"))
+    back = explore(adhesive(0.02, 0.05, "load=1.7"))
     back.page.focus("#adhesion-work-slider")
     back.page.keyboard.press("Home")
     back.rest()
-    zero = explore(sticky(0.02, 0))
+    zero = explore(adhesive(0.02, 0))
     for page in (back, zero):
         assert page.page.input_value("#adhesion-work") == "0 mJ/m²"
         assert page.results() == plain.results()
@@ -301,7 +301,7 @@ def test_without_adhesion_the_page_is_as_before(explore):
 
 def test_a_newer_work_is_answered_at_once(explore):
     # Hundreds of pillars that stick weakly take seconds.
-    page = explore(sticky(0.01, 0.05))
+    page = explore(adhesive(0.01, 0.05))
     page.page.evaluate(
         """() => {
             const field = document.getElementById("pattern-surface_fraction");
@@ -319,7 +319,7 @@ def test_a_newer_work_is_answered_at_once(explore):
 
 
 def test_what_is_of_a_cycle_before_is_grey(explore):
-    page = explore(sticky(0.02, 0.05, "load=1.5"))
+    page = explore(adhesive(0.02, 0.05, "load=1.5"))
     held = []
     page.page.route("**/api/cycle", lambda route: held.append(route))
     page.page.fill("#adhesion-work", "20 mJ/m2")
@@ -339,7 +339,7 @@ def test_what_is_of_a_cycle_before_is_grey(explore):
 @pytest.mark.parametrize("width, height", [(390, 844), (1400, 900)])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_cycle_fits_every_screen(explore, width, height, scheme):
-    page = explore(sticky(0.03, 0.01), width, height, color_scheme=scheme)
+    page = explore(adhesive(0.03, 0.01), width, height, color_scheme=scheme)
     page.page.click("#to-pull-off")
     assert page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth") <= 0
     cut = page.page.evaluate(

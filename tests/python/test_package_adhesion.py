@@ -67,15 +67,15 @@ def test_adhesion_is_part_of_a_system(system):
 
 def test_a_floor_that_sticks_is_part_of_a_system(system):
     parts = system.lens, system.substrate, system.pattern
-    sticks = fakir.System(*parts, adhesion=fakir.Adhesion("10 mJ/m2", floor=True))
-    assert sticks.adhesion == fakir.Adhesion(0.01, floor=True)
-    assert "of the floor too" in repr(sticks)
+    adhesive = fakir.System(*parts, adhesion=fakir.Adhesion("10 mJ/m2", floor=True))
+    assert adhesive.adhesion == fakir.Adhesion(0.01, floor=True)
+    assert "of the floor too" in repr(adhesive)
     assert not system.adhesion.floor
     with pytest.raises(fakir.CaseError) as refused:
         fakir.System(*parts, adhesion=fakir.Adhesion(0.01, floor=True), floor_contact=False)
     assert refused.value.key == "adhesion.floor"
     # Loading ends before the floor: nothing of it is in contact.
-    assert sticks.cycle(to="0.5 um").floor is None
+    assert adhesive.cycle(to="0.5 um").floor is None
 
 
 def test_what_drives_the_lens(system, cycle):

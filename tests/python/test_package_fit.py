@@ -221,10 +221,10 @@ def test_arguments_that_cannot_be(data, system):
 
 @pytest.mark.slow
 def test_a_retraction_is_fitted_and_a_pull_off_designed():
-    sticky = fakir.System.from_file(EXAMPLES / "fit" / "retraction.toml")
+    adhesive = fakir.System.from_file(EXAMPLES / "fit" / "retraction.toml")
     table = pandas.read_csv(EXAMPLES / "fit" / "retraction.csv", comment="#")
     free = ["adhesion.work", "contact_point", "force_offset", "substrate.young_modulus"]
-    found = fakir.fit(table, sticky, free)
+    found = fakir.fit(table, adhesive, free)
     # As crates/fakir-inverse/examples/synthetic_retraction.rs has them.
     for name, truth in zip(free, [0.035, 3e-6, 2e-6, 1.4e6]):
         low, high = found[name].interval
@@ -237,9 +237,9 @@ def test_a_retraction_is_fitted_and_a_pull_off_designed():
     axes = fakir.plot.fit(found)
     assert "fitted, unloading" in axes[0].get_legend_handles_labels()[1]
     with pytest.raises(fakir.errors.FitError, match="loading"):
-        fakir.fit({**table, "branch": ["up"] * len(table)}, sticky, free)
-    assert any("Kendall" in work.text for work in fakir.cite(sticky))
-    sparse = sticky.replace({"pattern.surface_fraction": 0.01})
+        fakir.fit({**table, "branch": ["up"] * len(table)}, adhesive, free)
+    assert any("Kendall" in work.text for work in fakir.cite(adhesive))
+    sparse = adhesive.replace({"pattern.surface_fraction": 0.01})
     designed = fakir.design(sparse, "substrate.young_modulus", pull_off="15 uN")
     error = designed.cycle.pull_off.error.numerical
     assert abs(designed.cycle.pull_off.force / -15e-6 - 1) <= error

@@ -53,7 +53,7 @@ fn keys_with(feature: Feature) -> &'static [Key] {
         Feature::ElasticPillars => &[Key::PillarCompliance],
         Feature::IgnoredFloor => &[Key::FloorContact],
         Feature::AdhesiveTops => &[Key::WorkOfAdhesion, Key::RecedingWorkOfAdhesion],
-        Feature::AdhesiveFloor => &[Key::FloorSticks],
+        Feature::AdhesiveFloor => &[Key::AdhesiveFloor],
     }
 }
 

@@ -294,7 +294,7 @@ impl CaseFile {
         let (shape, profile) = self.lens_shape(&parts)?;
         let (method, adhesion) = (parts.method.method(), self.adhesion(&parts));
         self.check_adhesion(adhesion, method)?;
-        self.check_floor_that_sticks(adhesion, parts.pattern.floor)?;
+        self.check_adhesive_floor(adhesion, parts.pattern.floor)?;
         self.check_bases(&parts)?;
         let system = parts
             .system(shape, pattern, adhesion)
@@ -465,12 +465,8 @@ impl CaseFile {
     }
 
     /// Refuses an adhesive floor without adhesive tops, or without floor contact.
-    fn check_floor_that_sticks(
-        &self,
-        adhesion: Adhesion,
-        model: FloorModel,
-    ) -> Result<(), CaseError> {
-        let key = Key::FloorSticks;
+    fn check_adhesive_floor(&self, adhesion: Adhesion, model: FloorModel) -> Result<(), CaseError> {
+        let key = Key::AdhesiveFloor;
         if !adhesion.floor {
             return Ok(());
         }

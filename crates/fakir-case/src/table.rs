@@ -248,7 +248,7 @@ keys! {
                 .unwritten(|p| !p.pattern.adhesion.recedes);
     }
     PillarPattern {
-        FloorSticks = "adhesion.floor" is
+        AdhesiveFloor = "adhesion.floor" is
             word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.pattern.adhesion.floor)
                 .label("adhesive floor").optional()
                 .unwritten(|p| !p.pattern.adhesion.floor.0);

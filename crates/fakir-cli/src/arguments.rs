@@ -1264,7 +1264,7 @@ pub(crate) struct RangeArguments {
 
 impl RangeArguments {
     /// The range (m) for a case whose tops stick, or do not, if it is given.
-    pub(crate) fn of(self, sticks: bool) -> Result<Option<f64>, Failure> {
+    pub(crate) fn of(self, adhesive: bool) -> Result<Option<f64>, Failure> {
         let Some(range) = self.attraction_range else {
             return Ok(None);
         };
@@ -1273,7 +1273,7 @@ impl RangeArguments {
                 "--attraction-range must be a length greater than 0".to_owned(),
             ));
         }
-        if !sticks {
+        if !adhesive {
             return Err(Failure::Argument(
                 "--attraction-range needs pillar tops that stick: give adhesion.work in the case \
                  file, or --set adhesion.work=50mJ/m2"

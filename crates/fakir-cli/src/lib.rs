@@ -76,8 +76,8 @@ fn run(command: &Command) -> Result<Status, Failure> {
                 &file,
                 Question::Theory,
                 move |case| {
-                    let sticks = !case.system.adhesion().is_none();
-                    commands::theory::run(case, options.adhesion.of(sticks)?)
+                    let adhesive = !case.system.adhesion().is_none();
+                    commands::theory::run(case, options.adhesion.of(adhesive)?)
                 },
             )
         }

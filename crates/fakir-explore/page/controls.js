@@ -1,7 +1,7 @@
 // The input controls of a case: a field with unit and a slider for each quantity, and error messages.
 
 import { editable, engineeringText, parse, unitOf, withUnit } from "./numbers.js";
-import { FRACTION, PITCH, RECEDING, sticks, STUCK, WORK, withSpacing } from "./store.js";
+import { FRACTION, PITCH, RECEDING, isAdhesive, ADHESIVE_FLOOR, WORK, withSpacing } from "./store.js";
 
 /**
  * @import { Key, Value, Values } from "./engine.js"
@@ -99,7 +99,7 @@ export class Controls {
     const receding = this.#widgets.get(RECEDING)?.box;
     receding?.classList.toggle("derived", values[RECEDING] === undefined);
     receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
-    this.#widgets.get(STUCK)?.box.toggleAttribute("hidden", !sticks(values) && values[STUCK] === undefined);
+    this.#widgets.get(ADHESIVE_FLOOR)?.box.toggleAttribute("hidden", !isAdhesive(values) && values[ADHESIVE_FLOOR] === undefined);
   }
 
   /**

@@ -3,7 +3,7 @@
 import { drawChart, range } from "./charts.js";
 import { digitsFor, engineeringText } from "./numbers.js";
 import { byId } from "./screen.js";
-import { floorCarriesLoad, isCritical, isOlder, stationAt, sticks } from "./store.js";
+import { floorCarriesLoad, isCritical, isOlder, stationAt, isAdhesive } from "./store.js";
 
 /**
  * @import { Axes, Contents, Lettering, Place, Series } from "./charts.js"
@@ -319,9 +319,9 @@ function cycleSeries(state, { curve, solved }) {
 
 /** @param {State} state */
 export function drawLoading(state) {
-  const sticky = sticks(state.chosen.case);
-  if (sticky && state.cycle !== null) drawCycle(state, state.cycle.is);
-  if (sticky) return;
+  const adhesive = isAdhesive(state.chosen.case);
+  if (adhesive && state.cycle !== null) drawCycle(state, state.cycle.is);
+  if (adhesive) return;
   byId("pull-box").hidden = true;
   const contents = loadingContents(state);
   if (contents !== null) drawChart(byId("loading", SVGSVGElement), LOADING, contents);
@@ -460,7 +460,7 @@ export function drawCurvesStatus({ asking, answered, question }) {
     .filter((each) => each?.of.name === question.name)
     .map((each) => each?.is ?? "");
   const words = asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
-  byId("curves-status").textContent = [sticks(question.case) ? "without adhesion" : "", words]
+  byId("curves-status").textContent = [isAdhesive(question.case) ? "without adhesion" : "", words]
     .filter((part) => part !== "")
     .join(", ");
 }

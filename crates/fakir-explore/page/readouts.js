@@ -15,12 +15,12 @@ import {
   isOlder,
   isWhole,
   stationAt,
-  sticks,
+  isAdhesive,
 } from "./store.js";
 
 /**
  * @import {
- *   CycleError, CycleStation, ExpectedCells, FloorSummary, Limit, Progress, SolvedCycle, StationState, StuckFloor,
+ *   CycleError, CycleStation, ExpectedCells, AdhesiveFloor, FloorSummary, Limit, Progress, SolvedCycle, StationState,
  *   TransitionSummary,
  * } from "./engine.js"
  * @import { Dimension } from "./numbers.js"
@@ -235,7 +235,7 @@ const SHORT = 400;
 export function drawCycleProgress(state) {
   const { asking, cycle, elapsed, expected, progress, question } = state;
   const under = asking.contact?.question;
-  const isUnder = under !== undefined && sticks(under.case) && elapsed > SHORT;
+  const isUnder = under !== undefined && isAdhesive(under.case) && elapsed > SHORT;
   const calledOff = isCalledOff(state) && under === undefined;
   byId("cycle-progress").hidden = !isUnder && !calledOff;
   byId("cycle-share").hidden = byId("call-off").hidden = !isUnder;
@@ -287,15 +287,15 @@ function cellsWords({ cells, across_ring, many, coarse }) {
  * @param {State} state
  */
 export function drawLoad(state) {
-  const sticky = sticks(state.chosen.case);
-  const stuck = hasAdhesiveFloor(state.chosen.case);
-  byId("to-pull-off").hidden = !sticky;
-  byId("to-jump").hidden = !stuck;
-  byId("cycle-numbers").hidden = !sticky || state.cycle === null || state.cycle.is.solved === null;
-  byId("load-end").textContent = sticky ? "last release" : "beyond";
-  for (const id of ["load-track", "loading-legend", "export-menu"]) byId(id).classList.toggle("cycle", sticky);
-  for (const id of ["loading-legend", "cycle-numbers"]) byId(id).classList.toggle("stuck", stuck);
-  if (sticky) {
+  const adhesive = isAdhesive(state.chosen.case);
+  const floorIsAdhesive = hasAdhesiveFloor(state.chosen.case);
+  byId("to-pull-off").hidden = !adhesive;
+  byId("to-jump").hidden = !floorIsAdhesive;
+  byId("cycle-numbers").hidden = !adhesive || state.cycle === null || state.cycle.is.solved === null;
+  byId("load-end").textContent = adhesive ? "last release" : "beyond";
+  for (const id of ["load-track", "loading-legend", "export-menu"]) byId(id).classList.toggle("cycle", adhesive);
+  for (const id of ["loading-legend", "cycle-numbers"]) byId(id).classList.toggle("with-adhesive-floor", floorIsAdhesive);
+  if (adhesive) {
     drawCycleLoad(state);
     return;
   }
@@ -496,7 +496,7 @@ export function drawCycleNumbers(state) {
         ? ""
         : `${pillars} ${pillars === 1 ? "pillar" : "pillars"}, ` +
           `ζ = ${engineeringText(summary.pull_off_indentation_m ?? 0, "length", 3)}`,
-    "sticky-critical": number(summary.critical_force_N, "force", errors.critical_force),
+    "adhesive-critical": number(summary.critical_force_N, "force", errors.critical_force),
     "plain-critical": `${engineeringText(cycle.critical_force_without_adhesion_N, "force", 5)} without adhesion`,
     "last-release":
       summary.last_release_indentation_m === null
@@ -509,14 +509,14 @@ export function drawCycleNumbers(state) {
   for (const [id, text] of Object.entries(texts)) write(byId(id), text);
   for (const limit of summary.limits) drawLimit(limit);
   const floor = summary.floor ?? null;
-  byId("stuck-floor").hidden = floor === null;
-  byId("stuck-floor").classList.toggle("strained", floor?.coarse ?? false);
-  if (floor !== null) write(byId("stuck-floor"), adhesiveFloorWords(floor));
+  byId("adhesive-floor").hidden = floor === null;
+  byId("adhesive-floor").classList.toggle("strained", floor?.coarse ?? false);
+  if (floor !== null) write(byId("adhesive-floor"), adhesiveFloorWords(floor));
 }
 
 /**
  * Describes the jump onto an adhesive floor and its detachment, with estimated errors.
- * @param {StuckFloor} floor
+ * @param {AdhesiveFloor} floor
  * @returns {string}
  */
 function adhesiveFloorWords(floor) {

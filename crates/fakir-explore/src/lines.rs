@@ -241,10 +241,10 @@ mod tests {
             lines.contains("cycle = system.cycle(accuracy=\"default\")"),
             "{lines}"
         );
-        let mut sticks = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
-        sticks.set("adhesion.work=50mJ/m2").unwrap();
-        sticks.set("adhesion.floor=true").unwrap();
-        let message = python(&sticks.case().unwrap(), Question::Cycle);
+        let mut adhesive = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+        adhesive.set("adhesion.work=50mJ/m2").unwrap();
+        adhesive.set("adhesion.floor=true").unwrap();
+        let message = python(&adhesive.case().unwrap(), Question::Cycle);
         assert!(
             message.contains("adhesion=fakir.Adhesion(work=\"50 mJ/m2\", floor=True),"),
             "{message}"

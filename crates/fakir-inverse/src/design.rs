@@ -1410,15 +1410,15 @@ mod tests {
         let file = paper(0.005);
         let refused = design(&file, Key::PillarHeight, Wanted::PullOff(1e-6), &run);
         assert!(matches!(refused, Err(DesignError::NoAdhesion)));
-        let mut sticky = file.clone();
-        sticky.set("adhesion.work=50mJ/m2").unwrap();
+        let mut adhesive = file.clone();
+        adhesive.set("adhesion.work=50mJ/m2").unwrap();
         // For increasingly stiff pillars under a soft lens the pull-off force approaches a limit.
         let free = Key::SubstrateYoungModulus;
         let wanted = Wanted::PullOff(1.0);
         let answer = Answer {
             free,
             wanted,
-            design: design(&sticky, free, wanted, &run).unwrap(),
+            design: design(&adhesive, free, wanted, &run).unwrap(),
         };
         let Design::OutOfReach { nearest, reach, .. } = &answer.design else {
             panic!("1 N cannot be had: {answer:?}");

@@ -588,7 +588,7 @@ impl Spread {
                 critical.contact_radius
             }),
         ]);
-        if self.sticks() {
+        if self.is_adhesive() {
             let pulled = |name: &str, of: fn(&PullOff) -> f64| {
                 let value = |sample: &Sample| Some(of(&sample.outcome.as_ref().ok()?.pull_off?));
                 numbers(name.to_owned(), samples().map(value).collect())
@@ -635,7 +635,7 @@ impl Spread {
 
     /// Whether the samples were unloaded.
     #[must_use]
-    pub fn sticks(&self) -> bool {
+    pub fn is_adhesive(&self) -> bool {
         self.found().any(|critical| critical.pull_off.is_some())
     }
 

@@ -57,10 +57,10 @@ impl Topic {
     /// Topics of a case with an optional range of the attraction (m).
     #[must_use]
     pub fn of_case_with_range(case: &Case, range: Option<f64>) -> Vec<Self> {
-        let sticks = !case.system.adhesion().is_none();
+        let adhesive = !case.system.adhesion().is_none();
         [Self::Method(case.method)]
             .into_iter()
-            .chain(sticks.then_some(Self::Adhesion))
+            .chain(adhesive.then_some(Self::Adhesion))
             .chain(case.system.adhesion().floor.then_some(Self::AdhesiveFloor))
             .chain(case.system.has_layers().then_some(Self::Layers))
             .chain(range.map(|_| Self::AttractionRange))
@@ -451,9 +451,9 @@ mod tests {
         let method = Topic::Method(Method::default());
         assert_eq!(Topic::of_case(&file.case().unwrap()), [method]);
         file.set("adhesion.work=50mJ/m2").unwrap();
-        let sticky = Topic::of_case(&file.case().unwrap());
-        assert_eq!(sticky, [method, Topic::Adhesion]);
-        let cited = citations(&sticky);
+        let adhesive = Topic::of_case(&file.case().unwrap());
+        assert_eq!(adhesive, [method, Topic::Adhesion]);
+        let cited = citations(&adhesive);
         assert!(cited.iter().any(|work| work.key == "Kendall1971"));
         // A study cites it if any of its cases has adhesion.
         let study = |works: &str| {
@@ -461,7 +461,7 @@ mod tests {
             let text = format!("[axes]\n\"adhesion.work\" = [{works}]\n{example}");
             Topic::of_study(&StudyFile::parse("study", &text).unwrap().study().unwrap())
         };
-        assert_eq!(study("0, 0.05"), sticky);
+        assert_eq!(study("0, 0.05"), adhesive);
         assert_eq!(study("0"), [method]);
     }
 

@@ -36,7 +36,7 @@ impl AnyCase {
         }
         if asked == Asked::Collapse && case.pattern().is_none() {
             return Err(file
-                .missing(Key::FloorSticks)
+                .missing(Key::AdhesiveFloor)
                 .accepted("a flat surface has no floor between pillars: ask for a cycle"));
         }
         Ok(case)

@@ -102,13 +102,13 @@ fn works_of_adhesion() {
         "adhesion.work_receding=80mJ/m2",
         "method.accuracy=accurate",
     ];
-    let sticky = Adhesion {
+    let adhesive = Adhesion {
         work: 0.05,
         work_receding: Some(0.08),
         floor: false,
     };
     let case = with(&both).unwrap();
-    assert_eq!(case.system.adhesion(), sticky);
+    assert_eq!(case.system.adhesion(), adhesive);
     let text = case.to_toml();
     assert!(
         text.contains("\n[adhesion]\nwork = \"50 mJ/m2\" "),

@@ -299,7 +299,7 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
         Column::length("indentation", &rows, |row| Some(row.indentation)),
         Column::length("contact radius", &rows, |row| row.radius),
     ];
-    if spread.sticks() {
+    if spread.is_adhesive() {
         columns.push(Column::force(
             "pull-off",
             &rows,

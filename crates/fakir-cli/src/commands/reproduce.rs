@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
     let bar = Mutex::new(Bar::new(arguments.quiet));
     let result = match arguments.publication {
         Publication::Paper => paper(arguments, &run, &bar, start),
-        Publication::Adhesion => sticking(arguments, &run, &bar, start),
+        Publication::Adhesion => adhesion_study(arguments, &run, &bar, start),
     };
     if let Ok(bar) = bar.lock() {
         bar.clear();
@@ -104,7 +104,7 @@ fn paper(arguments: &Reproduce, run: &Run<'_>, bar: &Mutex<Bar>, start: Instant)
     Ok((text, made.failed))
 }
 
-fn sticking(arguments: &Reproduce, run: &Run<'_>, bar: &Mutex<Bar>, start: Instant) -> Made {
+fn adhesion_study(arguments: &Reproduce, run: &Run<'_>, bar: &Mutex<Bar>, start: Instant) -> Made {
     let scope = if arguments.quick {
         adhesion::study::Scope::quick()
     } else {

@@ -240,7 +240,7 @@ fn adhesive_floor_text(floor: &AdhesiveFloorObject) -> String {
     )
 }
 
-fn critical_text(rows: &[FormulaRow], constants: &Constants, sticks: bool) -> String {
+fn critical_text(rows: &[FormulaRow], constants: &Constants, adhesive: bool) -> String {
     let length = |name, value| Column::quantity(name, Dimension::Length, rows, value);
     let columns = [
         Column::text("Critical state", |row: &FormulaRow| row.name.to_owned()),
@@ -255,7 +255,7 @@ fn critical_text(rows: &[FormulaRow], constants: &Constants, sticks: bool) -> St
         }),
     ];
     let in_text = with_unit(constants.contact_radius_in_text_m, Dimension::Length, 6);
-    let without = if sticks {
+    let without = if adhesive {
         "\nThese are without adhesion: no formula for the critical state has it.\n"
     } else {
         "\n"

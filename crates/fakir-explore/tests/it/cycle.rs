@@ -9,7 +9,7 @@ use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
 /// The case of `fakir init` at another surface fraction, with a work of adhesion.
-fn sticky(surface_fraction: f64, work: &str) -> Value {
+fn adhesive(surface_fraction: f64, work: &str) -> Value {
     let mut values = case(surface_fraction);
     values["adhesion.work"] = json!(work);
     values
@@ -42,7 +42,7 @@ fn the_cycle_is_that_of_the_library() {
     let server = Running::start();
     let answer = server.ask(
         "/api/cycle",
-        &question(server.next(), &sticky(0.02, "5 mJ/m2")),
+        &question(server.next(), &adhesive(0.02, "5 mJ/m2")),
     );
     assert_eq!(answer.status, 200, "{}", answer.body);
     let shown = answer.line("cycle");
@@ -113,7 +113,7 @@ fn the_cycle_is_that_of_the_library() {
 #[test]
 fn the_state_asked_for_comes_first() {
     let server = Running::start();
-    let mut asked = question(server.next(), &sticky(0.01, "50 mJ/m2"));
+    let mut asked = question(server.next(), &adhesive(0.01, "50 mJ/m2"));
     asked["load"] = json!({ "fraction": 2.0 });
     let sent = stations(&server.ask("/api/cycle", &asked));
     assert!((load(&sent[0]) - 2.0).abs() < f64::EPSILON);
@@ -128,7 +128,7 @@ fn the_state_asked_for_comes_first() {
 #[test]
 fn a_lens_that_meets_the_floor_first_has_nothing_to_pull() {
     let server = Running::start();
-    let mut flat = sticky(0.0004, "50 mJ/m2");
+    let mut flat = adhesive(0.0004, "50 mJ/m2");
     // Half-way between pillars so far apart that the floor is nearer.
     flat["pattern.offset"] = json!(0.5);
     flat["pattern.pillar.height"] = json!("0.1 um");
@@ -146,7 +146,7 @@ fn a_lens_that_meets_the_floor_first_has_nothing_to_pull() {
 fn works_that_cannot_be_are_refused_at_their_key() {
     let server = Running::start();
     let refused = |path: &str, changes: &[(&str, Value)]| {
-        let mut values = sticky(0.01, "50 mJ/m2");
+        let mut values = adhesive(0.01, "50 mJ/m2");
         for (key, value) in changes {
             values[*key] = value.clone();
         }
@@ -200,7 +200,7 @@ fn no_work_is_no_adhesion() {
         state["summary"]["wall_time_s"] = Value::Null;
         (state, answer.line("section"))
     };
-    assert_eq!(state(&sticky(0.01, "0 J/m2")), state(&case(0.01)));
+    assert_eq!(state(&adhesive(0.01, "0 J/m2")), state(&case(0.01)));
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn files_of_a_cycle_are_those_of_the_command_line() {
         asked["load"] = json!({ "fraction": load });
         server.ask("/api/export", &asked)
     };
-    let values = sticky(0.01, "50 mJ/m2");
+    let values = adhesive(0.01, "50 mJ/m2");
     let toml = file(&values, "case.toml", 1.0).body;
     let read = CaseFile::parse("case.toml", &toml).unwrap().case().unwrap();
     assert!((read.system.adhesion().work / 50e-3 - 1.0).abs() < 1e-15);
@@ -245,7 +245,7 @@ fn a_newer_cycle_calls_off_the_one_before() {
     let server = Running::start();
     let start = Instant::now();
     // Some thousands of pillars, which takes minutes.
-    let body = question(1, &sticky(0.25, "1 mJ/m2")).to_string();
+    let body = question(1, &adhesive(0.25, "1 mJ/m2")).to_string();
     let headers = [
         ("content-type", "application/json"),
         ("x-fakir-token", server.token.as_str()),
@@ -254,7 +254,7 @@ fn a_newer_cycle_calls_off_the_one_before() {
     let request = server.request("/api/cycle", &body, &headers);
     stream.write_all(request.as_bytes()).unwrap();
     std::thread::sleep(Duration::from_millis(200));
-    let newest = server.ask("/api/cycle", &question(2, &sticky(0.01, "50 mJ/m2")));
+    let newest = server.ask("/api/cycle", &question(2, &adhesive(0.01, "50 mJ/m2")));
     assert_eq!(newest.status, 200);
     assert!(!stations(&newest).is_empty());
     let mut answer = Vec::new();

@@ -415,7 +415,11 @@ impl<'a> Model<'a> {
     where
         'a: 'm,
     {
-        let stages = if self.sticks { &STRETCHES[..] } else { &[0.0] };
+        let stages = if self.is_adhesive {
+            &STRETCHES[..]
+        } else {
+            &[0.0]
+        };
         let mut search = Search::new(self, unknowns, stages[0])?;
         let mut termination = search.run(run)?;
         for stretch in &stages[1..] {
@@ -1038,7 +1042,7 @@ impl<'a> Search<'a> {
                 let counts = |(k, datum): &(usize, &Datum)| {
                     // Rows that share jumps are correlated. Without adhesion, a jump of the radius affects a single row.
                     let known = self.known_variance(datum, half_pitch);
-                    let jumps = if self.model.sticks { known } else { 0.0 };
+                    let jumps = if self.model.is_adhesive { known } else { 0.0 };
                     datum.quantity == quantity
                         && self.model.branches[datum.row] == branch
                         && jumps <= JUMPS * self.errors[*k].powi(2)
@@ -1075,9 +1079,9 @@ impl<'a> Search<'a> {
             // The offset cannot be tested with the axis on a pillar, where all directions are equivalent; with adhesion every key requires
             // two cycles.
             Parameter::Key(Key::Offset | Key::OffsetAngle) => false,
-            Parameter::Key(_) if parameter.is_work() => self.model.sticks && has_unloading,
+            Parameter::Key(_) if parameter.is_work() => self.model.is_adhesive && has_unloading,
             // With adhesion there are no layers.
-            Parameter::Key(_) if parameter.is_thickness() => !self.model.sticks,
+            Parameter::Key(_) if parameter.is_thickness() => !self.model.is_adhesive,
             Parameter::Key(_) => true,
             // A tilted base line is rare, and mistaken for other parameters.
             Parameter::ForceSlope => false,
@@ -1234,7 +1238,7 @@ impl<'a> Search<'a> {
             })
             .collect();
         let settings = self.model.settings(&self.unknowns)?;
-        let solved = if self.model.sticks {
+        let solved = if self.model.is_adhesive {
             self.model.cycle(&settings)?
         } else {
             None
@@ -1500,7 +1504,7 @@ impl<'a> Search<'a> {
             };
             FittedRow {
                 measurement: *measurement,
-                branch: self.model.sticks.then(|| self.model.branches[number]),
+                branch: self.model.is_adhesive.then(|| self.model.branches[number]),
                 indentation: state.indentation,
                 force: compared(Quantity::Force, state.read_force),
                 contact_radius: compared(Quantity::ContactRadius, state.contact_radius),

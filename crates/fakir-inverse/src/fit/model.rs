@@ -188,7 +188,7 @@ pub(super) struct Model<'a> {
     wants_radius: bool,
     /// Whether pillar tops are adhesive: then all rows belong to one cycle of loading and
     /// unloading.
-    pub(super) sticks: bool,
+    pub(super) is_adhesive: bool,
     /// The branch of every row.
     pub(super) branches: Vec<Branch>,
     /// Rows of each branch in the order of increasing load.
@@ -211,8 +211,9 @@ impl<'a> Model<'a> {
     ) -> Result<Self, FitError> {
         let case = file.case()?;
         let wants_radius = data.rows().iter().any(|row| row.contact_radius.is_some());
-        let sticks = !case.system.adhesion().is_none() || free.iter().any(|free| free.is_work());
-        if sticks {
+        let is_adhesive =
+            !case.system.adhesion().is_none() || free.iter().any(|free| free.is_work());
+        if is_adhesive {
             data.check_cycles()?;
         }
         let branches = data.branches();
@@ -244,7 +245,7 @@ impl<'a> Model<'a> {
             },
             pool: run.pool,
             wants_radius,
-            sticks,
+            is_adhesive,
             stretches: stretches(data, &orders),
             orders,
             branches,
@@ -281,7 +282,7 @@ impl<'a> Model<'a> {
             single: self.single.clone(),
             pool: self.pool,
             wants_radius: self.wants_radius,
-            sticks: self.sticks,
+            is_adhesive: self.is_adhesive,
             branches: self.branches.clone(),
             orders: self.orders.clone(),
             stretches: self.stretches.clone(),
@@ -446,7 +447,7 @@ impl<'a> Model<'a> {
     fn likely_contact_point(&self) -> Result<f64, FitError> {
         let wanted = 0.1 * self.largest_force();
         let rows = self.data.rows().iter().zip(&self.branches);
-        let rows = rows.filter(|(_, branch)| !self.sticks || **branch == Branch::Loading);
+        let rows = rows.filter(|(_, branch)| !self.is_adhesive || **branch == Branch::Loading);
         let offset = self.start.force_offset;
         let loaded =
             rows.filter_map(|(row, _)| Some((row.position?.value, row.force?.value - offset)));
@@ -475,7 +476,7 @@ impl<'a> Model<'a> {
         let mut rows: Vec<_> = self.data.rows().iter().zip(&self.moments).collect();
         rows.sort_by(|a, b| load_of(a.0).total_cmp(&load_of(b.0)));
         let last = (MOST * rows.len() as f64) as usize;
-        let Some((row, moment)) = rows.get(last).filter(|_| !self.sticks) else {
+        let Some((row, moment)) = rows.get(last).filter(|_| !self.is_adhesive) else {
             return Ok(());
         };
         let mut settings = self.start.clone();
@@ -663,7 +664,7 @@ impl<'a> Model<'a> {
     /// of at least the given fraction of the range of the loads.
     pub(super) fn states(&self, unknowns: &[f64], stretch: f64) -> Result<Vec<State>, FitError> {
         let settings = self.settings(unknowns)?;
-        if self.sticks {
+        if self.is_adhesive {
             return self.states_of_cycle(&settings, stretch * self.load_range());
         }
         self.for_each_row(|number, row| {
@@ -952,7 +953,7 @@ impl<'a> Model<'a> {
         states: &[State],
         stretch: f64,
     ) -> Result<Vec<Derivatives>, FitError> {
-        if self.sticks {
+        if self.is_adhesive {
             return self.derivatives_of_cycle(unknowns, states, stretch);
         }
         let settings = self.settings(unknowns)?;

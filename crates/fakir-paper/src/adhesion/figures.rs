@@ -34,7 +34,7 @@ struct Way {
 
 fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
     let bare = system(Substrate::Intermediate, 0.0, fraction)?;
-    let sticky = bare
+    let adhesive = bare
         .with_adhesion(Adhesion::new(work))
         .map_err(SolveError::from)?;
     let critical = fakir::transition(&bare, Method::default(), run)?.contact;
@@ -52,7 +52,7 @@ fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
     ]);
     Ok(Way {
         label: format!("*φ* = {fraction}, {} mJ/m^{{2}}", rounded(1e3 * work)),
-        floor: collapse_path(&sticky, critical.indentation, run)?,
+        floor: collapse_path(&adhesive, critical.indentation, run)?,
         system: bare,
         tops,
     })

@@ -107,7 +107,7 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
         list.length("at rest without load", indentation, String::new());
     }
     turn_and_pull_off(&mut list, cycle);
-    stuck_floor(&mut list, cycle);
+    adhesive_floor(&mut list, cycle);
     match cycle.separation {
         Some(indentation) => list.length("last release", indentation, String::new()),
         None => list.row("last release", "-".to_owned(), "", "something still holds"),
@@ -230,7 +230,7 @@ pub fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
 }
 
 /// What a floor that sticks does: the jump onto it, and where it is lost.
-fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
+fn adhesive_floor(list: &mut QuantityList, cycle: &Cycle) {
     let Some(resolution) = cycle.floor else {
         return;
     };

@@ -235,7 +235,7 @@ fn unloading() -> Vec<Named<Cycle>> {
 }
 
 /// Of a floor that sticks, in tables: the object `floor` says more.
-fn stuck_floor() -> [Named<Cycle>; 10] {
+fn adhesive_floor() -> [Named<Cycle>; 10] {
     [
         Named::flag(
             "floor_is_coarse",
@@ -336,7 +336,7 @@ impl Recorded for Cycle {
         ];
         rows.extend(loading());
         rows.extend(unloading());
-        rows.extend(stuck_floor());
+        rows.extend(adhesive_floor());
         rows.push(Named::number(
             "kendall_strain",
             "tensile stress on a pillar at its detachment over the modulus of the substrate",

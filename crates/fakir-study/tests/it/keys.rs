@@ -120,7 +120,7 @@ fn contexts(key: Key) -> &'static [&'static [&'static str]] {
         }
         Key::RecedingWorkOfAdhesion => &[&["adhesion.work=0.1mJ/m2"]],
         // A floor with few holes, which takes little time.
-        Key::FloorSticks => &[&["adhesion.work=0.1mJ/m2", "pattern.columns=2"]],
+        Key::AdhesiveFloor => &[&["adhesion.work=0.1mJ/m2", "pattern.columns=2"]],
         Key::PatternOffsetAngle => &[&["surface.offset=0"]],
         Key::Seed => &[&["surface.vacancy_fraction=0"]],
         Key::Orientation => &[&[
@@ -183,7 +183,7 @@ fn numbers(record: &Record) -> Vec<f64> {
 /// Questions that are tried in turn until a key has an effect.
 fn questions(key: Key) -> &'static [Question] {
     match key {
-        Key::RecedingWorkOfAdhesion | Key::FloorSticks => &[Question::Cycle],
+        Key::RecedingWorkOfAdhesion | Key::AdhesiveFloor => &[Question::Cycle],
         Key::FloorContact => &[Question::Press, Question::PastTransition],
         _ => &[Question::Press, Question::Transition],
     }

@@ -100,7 +100,7 @@ impl ContactState {
         }
         if self.force > 0.0 && self.indentation > 0.0 {
             limits.extend(self.thicknesses());
-            limits.extend(self.sticking());
+            limits.extend(self.negligible_work());
         }
         // Removes values that overflow for extremely small loads.
         limits.retain(|limit| limit.value.is_finite());
@@ -148,7 +148,7 @@ impl ContactState {
     }
 
     /// Work of adhesion at which the neglected adhesion would be significant.
-    fn sticking(&self) -> Option<Limit> {
+    fn negligible_work(&self) -> Option<Limit> {
         let system = &self.system;
         if !system.adhesion().is_none() || self.pillars.is_empty() {
             return None;

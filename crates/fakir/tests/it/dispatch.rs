@@ -17,7 +17,7 @@ struct Choice {
     arrangement: usize,
     film: bool,
     elastic: bool,
-    sticks: usize,
+    adhesion: usize,
 }
 
 /// Numbers of lenses, arrangements and works of adhesion.
@@ -31,7 +31,7 @@ impl Choice {
         arrangement: 0,
         film: false,
         elastic: false,
-        sticks: 0,
+        adhesion: 0,
     };
 
     /// Choices that differ from the default in one or two properties.
@@ -45,7 +45,10 @@ impl Choice {
                     arrangement,
                     ..*choice
                 }));
-                more.extend((1..WORKS).map(|sticks| Self { sticks, ..*choice }));
+                more.extend((1..WORKS).map(|adhesion| Self {
+                    adhesion,
+                    ..*choice
+                }));
                 more.push(Self {
                     film: true,
                     ..*choice
@@ -115,7 +118,7 @@ impl Choice {
         let lens = ShapedLens::new(shape, rubber);
         let system = System::new(lens, rubber, PillarPattern::new(pillar, arrangement)).ok()?;
         let system = system.with_layers(self.film.then(|| Layer::new(0.1e-3)), None);
-        let adhesion = match self.sticks {
+        let adhesion = match self.adhesion {
             0 => return system.ok(),
             1 => Adhesion::new(5e-3),
             _ => Adhesion {

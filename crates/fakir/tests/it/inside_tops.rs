@@ -42,7 +42,7 @@ const RUBBER: Material = Material {
     poisson_ratio: 0.5,
 };
 
-fn sticky(diameter: f64, work: f64, centre: [f64; 2]) -> System {
+fn adhesive(diameter: f64, work: f64, centre: [f64; 2]) -> System {
     let lens = Lens {
         radius: LENS,
         material: Material::new(70e9, 0.2),
@@ -82,13 +82,13 @@ fn a_top_wider_than_an_adhesive_contact() {
     let mut random = ChaCha8Rng::seed_from_u64(44);
     for number in 0..100 {
         let work = between(&mut random, [1e-4, 0.2]);
-        let modulus = sticky(1e-6, work, [0.0; 2]).reduced_modulus();
+        let modulus = adhesive(1e-6, work, [0.0; 2]).reduced_modulus();
         let natural = sphere_pull_off_by_force(modulus, LENS, work).radius;
         let radius = natural * between(&mut random, [0.01, 20.0]);
         if radius > 0.02 * LENS {
             continue;
         }
-        let system = sticky(2.0 * radius, work, [0.0; 2]);
+        let system = adhesive(2.0 * radius, work, [0.0; 2]);
         let depth = natural * natural / LENS * between(&mut random, [0.05, 20.0]);
         let depth = depth.min(0.05 * radius);
         let expected = exact(modulus, work, radius, depth);
@@ -115,7 +115,7 @@ fn a_top_wider_than_an_adhesive_contact() {
 fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
     let work = 50e-3;
     for diameter in [20e-6, 60e-6, 100e-6, 160e-6, 200e-6, 300e-6, 1e-3] {
-        let system = sticky(diameter, work, [0.0; 2]);
+        let system = adhesive(diameter, work, [0.0; 2]);
         let modulus = system.reduced_modulus();
         let natural = sphere_pull_off_by_force(modulus, LENS, work);
         let radius = (0.5 * diameter).min(natural.radius);
@@ -147,13 +147,13 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
 #[test]
 fn the_diameter_may_pass_the_contact() {
     let work = 10e-3;
-    let modulus = sticky(1e-6, work, [0.0; 2]).reduced_modulus();
+    let modulus = adhesive(1e-6, work, [0.0; 2]).reduced_modulus();
     let depth = 0.2e-6;
     let contact = adhesive_sphere_at_indentation(modulus, LENS, work, depth)
         .unwrap()
         .unwrap();
     let force = |part: f64| {
-        let system = sticky(2.0 * part * contact.radius, work, [0.0; 2]);
+        let system = adhesive(2.0 * part * contact.radius, work, [0.0; 2]);
         let control = Load::Indentation(depth);
         fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
     };
@@ -177,7 +177,7 @@ fn an_adhesive_contact_anywhere_inside_a_top() {
     let (work, depth) = (10e-3, 0.2e-6);
     let pressed = |centre| {
         let control = Load::Indentation(depth);
-        let system = sticky(400e-6, work, centre);
+        let system = adhesive(400e-6, work, centre);
         fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
     };
     let [middle, beside] = [[0.0; 2], [60e-6, -50e-6]].map(pressed);
@@ -185,7 +185,7 @@ fn an_adhesive_contact_anywhere_inside_a_top() {
     let centre = beside.fields.as_ref().unwrap();
     let expected = middle.fields.as_ref().unwrap().pressure([0.0; 2]);
     assert!((centre.pressure([0.0; 2]) / expected - 1.0).abs() < 1e-6);
-    let system = sticky(400e-6, work, [60e-6, -50e-6]);
+    let system = adhesive(400e-6, work, [60e-6, -50e-6]);
     let cycle = cycle(&system, depth, LoadingMode::Displacement);
     let pull = cycle.pull_off.as_ref().unwrap().force;
     let expected = sphere_pull_off_by_force(system.reduced_modulus(), LENS, work).force;
@@ -200,7 +200,7 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
         work_receding: Some(receding),
         ..Adhesion::new(advancing)
     };
-    let system = sticky(600e-6, advancing, [0.0; 2])
+    let system = adhesive(600e-6, advancing, [0.0; 2])
         .with_adhesion(adhesion)
         .unwrap();
     let modulus = system.reduced_modulus();
@@ -222,7 +222,7 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
 /// A lens axis at such a distance from the centre of the top, in its radii, that the disc first reaches the rim on one side. From there on
 /// there are fronts.
 fn beside(part: f64, work: f64) -> System {
-    sticky(2.0 * TOP, work, [part * TOP, 0.0])
+    adhesive(2.0 * TOP, work, [part * TOP, 0.0])
 }
 
 const TOP: f64 = 30e-6;

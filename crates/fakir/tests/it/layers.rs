@@ -625,10 +625,10 @@ fn what_is_not_made_for_layers_is_refused() {
     let ignored = system.with_floor(FloorModel::Ignored);
     let state = fakir::press(&ignored, Load::Indentation(20e-6), Method::default(), &run).unwrap();
     assert!(state.smallest_floor_gap < 0.0);
-    let sticky = system
+    let adhesive = system
         .with_adhesion(fakir::problem::Adhesion::new(50e-3))
         .unwrap();
-    let error = fakir::press(&sticky, Load::FloorContact, Method::default(), &run).unwrap_err();
+    let error = fakir::press(&adhesive, Load::FloorContact, Method::default(), &run).unwrap_err();
     assert!(matches!(error, SolveError::Unsupported(_)), "{error}");
     for thickness in [0.0, -1.0, f64::NAN, 2.1e-6] {
         assert!(

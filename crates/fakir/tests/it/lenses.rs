@@ -742,8 +742,8 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
         let expected = SolveError::Unsupported(Unsupported::BUT_FOR_A_SPHERE);
         assert_eq!(error, expected, "{error}");
     }
-    let sticky = paraboloid.with_adhesion(Adhesion::new(50e-3)).unwrap();
-    let error = fakir::press(&sticky, control, Method::default(), &run).unwrap_err();
+    let adhesive = paraboloid.with_adhesion(Adhesion::new(50e-3)).unwrap();
+    let error = fakir::press(&adhesive, control, Method::default(), &run).unwrap_err();
     assert!(
         error
             .to_string()
@@ -751,7 +751,7 @@ fn what_is_made_for_a_sphere_is_refused_under_others() {
         "{error}"
     );
     let plan = fakir::problem::CyclePlan::default();
-    assert!(fakir::cycle(&sticky, plan, Method::default(), &run).is_err());
+    assert!(fakir::cycle(&adhesive, plan, Method::default(), &run).is_err());
     for shape in [cylinder(0.0), plate(0.001, 0.0)] {
         let few = system(shape, list(&[[0.0, 0.0], [20e-6, 0.0]]));
         let error = fakir::transition(&few, Method::default(), &run).unwrap_err();

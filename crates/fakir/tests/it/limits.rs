@@ -196,10 +196,10 @@ fn adhesion_that_would_matter() {
     let all = one * state.pillars.len() as f64;
     assert!((-100.0 * all / state.force - 1.0).abs() < 1e-12);
     // With adhesion the value is not reported.
-    let sticky = system
+    let adhesive = system
         .with_adhesion(fakir::problem::Adhesion::new(1e-3))
         .unwrap();
-    let limits = critical(&sticky).limits(None);
+    let limits = critical(&adhesive).limits(None);
     assert_eq!(limits[0].name, "kendall_strain");
     assert!(limits.iter().all(|limit| !limit.name.starts_with("work")));
 }

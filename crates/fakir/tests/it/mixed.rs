@@ -657,6 +657,6 @@ fn floor_shares_that_cannot_be_are_refused_with_the_reason() {
     // Pillars so far apart that the lens reaches the floor before any of them.
     let wide = system(0.0001, 2e6, 1.0 / 3f64.sqrt());
     assert!(why(&wide, spectral, &[0.5]).contains("pillars are touched"));
-    let sticky = usual.clone().with_adhesion(Adhesion::new(1e-3)).unwrap();
-    assert!(why(&sticky, spectral, &[0.5]).contains("adhesion"));
+    let adhesive = usual.clone().with_adhesion(Adhesion::new(1e-3)).unwrap();
+    assert!(why(&adhesive, spectral, &[0.5]).contains("adhesion"));
 }

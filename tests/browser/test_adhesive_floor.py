@@ -4,20 +4,20 @@ import re
 import time
 
 import pytest
-from test_cycle import asked, command_line, force, quantity, sticky
+from test_cycle import adhesive, asked, command_line, force, quantity
 
-STUCK = "adhesion.floor=true"
+ADHESIVE_FLOOR = "adhesion.floor=true"
 
 # Six holes are filled, in about a second.
-QUICK = sticky(0.03, 0.001, STUCK)
+QUICK = adhesive(0.03, 0.001, ADHESIVE_FLOOR)
 
 # Most of a minute: the rings round pillars are narrow.
-LONG = sticky(0.03, 0.05, STUCK)
+LONG = adhesive(0.03, 0.05, ADHESIVE_FLOOR)
 
 
 @pytest.fixture(scope="module")
 def expected():
-    settings = ("pattern.surface_fraction=0.03", "adhesion.work=1mJ/m2", STUCK)
+    settings = ("pattern.surface_fraction=0.03", "adhesion.work=1mJ/m2", ADHESIVE_FLOOR)
     return command_line(*(part for setting in settings for part in ("--set", setting)))
 
 
@@ -50,7 +50,7 @@ def test_the_jump_and_the_loss_of_the_floor_are_told(explore, expected):
     assert force(page) == pytest.approx(expected["turn_force_N"], rel=1e-3)
     floor = expected["floor"]
     jump, last = floor["jump"], floor["last"]
-    words = page.text("stuck-floor")
+    words = page.text("adhesive-floor")
     printed = re.match(
         r"Jump onto the floor at ζ = (.*?): (\d+) holes? filled, ([\d ]+) µm2 in contact \(error (.*?)\), "
         r"force from (.*?) to (.*?) \(error (.*?)\)\. "
@@ -121,7 +121,7 @@ def test_filled_holes_are_on_the_map_and_in_the_section(explore):
 
 
 def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
-    plain = explore(sticky(0.03, 0.05))
+    plain = explore(adhesive(0.03, 0.05))
     page = explore(LONG, rests=False)
     until_solving(page)
     # What is known before the jump is shown: as without the floor.
@@ -185,12 +185,12 @@ def test_rings_too_narrow_for_cells_are_told_before_they_are_solved(explore):
 
 
 def test_the_floor_is_let_stick_on_the_page(explore):
-    page = explore(sticky(0.03, 0.001))
-    assert not page.page.is_visible("#stuck-floor") and not page.page.is_visible("#to-jump")
+    page = explore(adhesive(0.03, 0.001))
+    assert not page.page.is_visible("#adhesive-floor") and not page.page.is_visible("#to-jump")
     assert page.text("load-words") == "critical state"
     page.page.check("#adhesion-floor")
     page.rest()
-    assert page.page.is_visible("#stuck-floor") and page.page.is_visible("#to-jump")
+    assert page.page.is_visible("#adhesive-floor") and page.page.is_visible("#to-jump")
     assert "floor = true" in page.text("case-file")
     assert "adhesion.floor=true" in page.text("command")
     assert "floor=True" in page.text("python")
@@ -225,8 +225,8 @@ def test_coarse_cells_are_orders_of_magnitude(explore):
         route.fulfill(response=response, body=text)
 
     page = explore(QUICK, before=lambda page: page.route("**/api/cycle", coarse))
-    assert "these are orders of magnitude" in page.text("stuck-floor")
-    assert page.page.locator("#stuck-floor.strained").count() == 1
+    assert "these are orders of magnitude" in page.text("adhesive-floor")
+    assert page.page.locator("#adhesive-floor.strained").count() == 1
 
 
 @pytest.mark.parametrize("width, height", [(390, 844), (1400, 900)])
@@ -234,4 +234,4 @@ def test_coarse_cells_are_orders_of_magnitude(explore):
 def test_a_floor_that_sticks_fits_every_screen(explore, width, height, scheme):
     page = explore(QUICK, width, height, color_scheme=scheme)
     assert page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth") <= 0
-    page.picture(f"stuck-{width}-{scheme}")
+    page.picture(f"adhesive-floor-{width}-{scheme}")
