@@ -569,7 +569,7 @@ fn methods_without_pillars_are_refused() {
 }
 
 #[test]
-fn what_is_said_about_a_figure_is_in_its_files() {
+fn metadata_of_a_figure_is_in_its_files() {
     let [title, description, source] =
         ["F < G & φ", "Ångström, \"quoted\"", "fakir 0.1.0, φ = 0.1"];
     let figure = charts_of_odd_data()

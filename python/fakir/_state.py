@@ -79,7 +79,7 @@ class ContactState(PressNumbers):
         return self._floor
 
     @property
-    def _goes_through_floor(self) -> bool:
+    def _ignores_floor(self) -> bool:
         """Whether the lens penetrates the floor, because floor contact is ignored."""
         return self.beyond_transition and self.floor is None
 
@@ -235,7 +235,7 @@ class ContactState(PressNumbers):
             ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
             ("smallest floor gap", engineering(self.smallest_floor_gap, "m", 4)),
         ]
-        if self._goes_through_floor:
+        if self._ignores_floor:
             rows.append(("", "past the transition: computed as if the floor were not there"))
         elif self.floor is not None:
             share = f"{self.floor.share:.{known_digits(self.floor.error.share)}g}"
@@ -293,7 +293,7 @@ def contact_state(state: _fakir.State, system: System) -> ContactState:
     """The state with its warnings; raises an error if it is not a solution."""
     contact = ContactState(state, system)
     warn(contact.warnings)
-    if contact._goes_through_floor:
+    if contact._ignores_floor:
         method = contact.method
         advice = "" if method == "spectral" else f"; the method {method} does not know what the floor bears"
         warn(

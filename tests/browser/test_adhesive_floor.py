@@ -43,7 +43,7 @@ def floor_pixels(page):
     )
 
 
-def test_the_jump_and_the_loss_of_the_floor_are_told(explore, expected):
+def test_the_jump_and_the_loss_of_the_floor_are_described(explore, expected):
     page = explore(QUICK)
     assert asked(page, "/api/cycle") == 1 and asked(page, "/api/contact") == 0
     assert page.text("load-words") == "after the jump onto the floor"
@@ -80,7 +80,7 @@ def test_the_jump_and_the_loss_of_the_floor_are_told(explore, expected):
     assert "has jumped onto it" in note and "does not stick" not in note
 
 
-def test_the_slider_goes_through_the_jump_and_the_loss(explore, expected):
+def test_the_slider_passes_the_jump_and_the_loss(explore, expected):
     page = explore(QUICK)
     page.page.click("#to-critical")
     assert page.text("load-words") == "critical state"
@@ -120,7 +120,7 @@ def test_filled_holes_are_on_the_map_and_in_the_section(explore):
     assert on_floor > 500 and floor_pixels(page) == 0
 
 
-def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
+def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
     plain = explore(adhesive(0.03, 0.05))
     page = explore(LONG, rests=False)
     until_solving(page)
@@ -156,7 +156,7 @@ def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
     assert not page.page.is_visible("#ask-again") and page.text("cells-note") == ""
 
 
-def test_what_was_called_off_is_asked_again_and_another_slider_takes_its_place(explore):
+def test_a_cancelled_request_is_sent_again_and_is_replaced_by_another_slider(explore):
     page = explore(QUICK)
     page.change("adhesion.work", "50 mJ/m2")
     until_solving(page)
@@ -175,7 +175,7 @@ def test_what_was_called_off_is_asked_again_and_another_slider_takes_its_place(e
     assert "adhesion" not in page.text("case-file")
 
 
-def test_rings_too_narrow_for_cells_are_told_before_they_are_solved(explore):
+def test_rings_too_narrow_for_cells_cause_a_note_before_they_are_solved(explore):
     page = explore(QUICK)
     page.change("adhesion.work", "200 mJ/m2")
     page.until("/orders of magnitude/.test(document.getElementById('cells-note').textContent)")
@@ -184,7 +184,7 @@ def test_rings_too_narrow_for_cells_are_told_before_they_are_solved(explore):
     page.rest()
 
 
-def test_the_floor_is_let_stick_on_the_page(explore):
+def test_the_floor_can_be_made_adhesive_on_the_page(explore):
     page = explore(adhesive(0.03, 0.001))
     assert not page.page.is_visible("#adhesive-floor") and not page.page.is_visible("#to-jump")
     assert page.text("load-words") == "critical state"
@@ -231,7 +231,7 @@ def test_coarse_cells_are_orders_of_magnitude(explore):
 
 @pytest.mark.parametrize("width, height", [(390, 844), (1400, 900)])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_a_floor_that_sticks_fits_every_screen(explore, width, height, scheme):
+def test_an_adhesive_floor_fits_every_screen(explore, width, height, scheme):
     page = explore(QUICK, width, height, color_scheme=scheme)
     assert page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth") <= 0
     page.picture(f"adhesive-floor-{width}-{scheme}")

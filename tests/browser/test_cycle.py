@@ -60,7 +60,7 @@ def expected(tmp_path):
     return command_line("--set", "pattern.surface_fraction=0.03", "--set", "adhesion.work=10mJ/m2")
 
 
-def test_the_slider_goes_down_and_up_the_computed_path(explore, expected):
+def test_the_slider_moves_back_and_forth_along_the_computed_path(explore, expected):
     page = explore(adhesive(0.03, 0.01))
     assert page.text("load-words") == "critical state"
     assert asked(page, "/api/cycle") == 1

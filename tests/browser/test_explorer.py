@@ -146,7 +146,7 @@ def test_a_substrate_becomes_a_film_and_again_infinite(explore):
     assert "thickness" not in page.text("case-file")
 
 
-def test_strained_limits_of_a_film_are_marked(explore):
+def test_exceeded_limits_of_a_film_are_marked(explore):
     film = ["substrate.thickness=4e-5"]
     page = explore("#" + "&".join([*paper(0.03), *film]))
     page.rest()
@@ -202,7 +202,7 @@ def test_the_controls_are_those_of_the_key_table(explore):
 
 
 @pytest.mark.smoke
-def test_the_load_goes_from_first_touch_past_the_critical_state(explore):
+def test_the_load_ranges_from_first_touch_past_the_critical_state(explore):
     page = explore("#" + "&".join(paper(0.03)))
     critical = page.results()
     forces = []
@@ -230,7 +230,7 @@ def test_curves_and_path_fill_in(explore):
     assert page.page.locator("#curve-indentation path.homogenised-curve").count() == 1
 
 
-def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
+def test_slow_cases_report_progress_and_do_not_block(explore):
     page = explore("#" + "&".join(paper(0.03)))
     page.page.evaluate(
         """() => {
@@ -411,7 +411,7 @@ def test_the_section_is_cut_by_its_frame(explore):
 def test_an_address_that_is_entered_is_not_written_over(explore):
     """The page is told late of an address that was entered: after it would have put there what it shows itself."""
 
-    def be_told_late(page):
+    def deliver_the_address_late(page):
         page.add_init_script(
             """addEventListener("hashchange", (event) => {
                 if (!event.isTrusted) return;
@@ -420,7 +420,7 @@ def test_an_address_that_is_entered_is_not_written_over(explore):
             });"""
         )
 
-    page = explore("#" + "&".join(paper(0.03)), before=be_told_late)
+    page = explore("#" + "&".join(paper(0.03)), before=deliver_the_address_late)
     page.change("pattern.surface_fraction", "0.04")
     entered = "#" + "&".join(paper(0.05))
     page.page.evaluate("(entered) => { location.hash = entered; }", entered)
@@ -489,7 +489,7 @@ def test_the_command_gives_the_same_result(explore, tmp_path):
     assert abs(force / number - 1) < 1e-5
 
 
-def test_the_command_asks_nothing_of_a_case_that_is_there(explore, tmp_path):
+def test_the_command_needs_no_option_for_an_existing_case(explore, tmp_path):
     page = explore("#" + "&".join(paper(0.01)))
     other = tmp_path / "case.toml"
     subprocess.run([os.environ["FAKIR"], "init", str(other)], check=True, stdout=subprocess.DEVNULL)

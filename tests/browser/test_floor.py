@@ -42,7 +42,7 @@ def quantity(text):
     return float(number) * {"nN": 1e-9, "µN": 1e-6, "mN": 1e-3, "µm": 1e-6, "nm": 1e-9}[unit]
 
 
-def test_the_load_slider_goes_on_into_mixed_contact(explore, tmp_path):
+def test_the_load_slider_continues_into_mixed_contact(explore, tmp_path):
     page = explore("#" + "&".join(paper(0.03)))
     assert not page.page.is_visible("#floor-numbers")
     assert not page.page.is_visible("#floor-key")
@@ -90,7 +90,7 @@ def test_the_floor_in_contact_is_on_the_map_and_in_the_section(explore):
     assert page.page.locator("#section path.floor-part").count() == 0
 
 
-def test_without_floor_contact_the_lens_goes_through_the_floor(explore):
+def test_without_floor_contact_the_floor_is_ignored(explore):
     page = explore(mixed(0.03, 1.8))
     force = quantity(re.search(r"F = ([^,]+)", page.text("load-numbers")).group(1))
     assert page.page.is_checked("#floor-contact")
@@ -117,7 +117,7 @@ def test_without_floor_contact_the_lens_goes_through_the_floor(explore):
     assert page.page.is_visible("#floor-numbers")
 
 
-def test_other_methods_say_that_they_do_not_know_the_floor(explore):
+def test_other_methods_report_that_they_do_not_support_floor_contact(explore):
     page = explore(mixed(0.01, 1.5))
     page.page.select_option("#method-name", "punch")
     page.rest()

@@ -346,7 +346,7 @@ def test_a_value_that_is_typed_moves_its_slider(explore):
     assert int(page.page.input_value("#pattern-pillar-height-slider")) > int(place)
 
 
-def test_a_button_pressed_twice_says_what_it_does_again(explore):
+def test_a_button_pressed_twice_has_its_label_again(explore):
     page = explore("#" + "&".join(paper(0.01)))
     page.page.click("#copy-link")
     page.until("document.getElementById('copy-link').textContent !== 'copy link'")

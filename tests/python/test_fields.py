@@ -58,7 +58,7 @@ def test_the_file_has_the_case_it_is_from(critical):
         assert data.attrs["source"] == "fakir " + summary["fakir_version"]
 
 
-def test_pillars_bear_the_force(critical):
+def test_pillars_carry_the_force(critical):
     folder, summary = critical
     with xarray.open_dataset(folder / "fields.nc") as data:
         assert float(data.pressure.where(data.on_pillar == 0).max()) == 0.0

@@ -61,7 +61,7 @@ def run_page(text, folder, *options):
     return page.read_text(encoding="utf-8"), done
 
 
-def test_a_page_that_says_what_is_printed_passes(tmp_path):
+def test_a_page_that_agrees_with_the_output_passes(tmp_path):
     page, done = run_page(PAGE, tmp_path)
     assert done.returncode == 0, done.stderr
     assert page == PAGE
@@ -145,7 +145,7 @@ def test_texts_that_differ(says, prints):
     assert difference("page", prints, says) is not None
 
 
-def test_a_command_that_fails_is_told(tmp_path):
+def test_a_command_that_fails_is_reported(tmp_path):
     _, done = run_page("```console\n$ fakir transition nowhere.toml | cat; exit 2\n```\n", tmp_path)
     assert done.returncode == 1
     assert "the status of" in done.stderr

@@ -22,7 +22,7 @@ def cycle(system):
     return system.cycle()
 
 
-def test_a_cycle_is_what_the_program_says(cycle):
+def test_a_cycle_agrees_with_the_command(cycle):
     expected = program("cycle", CASE, {})
     assert without_times(cycle.to_dict()) == without_times(expected)
     assert cycle.events == expected["events"]
@@ -35,7 +35,7 @@ def test_a_cycle_is_what_the_program_says(cycle):
     assert "pull-off" in repr(cycle) and "<table>" in cycle._repr_html_()
 
 
-def test_the_curve_holds_the_pull_off_and_the_hysteresis(cycle):
+def test_the_curve_contains_the_pull_off_and_the_hysteresis(cycle):
     """The force is linear between stations: the loop is a sum of trapezia, the largest pull a station."""
     assert cycle.force[cycle.unloading].min() == cycle.pull_off.force
     assert cycle.pull_off.pillars["force_N"].sum() == pytest.approx(cycle.pull_off.force, rel=1e-6)
@@ -65,7 +65,7 @@ def test_adhesion_is_part_of_a_system(system):
         fakir.Adhesion("50 mN")
 
 
-def test_a_floor_that_sticks_is_part_of_a_system(system):
+def test_an_adhesive_floor_is_part_of_a_system(system):
     parts = system.lens, system.substrate, system.pattern
     adhesive = fakir.System(*parts, adhesion=fakir.Adhesion("10 mJ/m2", floor=True))
     assert adhesive.adhesion == fakir.Adhesion(0.01, floor=True)
@@ -94,7 +94,7 @@ def test_what_drives_the_lens(system, cycle):
         system.cycle(to="1 um", to_force="1 uN")
 
 
-def test_a_cycle_turns_where_it_is_told_to(system):
+def test_a_cycle_has_the_given_unloading_point(system):
     shorter = system.cycle(to="2 um", retract=False)
     assert shorter.turn_indentation == pytest.approx(2e-6, rel=1e-6)
     assert shorter.critical is None and shorter.pull_off is None

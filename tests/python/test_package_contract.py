@@ -54,7 +54,7 @@ def timeless(result):
         ("cycle", "cycle", "adhesive.toml", ["--set", "pattern.surface_fraction=0.003"]),
     ],
 )
-def test_results_are_as_the_schema_says(kind, command, case, arguments):
+def test_results_match_the_schema(kind, command, case, arguments):
     printed = subprocess.run(
         [os.environ["FAKIR"], "results", "--schema"], capture_output=True, text=True, check=True
     )
@@ -169,7 +169,7 @@ def test_a_height_map_gives_the_same_object(tmp_path, floor):
         assert timeless(surface.transition().to_dict()) == timeless(expected)
 
 
-def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
+def test_a_surface_of_a_case_file_has_the_results_of_the_command(tmp_path):
     case = EXAMPLES / "square-pillars.toml"
     overrides = {"surface.grid.cells_per_diameter": 8}
     setting = "--set=surface.grid.cells_per_diameter=8"
@@ -198,7 +198,7 @@ def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
     assert "the answers agree" in repr(verification)
 
 
-def test_a_loading_on_a_map_without_a_floor_is_told_where_to_end(tmp_path):
+def test_a_loading_on_a_map_without_a_floor_needs_its_end(tmp_path):
     _, surface = height_map(tmp_path, floor=False)
     with pytest.raises(ValueError, match="give surface.floor"):
         surface.approach("0.1 um")

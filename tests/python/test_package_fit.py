@@ -143,7 +143,7 @@ def test_headings_of_instruments_and_columns_by_hand(table, system, fitted):
 
 
 @pytest.mark.slow
-def test_a_fit_that_does_not_describe_the_data_says_so(system):
+def test_a_fit_that_does_not_describe_the_data_warns(system):
     exact = system.replace({"method.name": "spectral"})
     with pytest.warns(fakir.FakirWarning, match="it would take machine_compliance"):
         poor = fakir.fit(WHOLE, exact, FREE[:2])
@@ -169,7 +169,7 @@ def test_drifts_and_starts(table, system):
 
 
 @pytest.mark.slow
-def test_what_is_not_determined_is_said(table, system):
+def test_undetermined_parameters_are_reported(table, system):
     free = ["substrate.young_modulus", "lens.young_modulus", "contact_point"]
     known = system.replace({"pattern.pillar.compliance": "none"})
     with pytest.warns(fakir.FakirWarning, match="lens.young_modulus"):

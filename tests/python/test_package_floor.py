@@ -26,7 +26,7 @@ def state(system):
         return system.press(indentation="4 um")
 
 
-def test_what_the_floor_bears_is_what_the_program_says(state):
+def test_the_load_of_the_floor_agrees_with_the_command(state):
     expected = program("press", CASE, OVERRIDES, "--indentation", "4um")
     assert without_times(state.to_dict()) == without_times(expected)
     floor = state.floor
@@ -44,7 +44,7 @@ def test_what_the_floor_bears_is_what_the_program_says(state):
     assert "<table>" in floor._repr_html_()
 
 
-def test_the_cells_of_the_floor_bear_its_force(state):
+def test_the_cells_of_the_floor_carry_its_force(state):
     floor = state.floor
     width, height = floor.cell
     assert width * height * floor.pressure.sum() == pytest.approx(floor.force, rel=1e-9)
@@ -106,7 +106,7 @@ def test_a_system_keeps_whether_there_is_floor_contact(system, tmp_path):
         fakir.System(*parts, floor_contact="false")
 
 
-def test_a_loading_goes_on_through_the_transition(system):
+def test_a_loading_continues_through_the_transition(system):
     loading = system.approach("1 um", to="4 um")
     table = loading.to_pandas()
     assert table.indentation_m.iloc[-1] == pytest.approx(4e-6, rel=1e-12)

@@ -58,7 +58,7 @@ def test_what_is_no_radius(radius, error, words):
         system(radius=radius)
 
 
-def test_errors_know_the_key_and_the_place(tmp_path):
+def test_errors_have_the_key_and_the_place(tmp_path):
     with pytest.raises(fakir.CaseError) as error:
         system(poisson_ratio=0.6)
     assert isinstance(error.value, ValueError)
@@ -158,7 +158,7 @@ def test_fractions_in_per_cent():
         fakir.Lens("3 %", 1, 0.5)
 
 
-def test_older_names_of_arguments_are_told():
+def test_older_names_of_arguments_cause_warnings():
     with pytest.warns(FutureWarning, match="force is now called critical_force"):
         older = fakir.design(system(), "pitch", force="50 uN")
     assert older.value == fakir.design(system(), "pattern.pitch", critical_force="50 uN").value
@@ -166,7 +166,7 @@ def test_older_names_of_arguments_are_told():
         fakir.design(system(), "pitch", force="50 uN", critical_force="50 uN")
 
 
-def test_older_names_of_the_scatter_of_heights_are_told():
+def test_older_names_of_the_scatter_of_heights_cause_warnings():
     def square(**options):
         return fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", **options)
 

@@ -35,7 +35,7 @@ def test_a_lens_is_what_was_given(lens):
     assert np.all(state.gap(np.linspace(-4e-5, 4e-5, 81), 0.0) > -1e-9)
 
 
-def test_the_program_says_the_same():
+def test_the_command_agrees():
     case = str(EXAMPLES / "cylinder.toml")
     run = [os.environ["FAKIR"], "press", case, "--indentation", "1um", "--json", "--quiet"]
     done = subprocess.run(run, capture_output=True, text=True)

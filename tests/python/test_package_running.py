@@ -84,7 +84,7 @@ def test_ctrl_c_stops_a_sweep_and_keeps_the_journal(tmp_path):
     assert 4 <= len(lines) < 2000
 
 
-def test_progress_is_told_on_the_calling_thread():
+def test_progress_is_reported_on_the_calling_thread():
     reports = []
     system = fakir.System.from_file(EXAMPLE)
     system.transition(progress=lambda *news: reports.append((threading.get_ident(), *news)))

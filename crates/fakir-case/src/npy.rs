@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_headers_say_what_is_accepted() {
+    fn errors_of_headers_state_what_is_accepted() {
         let whole = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }";
         for (from, to, expected) in [
             ("}", "", "is not a dictionary in braces"),

@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_line() {
+    fn errors_state_their_line() {
         let wrong = |text: &str| read(text).unwrap_err();
         assert!(
             wrong("").contains("line 1: the column x_m is missing"),

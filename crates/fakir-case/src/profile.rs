@@ -44,7 +44,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_line() {
+    fn errors_state_their_line() {
         let wrong = |text: &str| read(text).unwrap_err();
         let begins = |text: &str, accepted: &str| {
             let wrong = wrong(text);

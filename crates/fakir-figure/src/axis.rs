@@ -443,7 +443,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_hold_the_data() {
+    fn ranges_contain_the_data() {
         let data = || [0.5, 3.0, -1.0].into_iter();
         let span = Axis::linear("x").span(data());
         assert!(data().all(|value| span.holds(value)));

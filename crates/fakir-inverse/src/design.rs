@@ -1165,7 +1165,7 @@ mod tests {
     }
 
     #[test]
-    fn a_contact_radius_can_be_wanted_and_a_key_be_missing() {
+    fn a_contact_radius_can_be_the_target_and_a_key_can_be_missing() {
         let text = Case::example().to_toml();
         let without: String = text
             .lines()
@@ -1293,7 +1293,7 @@ mod tests {
     /// A contact with all lengths larger by a factor of a thousand and a force larger by a million is
     /// equivalent.
     #[test]
-    fn a_floor_share_knows_no_scale() {
+    fn a_floor_share_is_independent_of_scale() {
         const TIMES: f64 = 1000.0;
         let small = paper(0.03);
         let mut large = small.clone();
@@ -1547,7 +1547,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_asked_is_refused() {
+    fn invalid_questions_are_refused() {
         let run = Run::default();
         let file = paper(0.01);
         let refused = design(&file, Key::Offset, Wanted::Force(1e-5), &run);

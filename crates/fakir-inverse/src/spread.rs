@@ -831,7 +831,7 @@ mod tests {
 
     /// Different pillars are missing in each sample.
     #[test]
-    fn pillars_are_missing_anew_in_every_sample() {
+    fn vacancies_are_redrawn_in_every_sample() {
         let sampling = sampling(Vec::new(), Landing::AsGiven, 8);
         let spread = spread(&scattered(0.0, 0.1), &sampling, &Run::default(), &|_| {}).unwrap();
         let forces: Vec<f64> = spread.found().map(|critical| critical.force).collect();

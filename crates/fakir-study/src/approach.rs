@@ -544,7 +544,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_critical_state_the_path_ends_where_it_is_told_to() {
+    fn without_a_critical_state_the_path_ends_at_the_given_load() {
         use Step::At;
         let found = steps(1.0, [0.0, 2.5], None).unwrap();
         assert_eq!(found, [At(0.0), At(1.0), At(2.0), At(2.5)]);

@@ -446,7 +446,7 @@ mod tests {
     }
 
     #[test]
-    fn cases_that_stick_cite_adhesion() {
+    fn adhesive_cases_cite_adhesion() {
         let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
         let method = Topic::Method(Method::default());
         assert_eq!(Topic::of_case(&file.case().unwrap()), [method]);

@@ -295,7 +295,7 @@ mod tests {
 
     /// Past the transition, elements cover the floor as well.
     #[test]
-    fn both_methods_agree_on_what_the_floor_bears() {
+    fn both_methods_agree_on_the_load_of_the_floor() {
         let system = intermediate(0.01);
         let run = Run::default();
         let question = Load::Indentation(5e-6);
@@ -456,7 +456,7 @@ mod tests {
 
     /// Immediately after first touch, no cell centre is in contact: this does not mean zero force.
     #[test]
-    fn elements_that_touch_nothing_know_nothing() {
+    fn elements_without_contact_are_inconclusive() {
         let system = intermediate(0.01);
         let run = Run::default();
         // The nearest of 16 cells is about 0.19 um from the axis: 8 pm of sag.

@@ -78,7 +78,7 @@ fn all_keys_of_bodies_and_adhesion_are_read_and_written_back() {
 }
 
 #[test]
-fn keys_of_pillars_and_other_surfaces_are_refused_where_they_stand() {
+fn keys_of_pillars_and_other_surfaces_are_refused_at_their_line() {
     let message = refused(&format!("{BODIES}{FLAT}height_map = \"map.npy\"\n"));
     assert!(
         message.contains("case.toml:13") && message.contains("a flat surface has no such key"),

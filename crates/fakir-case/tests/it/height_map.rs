@@ -589,7 +589,7 @@ fn size_and_unit_are_the_callers() {
 }
 
 #[test]
-fn archives_say_what_they_have() {
+fn errors_of_archives_list_their_arrays() {
     let several = fixture("several.npz");
     let error = read(&several).expect_err("two arrays").to_string();
     assert!(

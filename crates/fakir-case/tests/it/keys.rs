@@ -90,7 +90,7 @@ fn refusal(key: Key, value: f64) -> Option<CaseError> {
 
 /// The ranges of the table equal those of the solver and of the patterns, which check most of them.
 #[test]
-fn bounds_are_those_that_hold() {
+fn bounds_are_as_documented() {
     let mut bounds = 0;
     for key in Key::ALL {
         let Kind::Number(_) = key.kind() else {
@@ -126,7 +126,7 @@ fn bounds_are_those_that_hold() {
 
 /// A default is the value of the case if the key is left out.
 #[test]
-fn defaults_are_those_that_hold() {
+fn defaults_are_as_documented() {
     let example = Case::example();
     for method in ["spectral", "punch", "love", "homogenised"] {
         let mut full = CaseFile::parse("case.toml", &example.to_toml()).unwrap();

@@ -143,7 +143,7 @@ fn what_does_not_belong_together_is_refused() {
 }
 
 #[test]
-fn endless_lattices_are_refused_under_cylinders_and_plates() {
+fn infinite_lattices_are_refused_under_cylinders_and_plates() {
     for lens in ["shape = 'plate'", "shape = 'cylinder'\nradius = '2.2 mm'"] {
         let text = format!("[lens]\nyoung_modulus = '2 MPa'\npoisson_ratio = 0.5\n{lens}\n{REST}");
         let text = text.replace("columns = 7", "");

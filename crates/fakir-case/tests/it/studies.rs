@@ -90,7 +90,7 @@ fn dotted_names_need_no_quotes() {
 }
 
 #[test]
-fn ranges_begin_and_end_where_they_say() {
+fn ranges_include_both_ends() {
     let range = "{ from = 3e-4, to = 0.29, points = 60, spacing = \"log\" }";
     let study = study(&format!("[axes]\nsurface_fraction = {range}"));
     let fractions: Vec<f64> = (0..60)

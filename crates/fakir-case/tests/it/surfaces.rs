@@ -339,7 +339,7 @@ fn height_maps_are_sought_next_to_the_case_file() {
 }
 
 #[test]
-fn a_surface_too_large_for_memory_says_what_would_fit() {
+fn the_error_of_a_surface_too_large_for_memory_states_what_fits() {
     let error = with(&["surface.grid.cells_per_diameter=200"]).unwrap_err();
     assert_eq!(error.key_path(), Some(Key::GridWidth.path()));
     // 5334 by 5334 cells, at least 64 bytes each: 4.3 times too fine.

@@ -164,7 +164,7 @@ fn a_cycle_is_saved_with_its_tables_and_figures() {
 }
 
 #[test]
-fn a_cycle_turns_where_it_is_told_to() {
+fn a_cycle_has_the_given_unloading_point() {
     let bench = Bench::new();
     let cycle = |end: [&str; 2]| bench.json(&["cycle", &adhesive(), end[0], end[1]]);
     let by_indentation = cycle(["--to", "2um"]);
@@ -181,7 +181,7 @@ fn a_cycle_turns_where_it_is_told_to() {
 
 /// With the floor ignored the loading continues past the critical state, which is reported.
 #[test]
-fn without_floor_the_cycle_goes_past_the_critical_state() {
+fn without_floor_the_cycle_continues_past_the_critical_state() {
     let bench = Bench::new();
     let arguments = ["cycle", &adhesive(), "--to", "6um", "--without-floor"];
     let result = bench.json(&arguments);
@@ -333,7 +333,7 @@ fn elements_verify_the_contact_without_adhesion_only() {
 
 /// No number of a comparison is presented as including adhesion if it does not.
 #[test]
-fn a_comparison_says_what_is_without_adhesion() {
+fn a_comparison_marks_methods_without_adhesion() {
     let bench = Bench::new();
     let few = ["--set", "pattern.surface_fraction=0.003"];
     let case = adhesive();
@@ -412,7 +412,7 @@ fn theory_has_the_closed_forms_of_adhesion() {
 
 /// If the range of the attraction is too large for the short-range assumption, results report it.
 #[test]
-fn a_range_of_attraction_tells_whether_it_counts_as_small() {
+fn a_range_of_attraction_is_compared_with_its_limit() {
     let bench = Bench::new();
     let case = adhesive();
     let few = ["--set", "pattern.surface_fraction=0.003"];
@@ -454,7 +454,7 @@ fn a_range_of_attraction_tells_whether_it_counts_as_small() {
 
 /// The work of adhesion scatters like any quantity: pull-off is reported for every sample, and no negative work is drawn.
 #[test]
-fn samples_that_stick_tell_how_pull_off_scatters() {
+fn adhesive_samples_have_the_scatter_of_pull_off() {
     let bench = Bench::new();
     let case = adhesive();
     let arguments = [

@@ -261,7 +261,7 @@ fn what_has_no_end_is_not_read_for_ever() {
 /// A verdict needs two solutions with significant digits: if the cells are too coarse for one, the comparison is inconclusive.
 #[test]
 #[ignore = "slow: fine meshes"]
-fn verify_can_say_that_it_cannot_tell() {
+fn verify_can_be_inconclusive() {
     let bench = Bench::new();
     bench.write("case.toml", include_str!("coarse_mesh.toml"));
     let outcome = bench.run(&["verify", "case.toml"]);
@@ -572,7 +572,7 @@ fn help_has_an_example_for_every_command() {
 
 #[test]
 #[cfg(feature = "explore")]
-fn the_explorer_says_what_keeps_it_from_starting() {
+fn the_explorer_reports_why_it_cannot_start() {
     let bench = Bench::new();
     let busy = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let port = busy.local_addr().unwrap().port().to_string();
@@ -632,7 +632,7 @@ fn the_explorer_says_what_keeps_it_from_starting() {
 
 /// A substrate a thousand times softer than the lens: the columns are 4 % too soft, and strained beyond the range of their modulus.
 #[test]
-fn strained_models_fail_where_that_is_asked_for() {
+fn exceeded_limits_fail_on_request() {
     let bench = Bench::new();
     let case = intermediate();
     let soft = ["--set", "substrate.young_modulus=2kPa", "--quiet"];

@@ -5,7 +5,7 @@ use crate::common::{Bench, example};
 /// Designs each free quantity for the force of a case, then computes the force of the case that was
 /// saved.
 #[test]
-fn what_is_designed_has_the_wanted_force() {
+fn designs_have_the_target_force() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let held = ["--set", "pattern.pitch=30um"];
@@ -31,7 +31,7 @@ fn what_is_designed_has_the_wanted_force() {
 
 /// A tolerance of 3 % on a height of 2.2 um is 0.066 um; the seed and the number of samples are those given in the help.
 #[test]
-fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
+fn tolerances_in_per_cent_and_default_samples() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let drawn = |tolerance: &str, more: &[&str]| {
@@ -127,7 +127,7 @@ fn heights_are_found_under_a_lens_without_a_radius() {
 
 /// Designs a pitch for a floor share, then presses the saved case.
 #[test]
-fn what_is_designed_has_the_wanted_floor_share() {
+fn designs_have_the_target_floor_share() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let question = [
@@ -166,7 +166,7 @@ fn what_is_designed_has_the_wanted_floor_share() {
 
 /// Designs a pitch for a pull-off force, then computes the cycle of the saved case.
 #[test]
-fn what_is_designed_has_the_wanted_pull_off_force() {
+fn designs_have_the_target_pull_off_force() {
     let bench = Bench::new();
     let case = example("adhesive.toml");
     let question = ["design", &case, "--free", "pitch", "--pull-off", "40uN"];

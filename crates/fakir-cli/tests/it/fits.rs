@@ -162,7 +162,7 @@ fn limits_of_the_model_are_those_of_press() {
 
 /// The example without the machine compliance.
 #[test]
-fn a_fit_that_does_not_describe_the_data_is_told_with_quiet_too() {
+fn a_fit_that_does_not_describe_the_data_is_reported_with_quiet_too() {
     let bench = Bench::new();
     let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));
     let mut quiet = arguments(&data, &case);

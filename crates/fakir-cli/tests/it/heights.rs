@@ -389,7 +389,7 @@ fn a_lens_on_a_rounded_top() {
 }
 
 #[test]
-fn the_floor_and_wide_contacts_are_said() {
+fn the_floor_and_wide_contacts_are_reported() {
     let bench = bench();
     let press = [
         "press",

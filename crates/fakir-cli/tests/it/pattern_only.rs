@@ -12,7 +12,7 @@ fn folder(name: &str) -> std::path::PathBuf {
 /// Every command that reads a case and does not support surfaces: exit status 2, the line of the file, the reason, and an alternative
 /// command.
 #[test]
-fn commands_without_an_answer_for_a_surface_say_what_to_use() {
+fn commands_that_do_not_support_a_surface_name_one_that_does() {
     let case = folder("square-pillars.toml");
     let case = case.to_str().expect("a path in UTF-8");
     let data = folder("fit/loading.csv");

@@ -36,7 +36,7 @@ fn number(value: &Value, path: &str) -> f64 {
 }
 
 #[test]
-fn the_floor_bears_load_past_the_transition_only() {
+fn the_floor_carries_load_past_the_transition_only() {
     let case = example("square-pillars.toml");
     let critical = json(&fakir("transition", &case, &["--json"]));
     assert_eq!(critical["regime"], "top_first");
@@ -337,7 +337,7 @@ fn limits_of_the_model_are_in_results_of_surfaces() {
 
 /// A height map without a floor has no critical state: a loading on it needs a prescribed end.
 #[test]
-fn a_loading_without_a_floor_ends_where_it_is_told_to() {
+fn a_loading_without_a_floor_ends_at_the_given_load() {
     let folder = tempfile::TempDir::new().expect("a folder for the test");
     let rows = vec![["0"; 48].join(" "); 48].join("\n");
     std::fs::write(folder.path().join("flat.txt"), rows).expect("a map for the test");

@@ -111,7 +111,7 @@ fn the_cycle_is_that_of_the_library() {
 }
 
 #[test]
-fn the_state_asked_for_comes_first() {
+fn the_requested_state_is_sent_first() {
     let server = Running::start();
     let mut asked = question(server.next(), &adhesive(0.01, "50 mJ/m2"));
     asked["load"] = json!({ "fraction": 2.0 });

@@ -180,7 +180,7 @@ fn values_that_are_no_numbers_are_refused_in_plain_words() {
 
 /// Past the transition the floor carries load, unless floor contact is ignored.
 #[test]
-fn past_the_transition_the_floor_bears_its_part() {
+fn past_the_transition_the_floor_carries_load() {
     let server = Running::start();
     let asked = |values: Value| {
         let mut beyond = question(server.next(), &values);
@@ -400,7 +400,7 @@ fn the_newest_request_calls_off_those_before() {
 /// Two hundred connections that never complete their request, three times, each time before the page
 /// is requested.
 #[test]
-fn connections_that_say_nothing_keep_nobody_out() {
+fn idle_connections_do_not_block_others() {
     let server = Running::start();
     let page = format!("/{}/", server.token);
     let asked_before = server.get(&page, &[]).status;

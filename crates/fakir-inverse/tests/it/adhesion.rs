@@ -144,7 +144,7 @@ fn close(value: f64, truth: f64, tolerance: f64) -> bool {
 /// Beside a pillar jumps are small; on one they are as large as they get, and by a soft machine larger still.
 #[test]
 #[ignore = "slow: fits of many cycles"]
-fn intervals_hold_the_truth_in_most_draws() {
+fn intervals_contain_the_true_value_in_most_draws() {
     for (offset, compliance, count) in [
         ("pattern.offset=0.3", 0.0, 4),
         ("pattern.offset=0", COMPLIANCE, 3),
@@ -181,7 +181,7 @@ fn small_data(overrides: &[&str], step: f64) -> Vec<(Column, Vec<f64>)> {
 }
 
 #[test]
-fn a_receding_work_is_told_from_data_of_both_branches() {
+fn a_receding_work_is_determined_from_data_of_both_branches() {
     let data = Measurements::new(&small_data(&["adhesion.work_receding=80mJ/m2"], 0.1e-6)).unwrap();
     let first = case_file(&["pattern.surface_fraction=0.01", "pattern.offset=0.3"]);
     let options = FitOptions {
@@ -316,7 +316,7 @@ fn an_offset_of_the_force_is_found() {
 }
 
 #[test]
-fn what_the_data_of_adhesion_lack_is_told() {
+fn insufficient_data_of_adhesion_are_reported() {
     let refusal = |columns: &[(Column, Vec<f64>)], work: &str, free: &[Parameter]| {
         let data = Measurements::new(columns).unwrap();
         let file = case_file(&["pattern.surface_fraction=0.01", work]);

@@ -211,7 +211,7 @@ fn rows_outside_of_the_model_are_named_and_left_out() {
 }
 
 #[test]
-fn moduli_that_force_cannot_tell_apart() {
+fn moduli_that_force_cannot_distinguish() {
     // Without columns only the common compliance of both bodies has an effect.
     let file = case_file(&["pattern.pillar.compliance=none", "lens.young_modulus=3MPa"]);
     let [displacement, force, _] = loading(&file, &indentations(12));
@@ -311,7 +311,7 @@ fn states_past_the_transition_are_used_with_the_floor() {
 
 #[test]
 #[ignore = "slow: many fits"]
-fn intervals_hold_the_truth_as_often_as_they_say() {
+fn intervals_contain_the_true_value_at_their_level() {
     const DRAWS: u64 = 100;
     const NOISE: f64 = 0.3e-6; // N, where the largest force is 100 uN
     let file = case_file(&[]);
@@ -360,7 +360,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
 }
 
 #[test]
-fn what_cannot_be_fitted_says_why() {
+fn errors_state_why_a_fit_is_impossible() {
     let file = case_file(&[]);
     let columns = |count: usize| {
         let [displacement, force, _] = loading(&file, &indentations(count));
@@ -391,7 +391,7 @@ fn what_cannot_be_fitted_says_why() {
 }
 
 #[test]
-fn malformed_files_say_where() {
+fn errors_of_malformed_files_state_their_place() {
     let texts = [
         "",
         "1,2\n3,4\n",
@@ -713,7 +713,7 @@ fn noisy_fit(seed: u64, compliance: f64, error: Option<f64>, run: &Run<'_>) -> F
 
 #[test]
 #[ignore = "slow: many fits"]
-fn fits_that_describe_the_data_warn_as_often_as_the_level_says() {
+fn fits_that_describe_the_data_warn_at_the_level_of_the_test() {
     const DRAWS: u64 = 100;
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let run = Run {

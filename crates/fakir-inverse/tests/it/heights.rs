@@ -93,7 +93,7 @@ fn force_of_the_indentation() {
 }
 
 #[test]
-fn what_is_out_of_reach_is_said() {
+fn unattainable_curves_are_refused() {
     let wanted: Vec<WantedPoint> = [10.0, 45.0, 80.0]
         .into_iter()
         .map(|zeta: f64| WantedPoint {

@@ -53,7 +53,7 @@ fn small() -> Scope {
 /// tables.
 #[test]
 #[ignore = "slow: the whole study"]
-fn the_report_says_what_the_tables_say() {
+fn the_report_agrees_with_the_tables() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reproduce-adhesion");
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();

@@ -262,7 +262,7 @@ mod tests {
 
     /// 50 mJ/m^2 on the lattice of 3 %: annuli of 4.67 um, threshold 21 mJ/m^2, pull-off 0.27 mN, from a different series of modes.
     #[test]
-    fn a_floor_that_sticks_has_its_closed_forms() {
+    fn an_adhesive_floor_has_its_closed_forms() {
         let system = Case::example().system;
         let lattice = fakir::problem::HexagonalLattice::with_surface_fraction(0.03, 6e-6);
         let system = system.with_arrangement(lattice).unwrap();

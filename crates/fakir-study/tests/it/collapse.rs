@@ -50,7 +50,7 @@ fn a_floor_that_pulls() {
 
 /// So little adhesion that annuli fill the cells: the model is not used, and this is reported.
 #[test]
-fn where_the_model_is_not_asked() {
+fn where_the_model_is_not_evaluated() {
     let found = found(0.1, 0.1);
     assert_eq!(found.jump_validity, Validity::AnnuliMeet);
     assert_eq!((found.fate, found.jump), (FloorOutcome::Unknown, None));

@@ -292,7 +292,7 @@ fn differ(one: &[f64], other: &[f64]) -> bool {
 }
 
 /// Whether a key may have no effect without a warning other than the result itself.
-fn is_told_elsewhere(key: Key, file: &CaseFile) -> bool {
+fn is_reported_elsewhere(key: Key, file: &CaseFile) -> bool {
     let method = file.case().map_or("", |case| case.method.name());
     // Only the spectral method has floor contact; the others give a negative gap, and a warning with the critical load.
     let is_floor = key == Key::FloorContact && method != "spectral";
@@ -376,7 +376,7 @@ impl Base {
         }
         let idle = changed.without_effect().unwrap();
         let is_warned_of = idle.iter().any(|(idle, _)| *idle == key);
-        match is_warned_of || is_told_elsewhere(key, &changed) {
+        match is_warned_of || is_reported_elsewhere(key, &changed) {
             true => Effect::Listed,
             false => Effect::Ignored,
         }
@@ -496,7 +496,7 @@ fn pattern(arrangement: &str, method: &str) -> String {
 }
 
 #[test]
-fn endless_lattices_by_the_spectral_method() {
+fn infinite_lattices_with_the_spectral_method() {
     check(&[("endless", pattern(ENDLESS, SPECTRAL))]);
 }
 
@@ -511,12 +511,12 @@ fn listed_pillars_by_the_spectral_method() {
 }
 
 #[test]
-fn endless_lattices_by_elements() {
+fn infinite_lattices_with_boundary_elements() {
     check(&[("endless", pattern(ENDLESS, LOVE))]);
 }
 
 #[test]
-fn finitely_many_pillars_by_elements() {
+fn finitely_many_pillars_with_boundary_elements() {
     check(&[
         ("finite", pattern(FINITE, LOVE)),
         ("listed", pattern(LISTED, LOVE)),
@@ -525,7 +525,7 @@ fn finitely_many_pillars_by_elements() {
 
 /// These methods support infinite hexagonal lattices only, and refuse the keys of other arrangements.
 #[test]
-fn endless_lattices_by_approximate_methods() {
+fn infinite_lattices_with_approximate_methods() {
     check(&[
         ("punch", pattern(ENDLESS, "name = \"punch\"")),
         ("homogenised", pattern(ENDLESS, "name = \"homogenised\"")),

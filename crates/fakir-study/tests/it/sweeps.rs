@@ -367,7 +367,7 @@ fn one_sweep_at_a_time_in_a_folder() {
 }
 
 #[test]
-fn a_sweep_that_is_cancelled_goes_on_from_its_journal() {
+fn a_cancelled_sweep_continues_from_its_journal() {
     let bench = TempDir::new().unwrap();
     let expected = complete(&bench.path().join("whole"));
     let folder = bench.path().join("cancelled");

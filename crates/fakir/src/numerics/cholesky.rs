@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn tells_what_is_not_positive_definite() {
+    fn reports_a_matrix_that_is_not_positive_definite() {
         assert!(!factorise(&mut [1.0, 2.0, 2.0, 1.0], 2));
         assert!(!factorise(&mut [f64::NAN], 1));
         // In the first panel, and in columns after it.

@@ -731,7 +731,7 @@ mod tests {
     }
 
     #[test]
-    fn lattices_hold_every_pillar_within_a_radius() {
+    fn lattices_contain_every_pillar_within_a_radius() {
         let body = PillarBody::of_column(0.0);
         let lattice = PlaneLattice::new([[1.3, 0.2], [0.9, 1.7]], [0.3, -0.6], body).unwrap();
         let found = lattice.within(9.0);
@@ -755,7 +755,7 @@ mod tests {
 
     /// Square, rectangular and centred lattices have grids along x and y, others do not.
     #[test]
-    fn some_lattices_stand_on_grids() {
+    fn some_lattices_are_on_grids() {
         let body = PillarBody::of_column(0.0);
         let field = |vectors: [Point; 2]| {
             let lattice = PlaneLattice::new(vectors, [0.3, -0.6], body).unwrap();

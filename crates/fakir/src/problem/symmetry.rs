@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn pillars_come_to_where_pillars_stand() {
+    fn mirrored_pillars_are_pillars() {
         for (offset, angle) in [(0.0, 0.0), (1.0 / 3f64.sqrt(), 0.0), (0.3, PI / 6.0)] {
             let field = field(offset, angle);
             let PillarField::Hexagonal { lattice, .. } = &field else {

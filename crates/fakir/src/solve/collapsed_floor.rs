@@ -916,7 +916,7 @@ mod tests {
 
     /// A volume at the centre, by Abel's transform `g = -V/(2 pi t^2)`: `p = (g(r_f)/q - int_r^(r_f) g'/sqrt(t^2 - r^2) dt)/pi`.
     #[test]
-    fn cracks_act_on_cracks_as_abel_says() {
+    fn the_interaction_of_cracks_agrees_with_abels_transform() {
         let f = FRONT.radius;
         for r in [0.3, 1.0, 1.8] {
             let q = FRONT.q(r);

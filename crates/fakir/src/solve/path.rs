@@ -1012,7 +1012,7 @@ mod tests {
     /// Detachments at an indentation, one top after the other in any order, lead to the same state as all at once, except for the
     /// directions of fronts, which follow the load within 0.02 rad.
     #[test]
-    fn tops_may_let_go_in_any_order() {
+    fn tops_may_detach_in_any_order() {
         use chacha20::ChaCha8Rng;
         use chacha20::rand_core::{Rng, SeedableRng};
 

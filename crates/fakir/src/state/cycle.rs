@@ -392,7 +392,7 @@ impl Cycle {
         // If the floor is partly in tension and partly in compression, its force is a small difference of large forces; its error is
         // relative to the total force.
         let share = self.turn.floor.as_ref().map_or(1.0, |it| it.share.abs());
-        let of_floor = self.known_floor_errors().into_iter().flat_map(|it| {
+        let of_floor = self.available_floor_errors().into_iter().flat_map(|it| {
             [
                 ("force at the end of loading", it.turn_force),
                 (
@@ -415,13 +415,13 @@ impl Cycle {
     #[must_use]
     pub fn unresolved_jump_area(&self) -> Option<Unresolved> {
         self.floor_jump()?;
-        let error = self.known_floor_errors()?.jump_area;
+        let error = self.available_floor_errors()?.jump_area;
         let quantity = "contact area on the floor after the jump onto it";
         Unresolved::among([(quantity, error)], self.finer())
     }
 
     /// Errors of the results for an adhesive floor that are known.
-    fn known_floor_errors(&self) -> Option<AdhesiveFloorErrors> {
+    fn available_floor_errors(&self) -> Option<AdhesiveFloorErrors> {
         let errors = self.floor?.errors;
         (errors != AdhesiveFloorErrors::UNKNOWN).then_some(errors)
     }

@@ -241,7 +241,7 @@ mod tests {
 
     /// Compares Johnson, Kendall and Roberts with the modes of the disc, whose edge satisfies Griffith's criterion, along the whole branch.
     #[test]
-    fn spheres_stick_as_the_modes_of_a_disc_do() {
+    fn adhesive_spheres_agree_with_the_modes_of_a_disc() {
         let (lens, work) = (2.2e-3, 1e-5);
         let largest = sphere_pull_off_by_force(MODULUS, lens, work).radius;
         for part in [0.3, 0.481, 0.63, 1.0, 1.5, 3.0] {
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn spheres_come_off_at_three_halves_and_at_five_ninths_of_it() {
+    fn spheres_detach_at_three_halves_and_at_five_ninths_of_it() {
         let (lens, work) = (2.2e-3, 1e-5);
         let by_force = sphere_pull_off_by_force(MODULUS, lens, work);
         let by_displacement = sphere_pull_off_by_displacement(MODULUS, lens, work);

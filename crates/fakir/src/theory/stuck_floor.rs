@@ -825,7 +825,7 @@ mod tests {
     /// Edges with and without pressure, and cases without an edge, in um: roots of the table of another series, interpolated, to its
     /// digits.
     #[test]
-    fn edges_stand_where_the_work_holds_them() {
+    fn edges_are_in_equilibrium_with_the_work_of_adhesion() {
         let pillar = BondedFloorPillar::of(&system(0.03, 2.0));
         let modulus = pillar.modulus;
         let at = |work: f64, pressure: f64| match pillar.edge(work * 1e-3, pressure * modulus) {

@@ -176,7 +176,7 @@ fn no_adhesion_is_the_contact_as_it_was() {
 
 #[test]
 #[ignore = "slow: a whole cycle of a floor that sticks"]
-fn a_floor_that_sticks_is_lost_later_than_it_came() {
+fn an_adhesive_floor_detaches_later_than_it_attached() {
     // An independent program (`floor_adhesion.csv`, phi = 0.03, 10 mJ/m^2): 0.3089 mN after the jump onto 36 holes, detachment at 2.28 um
     // +- 0.08, pull-off of the tops alone.
     let adhesion = Adhesion::new(0.01).with_floor();
@@ -253,7 +253,7 @@ fn the_pull_does_not_depend_on_what_drives_the_lens() {
 
 /// Tops that are equivalent under a symmetry of the lattice detach together.
 #[test]
-fn symmetric_cases_let_go_in_symmetric_order() {
+fn symmetric_cases_detach_in_symmetric_order() {
     let cycle = cycle(&adhesive(0.03, 0.0, 0.02), CyclePlan::default());
     let mut cascades: BTreeMap<u64, Vec<(i64, i64, u64)>> = BTreeMap::new();
     for event in &cycle.events {
@@ -333,7 +333,7 @@ fn states_on_loading_are_those_of_the_cycle() {
 }
 
 #[test]
-fn who_holds_is_told_at_every_station() {
+fn attached_pillars_are_available_at_every_load_step() {
     let cycle = cycle(&adhesive(0.03, 0.3, 0.01), CyclePlan::default());
     for (number, station) in cycle.stations.iter().enumerate() {
         let held = cycle.holding(number);
@@ -368,7 +368,7 @@ fn who_holds_is_told_at_every_station() {
 }
 
 #[test]
-fn cycles_turn_where_they_are_told_to() {
+fn cycles_have_the_given_unloading_point() {
     let system = adhesive(0.03, 0.0, 0.05);
     let turned = |turn| {
         let plan = CyclePlan {
@@ -468,7 +468,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
 }
 
 #[test]
-fn limits_of_the_model_are_told() {
+fn limits_of_the_model_are_reported() {
     // Kendall's stress divided by the modulus: 0.119 for 50 mJ/m^2 on 2 MPa, and 5.3 on 2 kPa, where the lens is softer than the pillars.
     let within = cycle(&adhesive(0.01, 0.0, 0.05), CyclePlan::default());
     let limits = within.limits(Some(1e-9));
@@ -488,7 +488,7 @@ fn limits_of_the_model_are_told() {
 }
 
 #[test]
-fn cycles_tell_how_far_they_are_and_stop_when_told() {
+fn cycles_report_progress_and_can_be_cancelled() {
     let system = adhesive(0.03, 0.0, 0.05);
     let reports = Mutex::new(Vec::new());
     let listener = |progress: Progress| reports.lock().unwrap().push(progress);
@@ -541,7 +541,7 @@ fn default_and_accurate_cycles_agree_within_what_they_claim() {
 /// Pressures add up to the forces of the pillars, including pillars in tension and partially bonded tops; outside the contact the pressure
 /// is zero.
 #[test]
-fn pressures_pull_where_tops_are_held() {
+fn pressure_is_tensile_in_bonded_regions() {
     // Lowered by a hundredth of the height after the snap: the outer tops are in tension.
     let system = adhesive(0.03, 0.3, 0.003);
     let control = Load::Indentation(2.5e-6);
@@ -781,7 +781,7 @@ fn square_lattices_pull_alike_however_they_are_driven() {
 
 /// Pillars that are all higher than the common height by the same amount detach earlier by this amount, at the same pull-off force.
 #[test]
-fn heights_shift_what_sticks() {
+fn heights_shift_adhesion() {
     let lattice = paper_lattice(0.03, 0.3);
     let of_paper = paper_system(lattice, INTERMEDIATE, PillarCompliance::None);
     let placed = of_paper.pillars_within(200e-6);
@@ -850,7 +850,7 @@ fn one_listed_pillar_pulls_as_a_flat_punch() {
 
 /// Fronts are available for tops of equal size on equal columns only.
 #[test]
-fn tops_that_differ_do_not_stick_yet() {
+fn adhesion_of_different_tops_is_not_supported() {
     let refused = |system: &System| {
         let cycle = fakir::cycle(
             system,

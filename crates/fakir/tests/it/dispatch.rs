@@ -163,7 +163,7 @@ fn check(
 }
 
 #[test]
-fn the_table_says_what_is_answered() {
+fn the_table_lists_what_is_supported() {
     let run = Run::default();
     let load = Load::Indentation(0.15e-6);
     let mut answered = 0;

@@ -269,7 +269,7 @@ fn a_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
 
 /// At the rim the force is still that of the disc (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)).
 #[test]
-fn a_sticking_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
+fn an_adhesive_disc_that_reaches_the_rim_on_one_side_states_its_error() {
     let run = Run::default();
     let mut answers = 0;
     for work in [1e-5, 3e-4, 1e-3, 5e-3] {

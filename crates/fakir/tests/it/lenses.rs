@@ -591,7 +591,7 @@ fn turning_all_changes_nothing() {
 /// Independent comparison: elements have the same gap as a plate above tops that are lowered by the lens shape. The error of the cells on a
 /// disc is divided out with the force under a level plate.
 #[test]
-fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
+fn boundary_elements_agree_for_a_cylinder_and_a_tilted_plate() {
     let places: Vec<Point> = [[0.0, 3.0], [15.0, -4.5], [-13.5, 1.5], [3.0, 16.5]]
         .map(|place| place.map(|x| 1e-6 * x))
         .to_vec();
@@ -635,7 +635,7 @@ fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
 
 /// Compares derivatives with central differences.
 #[test]
-fn gradients_know_the_shape() {
+fn gradients_include_the_shape() {
     let lattice = |pitch: f64| PlaneLattice {
         columns: Some(5),
         rotation: 0.3,

@@ -206,7 +206,7 @@ fn adhesion_that_would_matter() {
 
 /// For layers, each limit is exceeded once; the thickness at which a finite thickness would be significant is not reported for them.
 #[test]
-fn layers_beyond_what_they_stand_for() {
+fn layers_beyond_their_range_of_validity() {
     let system = paper_system(paper_lattice(0.05, 0.0), INTERMEDIATE, COLUMN);
     let with = |film: Option<f64>, lens: Option<f64>| {
         let layers = [film, lens].map(|thickness| thickness.map(Layer::new));

@@ -461,7 +461,7 @@ fn pillars_join_a_lens_on_the_floor() {
 }
 
 #[test]
-fn the_pressure_bears_the_force_and_closes_the_gap() {
+fn the_pressure_carries_the_force_and_closes_the_gap() {
     let system = system(0.03, 2e6, 0.0);
     let load = Load::Indentation(1.4 * critical(&system).indentation);
     let state = pressed(&system, load, Accuracy::Default);
@@ -484,7 +484,7 @@ fn the_pressure_bears_the_force_and_closes_the_gap() {
 }
 
 #[test]
-fn what_is_asked_of_a_run_is_kept() {
+fn options_of_a_run_are_kept() {
     use fakir::state::{CancelToken, SolveError, Stage};
     use std::sync::Mutex;
     let system = system(0.03, 2e6, 0.0);

@@ -270,7 +270,7 @@ fn integrate_pressure(state: &ContactState, pillar: usize, of: impl Fn(Point) ->
 
 /// The contact conditions on covered pillars, and the force from the pressure.
 #[test]
-fn covered_pillars_bear_pressure_without_gap() {
+fn covered_pillars_carry_pressure_without_gap() {
     let system = intermediate(0.1, 0.3, 0.0);
     for (method, tolerance) in [(Method::default(), 1e-10), (ACCURATE, 1e-11)] {
         let state = press(&system, Load::Indentation(5e-6), method);

@@ -390,7 +390,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn cells_are_the_floor_and_pillars_stand_on_corners() {
+    fn cells_are_the_floor_and_pillars_are_on_corners() {
         let paper = |pitch, offset, offset_angle| {
             hexagonal(HexagonalLattice {
                 pitch,

@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn the_own_mean_of_a_square_is_known() {
+    fn the_own_mean_of_a_square_has_its_closed_form() {
         // 4 ln(1 + sqrt 2) - 4 (sqrt 2 - 1)/3, the mean of 1/r over a unit square and itself.
         let division = Division {
             fineness: 1,

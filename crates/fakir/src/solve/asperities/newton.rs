@@ -121,7 +121,7 @@ impl Equations<'_> {
             radius: (pressed / curvature).sqrt(),
             hold: Hold::Free,
         };
-        self.hold_at_rim(&mut disc);
+        self.constrain_at_rim(&mut disc);
         let mut load = self.rule.workspace();
         let geometry = (disc.centre, disc.radius);
         self.rule.fill(self.layout, asperity, geometry, &mut load);
@@ -137,7 +137,7 @@ impl Equations<'_> {
     }
 
     /// Keeps a free contact within the rim. Returns whether it was changed.
-    fn hold_at_rim(&self, disc: &mut Disc) -> bool {
+    fn constrain_at_rim(&self, disc: &mut Disc) -> bool {
         let rim = self.rim(disc.asperity);
         let apex = self.layout.asperities[disc.asperity].apex;
         let [x, y] = [0, 1].map(|k| disc.centre[k] - apex[k]);
@@ -336,7 +336,7 @@ impl Equations<'_> {
                     let part = (0.7 * radius / moved).min(1.0);
                     stepped.changed |= part < 1.0;
                     disc.centre = [0, 1].map(|k| disc.centre[k] + part * step[k]);
-                    stepped.changed |= self.hold_at_rim(disc);
+                    stepped.changed |= self.constrain_at_rim(disc);
                 }
             }
             self.edge.enforce(disc.hold, moments);
