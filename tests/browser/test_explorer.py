@@ -12,7 +12,7 @@ from conftest import exploring
 
 @pytest.mark.smoke
 def test_starts_with_the_case_of_fakir_init(explore):
-    # The numbers are those of the README: spectral method, checked against Love elements.
+    # The numbers are those of the README: spectral method, checked against boundary elements.
     page = explore()
     assert page.results() == ["4.44813", "199", "15.1643"]
     assert page.text("force-unit") == "mN"

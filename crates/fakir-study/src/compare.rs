@@ -25,7 +25,7 @@ pub fn methods() -> [(Method, &'static str, &'static str); 6] {
         (
             Method::Love(ElementMesh::default()),
             "love",
-            "Love elements",
+            "boundary elements",
         ),
         (
             Method::Spectral(Accuracy::Default),

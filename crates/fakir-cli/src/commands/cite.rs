@@ -92,7 +92,7 @@ fn of_method(method: CitedMethod) -> CiteJson {
             vec![Topic::Method(Method::Spectral(Accuracy::Default))],
         ),
         CitedMethod::Love => (
-            "Love elements",
+            "boundary elements",
             vec![Topic::Method(Method::Love(ElementMesh::default()))],
         ),
         CitedMethod::Punch => (

@@ -1,4 +1,4 @@
-//! `fakir verify`: the spectral method and Love elements on the same question.
+//! `fakir verify`: the spectral method and boundary elements on the same question.
 
 use crate::failure::{Failure, not_answered};
 use crate::numbers::{DIGITS, seconds, significant};
@@ -197,7 +197,7 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
         ),
         provenance: Provenance::new(
             control_words(control),
-            format!("Love elements, {coarse} against {fine} cells across a pillar"),
+            format!("boundary elements, {coarse} against {fine} cells across a pillar"),
             &[Topic::of_surface(case)],
             case.to_toml(),
         ),

@@ -557,7 +557,9 @@ fn what_to_cite_follows_from_the_method() {
     assert!(of_study.contains(&"Sneddon1966".to_owned()), "{of_study:?}");
 
     let text = bench.result(&["cite", "results"]);
-    assert!(text.starts_with("To cite for contact under a force of 1 uN, Love elements, 16 cells"));
+    assert!(
+        text.starts_with("To cite for contact under a force of 1 uN, boundary elements, 16 cells")
+    );
     assert!(
         text.lines().all(|line| line.chars().count() <= 100),
         "{text}"

@@ -509,7 +509,7 @@ fn a_study_of_surfaces_is_swept() {
         .arg(example("study-square-pillars.toml"))
         .output();
     let cited = text(&cited.expect("the binary runs").stdout);
-    assert!(cited.contains("Love elements on surfaces"), "{cited}");
+    assert!(cited.contains("boundary elements on surfaces"), "{cited}");
 }
 
 /// An axis that creates an invalid surface is reported with its line, and nothing is computed.

@@ -42,7 +42,11 @@ impl Kind for SurfaceCase {
 
     fn method(&self) -> String {
         let grid = self.system.surface().grid();
-        format!("Love elements, {} by {} cells", grid.columns(), grid.rows())
+        format!(
+            "boundary elements, {} by {} cells",
+            grid.columns(),
+            grid.rows()
+        )
     }
 
     fn topics(&self, _: Option<f64>) -> Vec<Topic> {

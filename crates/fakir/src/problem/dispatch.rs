@@ -9,7 +9,7 @@ use super::scaled::Scene;
 use super::system::{FloorModel, System};
 
 listed! {
-    /// What can be asked of a problem.
+    /// A question on a problem.
     Question {
         /// The contact under a load.
         Press = "press",
@@ -21,7 +21,7 @@ listed! {
         Cycle = "cycle",
         /// Exact derivatives of a contact.
         Gradient = "gradient",
-        /// The contact in which the floor bears a given part of the force.
+        /// The contact in which the floor carries a given fraction of the load.
         FloorShare = "floor share",
         /// A contact by a second method or mesh.
         Verify = "verify",
@@ -37,7 +37,7 @@ listed! {
         Theory = "theory",
         /// The critical state by every method.
         Compare = "compare",
-        /// The value of a quantity that gives a wanted result.
+        /// The value of a quantity for which a result has its target value.
         Design = "design",
         /// The scatter of a critical state among samples.
         Spread = "spread",
@@ -51,19 +51,19 @@ listed! {
 }
 
 listed! {
-    /// What solves a problem: one of the [methods](Method) on pillars with flat tops, or that of another surface.
+    /// The solver of a problem: one of the [methods](Method) for pillars with flat tops, or the method for another surface.
     Solver {
         /// Spectral expansion on flat pillar tops.
         Spectral,
         /// One flat punch per pillar.
         Punch,
-        /// Elements on flat pillar tops.
+        /// Boundary elements on flat pillar tops.
         Elements,
         /// The homogenised lattice.
         Homogenised,
         /// Pillars with rounded tops, each of which has a contact of unknown extent.
         Asperities,
-        /// Elements on a height map.
+        /// Boundary elements on a height map.
         HeightMap,
         /// One disc of contact on a flat surface.
         Flat,
@@ -71,15 +71,15 @@ listed! {
 }
 
 listed! {
-    /// What a problem can have that not every solver knows.
+    /// A feature of a problem that some solvers do not support.
     Feature {
         /// The lens is a plate that is not level.
         TiltedPlate,
-        /// Pillars are on another arrangement than the paper's, the endless hexagonal lattice that is not turned.
+        /// The arrangement of pillars is not that of the paper, an infinite hexagonal lattice without rotation.
         OtherArrangement,
         /// Pillars differ in diameter.
         SeveralDiameters,
-        /// Columns of pillars differ in compliance. This is looked at only where tops stick.
+        /// Columns of pillars differ in compliance. Checked only with adhesive tops.
         SeveralColumns,
         /// The lens or the substrate has a finite thickness.
         Layer,
@@ -87,12 +87,12 @@ listed! {
         ElasticPillars,
         /// The floor is ignored.
         IgnoredFloor,
-        /// Pillar tops stick.
+        /// Pillar tops are adhesive.
         AdhesiveTops,
-        /// The floor sticks too.
+        /// The floor is adhesive too.
         AdhesiveFloor,
     } and {
-        /// The lens is no sphere.
+        /// The lens is not a sphere.
         Lens(LensForm),
     }
 }
@@ -118,7 +118,7 @@ struct Rule {
 }
 
 impl Question {
-    /// Refuses what has no answer by a solver for a problem with these features.
+    /// Refuses a question that a solver does not support for a problem with these features.
     ///
     /// # Errors
     /// [`Unsupported`]: the reason and the alternative.

@@ -149,7 +149,7 @@ const FIRST_POWER: f64 = 1.5;
 /// The exponent is extrapolated linearly in the logarithm of the odds, but to no less than this fraction of its last value.
 const LEAST_POWER: f64 = 0.3;
 
-/// Estimates at what indentation past the transition, relative to the critical indentation, the floor carries a share, from the shares
+/// Estimates at what indentation past the transition, relative to the critical indentation, the floor carries a fraction of the load, from the fractions
 /// solved before.
 fn start_of_share(share: f64, known: &[KnownShare]) -> f64 {
     let odds = log_of_odds(share);

@@ -366,7 +366,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
             .map(move |(own, far)| (own - far) * scale + self.base)
     }
 
-    /// Energy of the current response, valid if the contact conditions hold.
+    /// Energy of the current response, valid if the contact conditions are satisfied.
     pub(crate) fn energy(&self) -> f64 {
         let (coefficients, own) = (&self.present.coefficients, &self.own_load);
         let of_lens: f64 = coefficients.iter().zip(own).map(|(c, b)| c * b).sum();
@@ -529,7 +529,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         let workers = self.run.workers();
         let vectors = Vectors(workers);
         // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
-        // On floor cells, which have no compliance of their own: c unchanged; r = b - B c.
+        // On floor cells, which have no separate compliance: c unchanged; r = b - B c.
         let tops = self.tops;
         self.right_side(source, &mut workspace.load);
         workspace.residual[..tops].copy_from_slice(&far[..tops]);

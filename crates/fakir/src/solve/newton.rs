@@ -285,7 +285,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Iterates from the current states until the contact conditions hold; for a start, on most pillars.
+    /// Iterates from the current states until the contact conditions are satisfied; for a start, on most pillars.
     pub(crate) fn solve(
         &mut self,
         target: impl Into<Target>,
@@ -522,7 +522,7 @@ impl<'a> Newton<'a> {
     /// they would appear to be touched as the floor takes load from the tops within. A thin layer rises around the contact, but first at
     /// the pillars next to the touched ones.
     ///
-    /// If no pillar is touched yet: as far as the undeformed lens is below the tops, with a margin for the indentation if it is unknown.
+    /// If no pillar is touched yet: the depth of the undeformed lens below the tops, with a margin for the indentation if it is unknown.
     pub(crate) fn pillar_reach(&self) -> f64 {
         if self.touched() > 0 {
             let reach = self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();

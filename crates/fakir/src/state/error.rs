@@ -51,7 +51,7 @@ pub enum SolveError {
     },
     /// Fields at this number of points exceed the memory limit.
     #[error(
-        "fields at {points} points take {} of memory; the limit is {}: raise the limit, or ask for at \
+        "fields at {points} points take {} of memory; the limit is {}: raise the limit, or request at \
          most {most} points, such as {} by {}",
         memory(*.bytes), memory(*.limit), .most.isqrt(), .most.isqrt()
     )]

@@ -663,7 +663,7 @@ mod tests {
         assert_eq!(
             message,
             "fields at 40001 points take 3.2 MB of memory; the limit is 3.2 MB: raise the limit, or \
-             ask for at most 40000 points, such as 200 by 200"
+             request at most 40000 points, such as 200 by 200"
         );
         let many = vec![0.0; 100_000];
         let refused = fields.on_grid(&many, &many, &Run::default());

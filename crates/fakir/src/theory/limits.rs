@@ -326,7 +326,7 @@ impl HalfSpaces<'_> {
             let layers = Layers::new([(material, Some(Layer::new(1.0))), (other, None)]);
             let thin = layers.shift(self.force, 0.0);
             let bend = layers.shift(self.force, self.second_moment).indentation - thin.indentation;
-            // Under Hertz's contact the indentation goes as the third root of the curvature.
+            // Under Hertz's contact the indentation is proportional to the third root of the curvature.
             let bend = bend + thin.curvature * self.lens_radius * self.indentation / 3.0;
             let parts = names.into_iter().zip([0.01, 0.1]);
             parts.map(move |(name, part)| {

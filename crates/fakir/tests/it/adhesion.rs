@@ -175,7 +175,7 @@ fn no_adhesion_is_the_contact_as_it_was() {
 }
 
 #[test]
-#[ignore = "slow: a whole cycle of a floor that sticks"]
+#[ignore = "slow: a complete cycle with an adhesive floor"]
 fn an_adhesive_floor_detaches_later_than_it_attached() {
     // An independent program (`floor_adhesion.csv`, phi = 0.03, 10 mJ/m^2): 0.3089 mN after the jump onto 36 holes, detachment at 2.28 um
     // +- 0.08, pull-off of the tops alone.

@@ -523,7 +523,7 @@ fn check_with_boundary_elements(
     let estimate = contact.error.expect("an estimate");
     let error = found[0] / (1.0 + bias[0]) / (contact.force / FORCE) - 1.0;
     let of_area = found[1] / (1.0 + bias[1]) / (contact.area / FORCE) - 1.0;
-    println!("by elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
+    println!("with boundary elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
     assert!(error.abs() < tolerance, "{error}");
     assert!(error.abs() < estimate.force + 3e-5, "{error} {estimate:?}");
     // Each cell is either in contact or not.

@@ -181,7 +181,7 @@ fn plan(turn: f64, drive: LoadingMode) -> CyclePlan {
     }
 }
 
-/// Pull-off and detachment of JKR's sphere, and the loop area: the unloading from first touch to detachment, as the rest is gone through twice.
+/// Pull-off and detachment of JKR's sphere, and the loop area: the unloading from first touch to detachment, as the rest is traversed twice.
 #[test]
 fn a_cycle_ends_as_jkr_has_it() {
     let system = adhesive(paraboloid());

@@ -692,7 +692,7 @@ fn elements_agree_on_seven_pillars() {
 }
 
 #[test]
-#[ignore = "slow: 32 cells per diameter, whose error is as small as is said, and thicker films"]
+#[ignore = "slow: 32 cells per diameter, whose error is within the estimate, and thicker films"]
 fn fine_elements_agree_on_seven_pillars() {
     for pitch in [7.0, 20.0] {
         for thickness in [60.0, 12.0, 4.0] {

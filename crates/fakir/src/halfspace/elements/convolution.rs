@@ -240,7 +240,7 @@ pub(crate) struct Convolution<'p, T: Transform> {
     /// Index of the first segment of each of these rows, and the end.
     row_segments: Vec<usize>,
     /// The spectrum, by blocks of columns; each block contains its columns of every stored row. The locks let threads that process rows
-    /// write to blocks, and are held only briefly.
+    /// write to blocks, and are locked only briefly.
     spectrum: Vec<RwLock<Vec<Complex<T::Real>>>>,
     /// One workspace for each thread.
     workspaces: Vec<Mutex<Workspace<T::Real>>>,

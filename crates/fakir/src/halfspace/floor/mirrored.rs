@@ -33,7 +33,7 @@ pub(super) struct Mirrored<R> {
     /// Whether the kernels of modes are imaginary, and whether the modes are odd in x, and in y.
     odd: Vec<bool>,
     parities: Vec<[bool; 2]>,
-    /// For both real columns of every complex column and every kernel, that of the floor first: its [stored](Self::held) rows.
+    /// For both real columns of every complex column and every kernel, that of the floor first: its [stored](Self::stored) rows.
     kernel: Vec<R>,
     /// The coefficients of the pillars: for every coarse column and every mode, its rows.
     tops: RwLock<Vec<R>>,

@@ -76,7 +76,7 @@ impl Edge {
         values
     }
 
-    /// Changes the first three moments so that the edge satisfies the condition of the hold.
+    /// Changes the first three moments so that the edge satisfies the condition at the rim.
     pub(crate) fn enforce(&self, hold: Hold, moments: &mut [f64]) {
         let wanted = match hold {
             Hold::Free => [0.0; 3],

@@ -755,7 +755,7 @@ fn polynomials(change: &Entries, line: &[[f64; MODES]; 2], area: f64) -> [Quadra
     [energy, pressed]
 }
 
-/// First time from `start` at which a condition holds that can change only at the zeros of the polynomials.
+/// First time from `start` at which a condition is satisfied that can change only at the zeros of the polynomials.
 fn first_time(
     start: f64,
     polynomials: &[Quadratic; 2],

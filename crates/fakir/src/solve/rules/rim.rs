@@ -431,7 +431,7 @@ impl RimSolver {
         }
     }
 
-    /// `c = V' f`, as many as `coefficients` holds.
+    /// `c = V' f`, as many as `coefficients` contains.
     pub(crate) fn coefficients(&self, coefficients: &mut [f64]) {
         coefficients.fill(0.0);
         for (cell, force) in self.pivot.multipliers() {

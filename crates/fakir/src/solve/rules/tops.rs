@@ -93,7 +93,7 @@ impl Change {
     }
 }
 
-/// `b`: the lens shape over a pillar top and the height of the top, in as many modes as `load` holds.
+/// `b`: the lens shape over a pillar top and the height of the top, in as many modes as `load` contains.
 pub(crate) fn lens_over(
     lens: &ShapedLens,
     projector: &LensProjector,
@@ -136,7 +136,7 @@ impl Tops {
         self.top.on_column(self.sites.body(pillar).column)
     }
 
-    /// The lens shape and the height of a pillar, in as many modes as `load` holds.
+    /// The lens shape and the height of a pillar, in as many modes as `load` contains.
     fn project(&self, pillar: usize, load: &mut [f64]) {
         lens_over(&self.lens, &self.projector, &self.sites, pillar, load);
     }
@@ -345,7 +345,7 @@ impl Tops {
         Some(motions)
     }
 
-    /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` holds, for a function of the position relative to the lens
+    /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` contains, for a function of the position relative to the lens
     /// axis and on the unit disc.
     pub(crate) fn project_function(
         &self,

@@ -328,7 +328,7 @@ impl LocalSolver {
         self.cells.as_deref().filter(|_| self.on_cells)
     }
 
-    /// Coefficients of the solution, `Lam^-1 (b + V' s)`: as many as `coefficients` holds.
+    /// Coefficients of the solution, `Lam^-1 (b + V' s)`: as many as `coefficients` contains.
     pub(crate) fn coefficients(&self, top: &PillarTop, load: &[f64], coefficients: &mut [f64]) {
         if let Some(cells) = self.cells() {
             return cells.coefficients(coefficients);

@@ -182,7 +182,7 @@ fn agreeing(count: u64) -> usize {
         } = verification;
         let [force, indentation] = pairs.map(|pair| pair.relative);
         println!(
-            "{number:3} {name:17} {control:?}: {} touched, {} in part, {:.3e} um; differ by {force:.1e} and {indentation:.1e}, claimed by spectral {:.1e} {:.1e}, by elements {:.1e} {:.1e}, ratio {ratio:.2}",
+            "{number:3} {name:17} {control:?}: {} touched, {} in part, {:.3e} um; differ by {force:.1e} and {indentation:.1e}, estimated by spectral {:.1e} {:.1e}, by boundary elements {:.1e} {:.1e}, ratio {ratio:.2}",
             spectral.pillars_in_contact,
             spectral.pillars_partially_in_contact,
             1e6 * spectral.indentation,
