@@ -8,9 +8,9 @@ COMMAND = "python3 bench/run.py texture"
 HEADLINES = [
     (0.1, "transition", "force", [1e-2, 1e-3]),
     (0.03, "mixed", "force", [1e-2, 1e-3]),
-    (0.03, "mixed", "share of the floor", [1e-1, 1e-2]),
+    (0.03, "mixed", "fraction of the load on the floor", [1e-1, 1e-2]),
     (0.1, "mixed", "force", [1e-2, 1e-3]),
-    (0.1, "mixed", "share of the floor", [1e-1, 1e-2]),
+    (0.1, "mixed", "fraction of the load on the floor", [1e-1, 1e-2]),
 ]
 TITLES = {
     "transition": "critical state",

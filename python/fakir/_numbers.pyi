@@ -6,7 +6,7 @@ from ._result import Answer, Number, Numbered
 
 class FloorErrors(NamedTuple):
     share: float
-    'Estimated relative error of the share.'
+    'Estimated relative error of the fraction carried by the floor.'
     contact_area: float
     'Estimated relative error of the area.'
 

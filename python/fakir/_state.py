@@ -239,7 +239,7 @@ class ContactState(PressNumbers):
             rows.append(("", "past the transition: computed as if the floor were not there"))
         elif self.floor is not None:
             share = f"{self.floor.share:.{known_digits(self.floor.error.share)}g}"
-            rows.append(("share of the floor", share + remark(self.floor.error.share)))
+            rows.append(("fraction on the floor", share + remark(self.floor.error.share)))
         rows.append(("solution", f"{self.method}, {self.termination}"))
         return rows
 

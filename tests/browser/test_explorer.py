@@ -150,7 +150,7 @@ def test_exceeded_limits_of_a_film_are_marked(explore):
     film = ["substrate.thickness=4e-5"]
     page = explore("#" + "&".join([*paper(0.03), *film]))
     page.rest()
-    assert page.text("limits").startswith("model strained: indentation over the smallest thickness")
+    assert page.text("limits").startswith("limit exceeded: indentation over the smallest thickness")
     assert "strained" in page.page.locator("#limits").get_attribute("class")
 
 

@@ -204,7 +204,7 @@ def test_a_loading_on_a_map_without_a_floor_needs_its_end(tmp_path):
         surface.approach("0.1 um")
     loading = surface.approach("0.1 um", until="0.2 um")
     assert loading.critical is None and len(loading) == 3
-    with pytest.raises(ValueError, match="known on its own cells only"):
+    with pytest.raises(ValueError, match="defined on its own cells only"):
         surface.verify(indentation="0.1 um")
 
 

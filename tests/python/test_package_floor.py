@@ -40,7 +40,7 @@ def test_the_load_of_the_floor_agrees_with_the_command(state):
     assert floor.patches == expected["floor"]["patches"]
     assert list(floor.cell) == expected["floor"]["cell_m"]
     assert floor.error._asdict() == expected["floor"]["relative_error_estimate"]
-    assert "share of the floor" in repr(floor) and "share of the floor" in repr(state)
+    assert "fraction on the floor" in repr(floor) and "fraction on the floor" in repr(state)
     assert "<table>" in floor._repr_html_()
 
 

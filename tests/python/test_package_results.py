@@ -237,7 +237,7 @@ def test_design_of_a_floor_share(system):
     found = fakir.design(system, "pitch", floor_share="20 %", at_force="1 mN")
     floor = found.system.press(force="1 mN").floor
     assert abs(floor.share / 0.2 - 1.0) <= floor.error.share < 0.01
-    assert found.state.floor.share == floor.share and "share of the floor" in repr(found)
+    assert found.state.floor.share == floor.share and "fraction on the floor" in repr(found)
     # Past the transition, whose load is below that of the design.
     assert found.critical.force < found.state.force == 1e-3
     value, solved, reached = fakir.design(system, "pitch", critical_force="1 mN")._found

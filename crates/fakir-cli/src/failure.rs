@@ -228,7 +228,7 @@ pub(crate) type Status = u8;
 pub(crate) const DONE: Status = 0;
 
 /// A validity limit of the model was exceeded.
-pub(crate) const STRAINED: Status = 1;
+pub(crate) const LIMIT_EXCEEDED: Status = 1;
 
 /// There is no such contact, or no such pattern.
 pub(crate) const NO_ANSWER: Status = 3;

@@ -213,10 +213,12 @@ fn deliver(
     } else {
         &report.text
     })?;
-    if command.is_strict() && !report.strained.is_empty() {
-        let strained = report.strained.join("; ");
-        failure::report_line(&format!("error: the model is strained: {strained}"));
-        return Ok(report.status().max(failure::STRAINED));
+    if command.is_strict() && !report.exceeded.is_empty() {
+        let exceeded = report.exceeded.join("; ");
+        failure::report_line(&format!(
+            "error: outside the limits of the model: {exceeded}"
+        ));
+        return Ok(report.status().max(failure::LIMIT_EXCEEDED));
     }
     Ok(report.status())
 }

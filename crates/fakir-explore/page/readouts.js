@@ -174,7 +174,7 @@ function drawLimits(limits) {
   const words = strained.map((limit) => limit.words).join("; ");
   line.textContent =
     strained.length > 0
-      ? `model strained: ${words}`
+      ? `limit exceeded: ${words}`
       : `within the limits of the model; closest: ${nearest?.words ?? ""}`;
 }
 

@@ -67,7 +67,7 @@ impl Topic {
             .collect()
     }
 
-    /// What a case with a flat surface makes use of where the range of the attraction (m) is known, or is not.
+    /// Topics of a case with a flat surface, with an optional range of the attraction (m).
     #[must_use]
     pub fn of_flat(case: &FlatCase, range: Option<f64>) -> Vec<Self> {
         let system = &case.system;
@@ -79,7 +79,7 @@ impl Topic {
             .collect()
     }
 
-    /// What a case with a general surface makes use of.
+    /// Topics of a case with a general surface.
     #[must_use]
     pub fn of_surface(case: &SurfaceCase) -> Self {
         let random = match &case.origin {
@@ -94,7 +94,7 @@ impl Topic {
         }
     }
 
-    /// What the cases of a study make use of.
+    /// Topics of the cases of a study.
     #[must_use]
     pub fn of_study(study: &Study) -> Vec<Self> {
         let patterns = study.methods().into_iter().map(Self::Method);

@@ -307,7 +307,7 @@ fn read_sealed<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
     let end = line.len().saturating_sub(seal(b"").len());
     let (text, end) = line.split_at(end);
     if end != seal(text).as_bytes() {
-        return Err("its checksum does not fit what it holds".to_owned());
+        return Err("its checksum does not match its content".to_owned());
     }
     serde_json::from_slice(line).map_err(|error| without_place(&error))
 }

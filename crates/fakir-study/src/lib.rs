@@ -25,7 +25,7 @@
 //! * A case without a result has a row in the [`Table`], with the reason.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 //! * [`answer`](mod@answer) answers a question about a case of any kind: its numbers, and the [`report`] that a command prints and saves.
-//! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
+//! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) evaluates every method,
 //!   [`closed_forms`](mod@closed_forms) is the list of formulas.
 //! * [`workshop`] has surfaces with rounded pillar tops as solids and maps of heights.
 //! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.

@@ -77,7 +77,7 @@ pub enum OutputError {
     },
     /// The folder to be overwritten is the current one, or contains it.
     #[error(
-        "{} is not overwritten: it is the current folder, or holds it; choose another",
+        "{} is not overwritten: it is the current folder, or contains it; choose another",
         folder.display()
     )]
     Inside {

@@ -67,7 +67,7 @@ impl Provenance {
             Asked::Transition => "critical state",
             Asked::Press => "contact under a load",
             Asked::Cycle => "loading and unloading with adhesion",
-            Asked::Collapse => "collapse of a floor that sticks",
+            Asked::Collapse => "collapse of an adhesive floor",
         };
         Self::new(
             format!("{asked}, {} cases", study.cases()),

@@ -29,7 +29,7 @@ pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
         provenance,
         tables: vec![csv("compare.csv", &found.summary.methods)],
         converged: found.summary.converged,
-        strained: Vec::new(),
+        exceeded: Vec::new(),
         warnings: found.warnings,
     })
 }

@@ -110,7 +110,7 @@ pub(crate) fn run(
             && scatter
                 .as_ref()
                 .is_none_or(|scatter| scatter.failures().next().is_none()),
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     };
     Ok(Designed { report, found })
 }

@@ -17,7 +17,7 @@ use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::report::Report;
-use fakir_study::report::state::{QuantityList, pillar_pattern_line, strained_words};
+use fakir_study::report::state::{QuantityList, exceeded_limits, pillar_pattern_line};
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::json;
 use std::time::Instant;
@@ -60,9 +60,9 @@ pub(crate) fn run(
     let misfit = fitted.misfit_statement();
     let mut warnings = fitted.warnings();
     warnings.retain(|warning| Some(warning) != misfit.as_ref());
-    let mut strained = strained_words(&fitted.limits);
+    let mut exceeded = exceeded_limits(&fitted.limits);
     if misfit.is_some() {
-        strained.push("the fit does not describe the data".to_owned());
+        exceeded.push("the fit does not describe the data".to_owned());
     }
     let report = Report {
         json: json(&FitSummary::new(data, case.method, &fitted, wall_time)),
@@ -71,7 +71,7 @@ pub(crate) fn run(
         tables,
         warnings,
         converged: fitted.converged(),
-        strained,
+        exceeded,
     };
     Ok(Fitted { report, misfit })
 }

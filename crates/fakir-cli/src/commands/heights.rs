@@ -81,7 +81,7 @@ pub(crate) fn run(
         tables,
         warnings,
         converged: found.is_answer(),
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     };
     Ok(Designed {
         report,

@@ -62,7 +62,7 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
         .collect(),
         warnings: warnings(system, summary.no_homogenised.as_ref()),
         converged: true,
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     })
 }
 

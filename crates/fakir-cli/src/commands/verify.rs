@@ -65,7 +65,7 @@ fn of_pillars(
             .flat_map(warnings)
             .collect(),
         converged: verification.agrees(),
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     })
 }
 
@@ -128,7 +128,7 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
         verification
             .floor_share
             .map_or(String::new(), |share| difference(
-                "the share of the floor",
+                "the fraction on the floor",
                 share
             )),
         seconds(wall_time)
@@ -208,7 +208,7 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
             .flat_map(|answered| warnings(&answered.answer))
             .collect(),
         converged: found.agrees(),
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     }
 }
 

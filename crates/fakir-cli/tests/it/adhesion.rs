@@ -225,7 +225,7 @@ fn what_cannot_be_is_refused() {
             "unexpected argument",
         ),
         (&["verify", &case], "there is no second method for adhesion"),
-        (&["cycle", &plain], "a cycle needs pillar tops that stick"),
+        (&["cycle", &plain], "a cycle needs adhesive pillar tops"),
         (
             &["cycle", &surface],
             "adhesion is supported only on round pillars with flat tops",
@@ -426,13 +426,9 @@ fn a_range_of_attraction_is_compared_with_its_limit() {
             (
                 "5nm",
                 false,
-                "above 5: the range counts as small (JKR limit)",
+                "above 5: the range is small enough (JKR limit)",
             ),
-            (
-                "0.5um",
-                true,
-                "below 5: the range does not count as small (JKR limit)",
-            ),
+            ("0.5um", true, "below 5: the range is too large (JKR limit)"),
         ] {
             let arguments = [command, &few, &["--attraction-range", range]].concat();
             let found = bench.json(&[&arguments[..], &["--quiet"]].concat());
@@ -443,7 +439,7 @@ fn a_range_of_attraction_is_compared_with_its_limit() {
             assert!(outcome.stdout.contains(words), "{}", outcome.stdout);
             let warned = outcome
                 .stderr
-                .contains("does not count as small (Tabor number");
+                .contains("is too large for the model, the JKR limit (Tabor number");
             assert_eq!(warned, strained, "{}", outcome.stderr);
         }
         let without = bench.json(&[command, &few].concat());

@@ -643,11 +643,15 @@ fn exceeded_limits_fail_on_request() {
         .stdout
         .lines()
         .find(|l| l.starts_with("limits of the model"));
-    assert!(line.unwrap().ends_with("strained:"), "{}", lenient.stdout);
+    assert!(line.unwrap().ends_with("exceeded:"), "{}", lenient.stdout);
     assert!(lenient.stdout.contains("error of the columns"));
     let strict = ask(&["--strict"]);
     assert_eq!(strict.status, Some(1));
-    assert!(strict.stderr.contains("error: the model is strained: "));
+    assert!(
+        strict
+            .stderr
+            .contains("error: outside the limits of the model: ")
+    );
     assert!(
         strict
             .stderr

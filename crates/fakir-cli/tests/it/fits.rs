@@ -153,11 +153,13 @@ fn limits_of_the_model_are_those_of_press() {
     let outcome = bench.run(&[&fit[..], &["--strict"]].concat());
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
     assert!(
-        outcome.stderr.starts_with("error: the model is strained: "),
+        outcome
+            .stderr
+            .starts_with("error: outside the limits of the model: "),
         "{}",
         outcome.stderr
     );
-    assert!(outcome.stdout.contains("strained:"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("exceeded:"), "{}", outcome.stdout);
 }
 
 /// The example without the machine compliance.

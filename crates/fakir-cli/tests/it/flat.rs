@@ -82,7 +82,7 @@ fn files_of_a_contact_a_loading_and_a_cycle() {
 fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
     for (arguments, why) in [
         (&["transition", CASE][..], "no floor between pillars"),
-        (&["approach", CASE], "the end of the loading is not known"),
+        (&["approach", CASE], "the loading has no end"),
         (&["cycle", CASE], "give --to or --to-force"),
         (
             &["press", CASE, "--force", "1mN", "--gradient"],

@@ -416,7 +416,7 @@ fn the_floor_and_wide_contacts_are_reported() {
     assert!(
         outcome
             .stdout
-            .contains("what the floor bears if it is reached"),
+            .contains("the load of the floor if it is reached"),
         "{}",
         outcome.stdout
     );

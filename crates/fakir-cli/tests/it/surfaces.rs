@@ -420,7 +420,7 @@ fn pillars_are_verified_on_two_meshes() {
     assert_eq!(refused.status.code(), Some(2));
     let explained = text(&refused.stderr);
     assert!(
-        explained.contains("they stand elsewhere on a second mesh"),
+        explained.contains("their positions differ on a second mesh"),
         "{explained}"
     );
     let shown = text(&fakir("verify", &case, &["--indentation", "0.6um"]).stdout);

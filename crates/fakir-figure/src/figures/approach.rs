@@ -81,7 +81,7 @@ pub fn approach(
             .iter()
             .filter_map(|point| Some([across.of(point.indentation), share(point)?]));
         let style = Style::line(1).in_tint(Tint::Vermillion);
-        let y = Axis::linear("share of the floor");
+        let y = Axis::linear("fraction of the load on the floor");
         let line = Series::new("", points.collect(), style);
         charts.push(unnamed(Chart::new(x(), y, vec![line])));
         heights.push(80.0);
@@ -118,7 +118,7 @@ pub fn approach(
     .figure();
     Ok(figure.with_description(
         "Loading of the surface",
-        "Force over indentation, and below it the contact radius, the share of the floor and the \
+        "Force over indentation, and below it the contact radius, the fraction of the load on the floor and the \
          pillars that are touched, as far as there are such; the critical state, in which the floor \
          is just reached, is marked.",
     ))

@@ -6,7 +6,7 @@ use fakir::problem::Method;
 use fakir::state::{Critical, Cycle, CycleError, CycleLoadStep, FloorResolution, HeldFloor};
 use fakir::theory::adhesion::kendall_pull_off;
 
-/// The errors of one figure, which a cycle may not have.
+/// The errors of one result, which a cycle may not have.
 macro_rules! errors {
     ($figure:literal, $of:expr) => {{
         let of: fn(&Cycle) -> Option<CycleError> = $of;
@@ -70,7 +70,7 @@ fn kendall(cycle: &Cycle) -> f64 {
     )
 }
 
-/// What it takes to part the largest area of tops that was in contact, J.
+/// Work of separation of the largest area of tops that was in contact, J.
 fn parting(cycle: &Cycle) -> f64 {
     let areas = cycle.stations.iter().map(|station| station.contact_area);
     cycle.system.adhesion().receding() * areas.fold(0.0, f64::max)
@@ -234,7 +234,7 @@ fn unloading() -> Vec<Named<Cycle>> {
     ]
 }
 
-/// Of a floor that sticks, in tables: the object `floor` says more.
+/// Columns for an adhesive floor in tables; the object `floor` contains more numbers.
 fn adhesive_floor() -> [Named<Cycle>; 10] {
     [
         Named::flag(

@@ -215,7 +215,7 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
         let sphere = sphere_pull_off_by_force(modulus, lens, net);
         rows.push(PullOffRow {
             contact_radius_m: Some(sphere.radius),
-            ..row("stuck_floor", "stuck floor, as if smooth", sphere.force)
+            ..row("stuck_floor", "adhesive floor, as if smooth", sphere.force)
         });
     }
     if let Some(force) = dugdale {
