@@ -77,7 +77,7 @@ def test_the_jump_and_the_loss_of_the_floor_are_described(explore, expected):
     assert locate("#loading path.floor-jump").count() == 1
     assert page.page.is_visible("#loading-legend .floor-jump")
     note = re.sub(r"\s+", " ", page.page.locator("#cycle-numbers > .remark").inner_text())
-    assert "has jumped onto it" in note and "does not stick" not in note
+    assert "has jumped onto it" in note and "is not adhesive" not in note
 
 
 def test_the_slider_passes_the_jump_and_the_loss(explore, expected):
@@ -200,17 +200,17 @@ def test_the_floor_can_be_made_adhesive_on_the_page(explore):
     assert page.page.is_checked("#adhesion-floor")
     page.page.click("[data-preset=intermediate]")
     page.rest()
-    # A floor that the lens goes through does not stick.
+    # A floor whose contact is ignored is not adhesive.
     page.page.uncheck("#floor-contact")
     page.rest()
     assert not page.page.is_checked("#adhesion-floor") and not page.page.is_visible("#problem")
     page.page.check("#floor-contact")
     page.page.check("#adhesion-floor")
     page.rest()
-    # What it is not made for is refused in words, and the last picture stays.
+    # An unsupported case is refused with the reason, and the last picture stays.
     page.page.select_option("#pattern-lattice", "square")
     page.rest()
-    assert "does not stick" in page.text("problem") or "hexagonal" in page.text("problem")
+    assert "hexagonal" in page.text("problem")
     page.page.uncheck("#adhesion-floor")
     page.rest()
     assert not page.page.is_visible("#problem")

@@ -47,7 +47,7 @@ def test_the_command_agrees():
 
 def test_what_cannot_be_is_refused():
     endless = fakir.HexagonalPattern("6 um", "2.2 um", pitch="20 um")
-    with pytest.raises(fakir.CaseError, match="endlessly many pillars"):
+    with pytest.raises(fakir.CaseError, match="infinitely many pillars"):
         fakir.System(fakir.PlateLens(*RUBBER), fakir.Substrate(*RUBBER), endless)
     system = fakir.System(LENSES[2], fakir.Substrate(*RUBBER), CUT)
     with pytest.raises(fakir.SolveError, match="has no transition"):

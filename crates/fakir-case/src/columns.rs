@@ -120,7 +120,7 @@ const IGNORED: [&str; 44] = [
     "group",
 ];
 
-/// How a cell gives the length of its column.
+/// Quantity in a cell, from which the length of the column is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Form {
     /// The length.
@@ -139,7 +139,7 @@ struct Meaning {
     unit: Option<String>,
 }
 
-/// Where a column is, and how its cells are read.
+/// Place of a column, and the interpretation of its cells.
 #[derive(Debug, Clone)]
 struct Place {
     place: usize,
@@ -275,7 +275,7 @@ impl<const N: usize> Columns<N> {
             });
             let mut found = found.filter(|(_, (known, _, _))| *known >= self.required);
             if let Some((index, (_, of_names, headings))) = found.next() {
-                // The names may be separated otherwise than the numbers below.
+                // The names may have another separator than the numbers below.
                 let separators = [of_names, ' ', ',', ';', '\t'].into_iter();
                 let mut fitting = separators
                     .filter(|separator| cells(lines[first], *separator).len() == headings.len());
@@ -285,7 +285,7 @@ impl<const N: usize> Columns<N> {
         (first, separator, headings)
     }
 
-    /// What a heading names.
+    /// Column named by a heading.
     fn meaning(&self, heading: &str) -> Option<Meaning> {
         let exact = self.names.iter().position(|name| *name == heading);
         if let Some(column) = exact {
@@ -390,7 +390,7 @@ impl<const N: usize> Columns<N> {
             };
             if length_unit(length).is_none() {
                 return Err(format!(
-                    "column \"{heading}\" is in \"{unit}\", which is not known: give a length in {}",
+                    "column \"{heading}\" is in the unknown unit \"{unit}\": give a length in {}",
                     Dimension::Length.unit_list()
                 ));
             }

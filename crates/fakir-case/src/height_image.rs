@@ -7,8 +7,8 @@ use std::io::{Cursor, Read};
 /// Largest grey value of 16 bits.
 const WHITE: f64 = 65_535.0;
 
-/// What an image must be.
-const WANTED: &str =
+/// Accepted images.
+const REQUIRED_FORMAT: &str =
     "export the heights as a grey image of 16 bits, without compression or with deflate";
 
 fn wrong(source: &Source<'_>, problem: impl Into<String>) -> HeightMapError {
@@ -43,7 +43,7 @@ pub(crate) fn png(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapE
     let (columns, rows) = (info.width as usize, info.height as usize);
     if info.color_type != png::ColorType::Grayscale || info.bit_depth != png::BitDepth::Sixteen {
         let problem = format!(
-            "it has {:?} pixels of {} bits: {WANTED}",
+            "it has {:?} pixels of {} bits: {REQUIRED_FORMAT}",
             info.color_type, info.bit_depth as u8
         );
         return Err(wrong(source, problem));
@@ -176,7 +176,8 @@ pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMap
     let (bits, samples) = (tiff.value(tag::BITS, 1), tiff.value(tag::SAMPLES, 1));
     let format = tiff.value(tag::SAMPLE_FORMAT, 1);
     if samples != 1 || !matches!((bits, format), (16, 1) | (32 | 64, 3)) {
-        let problem = format!("it has {samples} values of {bits} bits for each pixel: {WANTED}");
+        let problem =
+            format!("it has {samples} values of {bits} bits for each pixel: {REQUIRED_FORMAT}");
         return Err(wrong(source, problem));
     }
     let compression = tiff.value(tag::COMPRESSION, 1);
@@ -185,7 +186,7 @@ pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMap
         matches!(compression, 1 | 8 | 32_946) && (predictor == 1 || predictor == 2 && bits == 16);
     if !is_known || !tiff.values(tag::TILE_WIDTH).is_empty() {
         let problem =
-            format!("its pixels are in tiles or packed by method {compression}: {WANTED}");
+            format!("its pixels are in tiles or packed by method {compression}: {REQUIRED_FORMAT}");
         return Err(wrong(source, problem));
     }
     let count = (columns as u64).saturating_mul(rows as u64);

@@ -315,7 +315,7 @@ fn tuple(value: &str) -> Result<Vec<u64>, String> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::float_cmp)] // files hold these numbers exactly
+    #![allow(clippy::float_cmp)] // files contain these numbers exactly
 
     use super::*;
 

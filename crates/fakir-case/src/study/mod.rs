@@ -146,7 +146,7 @@ impl Study {
     pub fn case(&self, index: usize) -> StudyCase {
         assert!(index < self.cases, "there are {} cases", self.cases);
         let resolved = self.file.resolve(index);
-        resolved.expect("every case was looked at when the study was made")
+        resolved.expect("every case was checked when the study was made")
     }
 
     /// The value of every axis in a case, counted from 0.
@@ -171,7 +171,7 @@ impl Study {
         self.file.settings(&self.file.steps(index))
     }
 
-    /// What kind of surface its cases have.
+    /// Kind of surface of its cases.
     #[must_use]
     pub fn surface_kind(&self) -> SurfaceKind {
         match self.rounded {

@@ -156,7 +156,7 @@ fn infinite_lattices_are_refused_under_cylinders_and_plates() {
             "{}",
             error.one_line()
         );
-        assert!(error.problem().contains("touches endlessly many pillars"));
+        assert!(error.problem().contains("touches infinitely many pillars"));
         assert!(
             error
                 .what_is_accepted()

@@ -311,7 +311,7 @@ fn surfaces_that_cannot_be_are_found_before_anything_is_computed() {
     let random = PILLARS.replace("square\"\nsurf", "random\"\nsurf");
     let message = refused("[axes]\n\"surface.surface_fraction\" = [0.1, 0.9]", &random);
     assert!(
-        message.contains("found a place") && message.contains("in case 1"),
+        message.contains("could be placed") && message.contains("in case 1"),
         "{message}"
     );
     let message = refused("[axes]\n\"surface.side\" = [\"5 um\"]", PILLARS.trim_end());
