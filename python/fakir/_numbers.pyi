@@ -58,7 +58,7 @@ class Certificate(NamedTuple):
     interpenetration: float
     'Deepest interpenetration anywhere (m).'
     gap_under_pressure: float
-    'Largest gap of a cell that bears pressure (m).'
+    'Largest gap of a cell that carries pressure (m).'
 
 class AsperityErrors(NamedTuple):
     force: float

@@ -175,7 +175,7 @@ class ContactState(PressNumbers):
     def _samples(
         self, x: FloatArray, y: FloatArray, threads: int, memory_limit: int | None
     ) -> list[FloatArray]:
-        # Arrays that were broadcast have no memory of their own yet.
+        # Arrays that were broadcast have no separate memory yet.
         _fakir.check_points(x.size, memory_limit)
         flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
         found = self._state.sample(*flat, options(threads, memory_limit=memory_limit))
@@ -295,7 +295,7 @@ def contact_state(state: _fakir.State, system: System) -> ContactState:
     warn(contact.warnings)
     if contact._ignores_floor:
         method = contact.method
-        advice = "" if method == "spectral" else f"; the method {method} does not know what the floor bears"
+        advice = "" if method == "spectral" else f"; the method {method} does not compute the load of the floor"
         warn(
             [
                 "past the transition: this contact is computed as if the floor were not there "

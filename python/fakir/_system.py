@@ -79,8 +79,8 @@ class System(Shown):
 
     With adhesion, `cycle` computes loading and unloading:
 
-    >>> sticky = sparse.replace({"adhesion.work": "50 mJ/m2"})
-    >>> round(1e6 * sticky.cycle().pull_off.force)
+    >>> adhesive = sparse.replace({"adhesion.work": "50 mJ/m2"})
+    >>> round(1e6 * adhesive.cycle().pull_off.force)
     -57
     """
 
@@ -573,7 +573,7 @@ class System(Shown):
             ),
         ]
         if not self.floor_contact:
-            rows.append(("floor", "ignored: past the transition the lens goes through it"))
+            rows.append(("floor", "contact ignored, also past the transition"))
         if self.adhesion is not None:
             work = f"work {1e3 * self.adhesion.work:g} mJ/m2"
             receding = self.adhesion.work_receding

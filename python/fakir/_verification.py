@@ -66,7 +66,7 @@ class Opinion(Result):
         verdicts = {
             "agree": "the answers agree",
             "disagree": "THE ANSWERS DISAGREE",
-            "cannot tell": f"it cannot be told: {self.doubt}",
+            "cannot tell": f"inconclusive: {self.doubt}",
         }
         return [*rows, ("", verdicts[self.verdict])]
 

@@ -132,7 +132,7 @@ class AdhesionTheory(NamedTuple):
     kendall_strain: float
     """Stress on a flat pillar at pull-off divided by the modulus of the substrate; doubtful above 0.3."""
     tabor_number: float | None
-    """Tabor number of a pillar top, if the range of the attraction is given: the short-range assumption holds above 5."""
+    """Tabor number of a pillar top, if the range of the attraction is given: the short-range assumption is valid above 5."""
 
 
 class AnnulusCoefficients(NamedTuple):
@@ -284,7 +284,7 @@ def adhesion(system: System, attraction_range: Quantity | None = None) -> Adhesi
     """
     found = json.loads(_fakir.adhesion(system._case, _range(attraction_range)))
     if found is None:
-        raise ValueError('nothing sticks: give the system adhesion, as in adhesion="50 mJ/m2"')
+        raise ValueError('no adhesion: give the system adhesion, as in adhesion="50 mJ/m2"')
     names = ("force_N", "normalized_force", "indentation_m", "contact_radius_m", "tilt_rad")
     forms = {
         row["formula"]: PullOffEstimate(*(row[name] for name in names)) for row in found["pull_off"]
@@ -539,7 +539,7 @@ def _work(system: System, work: Quantity | None) -> float:
         return si(work, "energy per area", "work")
     adhesion = system.adhesion
     if adhesion is None:
-        raise ValueError('nothing sticks: give work, as in work="50 mJ/m2", or the system adhesion')
+        raise ValueError('no adhesion: give work, as in work="50 mJ/m2", or the system adhesion')
     receding = adhesion.work_receding
     return adhesion.work if receding is None else receding
 

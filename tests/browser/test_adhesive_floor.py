@@ -168,7 +168,7 @@ def test_a_cancelled_request_is_sent_again_and_is_replaced_by_another_slider(exp
     page.page.focus("#adhesion-work-slider")
     page.press("Home")
     page.rest()
-    # Without adhesion nothing sticks, the floor neither.
+    # Without a work of adhesion the floor is not adhesive either.
     assert page.text("load-words") == "critical state"
     for name in ("#cycle-progress", "#cells-note", "#to-jump", "#adhesion-floor"):
         assert not page.page.is_visible(name), name

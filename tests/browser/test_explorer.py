@@ -181,7 +181,7 @@ def test_the_controls_are_those_of_the_key_table(explore):
             assert control.locator("option").all_text_contents() == key["words"]
             continue
         assert key["dimension"] in units
-        # Only those of the method and lattice that are chosen are shown; where nothing sticks nothing recedes.
+        # Only keys of the selected method and lattice are shown; the receding work only with adhesion.
         recedes = key["key"] == "adhesion.work_receding"
         condition = key["goes_with"]
         belongs = condition is None or start["case"][condition["key"]] in condition["words"]

@@ -113,7 +113,7 @@ def test_closed_forms_of_adhesion_are_those_of_the_program(system):
     assert {name: form.force for name, form in found.pull_off.items()} == forces
     assert theory.to_dict(system, "5 nm")["adhesion"] == expected
     assert theory.adhesion(system).tabor_number is None
-    with pytest.raises(ValueError, match="nothing sticks"):
+    with pytest.raises(ValueError, match="no adhesion"):
         theory.adhesion(system.replace({"adhesion.work": 0}))
     with pytest.raises(ValueError, match="range of the attraction"):
         theory.adhesion(system, attraction_range=0.0)

@@ -93,7 +93,7 @@ def test_what_cannot_be_is_refused(system):
         theory.free_annulus(system, "2 um")
     with pytest.raises(ValueError, match="radius of a free annulus"):
         theory.annulus_coefficients(1.0)
-    with pytest.raises(ValueError, match="nothing sticks"):
+    with pytest.raises(ValueError, match="no adhesion"):
         theory.annulus_radius(system.replace({"adhesion.work": 0}))
     with pytest.raises(ValueError, match="work of adhesion"):
         theory.net_work(system, -1.0)

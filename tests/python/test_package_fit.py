@@ -145,7 +145,7 @@ def test_headings_of_instruments_and_columns_by_hand(table, system, fitted):
 @pytest.mark.slow
 def test_a_fit_that_does_not_describe_the_data_warns(system):
     exact = system.replace({"method.name": "spectral"})
-    with pytest.warns(fakir.FakirWarning, match="it would take machine_compliance"):
+    with pytest.warns(fakir.FakirWarning, match="most likely wrong: machine_compliance"):
         poor = fakir.fit(WHOLE, exact, FREE[:2])
     assert not poor.describes_data and "does not describe" in repr(poor)
     most = poor.left_out[0]

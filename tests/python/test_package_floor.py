@@ -79,7 +79,7 @@ def test_without_the_floor_the_force_is_smaller(system, state):
     assert through.floor is None and through.beyond_transition
     assert through.smallest_floor_gap < 0.0
     assert state.force > through.force > state.force - state.floor.force
-    with pytest.warns(fakir.FakirWarning, match="the method punch does not know what the floor bears"):
+    with pytest.warns(fakir.FakirWarning, match="the method punch does not compute the load of the floor"):
         assert system.press(indentation="4 um", method="punch").floor is None
     # Before the transition it makes no difference.
     with_floor, without = system.press(indentation="1 um"), ignored.press(indentation="1 um")
@@ -91,7 +91,7 @@ def test_a_system_keeps_whether_there_is_floor_contact(system, tmp_path):
     ignored = fakir.System(*parts, floor_contact=False)
     assert fakir.System(*parts).floor_contact and not ignored.floor_contact
     assert ignored != fakir.System(*parts)
-    assert "floor" not in repr(system) and "the lens goes through it" in repr(ignored)
+    assert "floor" not in repr(system) and "contact ignored" in repr(ignored)
     file = tmp_path / "case.toml"
     file.write_text(ignored.to_toml())
     assert "contact = false" in ignored.to_toml()

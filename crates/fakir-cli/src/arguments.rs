@@ -196,7 +196,7 @@ pub(crate) enum Command {
   fakir design case.toml --free pitch --critical-force 1mN \\
       --tolerance pattern.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --free pitch --floor-share 20% --at-force 1mN
-  fakir design sticky.toml --free pitch --pull-off 0.1mN
+  fakir design adhesive.toml --free pitch --pull-off 0.1mN
   fakir design case.toml --samples 1000
   fakir design asperities.toml --free heights --target curve.csv --height-error 0.2um --output designed")]
     Design(Design),
@@ -218,7 +218,7 @@ pub(crate) enum Command {
   fakir fit data.csv --case case.toml --free substrate.young_modulus,contact_point
   fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
       --machine-compliance 2e-3 --force-error 0.5uN --output fitted
-  fakir fit retraction.csv --case sticky.toml --free adhesion.work,contact_point,force_offset")]
+  fakir fit retraction.csv --case adhesive.toml --free adhesion.work,contact_point,force_offset")]
     Fit(Fit),
     /// Compute many cases: a study file with axes along which a case is varied
     ///
@@ -686,7 +686,7 @@ impl Design {
         let free = match self.free {
             Some(Free::Heights) => {
                 return Err(Failure::Argument(
-                    "--free heights goes with --target, the curve that is wanted".to_owned(),
+                    "--free heights requires --target, the target curve".to_owned(),
                 ));
             }
             Some(Free::Key(key)) => Some(key),
@@ -1263,7 +1263,7 @@ pub(crate) struct RangeArguments {
 }
 
 impl RangeArguments {
-    /// The range (m) for a case whose tops stick, or do not, if it is given.
+    /// The range (m), if it is given; an error for a case that is not adhesive.
     pub(crate) fn of(self, adhesive: bool) -> Result<Option<f64>, Failure> {
         let Some(range) = self.attraction_range else {
             return Ok(None);
@@ -1275,7 +1275,7 @@ impl RangeArguments {
         }
         if !adhesive {
             return Err(Failure::Argument(
-                "--attraction-range needs pillar tops that stick: give adhesion.work in the case \
+                "--attraction-range needs adhesive pillar tops: give adhesion.work in the case \
                  file, or --set adhesion.work=50mJ/m2"
                     .to_owned(),
             ));

@@ -214,7 +214,7 @@ fn load_words(invalid: &InvalidQuantity) -> String {
     let (quantity, value) = (invalid.quantity, format_quantity(invalid.value, dimension));
     if invalid.value < 0.0 {
         return format!(
-            "invalid {quantity} {value}: must be 0 or greater (fakir cycle pulls the lens off tops that stick)"
+            "invalid {quantity} {value}: must be 0 or greater (tension: use fakir cycle, with adhesion)"
         );
     }
     let requirement = invalid.requirement;

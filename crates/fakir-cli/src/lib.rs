@@ -1,7 +1,7 @@
 //! The command `fakir`: case files in, critical states and contacts out.
 //!
 //! Arguments (`arguments`) are resolved into a case and a question. [`fakir_study::answer`] or a
-//! command (`commands`) makes a report of the answer, which is printed as a table or as JSON and saved. Standard output holds the result and nothing else.
+//! command (`commands`) makes a report of the answer, which is printed as a table or as JSON and saved. Standard output contains the result and nothing else.
 //!
 //! Both the program and the command of the Python package call this library's [`main`].
 
@@ -186,7 +186,7 @@ fn pattern(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
     }
 }
 
-/// Calls `ask` (a session that it owns ends with it, and clears its progress away), and delivers the report:
+/// Calls `ask` (which owns the session, and removes its progress line at the end), and delivers the report:
 /// saved first, so that what is printed is safe. `case_warnings` are about the case as it is written.
 fn deliver(
     command: &Command,

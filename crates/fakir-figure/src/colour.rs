@@ -8,7 +8,7 @@ use crate::scene::{Colour, Fill};
 
 /// Colour of a line or a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the names say it
+#[allow(missing_docs)] // the names are explicit
 pub enum Tint {
     Blue,
     Vermillion,

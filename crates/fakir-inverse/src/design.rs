@@ -331,7 +331,7 @@ impl Answer {
             Design::Jump(sides) => {
                 let [a, b] = sides.as_ref();
                 format!(
-                    "No {path} gives a {name} of {wanted}: at {} it jumps from {} to {}",
+                    "A {name} of {wanted} is unattainable with {path}: at {} it jumps from {} to {}",
                     self.value(nearest),
                     self.answer_of(a),
                     self.answer_of(b)
@@ -340,20 +340,20 @@ impl Answer {
             Design::OutOfReach { limit, reach, .. } => {
                 let reach = reach.map_or(String::new(), |ends| {
                     let [least, greatest] = ends.map(|end| with_unit(end, Dimension::Force, 3));
-                    format!("it is from {least} to {greatest}, and ")
+                    format!("it ranges from {least} to {greatest}, and ")
                 });
                 let why = match limit {
-                    Limit::Range => "which is as near as it comes".to_owned(),
+                    Limit::Range => String::new(),
                     Limit::FloorFirst => {
-                        "beyond which the lens meets the floor before any pillar".to_owned()
+                        ", beyond which the lens reaches the floor before any pillar".to_owned()
                     }
-                    Limit::Solver(error) => format!("beyond which {error}"),
+                    Limit::Solver(error) => format!(", beyond which {error}"),
                     Limit::ManyPillars => format!(
-                        "beyond which the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long"
+                        ", beyond which the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long"
                     ),
                 };
                 format!(
-                    "No {path} gives a {name} of {wanted}: {reach}the nearest is {}, at {}, {why}",
+                    "A {name} of {wanted} is unattainable with {path}: {reach}the closest attainable value is {}, at {}{why}",
                     self.answer_of(nearest),
                     self.value(nearest),
                 )
@@ -366,7 +366,7 @@ impl Answer {
     pub fn caution(&self) -> Option<String> {
         match &self.design {
             Design::Found { sensitivity, .. } if sensitivity.abs() < INSENSITIVE => Some(format!(
-                "the {} hardly depends on {} there: other values do as well",
+                "the {} hardly depends on {} there: other values give nearly the same",
                 self.wanted.name(),
                 self.free.path()
             )),
@@ -385,27 +385,25 @@ pub enum DesignError {
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
     /// A key that cannot be free.
-    #[error("{} cannot be sought: give one of {}", .0.path(), free_names())]
+    #[error("{} cannot be free: give one of {}", .0.path(), free_names())]
     NotFree(Key),
     /// Invalid target.
-    #[error("the wanted {} must be greater than 0", .0.name())]
+    #[error("the target {} must be greater than 0", .0.name())]
     NotPositive(Wanted),
     /// Invalid floor share.
-    #[error("the wanted floor share must be greater than 0 and less than 1 (100 %): it is {0}")]
+    #[error("the target floor share must be greater than 0 and less than 1 (100 %): it is {0}")]
     NotAShare(f64),
     /// A floor share without a valid load.
-    #[error(
-        "a floor share is wanted at a load: give a force or an indentation that is a number greater than 0"
-    )]
+    #[error("a floor share needs a load: give a force or an indentation greater than 0")]
     NotALoad,
     /// A pull-off force without adhesion.
     #[error(
-        "a pull-off force needs pillar tops that stick: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
+        "a pull-off force needs adhesive pillar tops: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
     )]
     NoAdhesion,
     /// Too many pillars in contact for an initial cycle.
     #[error(
-        "the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long: begin with another {}", .0.path()
+        "the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long: start with another {}", .0.path()
     )]
     TooManyPillars(Key),
     /// A solution that did not converge stopped the search.
@@ -1220,7 +1218,7 @@ mod tests {
     fn found(file: &CaseFile, free: Key, wanted: Wanted) -> Candidate {
         match design(file, free, wanted, &Run::default()).unwrap() {
             Design::Found { candidate, .. } => candidate,
-            other => panic!("{wanted:?} can be had, but: {other:?}"),
+            other => panic!("{wanted:?} is attainable, but: {other:?}"),
         }
     }
 
@@ -1429,7 +1427,8 @@ mod tests {
         assert!(nearest > 0.99 * greatest, "{nearest:e} of {greatest:e}");
         let message = answer.statement();
         assert!(
-            message.contains("it is from ") && message.contains("the nearest is"),
+            message.contains("it ranges from ")
+                && message.contains("the closest attainable value is"),
             "{message}"
         );
     }

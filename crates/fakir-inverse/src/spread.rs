@@ -475,7 +475,7 @@ fn outcome(case: &Case, run: &Run<'_>) -> Result<Result<Critical, String>, Solve
     }
     let cycle = fakir::cycle(&case.system, CyclePlan::default(), case.method, run)?;
     let detached =
-        || Critical::of_cycle(&cycle).ok_or_else(|| "the lens does not come off again".to_owned());
+        || Critical::of_cycle(&cycle).ok_or_else(|| "the lens does not detach".to_owned());
     Ok(cycle.problem().map_or_else(detached, Err))
 }
 

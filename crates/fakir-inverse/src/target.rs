@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn columns_in_any_order_and_unit() {
-        let target = read("# wanted\narea_um2, force_mN\n20,2\n10,1\n").unwrap();
+        let target = read("# target\narea_um2, force_mN\n20,2\n10,1\n").unwrap();
         assert_eq!(target.curve, Curve::AreaOfForce);
         let [one, other] = target.points[..] else {
             panic!("two points")

@@ -119,7 +119,7 @@ fn text(data: &Measurements, case: &Case, fitted: &Fit, wall_time: f64) -> Strin
         .filter(|estimate| estimate.one_sided)
     {
         text += &format!(
-            "{}: the interval is one-sided, as the data do not tell the value from the least that it can have\n",
+            "{}: the interval is one-sided, as the data do not distinguish the value from its smallest possible value\n",
             estimate.parameter.name()
         );
     }
@@ -187,7 +187,7 @@ fn understood(data: &Measurements) -> String {
     lines.map(|line| format!("  {line}\n")).collect()
 }
 
-/// Whether the fit describes the data, and where its searches began.
+/// Whether the fit describes the data, and the starting points of its searches.
 fn description(fitted: &Fit) -> String {
     let misfit = &fitted.misfit;
     let least = |values: &mut dyn Iterator<Item = f64>| values.fold(1.0, f64::min);
@@ -201,8 +201,7 @@ fn description(fitted: &Fit) -> String {
     }
     if let Some(left) = misfit.left_out.first() {
         parts.push(format!(
-            "of {} parameters held most suspect {}, p = {}",
-            misfit.left_out.len(),
+            "fixed parameter most likely wrong: {} (p = {})",
             left.parameter.name(),
             significant(left.p_value, 2)
         ));
@@ -223,7 +222,7 @@ fn description(fitted: &Fit) -> String {
     text
 }
 
-/// The pull-off as measured and as fitted, and what the model does not know of it.
+/// The pull-off as measured and as fitted, and the error of the model.
 fn pull_off_words(pull_off: &FittedPullOff) -> String {
     let force = |force| with_unit(force, Dimension::Force, 3);
     let of_work = pull_off.work_error.map_or(String::new(), |error| {

@@ -1,4 +1,4 @@
-//! `fakir reproduce`: every result of the paper anew, and the study of adhesion that it announced.
+//! `fakir reproduce`: reproduces every result of the paper, and the study of adhesion that it announced.
 
 use crate::arguments::{Publication, Reproduce};
 use crate::commands::sweep::{Bar, warn};
@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
     }
     let (text, failed) = match result {
         Err(Failure::Study(error @ StudyError::Interrupted { .. })) => {
-            report_line(&format!("{error}: --resume goes on"));
+            report_line(&format!("{error}: --resume continues"));
             return Ok(crate::failure::INTERRUPTED);
         }
         other => other?,

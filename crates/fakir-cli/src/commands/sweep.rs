@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
     let summary = match result {
         Err(StudyError::Interrupted { done, cases }) => {
             let advice = match arguments.output {
-                Some(_) => "--resume goes on",
+                Some(_) => "--resume continues",
                 None => "nothing is kept without --output",
             };
             report_line(&format!(
@@ -108,7 +108,7 @@ fn warn_of_study(study: &Study) {
     }
 }
 
-/// Names lines of a journal that are left out, and says what becomes of their cases.
+/// Lists ignored lines of a journal, and states whether their cases are solved again.
 pub(crate) fn warn(damaged: &[DamagedLine], complete: bool) {
     let cases = if complete {
         "every case is in another line"
@@ -235,7 +235,7 @@ fn text(summary: &Summary, folder: &Path, wall_time: Option<f64>) -> String {
         Asked::Transition => "critical states",
         Asked::Press => "contacts under a load",
         Asked::Cycle => "cycles of loading and unloading with adhesion",
-        Asked::Collapse => "collapses of a floor that sticks",
+        Asked::Collapse => "collapses of an adhesive floor",
     };
     let all = summary.rows.len();
     let mut text = format!("{all} of {} cases: {asked}\n", summary.study.cases());

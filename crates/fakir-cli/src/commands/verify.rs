@@ -23,7 +23,7 @@ use std::time::Instant;
 /// Digits shown of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
 
-/// A second opinion on a case of any kind that has one.
+/// Verification of a case of any kind that supports it.
 pub(crate) fn run(
     case: &AnyCase,
     load: Load,
@@ -117,7 +117,7 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
     let verdict = match verification.verdict() {
         Verdict::Agree => "The two methods agree within their error estimates".to_owned(),
         Verdict::Disagree => "THE TWO METHODS DISAGREE beyond their error estimates".to_owned(),
-        Verdict::CannotTell(doubt) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
+        Verdict::CannotTell(doubt) => format!("INCONCLUSIVE: {doubt}"),
     };
     format!(
         "Verification by an independent method\n{}\n\n{}\n{}{}{}\n{verdict}, in {}.\n",
@@ -180,7 +180,7 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
         }),
     ];
     let verdict = match found.verdict() {
-        (_, Some(doubt)) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
+        (_, Some(doubt)) => format!("INCONCLUSIVE: {doubt}"),
         _ if found.agrees() => "The two meshes agree within their error estimates".to_owned(),
         _ => "THE TWO MESHES DISAGREE beyond their error estimates".to_owned(),
     };

@@ -203,7 +203,7 @@ fn what_cannot_be_is_refused() {
     let attempts: [(&[&str], &str); 17] = [
         (
             &["transition", &plain, "--attraction-range", "5nm"],
-            "--attraction-range needs pillar tops that stick",
+            "--attraction-range needs adhesive pillar tops",
         ),
         (
             &["theory", &case, "--attraction-range", "0nm"],
@@ -393,7 +393,7 @@ fn theory_has_the_closed_forms_of_adhesion() {
     assert_close(&force("maugis_dugdale"), -1.5 * pi * work * 2.2e-3, 1e-3);
     let tabor = (8.0 * work * radius / (pi * modulus)).sqrt() / 5e-9;
     assert_close(&adhesion["tabor_number"], tabor, 1e-12);
-    // All other results are without adhesion, and say so.
+    // All other results are without adhesion, and are marked as such.
     let plain = bench.json(&["theory", &adhesive(), "--set", "adhesion.work=0"]);
     assert_eq!(plain["adhesion"], Value::Null);
     assert_eq!(plain["critical_states"], found["critical_states"]);
@@ -497,7 +497,7 @@ fn adhesive_samples_have_the_scatter_of_pull_off() {
             .files("found")
             .contains(&"pull-off-spread.svg".to_owned())
     );
-    // One of these is the cycle of its own case.
+    // One of these is the cycle of a separate case.
     let work = format!("adhesion.work={}", rows[0][0]);
     let alone = bench.json(&[
         "cycle",

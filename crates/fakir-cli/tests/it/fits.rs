@@ -282,7 +282,7 @@ fn a_machine_that_is_left_out_of_the_example_is_named() {
     assert!(
         outcome
             .stderr
-            .contains("it would take machine_compliance (p = "),
+            .contains("most likely wrong: machine_compliance (p = "),
         "{}",
         outcome.stderr
     );

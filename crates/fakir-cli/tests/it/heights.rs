@@ -192,7 +192,7 @@ fn what_no_heights_have_is_status_3_with_the_nearest() {
         outcome.stderr
     );
     assert!(
-        outcome.stderr.contains("where all bear the same"),
+        outcome.stderr.contains("if all carry the same"),
         "{}",
         outcome.stderr
     );
@@ -264,7 +264,7 @@ fn what_makes_no_sense_is_status_2() {
     for (arguments, message) in [
         (
             &["--free", "heights", "--target", "falls.csv"][..],
-            "falls.csv:3: the wanted area does not rise",
+            "falls.csv:3: the target area does not increase",
         ),
         (
             &["--free", "heights", "--target", "word.csv"],
@@ -277,7 +277,7 @@ fn what_makes_no_sense_is_status_2() {
         (&["--free", "heights"], "required"),
         (
             &["--free", "heights", "--critical-force", "1mN"],
-            "--free heights goes with --target",
+            "--free heights requires --target",
         ),
         (
             &["--free", "pitch", "--target", "curve.csv"],

@@ -416,7 +416,7 @@ fn an_interrupt_keeps_the_journal() {
     let done = journal_lines(&bench, "results") - 1;
     assert_eq!(
         outcome.stderr,
-        format!("interrupted after {done} of 120 cases: --resume goes on\n")
+        format!("interrupted after {done} of 120 cases: --resume continues\n")
     );
     assert_eq!(bench.files("results"), ["journal.jsonl", "study.toml"]);
 }

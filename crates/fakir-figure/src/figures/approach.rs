@@ -119,7 +119,7 @@ pub fn approach(
     Ok(figure.with_description(
         "Loading of the surface",
         "Force over indentation, and below it the contact radius, the fraction of the load on the floor and the \
-         pillars that are touched, as far as there are such; the critical state, in which the floor \
+         number of pillars in contact, if any; the critical state, in which the floor \
          is just reached, is marked.",
     ))
 }

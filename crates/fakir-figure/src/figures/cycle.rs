@@ -73,7 +73,7 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
         "Loading, unloading and pull-off",
         "Force over indentation while the lens is lowered and withdrawn, the same where it is pulled off, and the number of \
          pillars in contact; marks show where pillars come into contact and are released, the critical state and the \
-         pull-off. Where the floor sticks its area in contact is below, and the jump onto it and its loss are marked.",
+         pull-off. With an adhesive floor its contact area is below, and the jump onto it and its detachment are marked.",
     ))
 }
 
@@ -248,14 +248,14 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
         });
     let mut signs = Vec::new();
     if !pulling.is_empty() {
-        signs.push((KeySign::Ring, "held at pull-off"));
+        signs.push((KeySign::Ring, "attached at pull-off"));
     }
     let figure = sheet.figure("releases", &bar, discs.collect(), &signs);
     Ok(figure.with_description(
         "Release of the pillars",
         &format!(
             "Map of the {} pillars that were in contact, coloured by the indentation at which each was released; the {} that \
-             held at the pull-off have a ring.",
+             attached at the pull-off have a ring.",
             released.len(),
             pulling.len()
         ),

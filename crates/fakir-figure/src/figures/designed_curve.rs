@@ -112,7 +112,7 @@ pub fn designed_curve(curve: &DesignedCurve) -> Figure {
         Series::new("designed", value(|point| point.designed), designed)
             .with_errors(errors(&|_| value_size.recip())),
         Series::new(
-            "wanted",
+            "target",
             value(|point| point.wanted),
             Style::marks(4).in_tint(Tint::Black),
         ),
@@ -139,8 +139,8 @@ pub fn designed_curve(curve: &DesignedCurve) -> Figure {
     }
     .figure()
     .with_description(
-        "Wanted curve and designed heights",
-        "The wanted curve, that of the designed heights, and that of heights designed as if asperities did not act on each other; below, how far both are off. Bars are standard deviations by the errors of the heights.",
+        "Target curve and designed heights",
+        "The target curve, that of the designed heights, and that of heights designed without interactions of asperities; below, the deviations of both. Bars are standard deviations due to the errors of the heights.",
     )
 }
 

@@ -73,7 +73,7 @@ pub fn pressure_map(
         &format!(
             "Left: map of the {} touched pillars, coloured by mean pressure; partially touched \
              ones are outlined, the dashed circle is the edge of the contact, crosses mark where \
-             the floor is just touched; where it bears a part of the load it is tinted. Right: pressure at the centre of every pillar top against the \
+             the floor is just touched; where it carries a part of the load it is tinted. Right: pressure at the centre of every pillar top against the \
              distance from the lens axis, with a Hertz-like distribution of the same force.",
             state.pillars_in_contact
         ),

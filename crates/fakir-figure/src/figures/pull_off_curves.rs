@@ -104,7 +104,7 @@ pub fn pull_off_curves(x: &Axis, curves: &[PullOffCurve]) -> Figure {
     .figure()
     .with_description(
         "Pull-off force and hysteresis",
-        "Four charts: the largest force with which the lens is held back when it is pulled off, the same over that of one flat pillar \
+        "Four charts: the pull-off force, the same over that of one flat pillar \
          alone, the area of the loop of loading and unloading, and the same over the work of adhesion of all top area that was in contact.",
     )
 }

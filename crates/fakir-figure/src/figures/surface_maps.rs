@@ -79,7 +79,7 @@ pub fn surface_pressure_map(state: &SurfaceState<'_>) -> Result<Figure, FigureEr
     Ok(figure.with_description(
         "Pressure on the surface",
         &format!(
-            "Map of the contact pressure on the cells of the surface. Grey is what bears no load, \
+            "Map of the contact pressure on the cells of the surface. Cells without load are grey, \
              light where it is floor{}{}.",
             if has_edge(state) {
                 "; the dashed circle is the edge of the contact"

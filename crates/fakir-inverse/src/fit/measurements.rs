@@ -126,7 +126,7 @@ impl Measurements {
         Self::read_with(path, &named.into())
     }
 
-    /// Reads a file, with what the user says about its columns.
+    /// Reads a file, with the hints of the user about its columns.
     ///
     /// # Errors
     /// [`DataError`] names file, line and column.
@@ -148,7 +148,7 @@ impl Measurements {
         Self::from_bytes(name, bytes, &named.into())
     }
 
-    /// Reads the contents of a text file, with what the user says about its columns; `name` is its name in errors.
+    /// Reads the contents of a text file, with the hints of the user about its columns; `name` is its name in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).

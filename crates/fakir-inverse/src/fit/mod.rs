@@ -1455,8 +1455,8 @@ impl<'a> Search<'a> {
             [first, ref others @ ..] => {
                 let verb = if several { "cannot" } else { "alone cannot" };
                 format!(
-                    "{quantities} {verb} tell {first} from {}: only a combination of them is \
-                     determined; hold all but one of them",
+                    "{quantities} {verb} distinguish {first} from {}: only a combination of them is \
+                     determined; fix all but one of them",
                     others.join(" and ")
                 )
             }

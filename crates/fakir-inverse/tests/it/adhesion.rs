@@ -117,7 +117,7 @@ fn draws(offset: &str, step: f64, noise: f64, compliance: f64, count: u64) -> ([
     let (mut inside, mut works) = ([0; 4], Vec::new());
     for seed in 0..count {
         let data = Measurements::new(&noisy(&exact, seed, noise)).unwrap();
-        // Nothing is said of the work, and the modulus is wrong.
+        // Without a value for the work, and with a wrong modulus.
         let first = case_file(&[offset, "adhesion.work=0", "substrate.young_modulus=1.5MPa"]);
         let fitted = run_fit(&first, &data, &FREE, compliance);
         assert_eq!(

@@ -228,8 +228,8 @@ fn moduli_that_force_cannot_distinguish() {
     assert_eq!(fitted.undetermined.len(), 1);
     assert_eq!(
         fitted.undetermined[0].statement,
-        "force alone cannot tell lens.young_modulus from substrate.young_modulus: only a \
-         combination of them is determined; hold all but one of them"
+        "force alone cannot distinguish lens.young_modulus from substrate.young_modulus: only a \
+         combination of them is determined; fix all but one of them"
     );
     for estimate in &fitted.estimates[..2] {
         assert!(estimate.interval.is_none() && estimate.standard_error.is_none());
@@ -880,7 +880,7 @@ fn films_that_are_left_out_are_named() {
     }
 }
 
-/// Minutes. Asked for are 90 intervals that cover, and 90 warnings where the film is left out. Of the 100 warnings 85 say that a thickness would
+/// Takes minutes. Requires 90 intervals that contain the true value, and 90 warnings if the film is neglected. Of the 100 warnings 85 say that a thickness would
 /// mend the fit; the others name what looks alike under that noise.
 #[test]
 #[ignore = "a campaign"]

@@ -148,7 +148,9 @@ fn curves_that_fall_and_areas_out_of_reach_are_refused() {
     );
     let stays = refused(Curve::ForceOfIndentation, &[[2e6, 2e5], [3e6, 2e5]]);
     assert!(
-        stays.to_string().contains("the wanted force does not rise"),
+        stays
+            .to_string()
+            .contains("the target force does not increase"),
         "{stays}"
     );
     // Hertz: 64 asperities with a 64th of the force each have four times the area of one asperity with the whole

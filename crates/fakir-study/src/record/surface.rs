@@ -127,7 +127,7 @@ fn solution() -> Vec<Named<SurfaceContact>> {
         .in_objects(),
         Named::number(
             "certificate.gap_under_pressure_m",
-            "largest gap of a cell that bears pressure",
+            "largest gap of a cell that carries pressure",
             |it: &SurfaceContact| it.certificate.gap_under_pressure,
         )
         .in_objects(),
