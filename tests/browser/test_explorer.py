@@ -212,7 +212,7 @@ def test_the_load_ranges_from_first_touch_past_the_critical_state(explore):
         number, unit = re.search(r"F = ([\d.]+) (\w+)", numbers).groups()
         forces.append(float(number) * {"µN": 1e-6, "mN": 1e-3}[unit])
         assert page.results() == critical
-        # What the floor bears is told past the critical state.
+        # What the floor carries is told past the critical state.
         assert page.page.is_visible("#floor-numbers") == (load > 1)
         assert not page.page.is_visible("#beyond-note")
     assert forces == sorted(forces)

@@ -240,7 +240,7 @@ fn curves(material: Material<'_>) -> Result<Plate, DrawingError> {
         "critical-curves",
         "Critical force, contact radius and indentation",
         "Reduced critical force, contact radius and indentation against the surface fraction, for \
-         six places where the lens may land and three substrates; with the paper's formulas for \
+         six positions of the lens axis and three substrates; with the paper's formulas for \
          small and large contacts as printed, and the homogenised lattice. Where a curve has no \
          force, the lens meets the floor before any pillar.",
     ))
@@ -313,7 +313,7 @@ fn power_laws(material: Material<'_>) -> Plate {
         "power-laws",
         "Power laws of the critical force",
         "Critical force on the intermediate substrate, lens axis on a pillar, with power laws found \
-         by least squares over two ranges of the surface fraction, and how far the curve is from \
+         by least squares over two ranges of the surface fraction, and the deviation of the curve from \
          them at most: there is not one exponent.",
     )
 }
@@ -395,8 +395,8 @@ fn phases(material: Material<'_>) -> Result<Plate, DrawingError> {
          intermediate substrate: where the lens \
          rests on pillar tops only and where it touches the floor too, with the paper's transition \
          curve, computed critical states of six offsets, and two loading paths, of which that at the \
-         smaller surface fraction goes on into mixed contact. Grey lines join states in which the floor \
-         bears the same share of the load. Left of one pitch it matters where the lens lands.",
+         smaller surface fraction continues into mixed contact. Grey lines join states in which the floor \
+         carries the same fraction of the load. Left of one pitch the position of the lens axis matters.",
     ))
 }
 
@@ -437,8 +437,8 @@ fn mixed_contact(state: &ContactState, run: &Run<'_>) -> Result<Vec<Plate>, Draw
             "floor-pressure-map",
             "Pressure on the floor",
             format!(
-                "Pressure on the floor, {where_and_when}: around every pillar, which holds the lens up, \
-                 the floor stays free."
+                "Pressure on the floor, {where_and_when}: around every pillar, which supports the lens, \
+                 the floor remains free."
             ),
         ),
     ])

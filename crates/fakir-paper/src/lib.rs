@@ -3,10 +3,10 @@
 //!
 //! [`reproduce`] writes the results to a folder:
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `critical-states/` | a [sweep](fakir_study::sweep_into) over substrates, offsets and surface fractions |
-//! | `dense-states/` | the same up to a surface fraction of 0.29, if asked for |
+//! | `dense-states/` | the same up to a surface fraction of 0.29, on request |
 //! | `tables/` | the numbers of claims, power laws, loading paths and pillars |
 //! | `figures/` | every figure as SVG and PNG |
 //! | `report.html` | claims, figures and numbers on one page |

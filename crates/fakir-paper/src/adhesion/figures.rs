@@ -139,8 +139,8 @@ fn cycles(ways: &[Way]) -> Plate {
         &chart,
         "cycles",
         "Down and up again",
-        "Force against indentation, both over those of the critical state, intermediate substrate, lens axis on a pillar: solid on loading, with the jump where the floor is first touched, \
-         dashed on unloading as far as the floor sticks. Fast model, in which shells of pillars make the teeth; tops alone without adhesion up to the critical state.",
+        "Force against indentation, both relative to the critical state, intermediate substrate, lens axis on a pillar: solid on loading, with the jump at first contact with the floor, \
+         dashed on unloading until the floor detaches. Fast model, in which shells of pillars cause the steps; tops alone without adhesion up to the critical state.",
     )
 }
 
@@ -166,9 +166,9 @@ fn phases(ways: &[Way]) -> Result<Plate, PaperError> {
     Ok(Plate::new(
         figure,
         "phase-diagram",
-        "Phase diagram of a floor that sticks",
-        "Reduced force against the radius of the contact in pitches, intermediate substrate: solid down, dashed up. On loading the lens reaches the transition curve and jumps below it; on the way back it stays on the floor \
-         far inside the region in which, without adhesion, it rests on the tops alone. Forces below zero are not shown.",
+        "Phase diagram of an adhesive floor",
+        "Reduced force against the radius of the contact in pitches, intermediate substrate: solid on loading, dashed on unloading. On loading the lens reaches the transition curve and jumps below it; on unloading it remains on the floor \
+         far inside the region in which, without adhesion, it is supported by the tops alone. Forces below zero are not shown.",
     ))
 }
 
@@ -202,7 +202,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         |fate: FloorOutcome| move |case: &FloorCase| case.fate().unwrap_or(case.found.fate) == fate;
     let classes = [
         (
-            "held through zero load",
+            "attached at zero load",
             FloorOutcome::HeldThroughZero,
             Tint::Vermillion,
             Marker::Disc,
@@ -222,7 +222,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         ));
     }
     series.push(Series::new(
-        "held, beyond the model",
+        "attached, beyond the model",
         points(&|case| !good(case) && is(FloorOutcome::HeldThroughZero)(case)),
         mark(Tint::Orange, Marker::Ring),
     ));
@@ -232,7 +232,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         mark(Tint::Sky, Marker::Ring),
     ));
     series.push(Series::new(
-        "tops only, or not told",
+        "tops only, or unknown",
         points(&|case| is(FloorOutcome::NoPatch)(case) || is(FloorOutcome::Unknown)(case)),
         mark(Tint::Grey, Marker::Cross),
     ));
@@ -247,8 +247,8 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         &format!("regions-{}", substrate.name()),
         "What becomes of the floor",
         &format!(
-            "Work of adhesion against surface fraction, {} substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: whether the floor still holds where the load is zero. Full marks: cells of the floor, or the fast model \
-             in its range; rings: its answer beyond it. Crosses: it tells of no stuck region, since annuli meet, none is left where the lens turns back, or no front stands still, and cells were not asked. The line is the threshold of the flat lattice without load.",
+            "Work of adhesion against surface fraction, {} substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: whether the floor is still attached at zero load. Full marks: cells of the floor, or the fast model \
+             in its range; rings: the fast model beyond its range. Crosses: no bonded region in the model (annuli meet, the floor is detached at the unloading point, or no front is in equilibrium), and not solved on cells. The line is the threshold of the flat lattice without load.",
             substrate.name()
         ),
     )
@@ -301,8 +301,8 @@ fn withdrawals(cases: &Cases) -> Plate {
         &chart,
         "withdrawal",
         "How far back until the floor is lost",
-        "How far the lens goes back until the floor is lost, over the critical indentation, against the work of adhesion over that of collapse, on cells or by the fast model in its range; solid: intermediate, dashed: rigid substrate. \
-         The threshold alone does not bring the curves together.",
+        "Withdrawal of the lens until the floor detaches, over the critical indentation, against the work of adhesion over that of collapse, on cells or by the fast model in its range; solid: intermediate, dashed: rigid substrate. \
+         Scaling by the threshold alone does not collapse the curves.",
     )
 }
 
@@ -374,9 +374,9 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     let mut caption = format!(
         "{} against its law, on cells or in the range of the fast model: {} cases scatter about the line by {:.1} %{unit}, {:.1} % at most.",
         match reduced {
-            Reduced::Withdrawal => "How far the lens goes back until the floor is lost",
+            Reduced::Withdrawal => "Withdrawal of the lens until the floor detaches",
             Reduced::Area => "Area of the floor after the jump over that of the contact",
-            Reduced::Drop => "The part of the force that the jump takes away",
+            Reduced::Drop => "Relative drop of the force at the jump",
             Reduced::PullOff => "Pull-off with the floor over that of a smooth sphere by force",
             Reduced::Hysteresis => "Hysteresis of the floor over critical force and indentation",
         },
@@ -386,7 +386,7 @@ fn collapse(cases: &Cases, (law, held): &Checked) -> Plate {
     );
     if let Some(held) = held {
         caption.push_str(&format!(
-            " Rings: {} systems that are not in the law, {:.1} %{unit} from it, {:.1} % at most; {} are within the {:.1} % that 19 of 20 are expected in.",
+            " Rings: {} systems that are not in the law, {:.1} %{unit} from it, {:.1} % at most; {} are within the {:.1} % in which 19 of 20 are expected.",
             held.points,
             100.0 * held.scatter,
             100.0 * held.largest,
@@ -461,8 +461,8 @@ fn pull_offs(scope: &Scope, cases: &Cases) -> Plate {
         &chart,
         "pull-off",
         "Pull-off with and without the floor",
-        "Pull-off force with 50 mJ/m^2 against the surface fraction, lens axis on a pillar: with a floor that sticks (fast model in its range, where the floor holds through zero load), from the tops alone (exact), \
-         and from a floor seen as smooth (closed form).",
+        "Pull-off force with 50 mJ/m^2 against the surface fraction, lens axis on a pillar: with an adhesive floor (fast model in its range, if the floor is attached at zero load), from the tops alone (exact), \
+         and from a floor treated as smooth (closed form).",
     )
 }
 
@@ -491,8 +491,8 @@ fn hystereses(scope: &Scope, cases: &Cases) -> Plate {
     plate(
         &chart,
         "hysteresis",
-        "What a floor that sticks loses",
-        "Area between loading and unloading as far as the floor sticks, intermediate substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: fast model in its range.",
+        "Hysteresis of an adhesive floor",
+        "Area between loading and unloading until the floor detaches, intermediate substrate, lens axis on a pillar, loaded to 1.2 times the critical indentation: fast model in its range.",
     )
 }
 
@@ -539,7 +539,7 @@ fn sizes(scope: &Scope, cases: &Cases) -> Plate {
         "sizes",
         "Height and diameter",
         &format!(
-            "How far the lens goes back until the floor is lost against the height of the pillars, for their diameters, intermediate substrate, φ = {fraction}: fast model in its range."
+            "Withdrawal of the lens until the floor detaches against the height of the pillars, for several diameters, intermediate substrate, φ = {fraction}: fast model in its range."
         ),
     )
 }

@@ -2,7 +2,7 @@
 //!
 //! [`reproduce_adhesion`] writes the study to a folder:
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `floor/`, `tops/`, `sizes/`, `offsets/`, `check/`, `cells/` | [sweeps](fakir_study::sweep_into), each a study that can be run by itself |
 //! | `tables/` | findings, laws, candidates of laws, ways of the lens |
@@ -187,7 +187,7 @@ fn provenance(study: &Study) -> Provenance {
     ]
     .concat();
     Provenance::new(
-        "adhesion of lens and textured surface, with a floor that sticks",
+        "adhesion of lens and patterned surface, with an adhesive floor",
         sweep.method,
         &topics,
         study.to_toml(),

@@ -55,7 +55,7 @@ impl Part {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Floor => "a floor that sticks, by the fast model and closed forms",
+            Self::Floor => "an adhesive floor, with the fast model and closed forms",
             Self::Tops => "tops alone, exactly",
             Self::Sizes => "other heights and diameters",
             Self::Offsets => "the lens axis beside a pillar",

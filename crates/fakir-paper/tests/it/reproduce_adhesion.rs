@@ -166,7 +166,7 @@ fn the_report_agrees_with_the_tables() {
         let held = held.unwrap();
         same(&format!("{name}_held_out_scatter"), held.scatter);
         println!(
-            "{} = {}: {} {} held {held:?}",
+            "{} = {}: {} {} held out {held:?}",
             law.reduced.plain(),
             law.words(),
             law.scatter,
@@ -192,7 +192,7 @@ fn the_report_agrees_with_the_tables() {
         cases += found.points;
         right += fresh.iter().filter(within).count();
     }
-    println!("{right} of {cases} within what the report says");
+    println!("{right} of {cases} within the interval of the report");
     assert!(20 * right >= 19 * cases, "{right} of {cases}");
     for finding in &made.findings {
         println!("{}: {}", finding.title, finding.text);
@@ -237,7 +237,7 @@ fn systems_with_the_same_groups_are_the_same() {
             (Key::PillarHeight, 2.2e-6 * up),
             (Key::PillarDiameter, 6e-6 * along),
             (Key::LensYoungModulus, 2e6 * stiff),
-            // The column gives way as h/(E_s d) against 1/E*: stiffer by what it is more slender.
+            // The compliance of the column is proportional to h/(E_s d), that of the punch to 1/E*.
             (Key::SubstrateYoungModulus, 1e12),
             (Key::SurfaceFraction, 0.03),
             (Key::WorkOfAdhesion, 60e-3 * stiff * up * up / along),
