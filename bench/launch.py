@@ -1,4 +1,4 @@
-"""Runs a command for so many seconds at most, and tells what its process took.
+"""Runs a command with a time limit, and prints the resources of its process.
 
     python -I -S launch.py SECONDS COMMAND ...
 

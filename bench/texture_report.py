@@ -153,7 +153,7 @@ def text(rows):
                 f"Truth: force {1e3 * truth.force_N:.7g} mN, indentation {1e6 * truth.indentation_m:.7g} µm, "
                 f"estimated error {truth.estimated_force_error:.0e}."
                 + (
-                    f" The floor bears {truth.floor_share:.6g} of it, estimated error {truth.estimated_share_error:.0e}."
+                    f" The floor carries {truth.floor_share:.6g} of it, estimated error {truth.estimated_share_error:.0e}."
                     if truth.floor_share
                     else ""
                 ),

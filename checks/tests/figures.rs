@@ -473,7 +473,7 @@ fn mixed_contact() {
         top_view(&state, View::Contact, &run).unwrap(),
         profiles(&[section], &run).unwrap(),
     ]);
-    // In the section lens and floor are together where the floor carries, as well as its cells tell.
+    // In the section lens and floor are together where the floor carries, within the resolution of its cells.
     let half_width = Section::half_width(&state);
     let section = Section::new(&state, half_width, None, SectionDetail::Screen, &run).unwrap();
     assert!(!section.floor_patches.is_empty());

@@ -1,4 +1,4 @@
-"""A floor that sticks: the cycle grows while it is solved and can be called off; the jump, the filled holes and the loss are shown."""
+"""Adhesive floor: the cycle is drawn while it is solved and can be cancelled; the jump, the hollow sites in contact and the detachment are shown."""
 
 import re
 import time
@@ -8,10 +8,10 @@ from test_cycle import adhesive, asked, command_line, force, quantity
 
 ADHESIVE_FLOOR = "adhesion.floor=true"
 
-# Six holes are filled, in about a second.
+# Contact at six hollow sites; takes about a second.
 QUICK = adhesive(0.03, 0.001, ADHESIVE_FLOOR)
 
-# Most of a minute: the rings round pillars are narrow.
+# Takes most of a minute: the free annuli around pillars are narrow.
 LONG = adhesive(0.03, 0.05, ADHESIVE_FLOOR)
 
 
@@ -22,12 +22,12 @@ def expected():
 
 
 def until_solving(page):
-    """Waits until a long cycle has come to the floor."""
+    """Waits until a long cycle has reached the floor."""
     page.until("/fronts on the floor, round/.test(document.getElementById('cycle-stage').textContent)")
 
 
 def floor_pixels(page):
-    """How many places in the middle of the map have a colour of a floor that pulls: purple, as pillars are farther out only."""
+    """Number of pixels in the middle of the map with the colour of tension on the floor, purple; pillars are farther out only."""
     return page.page.evaluate(
         """() => {
             const map = document.getElementById("map");
@@ -96,7 +96,7 @@ def test_the_slider_passes_the_jump_and_the_loss(explore, expected):
         forces.append(force(page))
         page.press("ArrowRight")
     floor = expected["floor"]
-    # The states on both sides of the loss are among those that are kept.
+    # The states before and after the detachment are among those that are stored.
     assert forces[-1] == pytest.approx(floor["last"]["force_N"], rel=1e-3)
     assert force(page) == pytest.approx(floor["force_after_loss_N"], rel=1e-3)
     page.page.click("#to-pull-off")
@@ -124,15 +124,15 @@ def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
     plain = explore(adhesive(0.03, 0.05))
     page = explore(LONG, rests=False)
     until_solving(page)
-    # What is known before the jump is shown: as without the floor.
+    # Before the jump the results are shown, as without the floor.
     assert page.results() == plain.results()
     assert page.text("load-words") == "critical state, the rest is being solved"
     assert page.text("pillars") == plain.text("pillars")
     assert "55 in contact" in page.text("load-numbers")
-    # Many cells, and enough of them across the rings round pillars.
+    # Many cells, with a sufficient number across the free annuli around pillars.
     assert "220\u202f000 cells" in page.text("cells-note") and "orders of magnitude" not in page.text("cells-note")
     assert page.page.evaluate("() => document.body.dataset.busy") == "yes"
-    # It goes on, and the curve with it.
+    # The computation and the curve continue.
     stage = page.text("cycle-stage")
     assert re.match(r"loading, ζ = .* µm, fronts on the floor, round \d+, about \d+ %, [\d.]+ s$", stage), stage
     page.until("document.getElementById('cycle-stage').textContent.startsWith('unloading, ')", 60)
@@ -148,7 +148,7 @@ def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
     assert page.text("cycle-stage") == page.text("status") == "cancelled"
     assert page.text("load-words") == "critical state, the rest cancelled"
     assert page.page.locator("#loading path.unloading").count() == 1
-    # The next answer has all threads.
+    # The next answer uses all threads.
     start = time.monotonic()
     page.enter("adhesion.work", "1 mJ/m2")
     assert page.text("load-words") == "after the jump onto the floor"
@@ -194,7 +194,7 @@ def test_the_floor_can_be_made_adhesive_on_the_page(explore):
     assert "floor = true" in page.text("case-file")
     assert "adhesion.floor=true" in page.text("command")
     assert "floor=True" in page.text("python")
-    # The substrates of the paper leave it as it is.
+    # The substrates of the paper do not change it.
     page.page.click("[data-preset=rigid]")
     page.rest()
     assert page.page.is_checked("#adhesion-floor")
@@ -217,7 +217,7 @@ def test_the_floor_can_be_made_adhesive_on_the_page(explore):
 
 
 def test_coarse_cells_are_orders_of_magnitude(explore):
-    """A result that says that its cells are coarse is told as one."""
+    """A result on coarse cells is marked as such."""
 
     def coarse(route):
         response = route.fetch()

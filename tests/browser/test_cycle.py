@@ -1,4 +1,4 @@
-"""Adhesion: the load goes down and up again along one computed path, on the map, in the section, in the chart and in numbers."""
+"""Adhesion: the load moves back and forth along one computed path, on the map, in the section, in the chart and in numbers."""
 
 import json
 import os
@@ -10,7 +10,7 @@ import pytest
 from conftest import exploring
 from test_explorer import paper
 
-# Parts of the map that are nearly of the colour of pulls: red by far, neither orange nor grey.
+# Number of pixels of the map with about the colour of tension: much more red, neither orange nor grey.
 RED = """() => {
     const map = document.getElementById("map");
     const { data } = map.getContext("2d").getImageData(0, 0, map.width, map.height);
@@ -22,7 +22,7 @@ RED = """() => {
     return found;
 }"""
 
-# What is drawn on the map, in one text.
+# Content of the map, as one text.
 PICTURE = "() => document.getElementById('map').toDataURL()"
 
 
@@ -31,7 +31,7 @@ def adhesive(surface_fraction, work, *more):
 
 
 def command_line(*arguments):
-    """What the command line says of the paper's case with adhesion."""
+    """Output of the command line for the paper's case with adhesion."""
     command = [os.environ["FAKIR"], "cycle", "-", "--json", "--quiet", *arguments]
     text = subprocess.run(
         [os.environ["FAKIR"], "init", "-"], check=True, capture_output=True, text=True
@@ -67,7 +67,7 @@ def test_the_slider_moves_back_and_forth_along_the_computed_path(explore, expect
     assert asked(page, "/api/contact") == 0
     states = int(page.page.get_attribute("#load", "max")) + 1
     assert states > 80
-    # The keyboard goes from one state to the next, without any other question.
+    # The keyboard moves from one state to the next, without any other request.
     page.page.focus("#load")
     page.press("Home")
     assert page.text("load-words") == "first contact"
@@ -106,10 +106,10 @@ def test_a_step_of_the_slider_is_shown_in_the_next_frame(explore):
                 const busy = document.body.dataset.busy;
                 await new Promise(requestAnimationFrame);
                 await new Promise(requestAnimationFrame);
-                const told = words("load-numbers").textContent.match(/(\\d+|nothing) in contact/)[1];
+                const shown = words("load-numbers").textContent.match(/(\\d+|nothing) in contact/)[1];
                 const label = words("map").getAttribute("aria-label");
                 const drawn = label.match(/: (\\d+) pillars in contact/)[1];
-                if (busy !== "no" || Number(slider.value) !== k || drawn !== told.replace("nothing", "0")) {
+                if (busy !== "no" || Number(slider.value) !== k || drawn !== shown.replace("nothing", "0")) {
                     late.push(k);
                 }
             }
@@ -132,7 +132,7 @@ def test_the_chart_has_both_branches_and_what_happens_on_them(explore, expected)
         ticks = locate(f"#loading path.{style}").get_attribute("d").count("M")
         of_kind = {e["indentation_m"] for e in expected["events"] if e["event"] == event}
         assert 3 < ticks <= len(of_kind)
-    # The pull is small against the load: it has a chart of its own.
+    # The tension is small compared with the load: it has a separate chart.
     assert page.page.is_visible("#pull")
     assert locate("#pull circle.pull-off").count() == 1
     assert "pull-off" in locate("#pull .pull-name").text_content()
@@ -154,7 +154,7 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
         "loop-area": expected["hysteresis_J"],
     }
     for name, value in numbers.items():
-        # In the digits that errors leave: two of the pull-off.
+        # Rounded to the estimated errors: two digits for the pull-off.
         assert quantity(page.text(name)) == pytest.approx(value, rel=0.05), name
     error = expected["relative_error_estimate"]["pull_off_force"]
     assert error["model_fronts"] == 0.05
@@ -167,7 +167,7 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
     assert "model error, about 5 %" in note and "is not adhesive" in re.sub(r"\s+", " ", note)
     assert page.page.locator("#cycle-numbers .strained").count() == 0
     assert page.text("limit-kendall_strain").endswith("< 0.3")
-    # On a soft substrate pillars are stretched beyond what the model knows.
+    # On a soft substrate the strain of pillars exceeds the range of the model.
     page.page.click("[data-preset=soft]")
     page.rest()
     assert page.page.input_value("#adhesion-work") == "10 mJ/m²"
@@ -190,7 +190,7 @@ def test_pulled_and_partial_pillars_are_on_the_map(explore):
     assert 0 < pulled <= in_contact and 0 < in_part
     label = page.page.get_attribute("#map", "aria-label")
     assert f"{in_part} of them partially, {pulled} in tension" in label
-    # The note under the pointer says how much of a top is bonded.
+    # The note under the pointer shows the bonded fraction of a top.
     notes = page.page.evaluate(
         """() => {
             const map = document.getElementById("map");
@@ -266,7 +266,7 @@ def test_works_that_cannot_be_are_refused_at_their_field(explore):
     assert not page.page.is_visible("#problem")
     page.enter("adhesion.work_receding", "10 mJ/m2")
     assert "at least" in page.text("adhesion-work_receding-note")
-    # Empty, it is as the work of adhesion.
+    # An empty value is equal to the work of adhesion.
     page.enter("adhesion.work_receding", "")
     assert page.page.input_value("#adhesion-work_receding") == "50 mJ/m²"
     assert page.page.locator(".field.derived #adhesion-work_receding").count() == 1
@@ -300,7 +300,7 @@ def test_without_adhesion_the_page_is_as_before(explore):
 
 
 def test_a_newer_work_is_answered_at_once(explore):
-    # Hundreds of pillars that stick weakly take seconds.
+    # Hundreds of pillars with weak adhesion take seconds.
     page = explore(adhesive(0.01, 0.05))
     page.page.evaluate(
         """() => {
@@ -311,7 +311,7 @@ def test_a_newer_work_is_answered_at_once(explore):
     )
     page.until("/loading and unloading, step \\d+/.test(document.getElementById('status').textContent)")
     assert page.page.is_disabled("#load")
-    # The curve grows meanwhile.
+    # The curve is extended meanwhile.
     page.until("document.querySelector('#loading path.path') !== null")
     page.enter("pattern.surface_fraction", "0.01")
     assert page.text("pillars").startswith("13 pillars")

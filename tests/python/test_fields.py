@@ -66,7 +66,7 @@ def test_pillars_carry_the_force(critical):
         # the power 1/2 only, here a 25th of the pillar radius.
         force = summary["critical_force_N"]
         assert force_of(data) == pytest.approx(force, rel=0.05)
-        # Points on pillars are as many as the surface fraction says: 0.01 but for the border.
+        # The fraction of points on pillars is the surface fraction, 0.01, up to the border.
         fraction = float(data.on_pillar.mean())
         assert fraction == pytest.approx(summary["surface_fraction"], rel=0.2)
 

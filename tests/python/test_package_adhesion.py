@@ -1,4 +1,4 @@
-"""Loading and unloading of pillar tops that stick, as the command line tells it."""
+"""Loading and unloading with adhesive pillar tops; same results as the command line."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -36,13 +36,13 @@ def test_a_cycle_agrees_with_the_command(cycle):
 
 
 def test_the_curve_contains_the_pull_off_and_the_hysteresis(cycle):
-    """The force is linear between stations: the loop is a sum of trapezia, the largest pull a station."""
+    """The force is linear between load steps: the loop is a sum of trapezia, the pull-off is at a load step."""
     assert cycle.force[cycle.unloading].min() == cycle.pull_off.force
     assert cycle.pull_off.pillars["force_N"].sum() == pytest.approx(cycle.pull_off.force, rel=1e-6)
     loop = np.sum(0.5 * (cycle.force[1:] + cycle.force[:-1]) * np.diff(cycle.indentation))
     assert loop == pytest.approx(cycle.hysteresis, rel=1e-6)
     assert cycle.certificate < 1e-4
-    # The model has an error of its own, which is larger than the numerical one.
+    # The model error is separate, and larger than the numerical one.
     assert cycle.pull_off.error.model > cycle.pull_off.error.numerical > 0.0
 
 

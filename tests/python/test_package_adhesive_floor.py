@@ -1,4 +1,4 @@
-"""Closed forms of a floor that sticks, against what the command says and against each other."""
+"""Closed forms for an adhesive floor, compared with the output of the command and with each other."""
 
 import math
 
@@ -59,13 +59,13 @@ def test_edges_are_in_equilibrium_close_or_run(system):
 def test_little_work_bonds_no_floor(system):
     assert theory.stuck_floor_pull_off(system, "10 mJ/m2") is None
     assert theory.net_work(system, "0.001 mJ/m2") is None
-    # A sphere of the curvature of the lens comes off 2.3 um above first touch: 3/4 (pi^2 w^2 R/E*^2)^(1/3).
+    # A sphere with the curvature of the lens detaches 2.3 um above first touch: 3/4 (pi^2 w^2 R/E*^2)^(1/3).
     assert theory.patch(system, "2.2 mm", "-2.2 um") is not None
     assert theory.patch(system, "2.2 mm", "-2.4 um") is None
 
 
 def test_a_collapsed_floor_bonds_to_the_lens(system):
-    """Cells on the floor pull with 0.388 mN; the model is good to 10 %."""
+    """The tension on cells of the floor is 0.388 mN; the model is accurate to 10 %."""
     first = 4.0765e-6
     steps = np.arange(1.5, -0.5, -0.05) * first
     cycle = theory.collapsed_cycle(system, [first, 1.5 * first], steps)

@@ -34,7 +34,7 @@ def table(folder, name):
 
 
 def timeless(result):
-    """A result with its names in their order, but without what differs from run to run."""
+    """A result with its names in their order, without values that differ between runs."""
     if isinstance(result, dict):
         return [(k, timeless(v)) for k, v in result.items() if not k.endswith("time_s")]
     return [timeless(v) for v in result] if isinstance(result, list) else result
@@ -72,7 +72,7 @@ def test_results_match_the_schema(kind, command, case, arguments):
 
 @contextmanager
 def exploring():
-    """Runs the server of the page, and gives a way to ask it as the page does."""
+    """Runs the server of the page, and returns a function that sends requests as the page does."""
     command = [os.environ["FAKIR"], "explore", "--no-browser"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
@@ -123,7 +123,7 @@ def test_program_package_and_page_give_the_same_object():
         assert timeless(of_page) == expected
         pressed = system.press(indentation=indentation)
         assert timeless(pressed.to_dict()) == expected
-        # What the page draws is the same object, of a moment at which errors are not estimated yet.
+        # The page draws the same object, before errors are estimated.
         lines = ask("/api/contact", values, load=half).splitlines()
         drawn = [json.loads(line) for line in lines]
         summary = next(line["state"]["summary"] for line in drawn if "state" in line)
@@ -235,7 +235,7 @@ def test_tables_and_other_answers_are_the_same(tmp_path):
     assert timeless(fakir.theory.to_dict(system)) == timeless(expected)
     constants = expected["constants"]
     assert fakir.theory.constants(system).reduced_modulus == constants["reduced_modulus_Pa"]
-    # What the list leaves out, as it gives no number there, can still be asked for by itself.
+    # Names that are not in the list, as they are null there, can still be requested separately.
     assert fakir.theory.small_contact(system).force > 0.0
 
     _, expected = saved("design", "--free=pitch", "--critical-force=50uN")

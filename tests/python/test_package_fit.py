@@ -1,4 +1,4 @@
-"""Fits: those of the program, to the bit, and what they do not take."""
+"""Fits: the same as those of the program, bit for bit, and refused input."""
 
 import copy
 import json

@@ -1,4 +1,4 @@
-"""Past the transition: pillar tops and floor together, as the command line tells it."""
+"""Past the transition: pillar tops and floor together; same results as the command line."""
 
 import pickle
 import warnings
@@ -61,7 +61,7 @@ def test_fields_have_the_floor_in_them(state):
     some = slice(None, None, 7)
     x, y = floor.x[some], floor.y[some]
     assert np.allclose(state.pressure(x, y), floor.pressure[some], rtol=1e-12)
-    # Gaps are zero but for what cells do not resolve, far below the indentation.
+    # Gaps are zero up to the resolution of the cells, far below the indentation.
     assert np.abs(state.gap(x, y)).max() < 2e-3 * state.indentation
     data = state.to_xarray(301)
     assert data.attrs["floor_force_N"] == floor.force

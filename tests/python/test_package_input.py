@@ -1,4 +1,4 @@
-"""What the package takes, and what it says about what it does not take."""
+"""Accepted input of the package, and the errors of other input."""
 
 import numpy as np
 import pint

@@ -52,7 +52,7 @@ def test_what_cannot_be_is_refused():
     system = fakir.System(LENSES[2], fakir.Substrate(*RUBBER), CUT)
     with pytest.raises(fakir.SolveError, match="has no transition"):
         system.transition()
-    # A height map is touched by a sphere or a plate of its own.
+    # The indenter of a height map is a separate sphere or plate.
     with pytest.raises(TypeError, match="give a Lens or a Plate"):
         fakir.bem.Surface(np.zeros((4, 4)), LENSES[1], fakir.Substrate(*RUBBER), cell_size=1e-6)
     # What is made for a sphere gives no number.

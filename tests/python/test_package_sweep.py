@@ -64,7 +64,7 @@ def test_all_processors_and_executors_give_the_table_of_the_program(table, tmp_p
         assert fakir.sweep(STUDY, executor).to_csv() == table
     journal = (tmp_path / "threads" / "journal.jsonl").read_text().splitlines()
     assert len(journal) == 1 + CASES
-    # The program goes on from the journal of the package, and finds nothing to do.
+    # The program continues from the journal of the package, and has nothing to do.
     program = os.environ["FAKIR"]
     study = tmp_path / "study.toml"
     study.write_text(STUDY)

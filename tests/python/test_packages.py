@@ -1,4 +1,4 @@
-"""What the crates, the wheel and the source distribution hold."""
+"""Contents of the crates, the wheel and the source distribution."""
 
 import json
 import os
