@@ -153,7 +153,7 @@ def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
     page.enter("adhesion.work", "1 mJ/m2")
     assert page.text("load-words") == "after the jump onto the floor"
     assert time.monotonic() - start < 10
-    assert not page.page.is_visible("#ask-again") and page.text("cells-note") == ""
+    assert not page.page.is_visible("#request-again") and page.text("cells-note") == ""
 
 
 def test_a_cancelled_request_is_sent_again_and_is_replaced_by_another_slider(explore):
@@ -162,9 +162,9 @@ def test_a_cancelled_request_is_sent_again_and_is_replaced_by_another_slider(exp
     until_solving(page)
     page.page.click("#call-off")
     page.rest()
-    page.page.click("#ask-again")
+    page.page.click("#request-again")
     until_solving(page)
-    assert page.page.is_visible("#call-off") and not page.page.is_visible("#ask-again")
+    assert page.page.is_visible("#call-off") and not page.page.is_visible("#request-again")
     page.page.focus("#adhesion-work-slider")
     page.press("Home")
     page.rest()

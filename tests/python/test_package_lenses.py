@@ -46,9 +46,9 @@ def test_the_command_agrees():
 
 
 def test_what_cannot_be_is_refused():
-    endless = fakir.HexagonalPattern("6 um", "2.2 um", pitch="20 um")
+    infinite = fakir.HexagonalPattern("6 um", "2.2 um", pitch="20 um")
     with pytest.raises(fakir.CaseError, match="infinitely many pillars"):
-        fakir.System(fakir.PlateLens(*RUBBER), fakir.Substrate(*RUBBER), endless)
+        fakir.System(fakir.PlateLens(*RUBBER), fakir.Substrate(*RUBBER), infinite)
     system = fakir.System(LENSES[2], fakir.Substrate(*RUBBER), CUT)
     with pytest.raises(fakir.SolveError, match="has no transition"):
         system.transition()

@@ -149,8 +149,8 @@ export class Controls {
     text.addEventListener("change", () => {
       text.value = withUnit(text.value, unit);
       unit = unitOf(text.value) || unit;
-      const isEndless = field.endless && ["", INFINITE, "∞"].includes(text.value.trim());
-      const value = isEndless ? "" : (parse(text.value, field.dimension) ?? text.value);
+      const isInfinite = field.infinite && ["", INFINITE, "∞"].includes(text.value.trim());
+      const value = isInfinite ? "" : (parse(text.value, field.dimension) ?? text.value);
       this.#changed(field.key, value, true, performance.now());
     });
     const slide = () => {
@@ -171,9 +171,9 @@ export class Controls {
     /** @type {(value: Value, typed: boolean) => void} */
     const show = (value, typed) => {
       if (typeof value !== "number") {
-        const isEndless = field.endless && value === "";
-        if (!typed) text.value = isEndless ? INFINITE : value;
-        if (isEndless) {
+        const isInfinite = field.infinite && value === "";
+        if (!typed) text.value = isInfinite ? INFINITE : value;
+        if (isInfinite) {
           slider.value = String(STEPS);
           slider.setAttribute("aria-valuetext", INFINITE);
         }
@@ -339,7 +339,7 @@ function ends({ usual, least, greatest }) {
 function sliderValue(field, place) {
   const [low, high] = ends(field);
   const part = place / STEPS;
-  if (place === STEPS && field.endless) return "";
+  if (place === STEPS && field.infinite) return "";
   if (place === 0 && beginsAtZero(field)) return 0;
   // The scale is logarithmic unless it includes zero.
   const value = low > 0 ? low * (high / low) ** part : low + (high - low) * part;

@@ -361,7 +361,7 @@
  * @property {number | null} greatest Largest accepted value, unless it depends on other keys.
  * @property {readonly [number, number] | null} usual Range of usual values.
  * @property {boolean} whole
- * @property {boolean} endless Whether its default is infinite.
+ * @property {boolean} infinite Whether its default is infinite.
  * @property {readonly string[]} words The words that it accepts; empty if it takes a number.
  * @property {Value | null} default Its default; null if it must be given.
  * @property {string | null} alternative The key that it replaces.

@@ -321,7 +321,7 @@ function listen(store, server) {
   });
   byId("to-jump").addEventListener("click", () => store.choose({ load: 1 }, performance.now()));
   byId("call-off").addEventListener("click", () => store.callOff());
-  byId("ask-again").addEventListener("click", () => store.askAgain(performance.now()));
+  byId("request-again").addEventListener("click", () => store.requestAgain(performance.now()));
   byId("to-pull-off").addEventListener("click", () => {
     const { cycle } = store.state;
     const stations = cycle?.is.solved?.summary.stations;

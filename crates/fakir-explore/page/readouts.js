@@ -239,7 +239,7 @@ export function drawCycleProgress(state) {
   const calledOff = isCalledOff(state) && under === undefined;
   byId("cycle-progress").hidden = !isUnder && !calledOff;
   byId("cycle-share").hidden = byId("call-off").hidden = !isUnder;
-  byId("ask-again").hidden = !calledOff;
+  byId("request-again").hidden = !calledOff;
   const way = isUnder && progress?.of.number === under.number ? progress.is.way : undefined;
   const share = byId("cycle-share", HTMLProgressElement);
   if (way === undefined) share.removeAttribute("value");

@@ -262,8 +262,8 @@ export class Store {
     }
     // A floor whose contact is ignored is not adhesive.
     if (key === FLOOR && value === "false") delete values[ADHESIVE_FLOOR];
-    const isEndless = this.#state.start.keys.some((known) => known.key === key && known.endless);
-    const isEmptied = value === "" && (key === WORK || key === RECEDING || isEndless);
+    const isInfinite = this.#state.start.keys.some((known) => known.key === key && known.infinite);
+    const isEmptied = value === "" && (key === WORK || key === RECEDING || isInfinite);
     if (isEmptied) delete values[key];
     this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
   }
@@ -278,7 +278,7 @@ export class Store {
    * Sends the same question again.
    * @param {number} asked
    */
-  askAgain(asked) {
+  requestAgain(asked) {
     this.choose({ case: this.#state.chosen.case }, asked);
   }
 

@@ -216,22 +216,22 @@ fn more_threads_than_processors_are_warned_of() {
 #[test]
 fn what_has_no_end_is_not_read_for_ever() {
     let bench = Bench::new();
-    let endless = "/dev/zero";
+    let device = "/dev/zero";
     bench.write(
         "study.toml",
-        &format!("[study]\ncase = \"{endless}\"\n[axes]\npitch = [40e-6]\n"),
+        &format!("[study]\ncase = \"{device}\"\n[axes]\npitch = [40e-6]\n"),
     );
     let case = intermediate();
     let attempts: [(&[&str], &str); 6] = [
-        (&["transition", endless], "it has more than 4 MB"),
-        (&["sweep", endless], "it has more than 16 MB"),
-        (&["cite", endless], "it has more than 4 MB"),
+        (&["transition", device], "it has more than 4 MB"),
+        (&["sweep", device], "it has more than 16 MB"),
+        (&["cite", device], "it has more than 4 MB"),
         (
-            &["fit", endless, "--case", &case, "--free", "contact_point"],
+            &["fit", device, "--case", &case, "--free", "contact_point"],
             "it has more than 16 MB",
         ),
         (
-            &["reproduce", "paper", "--output", "x", "--measured", endless],
+            &["reproduce", "paper", "--output", "x", "--measured", device],
             "it has more than 16 MB",
         ),
         (&["sweep", "study.toml"], "there is no file /dev/zero"),
@@ -241,10 +241,10 @@ fn what_has_no_end_is_not_read_for_ever() {
         assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
         assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
     }
-    let endless = std::fs::File::open(endless).unwrap();
+    let device = std::fs::File::open(device).unwrap();
     let outcome = bench
         .command(&["transition", "-"])
-        .stdin(endless)
+        .stdin(device)
         .output()
         .unwrap();
     let outcome = Outcome::of(&outcome);

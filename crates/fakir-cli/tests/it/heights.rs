@@ -428,12 +428,12 @@ fn the_floor_and_wide_contacts_are_reported() {
 fn a_loading_of_rounded_tops() {
     let bench = bench();
     let approach = ["approach", "case.toml", "--set", "pattern.columns=1"];
-    let endless = bench.run(&approach);
-    assert_eq!(endless.status, Some(2), "{}", endless.stderr);
+    let without_end = bench.run(&approach);
+    assert_eq!(without_end.status, Some(2), "{}", without_end.stderr);
     assert!(
-        endless.stderr.contains("give the last indentation"),
+        without_end.stderr.contains("give the last indentation"),
         "{}",
-        endless.stderr
+        without_end.stderr
     );
     let to = ["--step", "1um", "--to", "3um"];
     let loading = bench.json(&[&approach[..], &to].concat());

@@ -1173,7 +1173,7 @@ impl<'a> Search<'a> {
             let score = Score::new(&residuals, &linear.rest(&column), length)?;
             let both = score.p_value(squares, freedom, is_estimated);
             // From a half-space, the thickness can change in one direction only.
-            let (p_value, is_near) = match (model.is_endless(*parameter), score.step > 0.0) {
+            let (p_value, is_near) = match (model.is_infinite(*parameter), score.step > 0.0) {
                 (false, _) => (both, score.step.abs() <= 1.0),
                 (true, true) => (0.5 * both, score.step <= 1.0),
                 (true, false) => (1.0 - 0.5 * both, false),

@@ -256,8 +256,8 @@ impl<'a> Model<'a> {
             model.start.contact_point = model.likely_contact_point()?;
             model.begin_within_model()?;
         }
-        if let Some(endless) = free.iter().find(|free| model.is_endless(**free)) {
-            return Err(FitError::NotGiven(*endless));
+        if let Some(infinite) = free.iter().find(|free| model.is_infinite(**free)) {
+            return Err(FitError::NotGiven(*infinite));
         }
         model.begin_with_work()?;
         model.scales = model.scales_of(free)?;
@@ -309,7 +309,7 @@ impl<'a> Model<'a> {
         let scales = free.iter().map(|parameter| {
             Ok(match parameter {
                 Parameter::Key(_) if parameter.is_work() => Scale::FromZero(largest_work),
-                Parameter::Key(_) if self.is_endless(*parameter) => {
+                Parameter::Key(_) if self.is_infinite(*parameter) => {
                     Scale::Inverse(self.largest_contact()?)
                 }
                 Parameter::Key(_) if parameter.is_positive() => {
@@ -329,7 +329,7 @@ impl<'a> Model<'a> {
     }
 
     /// Whether it is the thickness of a half-space.
-    pub(super) fn is_endless(&self, parameter: Parameter) -> bool {
+    pub(super) fn is_infinite(&self, parameter: Parameter) -> bool {
         matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && self.start.case.setting(key).is_none())
     }
 

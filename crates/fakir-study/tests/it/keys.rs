@@ -15,7 +15,8 @@ use tempfile::TempDir;
 const BODIES: &str = "[lens]\nradius = \"500 um\"\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.45\n\
     [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.45\n";
 const PILLAR: &str = "[pattern.pillar]\ndiameter = \"6 um\"\nheight = \"0.2 um\"\n";
-const ENDLESS: &str = "[pattern]\npitch = \"20 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n";
+const INFINITE_LATTICE: &str =
+    "[pattern]\npitch = \"20 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n";
 const FINITE: &str = "[pattern]\nlattice = \"square\"\npitch = \"11 um\"\noffset = 0.3\n\
     offset_angle = \"20 deg\"\ncolumns = 2\n";
 const SPECTRAL: &str = "name = \"spectral\"";
@@ -497,7 +498,7 @@ fn pattern(arrangement: &str, method: &str) -> String {
 
 #[test]
 fn infinite_lattices_with_the_spectral_method() {
-    check(&[("endless", pattern(ENDLESS, SPECTRAL))]);
+    check(&[("infinite", pattern(INFINITE_LATTICE, SPECTRAL))]);
 }
 
 #[test]
@@ -512,7 +513,7 @@ fn listed_pillars_by_the_spectral_method() {
 
 #[test]
 fn infinite_lattices_with_boundary_elements() {
-    check(&[("endless", pattern(ENDLESS, LOVE))]);
+    check(&[("infinite", pattern(INFINITE_LATTICE, LOVE))]);
 }
 
 #[test]
@@ -527,8 +528,11 @@ fn finitely_many_pillars_with_boundary_elements() {
 #[test]
 fn infinite_lattices_with_approximate_methods() {
     check(&[
-        ("punch", pattern(ENDLESS, "name = \"punch\"")),
-        ("homogenised", pattern(ENDLESS, "name = \"homogenised\"")),
+        ("punch", pattern(INFINITE_LATTICE, "name = \"punch\"")),
+        (
+            "homogenised",
+            pattern(INFINITE_LATTICE, "name = \"homogenised\""),
+        ),
     ]);
 }
 

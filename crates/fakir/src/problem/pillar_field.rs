@@ -473,12 +473,12 @@ impl PillarField {
     /// Columns and rows of the [grid of pillars](Self::pillar_grid) from pillar (0, 0) to the lens axis, if all pillars are symmetric under
     /// reflections of x and of y there.
     pub(crate) fn mirrored_at(&self) -> Option<[i64; 2]> {
-        self.endless_lattice()?;
+        self.infinite_lattice()?;
         self.pillar_grid()?.mirrored_at()
     }
 
     /// The vectors of an infinite lattice of equal pillars, and the position of pillar (0, 0).
-    pub(super) fn endless_lattice(&self) -> Option<([Point; 2], Point)> {
+    pub(super) fn infinite_lattice(&self) -> Option<([Point; 2], Point)> {
         match self {
             Self::Hexagonal { lattice, .. } => {
                 let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));

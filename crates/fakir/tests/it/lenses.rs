@@ -684,11 +684,11 @@ fn gradients_include_the_shape() {
 fn what_cannot_be_is_refused_with_its_reason() {
     let lattice = PlaneLattice::new(LatticeForm::Square { pitch: 14e-6 });
     for shape in [cylinder(0.0), plate(0.0, 0.0)] {
-        for endless in [
+        for infinite in [
             Arrangement::from(lattice),
             HexagonalLattice::new(14e-6).into(),
         ] {
-            let refused = of_shape(shape.clone(), PillarCompliance::None, endless).unwrap_err();
+            let refused = of_shape(shape.clone(), PillarCompliance::None, infinite).unwrap_err();
             assert!(matches!(refused.requirement, Requirement::FiniteUnder(_)));
             assert!(
                 refused.to_string().contains("infinite number of pillars"),
