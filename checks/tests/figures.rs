@@ -1,5 +1,5 @@
-//! Every figure, checked as a reader would: text on the page and apart, SVG that another program
-//! reads and draws the same, PNG of the right size.
+//! Checks of every figure: texts are on the page and do not overlap, another program renders the
+//! SVG in the same way, and the PNG has the correct size.
 
 #![allow(clippy::unwrap_used)]
 
@@ -51,7 +51,7 @@ fn press(system: &System, force: f64) -> ContactState {
     fakir::press(system, load, Method::default(), &Run::default()).unwrap()
 }
 
-/// What shows one critical state.
+/// Figures of one critical state.
 fn figures_of(critical: &CriticalState) -> Vec<Figure> {
     let (state, run) = (&critical.contact, Run::default());
     let middle = press(&state.system, 0.4 * state.force);
@@ -177,7 +177,7 @@ fn figures_of_many_states() -> Vec<Figure> {
 }
 
 /// Contacts on cells: a lens on the pillars of a free surface at its critical state, a plate on a
-/// period that is no square, and a lens that hardly touches a rough map.
+/// period that is not square, and a lens with a very small contact on a rough map.
 fn figures_of_surfaces() -> Vec<Figure> {
     let rubber = Material::new(2e6, 0.5);
     let lens = Indenter::Lens(Lens {
@@ -237,7 +237,7 @@ fn figures_of_surfaces() -> Vec<Figure> {
     .collect()
 }
 
-/// Loadings with and without a contact radius, to the critical state, past it, and short of it.
+/// Loadings with and without a contact radius, up to the critical state, past it, and ending before it.
 fn figures_of_loadings() -> Vec<Figure> {
     let point = |indentation: f64| LoadingPoint {
         indentation,
@@ -337,7 +337,7 @@ fn charts_of_odd_data() -> Vec<Figure> {
     ]
 }
 
-/// As the outside sees it: no fonts of the system, those of the figure alone.
+/// The figure in another program, with its own fonts and without those of the system.
 fn parsed(svg: &str) -> usvg::Tree {
     let mut fonts = fontdb::Database::new();
     for face in ["Regular", "Italic"] {
@@ -367,7 +367,7 @@ fn texts(group: &usvg::Group, boxes: &mut Vec<(String, usvg::Rect)>) {
     }
 }
 
-/// Text as the other program lays it out is on the page.
+/// All text is on the page in the layout of the other program.
 fn assert_text_on_page(figure: &Figure, tree: &usvg::Tree) {
     let mut boxes = Vec::new();
     texts(tree.root(), &mut boxes);
@@ -375,7 +375,7 @@ fn assert_text_on_page(figure: &Figure, tree: &usvg::Tree) {
     let size = tree.size();
     for (words, bounds) in &boxes {
         let inside = bounds.left() >= 0.0
-            && bounds.top() >= -2.0 // its box is that of the font, not of the ink
+            && bounds.top() >= -2.0 // its box is that of the font, not of the glyphs
             && bounds.right() <= size.width()
             && bounds.bottom() <= size.height() + 2.0;
         assert!(inside, "{}: {words} at {bounds:?}", figure.name());
@@ -405,7 +405,7 @@ fn assert_same_picture(figure: &Figure, tree: &usvg::Tree) {
         .flat_map(|p| [p.red(), p.green(), p.blue()])
         .collect();
     let mine = decoded(&figure.png(), [width, height]);
-    // Rounded coordinates and another rasteriser change edges only; a missing or shifted label
+    // Rounded coordinates and another rasteriser only change edges; a missing or shifted label
     // changes the mean by about 0.1, a missing map by 10.
     let difference = difference(&mine, &other);
     // Fringes are as fine as pixels, and images are interpolated in other ways.
@@ -454,7 +454,7 @@ fn one_pillar() {
     )));
 }
 
-/// Past the transition the floor is shown too.
+/// Past the transition the figures include the floor.
 #[test]
 fn mixed_contact() {
     let run = Run::default();
@@ -473,7 +473,7 @@ fn mixed_contact() {
         top_view(&state, View::Contact, &run).unwrap(),
         profiles(&[section], &run).unwrap(),
     ]);
-    // In the section lens and floor are together where the floor carries, within the resolution of its cells.
+    // In the section the gap is zero where the floor carries load, within the resolution of its cells.
     let half_width = Section::half_width(&state);
     let section = Section::new(&state, half_width, None, SectionDetail::Screen, &run).unwrap();
     assert!(!section.floor_patches.is_empty());
@@ -488,7 +488,7 @@ fn mixed_contact() {
             assert!((lens - surface).abs() < 5e-3 * 2.2e-6, "at {x}");
         }
     }
-    // Without the floor nothing of it can be shown.
+    // Without floor contact no figure of the floor is possible.
     assert_eq!(
         floor_pressure_map(&critical).unwrap_err(),
         FigureError::NoFloorContact
@@ -630,8 +630,8 @@ fn contacts_with_surfaces() {
     check(&figures_of_surfaces());
 }
 
-/// A cycle by both kinds of control, one that turns early, and a loading alone, of which there is no map.
-/// Rounded tops, with and without an edge, touched and not; and curves of every kind of a design.
+/// A cycle in both loading modes, one with an early unloading point, and a loading only, which has no map.
+/// Rounded tops, with and without an edge, in contact and not; and every kind of curve of a design.
 #[test]
 fn rounded_tops() {
     let field = |rim: Option<f64>| {

@@ -460,7 +460,7 @@ fn free_names() -> String {
 /// Relative deviation from the target at which a search ends.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// Relative width of a bracket below which a target that is still not met is inside a jump.
+/// Relative width of a bracket below which a target that is not met is considered to be inside a jump.
 const JUMP: f64 = 1e-12;
 
 /// The same for floor shares, which jump by their error where the grid on the floor changes, and for pull-off
@@ -843,8 +843,8 @@ impl Search<'_> {
         }
     }
 
-    /// The candidate solved with the method of the case, if the search used an estimate. If the
-    /// contact is slightly wider than estimated and cannot be solved, a nearby candidate.
+    /// Solves the candidate with the method of the case, if the search used an estimate. Returns a nearby
+    /// candidate if the contact is slightly wider than estimated and cannot be solved.
     fn exactly(&self, candidate: Candidate) -> Result<Candidate, DesignError> {
         if candidate.case.method == with(self.file, self.free, candidate.value)?.method {
             return Ok(candidate);

@@ -24,7 +24,7 @@ const LARGEST_TOLERANCE: f64 = 1e-2;
 /// Relative tolerance of [`Rule::Rough`].
 const ROUGH_TOLERANCE: f64 = 1e-2;
 
-/// How a part of a result is compared.
+/// Rule for the comparison of a part of a result.
 ///
 /// Without a rule, numbers are compared with [`TOLERANCE`], relative to the largest number of their array, or otherwise to the recorded
 /// number. Integers (counts) and words must be equal.
