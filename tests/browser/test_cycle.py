@@ -160,7 +160,7 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
     assert error["model_fronts"] == 0.05
     model = error["model_fronts"] + error["model_columns"]
     assert page.text("pull-off-error") == f"error 0.03, model error {model:.1g}"
-    assert page.text("pull-off-held").startswith(f"{expected['pull_off_pillars_in_contact']} pillars")
+    assert page.text("pull-off-pillars").startswith(f"{expected['pull_off_pillars_in_contact']} pillars")
     assert page.text("plain-critical").endswith("without adhesion")
     assert quantity(page.text("plain-critical")) > expected["critical_force_N"]
     note = page.page.locator("#cycle-numbers > .remark").text_content()

@@ -65,7 +65,7 @@ HOLD_LINES = """([key]) => {
 }"""
 
 
-class Held:
+class Delayed:
     """A page of which some requests are delayed until they are released."""
 
     def __init__(self, explorer, *kinds):
@@ -130,7 +130,7 @@ def filled(explore):
 def test_everything_is_grey_until_the_new_case_is_solved(filled):
     page = filled()
     before = page.results()
-    held = Held(page, "contact")
+    delayed = Delayed(page, "contact")
     move(page, "pattern-pillar-height-slider", 700)
     grey(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
     assert page.results() == before
@@ -138,7 +138,7 @@ def test_everything_is_grey_until_the_new_case_is_solved(filled):
     assert page.text("status") == "solving …"
     # Texts that are out of date cannot be copied.
     assert page.page.is_disabled("[data-copy=command]")
-    held.release()
+    delayed.release()
     page.rest()
     plain(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
     assert page.results() != before
@@ -146,14 +146,14 @@ def test_everything_is_grey_until_the_new_case_is_solved(filled):
 
 def test_another_load_greys_what_depends_on_it(filled):
     page = filled()
-    held = Held(page, "contact")
+    delayed = Delayed(page, "contact")
     move(page, "load", 0.5)
     grey(page, LOAD + TEXTS + ["#phase .load-point"])
     # The critical state belongs to the case, independent of the load.
     plain(page, CASE + CURVES + PHASE + NOW)
     # The text beside the slider belongs to its position.
     assert page.text("load-words").startswith("50")
-    held.release()
+    delayed.release()
     page.rest()
     plain(page, LOAD + TEXTS + ["#phase .load-point"])
 
@@ -176,13 +176,13 @@ def test_a_section_that_is_late_is_grey_beside_the_new_map(filled):
 
 def test_curves_of_the_case_before_are_grey_beside_the_new_point(filled):
     page = filled()
-    held = Held(page, "curves", "phase")
+    delayed = Delayed(page, "curves", "phase")
     place = page.page.get_attribute("#phase .critical-point", "cy")
     page.slide("pattern-pillar-height-slider", 600)
     grey(page, CURVES + PHASE)
     plain(page, NOW + CASE + LOAD)
     assert page.page.get_attribute("#phase .critical-point", "cy") != place
-    held.release()
+    delayed.release()
     plain(page, PHASE)
     page.until("document.querySelectorAll('#curve-force .exact-point').length > 3", 60)
     plain(page, CURVES)
@@ -219,7 +219,7 @@ def test_after_an_error_all_that_is_shown_is_grey(filled):
 def test_the_case_before_is_shown_again_at_once(filled):
     """After the return to an earlier case nothing is grey, although its answer has not arrived yet."""
     page = filled()
-    Held(page, "contact")
+    Delayed(page, "contact")
     move(page, "pattern-pillar-height-slider", 700)
     grey(page, CASE + LOAD)
     page.page.fill("#pattern-pillar-height", "2.2 um")

@@ -128,9 +128,9 @@ def test_loadings(system, surface):
         assert force.has_data() and radius.has_data()
         labels = [line.get_label() for line in force.lines]
         assert "critical state" in labels
-        borne = [row["floor_force_N"] for row in loading.to_dict()["states"]]
-        assert ("on the floor" in labels) == any(borne)
-        assert ("without the floor" in labels) == (None in borne)
+        floor_forces = [row["floor_force_N"] for row in loading.to_dict()["states"]]
+        assert ("on the floor" in labels) == any(floor_forces)
+        assert ("without the floor" in labels) == (None in floor_forces)
 
 
 def test_a_cycle_shows_its_branches_and_its_pull_off():

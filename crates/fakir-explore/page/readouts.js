@@ -491,7 +491,7 @@ export function drawCycleNumbers(state) {
   const texts = {
     "pull-off-force": pull === null ? "no tension" : number(pull, "force", errors.pull_off_force),
     "pull-off-error": pull === null ? "" : errorWords(errors.pull_off_force),
-    "pull-off-held":
+    "pull-off-pillars":
       pull === null
         ? ""
         : `${pillars} ${pillars === 1 ? "pillar" : "pillars"}, ` +

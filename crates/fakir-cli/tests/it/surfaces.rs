@@ -202,14 +202,14 @@ fn plates_have_no_lens_axis() {
         "surface.grid.width=40um",
         "--quiet",
     ];
-    let said = |command: &str, more: &[&str]| {
+    let json_of = |command: &str, more: &[&str]| {
         let outcome = fakir(command, &case, &[&settings[..], more].concat());
         assert!(outcome.status.success());
         String::from_utf8(outcome.stdout).unwrap()
     };
     let folder = bench.path().join("plate");
-    let critical = said("transition", &["--output", folder.to_str().unwrap()]);
-    let loading = said("approach", &["--step", "0.2um"]);
+    let critical = json_of("transition", &["--output", folder.to_str().unwrap()]);
+    let loading = json_of("approach", &["--step", "0.2um"]);
     assert!(critical.contains("floor contact, x"), "{critical}");
     assert!(!loading.contains("contact radius"), "{loading}");
     for file in std::fs::read_dir(&folder).unwrap() {

@@ -206,7 +206,7 @@ impl Misfit {
 
     /// Message to the user if the fit does not describe the data.
     #[must_use]
-    pub fn statement(&self, said: impl Fn(Parameter, f64) -> String) -> Option<String> {
+    pub fn statement(&self, words: impl Fn(Parameter, f64) -> String) -> Option<String> {
         if self.describes_data() {
             return None;
         }
@@ -233,7 +233,7 @@ impl Misfit {
             .wanted()
             .map(|left| {
                 let about = left.value.map_or(String::new(), |value| {
-                    format!(", about {}", said(left.parameter, value))
+                    format!(", about {}", words(left.parameter, value))
                 });
                 format!(
                     "{} (p = {}{about})",

@@ -187,8 +187,8 @@ fn the_report_agrees_with_the_tables() {
     for (law, held) in &made.laws {
         let found = HeldOut::new(law, &fresh).unwrap();
         println!("{}: {found:?}, band {}", law.reduced.name(), law.band);
-        let said = law.band.max(held.unwrap().largest);
-        let within = |case: &&FloorCase| law.distance(case).is_some_and(|d| d <= said);
+        let largest = law.band.max(held.unwrap().largest);
+        let within = |case: &&FloorCase| law.distance(case).is_some_and(|d| d <= largest);
         cases += found.points;
         right += fresh.iter().filter(within).count();
     }

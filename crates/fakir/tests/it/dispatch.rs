@@ -148,14 +148,14 @@ fn check(
     method: Method,
     ask: impl FnOnce() -> Result<(), SolveError>,
 ) {
-    let said = question.check(Solver::from(method), &Feature::of(system));
+    let checked = question.check(Solver::from(method), &Feature::of(system));
     let found = match ask() {
         Err(SolveError::Unsupported(unsupported)) => Err(unsupported),
         // Other errors, such as a load without contact, depend on the state.
         _ => Ok(()),
     };
     assert_eq!(
-        said,
+        checked,
         found,
         "{question:?} {method:?} {:?}",
         Feature::of(system)

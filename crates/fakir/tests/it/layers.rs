@@ -374,9 +374,12 @@ fn neglected_effects_of_layers_are_reported() {
         &layered(0.01, 0.0, Some(Layer::new(6e-6)), None),
         Accuracy::Default,
     );
-    let said = |is: fn(&Warning) -> bool| thin.warnings.iter().any(is);
-    assert!(said(|warning| matches!(warning, Warning::ThinLayer { .. })));
-    assert!(said(|warning| matches!(
+    let has_warning = |is: fn(&Warning) -> bool| thin.warnings.iter().any(is);
+    assert!(has_warning(|warning| matches!(
+        warning,
+        Warning::ThinLayer { .. }
+    )));
+    assert!(has_warning(|warning| matches!(
         warning,
         Warning::LayerStrain { .. }
     )));
