@@ -9,6 +9,7 @@ an adhesive floor in `free_annulus`, `annulus_radius`, `largest_tension`, `colla
 from __future__ import annotations
 
 import json
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,6 +63,14 @@ __all__ = [
     "transition_force",
     "transition_from_exact_sums",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Looks up a class by its deprecated name."""
+    if name != "StickySphere":  # former name
+        raise AttributeError(f"module 'fakir.theory' has no attribute {name!r}")
+    warnings.warn("fakir.theory.StickySphere is now called fakir.theory.AdhesiveSphere", FutureWarning, stacklevel=2)
+    return AdhesiveSphere
 
 
 class TransitionEstimate(NamedTuple):

@@ -189,6 +189,8 @@ def test_former_names_of_classes_and_arguments_cause_warnings(tmp_path):
         assert fakir.RoundedTops is fakir.AsperityArray  # former name
     with pytest.warns(FutureWarning, match="fakir.StuckFloor is now called fakir.AdhesiveFloor"):  # former name
         assert fakir.StuckFloor is fakir.AdhesiveFloor  # former name
+    with pytest.warns(FutureWarning, match="is now called fakir.theory.AdhesiveSphere"):
+        assert fakir.theory.StickySphere is fakir.theory.AdhesiveSphere  # former name
     with pytest.raises(AttributeError, match="has no attribute 'HexagonalTextures'"):
         fakir.HexagonalTextures  # noqa: B018
     pattern = fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", vacancy_fraction="10 %")
