@@ -320,12 +320,12 @@ def main(arguments):
     sources = [(path, path.relative_to(pages)) for path in sorted(pages.rglob("*.md"))]
     sources += [(path, Path("theory") / path.name) for path in sorted(THEORY.glob("*.md"))]
     sources.append((README, Path("README.md")))
-    wanted = [source for source in sources if only in str(source[1])]
+    required = [source for source in sources if only in str(source[1])]
     problems, made = [], {}
     # As many at a time as there are processors.
     with concurrent.futures.ProcessPoolExecutor() as processes:
-        running = [processes.submit(run_page, *source, output, update) for source in wanted]
-        for (_, page), run in zip(wanted, running):
+        running = [processes.submit(run_page, *source, output, update) for source in required]
+        for (_, page), run in zip(required, running):
             found, made[page] = run.result()
             problems += found
     problems += created_twice(made)

@@ -281,17 +281,17 @@ class _Shipping:
 
     def next_batch(self) -> _Batch:
         """The next cases that together take about `BATCH_SECONDS`."""
-        wanted = 1
+        required = 1
         if self.seconds_per_case is not None:
             left = sum(len(group) for group in self.waiting)
-            wanted = min(
+            required = min(
                 math.ceil(BATCH_SECONDS / max(self.seconds_per_case, 1e-6)),
                 GROWTH * self.largest,
                 # The last batches should end at about the same time.
                 math.ceil(left / (2 * self.workers)),
             )
         groups = [self.waiting.popleft()]
-        while self.waiting and sum(len(group) for group in groups) < wanted:
+        while self.waiting and sum(len(group) for group in groups) < required:
             groups.append(self.waiting.popleft())
         return _Batch(groups)
 

@@ -705,7 +705,7 @@ def _axes(
 
         figure = plt.figure(figsize=size, layout="constrained")
         ax = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
-    wanted = rows * columns
-    if len(ax) != wanted:
-        raise ValueError(f"{len(ax)} axes were given: this figure has {wanted}")
+    required = rows * columns
+    if len(ax) != required:
+        raise ValueError(f"{len(ax)} axes were given: this figure has {required}")
     return ax

@@ -46,19 +46,19 @@ MEASURE = """async ([moves]) => {
 }"""
 
 
-@pytest.mark.parametrize("surface_fraction, wanted", [(0.1, 50), (0.2, 400)])
-def test_the_map_follows_the_slider(explore, capsys, surface_fraction, wanted):
+@pytest.mark.parametrize("surface_fraction, required", [(0.1, 50), (0.2, 400)])
+def test_the_map_follows_the_slider(explore, capsys, surface_fraction, required):
     page = explore("#" + "&".join(paper(surface_fraction)))
     median = measured(page, capsys, f"at a surface fraction of {surface_fraction}")
-    assert median["exact"] < allowed(wanted)
+    assert median["exact"] < allowed(required)
 
 
-@pytest.mark.parametrize("surface_fraction, wanted", [(0.03, 100), (0.1, 600)])
-def test_the_map_follows_the_slider_in_mixed_contact(explore, capsys, surface_fraction, wanted):
+@pytest.mark.parametrize("surface_fraction, required", [(0.03, 100), (0.1, 600)])
+def test_the_map_follows_the_slider_in_mixed_contact(explore, capsys, surface_fraction, required):
     """Halfway again past the transition: pillar tops and floor."""
     page = explore("#" + "&".join([*paper(surface_fraction), "load=1.5"]))
     median = measured(page, capsys, f"past the transition, at a surface fraction of {surface_fraction}")
-    assert median["exact"] < allowed(wanted)
+    assert median["exact"] < allowed(required)
 
 
 def measured(page, capsys, where):
@@ -72,5 +72,5 @@ def measured(page, capsys, where):
     return median
 
 
-def allowed(wanted):
-    return wanted if "STRICT_LATENCY" in os.environ else 10 * wanted
+def allowed(required):
+    return required if "STRICT_LATENCY" in os.environ else 10 * required

@@ -95,7 +95,7 @@ const LAST_RELEASE = 2;
 /**
  * A cycle of loading and unloading with adhesion.
  * @typedef {object} Cycle
- * @property {readonly CurveStation[]} curve The curve, as far as it is computed.
+ * @property {readonly CurveStation[]} curve The part of the curve that has been computed.
  * @property {SolvedCycle | null} solved The cycle, once it is solved.
  * @property {readonly StationState[]} states The states received so far, in order.
  */
@@ -222,9 +222,9 @@ export class Store {
   choose(choice, asked, typed = null) {
     const before = this.#state.chosen;
     const values = choice.case ?? before.case;
-    const [wanted, turned] = [choice.load ?? before.load, isAdhesive(values) !== isAdhesive(before.case)];
+    const [required, turned] = [choice.load ?? before.load, isAdhesive(values) !== isAdhesive(before.case)];
     // A load above 1 is beyond the critical state without adhesion, and on unloading with it.
-    const load = within(turned && choice.load === undefined ? Math.min(1, wanted) : wanted, values, this.#state.start);
+    const load = within(turned && choice.load === undefined ? Math.min(1, required) : required, values, this.#state.start);
     const chosen = { ...before, ...choice, load };
     if (choice.case === undefined && choice.load === undefined) {
       this.#change({ chosen });

@@ -31,7 +31,7 @@
 //! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.
 //! * [`record`] has one row for every number of a contact; [`result`] is what every answer is as a JSON object and as tables:
 //!   command line, Python package and page show it and make none of their own.
-//! * [`provenance`] is stamped on every file, [`citations`] says what to cite, [`output`] saves files that are there whole or not
+//! * [`provenance`] is written into every file, [`citations`] lists the references to cite, [`output`] saves files completely or not
 //!   at all, and [`results`] replaces folders of results.
 //!
 //! # From a study to a table

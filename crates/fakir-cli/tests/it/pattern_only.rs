@@ -59,8 +59,8 @@ fn commands_that_do_not_support_a_surface_name_one_that_does() {
         let message = message.join(" ");
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(output.stdout.is_empty(), "{arguments:?}");
-        for wanted in ["square-pillars.toml:16", reason, instead] {
-            assert!(message.contains(wanted), "{arguments:?}: {message}");
+        for required in ["square-pillars.toml:16", reason, instead] {
+            assert!(message.contains(required), "{arguments:?}: {message}");
         }
     }
 }

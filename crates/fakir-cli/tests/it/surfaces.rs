@@ -66,13 +66,13 @@ fn tables_name_the_surface_and_its_shares() {
     let case = example("square-pillars.toml");
     let output = fakir("press", &case, &["--indentation", "1um"]);
     let shown = text(&output.stdout);
-    for wanted in [
+    for required in [
         "square pillars on a square lattice",
         "force on the tops",
         "contact area on the floor",
         "converged",
     ] {
-        assert!(shown.contains(wanted), "{shown}");
+        assert!(shown.contains(required), "{shown}");
     }
     let shown = text(&fakir("transition", &case, &[]).stdout);
     assert!(shown.starts_with("Critical state: the lens rests on the tops"));
@@ -145,7 +145,7 @@ fn saved_fields_are_a_case_again() {
         .map(|entry| text(entry.expect("a file").file_name().as_encoded_bytes()))
         .collect();
     files.sort();
-    let wanted = [
+    let required = [
         "case.toml",
         "fields.nc",
         "fields.vti",
@@ -161,7 +161,7 @@ fn saved_fields_are_a_case_again() {
         "provenance.json",
         "summary.json",
     ];
-    assert_eq!(files, wanted);
+    assert_eq!(files, required);
     // The solved case gives the same contact.
     let again = json(&fakir("press", &out.join("case.toml"), &load));
     assert_eq!(first["force_N"], again["force_N"]);

@@ -47,7 +47,7 @@ pub(super) enum Notation {
     Comma,
 }
 
-/// Notation of a file, as far as a single number determines it.
+/// Notation of a file, if a single number determines it.
 #[derive(Debug, Default)]
 pub(super) struct Evidence {
     point: bool,

@@ -578,7 +578,7 @@ impl Reader<'_> {
                 if force.value < 0.0 && row.contact_radius.is_some() && row.branch.is_none() =>
             {
                 let problem = format!(
-                    "{}: a force that is the load cannot be negative, unless a column branch says whether it \
+                    "{}: a force that is the load cannot be negative, unless a column branch states whether it \
                      was measured on loading or on unloading",
                     force.value
                 );

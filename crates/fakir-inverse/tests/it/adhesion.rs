@@ -107,7 +107,7 @@ const FREE: [Parameter; 4] = [
 ];
 const TRUTHS: [f64; 4] = [0.03, 2e6, CONTACT_POINT, OFFSET];
 
-/// How often the intervals hold the truth, and the works of adhesion that were found.
+/// Number of intervals that contain the true value, and the fitted works of adhesion.
 fn draws(offset: &str, step: f64, noise: f64, compliance: f64, count: u64) -> ([u64; 4], Vec<f64>) {
     let drive = match compliance > 0.0 {
         true => LoadingMode::Machine(1.0 / compliance),

@@ -880,7 +880,7 @@ fn films_that_are_left_out_are_named() {
     }
 }
 
-/// Takes minutes. Requires 90 intervals that contain the true value, and 90 warnings if the film is neglected. Of the 100 warnings 85 say that a thickness would
+/// Takes minutes. Requires 90 intervals that contain the true value, and 90 warnings if the film is neglected. Of the 100 warnings 85 report that a thickness would
 /// mend the fit; the others name what looks alike under that noise.
 #[test]
 #[ignore = "a campaign"]

@@ -419,7 +419,7 @@ fn contacts_scale() {
     close(other.contact_radius, one.contact_radius * k, 1e-9);
 }
 
-/// The pressure integrates to the force, with adhesion and layers; near the rim it goes to minus infinity as an inverse root.
+/// The pressure integrates to the force, with adhesion and layers; near the rim it tends to minus infinity as an inverse root.
 #[test]
 fn the_pressure_carries_the_force() {
     let system = adhesive(paraboloid())

@@ -57,12 +57,12 @@ impl MovingPair {
                 let (m, n) = (receiver.order, source.order);
                 let numbers = [m.abs_diff(n), m + n].map(|azimuthal| {
                     let key = [receiver, source].map(|mode| (mode.degree, mode.order));
-                    let wanted = Series::new(key[0], key[1], azimuthal);
+                    let target = Series::new(key[0], key[1], azimuthal);
                     series
                         .iter()
-                        .position(|known| *known == wanted)
+                        .position(|known| *known == target)
                         .unwrap_or_else(|| {
-                            series.push(wanted);
+                            series.push(target);
                             series.len() - 1
                         })
                 });

@@ -238,7 +238,7 @@ impl Stencils {
         }
     }
 
-    /// Computes the loads on a pillar due to the potential, without that of its own charges.
+    /// Computes the loads on a pillar due to the potential, except that of the charges on the pillar.
     #[inline(always)]
     fn gather<const MODES: usize>(
         &self,

@@ -495,10 +495,10 @@ impl Fronts {
         if !domain.is_partial() {
             return None;
         }
-        let wanted = direction(load);
-        let turn = (wanted - domain.direction + PI).rem_euclid(TAU) - PI;
+        let target = direction(load);
+        let turn = (target - domain.direction + PI).rem_euclid(TAU) - PI;
         let direction = if turn.abs() > DIRECTION_TOLERANCE {
-            wanted
+            target
         } else {
             domain.direction
         };

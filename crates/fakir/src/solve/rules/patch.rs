@@ -379,18 +379,18 @@ mod tests {
         let lens: f64 = 700.0;
         let solver = PatchSolver::new(0.4, &[]);
         let sag = |r: f64| r * r / (lens + (lens * lens - r * r).sqrt());
-        let wanted = solver.with_radius(0.37, sag);
+        let target = solver.with_radius(0.37, sag);
         let found = solver
-            .find(1.0, sag, |patch| patch.indentation, wanted.indentation)
+            .find(1.0, sag, |patch| patch.indentation, target.indentation)
             .unwrap();
         assert!((found.radius / 0.37 - 1.0).abs() < 1e-12);
         let by_force = solver
-            .find(1.0, sag, |patch| patch.force, wanted.force)
+            .find(1.0, sag, |patch| patch.force, target.force)
             .unwrap();
-        assert!((by_force.indentation / wanted.indentation - 1.0).abs() < 1e-12);
+        assert!((by_force.indentation / target.indentation - 1.0).abs() < 1e-12);
         assert!(
             solver
-                .find(0.3, sag, |patch| patch.force, wanted.force)
+                .find(0.3, sag, |patch| patch.force, target.force)
                 .is_none()
         );
     }

@@ -215,19 +215,19 @@ impl PillarTop {
 
     /// The status on a column, if the mean load exceeds all variations over the top, for either sign.
     pub(crate) fn plain_status(&self, load: &[f64], column: Column) -> Option<PillarStatus> {
-        let (mut wanted, mut pressure) = (0.0, 0.0);
+        let (mut target, mut pressure) = (0.0, 0.0);
         let [of_mean, of_tilts, _] = self.ratios(column);
         let modes = load.iter().zip(&self.compliance).zip(&self.bounds);
         for (mode, ((load, lambda), bound)) in modes.enumerate().skip(1) {
-            wanted += load.abs() * bound;
+            target += load.abs() * bound;
             let ratio = if mode < 3 { of_tilts } else { 1.0 };
             pressure += (load / lambda * ratio).abs() * bound;
         }
         let (load, bound) = (*load.first()?, self.bounds[0]);
         let mean = load / self.compliance[0] * of_mean;
-        if load * bound > wanted && mean * bound > pressure {
+        if load * bound > target && mean * bound > pressure {
             Some(PillarStatus::Full)
-        } else if load * bound < -wanted {
+        } else if load * bound < -target {
             Some(PillarStatus::Untouched)
         } else {
             None
@@ -246,11 +246,11 @@ impl PillarTop {
         let mut smallest = f64::INFINITY;
         let mut largest = 0.0_f64;
         for node in 0..self.count {
-            let wanted = self.values(node).iter().zip(load);
-            let wanted = wanted.map(|(y, b)| y * b).sum();
+            let target = self.values(node).iter().zip(load);
+            let target = target.map(|(y, b)| y * b).sum();
             let of_modes = self.pressures.iter().skip(node).step_by(self.count);
             let pressure: f64 = of_modes.zip(load).map(|(p, b)| p * b).sum();
-            touched |= !within(wanted, 0.0);
+            touched |= !within(target, 0.0);
             smallest = smaller(smallest, pressure);
             largest = larger(largest, pressure.abs());
         }
@@ -406,14 +406,14 @@ mod tests {
     use crate::numerics::vector::dot;
 
     /// Projects a required displacement on the modes.
-    fn project(degree: usize, wanted: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
+    fn project(degree: usize, target: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
         let mut basis = BasisEvaluator::new(degree);
         let mut values = vec![0.0; mode_count(degree)];
         let mut load = vec![0.0; mode_count(degree)];
         for (point, weight) in hemisphere(degree + 4, 4 * degree + 9) {
             basis.evaluate(point, &mut values);
             for (b, y) in load.iter_mut().zip(&values) {
-                *b += weight * wanted(point) * y;
+                *b += weight * target(point) * y;
             }
         }
         load
