@@ -435,7 +435,7 @@ class SurfaceVerification(Opinion):
         self.elements = coarse, fine
 
     def _rows(self) -> list[Row]:
-        return self._told([("coarse", self.elements[0]), ("fine", self.elements[1])])
+        return self._rows_of([("coarse", self.elements[0]), ("fine", self.elements[1])])
 
 
 def _checked(contact: SurfaceContact) -> SurfaceContact:

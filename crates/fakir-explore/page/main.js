@@ -104,8 +104,8 @@ function show(store) {
     ({ chosen, typed }) => {
       controls.show(chosen.case, typed);
       for (const button of buttons("preset")) {
-        const required = Object.entries(preset(start, button.dataset["preset"] ?? ""));
-        const same = required.every(([key, value]) => (chosen.case[key] ?? defaults.get(key)) === value);
+        const settings = Object.entries(preset(start, button.dataset["preset"] ?? ""));
+        const same = settings.every(([key, value]) => (chosen.case[key] ?? defaults.get(key)) === value);
         button.setAttribute("aria-pressed", String(same));
       }
     },

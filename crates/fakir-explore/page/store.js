@@ -222,9 +222,9 @@ export class Store {
   choose(choice, asked, typed = null) {
     const before = this.#state.chosen;
     const values = choice.case ?? before.case;
-    const [required, turned] = [choice.load ?? before.load, isAdhesive(values) !== isAdhesive(before.case)];
+    const [previous, turned] = [choice.load ?? before.load, isAdhesive(values) !== isAdhesive(before.case)];
     // A load above 1 is beyond the critical state without adhesion, and on unloading with it.
-    const load = within(turned && choice.load === undefined ? Math.min(1, required) : required, values, this.#state.start);
+    const load = within(turned && choice.load === undefined ? Math.min(1, previous) : previous, values, this.#state.start);
     const chosen = { ...before, ...choice, load };
     if (choice.case === undefined && choice.load === undefined) {
       this.#change({ chosen });

@@ -119,8 +119,8 @@ fn meets_floor(case: &Case, load: LoadPoint) -> bool {
 
 /// Whether the floor carries load past the transition and its force is computed.
 fn floor_carries_load(case: &Case) -> bool {
-    let required = case.system.floor_model() == FloorModel::Contact;
-    matches!(case.method, Method::Spectral(_)) && required
+    let applies = case.system.floor_model() == FloorModel::Contact;
+    matches!(case.method, Method::Spectral(_)) && applies
 }
 
 /// Indentation, m, at a fraction of the path from first contact to the critical state.
@@ -523,11 +523,11 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
         Some(_) => closed_forms::small_contact_limit(system),
         None => f64::NAN,
     };
-    let formula = |required: &dyn Fn(f64) -> bool,
+    let formula = |applies: &dyn Fn(f64) -> bool,
                    formula: &dyn Fn(&System) -> TransitionEstimate| {
         formulas
             .iter()
-            .filter(|system| required(system.pattern().surface_fraction()))
+            .filter(|system| applies(system.pattern().surface_fraction()))
             .map(|system| CurvePoint::of_formula(system, &formula(system)))
             .collect()
     };

@@ -432,8 +432,8 @@ impl<'a> Page<'a> {
         let wall_time = reported.start.elapsed().as_secs_f64();
         drop(reported);
         let critical = CriticalState::new(contact.clone());
-        self.tell_critical(&critical, wall_time);
-        self.tell_texts();
+        self.report_critical(&critical, wall_time);
+        self.report_texts();
         let state = StateLine::of_critical(contact, wall_time);
         self.worker.send(&state);
         let half_width = Cut::half_width(contact);
@@ -444,7 +444,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    fn tell_critical(&self, critical: &CriticalState, wall_time: f64) {
+    fn report_critical(&self, critical: &CriticalState, wall_time: f64) {
         self.worker.send(&CriticalLine {
             critical: transition(critical, None, None, wall_time),
         });
@@ -452,7 +452,7 @@ impl<'a> Page<'a> {
         self.worker.send(&answers::transition_line(system));
     }
 
-    fn tell_texts(&self) {
+    fn report_texts(&self) {
         self.worker.send(&CaseLine {
             case: crate::lines::cycle_texts(self.case),
         });
@@ -553,7 +553,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
     let (solved, without) = SolvedCycle::of_page(&case, worker, Some(&page))?;
     let is_reported = unpoisoned(&page.reported).critical;
     if let Some(critical) = solved.cycle.critical.as_ref().filter(|_| !is_reported) {
-        page.tell_critical(critical, solved.wall_time);
+        page.report_critical(critical, solved.wall_time);
     }
     let system = &case.system;
     let states = || solved.kept.values();
@@ -570,7 +570,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             lattice: answers::drawn_lattice(system, solved.cycle.turn.contact_radius),
         },
     });
-    page.tell_texts();
+    page.report_texts();
     for (place, load) in solved.nearest_first(request.load.fraction) {
         worker.send(&LoadStepLine {
             station: station_state(&solved, place, load, worker)?,

@@ -422,7 +422,7 @@ fn a_range_of_attraction_is_compared_with_its_limit() {
         &["cycle", &case],
     ];
     for command in commands {
-        for (range, strained, words) in [
+        for (range, exceeded, words) in [
             (
                 "5nm",
                 false,
@@ -434,13 +434,13 @@ fn a_range_of_attraction_is_compared_with_its_limit() {
             let found = bench.json(&[&arguments[..], &["--quiet"]].concat());
             let limits = found["limits"].as_array().unwrap();
             let tabor = limits.iter().find(|limit| limit["name"] == "tabor_number");
-            assert_eq!(tabor.unwrap()["strained"], strained, "{arguments:?}");
+            assert_eq!(tabor.unwrap()["strained"], exceeded, "{arguments:?}");
             let outcome = bench.run(&arguments);
             assert!(outcome.stdout.contains(words), "{}", outcome.stdout);
             let warned = outcome
                 .stderr
                 .contains("is too large for the model, the JKR limit (Tabor number");
-            assert_eq!(warned, strained, "{}", outcome.stderr);
+            assert_eq!(warned, exceeded, "{}", outcome.stderr);
         }
         let without = bench.json(&[command, &few].concat());
         let limits = without["limits"].as_array().unwrap();

@@ -2,7 +2,7 @@
 
 use crate::chart::MARGIN;
 use crate::figure::{COLUMN, Figure};
-use crate::map::{SCALE_BAR_ROOM, Window};
+use crate::map::{SCALE_BAR_SPACE, Window};
 use crate::scene::{Colour, Item, Path, Stroke};
 use fakir::problem::{AsperityArray, Point};
 use fakir::state::AsperityContact;
@@ -67,7 +67,7 @@ pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure 
     let mut items = vec![window.clipped(inside)];
     window.draw_border(&mut items);
     window.draw_scale_bar(&mut items);
-    let end = MARGIN + side + SCALE_BAR_ROOM;
+    let end = MARGIN + side + SCALE_BAR_SPACE;
     Figure::new("contact-map", [COLUMN, end + MARGIN], items).with_description(
         "Contact with rounded tops",
         "The contact from above: contacts dark, pillars with an edge light, tops without one that are not touched as rings.",

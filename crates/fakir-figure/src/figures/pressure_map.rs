@@ -8,7 +8,7 @@ use crate::figure::{Figure, PAGE};
 use crate::font::Bounds;
 use crate::frame::{Frame, Lettering};
 use crate::legend::Legend;
-use crate::map::{ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, key};
+use crate::map::{ColourBar, KeySign, SCALE_BAR_SPACE, Window, crosses, edge_stroke, key};
 use crate::patches::patches;
 use crate::scene::{Colour, Item, Stroke};
 use crate::series::{Marker, Series, Style};
@@ -66,7 +66,7 @@ pub fn pressure_map(
     bar.draw([bar_left, top], SIDE, &mut items);
     let left = bar_left + bar.width(SIDE) + 16.0;
     let height = draw_profile(state, [left, top], &mut items);
-    let end = (top + SIDE + SCALE_BAR_ROOM).max(height);
+    let end = (top + SIDE + SCALE_BAR_SPACE).max(height);
     let figure = Figure::new("pressure-map", [PAGE, end + MARGIN], items);
     Ok(figure.with_description(
         "Pressure on the pillars",
@@ -167,8 +167,8 @@ fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Ite
     let y_span = y.span(series.iter().flat_map(|series| series.values(1)));
     let x_span = x.span(std::iter::empty());
     let lettering = Lettering::All(&y.label);
-    let room = Frame::left_room(y_span, SIDE, lettering);
-    let bounds = Bounds::new(left + room, top, PAGE - left - room - MARGIN - 5.0, SIDE);
+    let space = Frame::left_space(y_span, SIDE, lettering);
+    let bounds = Bounds::new(left + space, top, PAGE - left - space - MARGIN - 5.0, SIDE);
     let frame = Frame {
         bounds,
         x: x_span,
@@ -181,7 +181,7 @@ fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Ite
     let legend = Legend::of(&series);
     items.extend(data.iter().cloned());
     frame.draw(items, Lettering::All(&x.label), lettering);
-    let mut end = bounds.bottom + Frame::bottom_room(Lettering::All(&x.label));
+    let mut end = bounds.bottom + Frame::bottom_space(Lettering::All(&x.label));
     match legend.inside(&bounds, &data) {
         Some(legend) => items.extend(legend),
         None => {

@@ -4,7 +4,7 @@ use crate::chart::MARGIN;
 use crate::colour::ColourMap;
 use crate::error::FigureError;
 use crate::figure::{COLUMN, Figure};
-use crate::map::{SCALE_BAR_ROOM, Window};
+use crate::map::{SCALE_BAR_SPACE, Window};
 use crate::patches::{ON_FLOOR, patches};
 use crate::scene::{Colour, Item, Path};
 use crate::unit::Unit;
@@ -67,7 +67,7 @@ pub fn top_view(state: &ContactState, view: View, run: &Run<'_>) -> Result<Figur
     let mut items = vec![window.clipped(inside)];
     window.draw_border(&mut items);
     window.draw_scale_bar(&mut items);
-    let end = MARGIN + side + SCALE_BAR_ROOM;
+    let end = MARGIN + side + SCALE_BAR_SPACE;
     let (name, description) = match view {
         View::Contact => (
             "top-view",

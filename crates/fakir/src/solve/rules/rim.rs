@@ -127,7 +127,7 @@ impl Rim {
     }
 
     /// Required displacement of a point.
-    fn target(&mut self, load: &[f64], angle: f64, depth: f64) -> f64 {
+    fn required(&mut self, load: &[f64], angle: f64, depth: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let mu = (depth * (2.0 - depth)).sqrt();
         self.basis
@@ -140,18 +140,18 @@ impl Rim {
         let count = self.values.len();
         let of_place =
             |values: &[f64]| -> f64 { values.iter().zip(load).map(|(y, b)| y * b).sum() };
-        let target = self.places.chunks_exact(count).map(of_place);
-        let (place, target) =
-            target
+        let required = self.places.chunks_exact(count).map(of_place);
+        let (place, required) =
+            required
                 .enumerate()
-                .fold((0, f64::NEG_INFINITY), |best, (place, target)| {
-                    if target > best.1 {
-                        (place, target)
+                .fold((0, f64::NEG_INFINITY), |best, (place, required)| {
+                    if required > best.1 {
+                        (place, required)
                     } else {
                         best
                     }
                 });
-        (Self::angle(place), target)
+        (Self::angle(place), required)
     }
 
     /// Derivative of the required displacement of the rim with respect to the angle.
@@ -173,15 +173,15 @@ impl Rim {
         let start = angle - step;
         let rises = |rim: &mut Self, along: f64| rim.slope(load, start + along);
         let along = first_zero(2.0 * step, |along| rises(self, along)).unwrap_or(step);
-        (start + along, self.target(load, start + along, 0.0))
+        (start + along, self.required(load, start + along, 0.0))
     }
 
     /// Whether the required displacement is positive anywhere on the rim.
     pub(crate) fn is_touched(&mut self, load: &[f64]) -> bool {
-        let (angle, target) = self.highest_place(load);
+        let (angle, required) = self.highest_place(load);
         let between = self.between.iter().zip(load);
         let between: f64 = between.map(|(most, b)| most * b.abs()).sum();
-        target > 0.0 || (target + between > 0.0 && self.maximum_near(load, angle).1 > 0.0)
+        required > 0.0 || (required + between > 0.0 && self.maximum_near(load, angle).1 > 0.0)
     }
 
     /// The narrow region along the rim with a positive required displacement, if that is the whole contact. The limits are slightly larger
@@ -201,17 +201,17 @@ impl Rim {
         let [largest_angle, largest_depth] = LARGEST.map(|largest| largest * slack);
         let (place, _) = self.highest_place(load);
         // Most contacts extend farther inwards.
-        if self.target(load, place, largest_depth) > 0.0 {
+        if self.required(load, place, largest_depth) > 0.0 {
             return None;
         }
-        let (direction, target) = self.maximum_near(load, place);
-        if target.is_nan() || target <= 0.0 {
+        let (direction, required) = self.maximum_near(load, place);
+        if required.is_nan() || required <= 0.0 {
             return None;
         }
-        let depth = first_zero(largest_depth, |depth| self.target(load, direction, depth))?;
+        let depth = first_zero(largest_depth, |depth| self.required(load, direction, depth))?;
         let [left, right] = [-1.0_f64, 1.0].map(|side| {
             first_zero(largest_angle, |angle| {
-                self.target(load, direction + side * angle, 0.0)
+                self.required(load, direction + side * angle, 0.0)
             })
         });
         (depth > SHALLOWEST).then_some([direction, left?, right?, depth])
@@ -422,12 +422,12 @@ impl RimSolver {
 
     /// Gaps without forces, `-V b`.
     fn prepare(&mut self, load: &[f64]) {
-        let target = self.values.chunks_exact(self.count).map(|values| {
+        let required = self.values.chunks_exact(self.count).map(|values| {
             let terms = values.iter().zip(load);
             terms.map(|(y, b)| y * b).sum::<f64>()
         });
-        for (constant, target) in self.pivot.constant.iter_mut().zip(target) {
-            *constant = -target;
+        for (constant, required) in self.pivot.constant.iter_mut().zip(required) {
+            *constant = -required;
         }
     }
 
