@@ -119,7 +119,7 @@ pub struct Collapsed {
     #[serde(rename = "turn_indentation_m")]
     pub turn_indentation: Option<f64>,
     /// Behaviour of the floor during unloading.
-    #[serde(with = "WrittenFate")]
+    #[serde(with = "WrittenOutcome")]
     pub fate: FloorOutcome,
     /// Detachment of the floor; `None` if it does not adhere, or still adheres at the end.
     pub lost: Option<FloorLoss>,
