@@ -639,6 +639,13 @@ impl Spread {
         self.found().any(|critical| critical.pull_off.is_some())
     }
 
+    /// Former name of [`is_adhesive`](Self::is_adhesive).
+    #[deprecated(note = "renamed to `is_adhesive`")]
+    #[must_use]
+    pub fn sticks(&self) -> bool {
+        self.is_adhesive()
+    }
+
     fn summary_of(mut values: Vec<f64>) -> Option<Summary> {
         if values.len() < 2 {
             return None;
