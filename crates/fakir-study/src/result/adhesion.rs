@@ -57,10 +57,6 @@ pub struct AdhesiveFloorObject {
 /// Ratio of annulus radius to pitch above which the interaction of annuli is significant.
 pub const ANNULI_ALONE: f64 = 0.3;
 
-/// Former name of [`AdhesiveFloorObject`].
-#[deprecated(note = "renamed to `AdhesiveFloorObject`")]
-pub type StuckFloorObject = AdhesiveFloorObject;
-
 impl AdhesiveFloorObject {
     /// For an adhesive system; `None` unless equal pillars form the infinite hexagonal lattice and the lens is a sphere.
     fn new(system: &System) -> Result<Option<Self>, InvalidQuantity> {

@@ -25,6 +25,10 @@ pub use theory::{
 };
 pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 
+/// Former name of [`AdhesiveFloorObject`].
+#[deprecated(note = "renamed to `AdhesiveFloorObject`")]
+pub type StuckFloorObject = AdhesiveFloorObject;
+
 use crate::output::File;
 use crate::record::{AsperityAnswer, FlatAnswer, GradientObject, Object, SurfaceAnswer};
 use fakir::problem::{FlatSystem, Load};
